@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+# Each target does its own set-up: .venv (everything) or .venv-light (all that works without
+# DOLFINx). PYTHON=... chooses the interpreter, CXX=... the compiler, SLOW=1 adds the slow tests.
+
+PYTHON ?=
+export PYTHON
+# A foreign package must not shadow those of the environment.
+unexport PYTHONPATH PYTHONHOME
+
+BIN := .venv/bin
+LIGHT := .venv-light/bin
+CPP := $(wildcard fretfe/_core/*.cpp fretfe/_core/*.hpp)
+BUILD_INPUTS := pyproject.toml CMakeLists.txt $(CPP) $(wildcard meshes/*.geo tools/*)
+PYTHON_SOURCES := $(shell find fretfe -name '*.py')
+
+# Compiler warnings are errors where changes are checked, not on a user's machine.
+is_set = $(filter-out 0 false,$(1))
+WERROR := $(if $(call is_set,$(CI)),ON,OFF)
+SETTINGS := --config-settings=cmake.define.CMAKE_COMPILE_WARNING_AS_ERROR=$(WERROR)
+
+# One thread: the same rounding in every run, and no contest between MPI ranks.
+ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+# A stage in which nothing is collected fails: pytest then exits with 5.
+PYTEST := $(ONE_THREAD) $(BIN)/pytest
+
+.PHONY: help demo test test-light lint clean
+
+help:  ## this list
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
+
+demo: .venv/.installed  ## solve the dovetail demo and write results/dovetail
+	$(BIN)/fretfe run demos/dovetail.toml -o results/dovetail
+
+test: .venv/.installed  ## all tests on 1 rank, those marked mpi on 2; the slow ones if CI or SLOW is set
+	$(PYTEST) -m "not slow"
+	$(ONE_THREAD) $(BIN)/mpirun -n 2 $(BIN)/pytest -m "mpi and not slow" \
+	    -p no:cacheprovider --timeout-method=thread </dev/null
+ifneq ($(call is_set,$(CI) $(SLOW)),)
+	$(PYTEST) -m slow --timeout=1800 -o faulthandler_timeout=1860
+endif
+
+test-light: .venv-light/.installed  ## the tests of the parts without DOLFINx, in .venv-light
+	$(ONE_THREAD) $(LIGHT)/pytest -m "not fem and not slow"
+
+lint: .venv/.installed  ## ruff, mypy, clang-format
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/clang-format --dry-run --Werror $(CPP)
+
+clean:  ## remove environments, builds and caches; results stay
+	rm -rf .venv .venv-light build .pytest_cache .mypy_cache .ruff_cache
+	find fretfe tests tools -name __pycache__ -prune -exec rm -rf {} +
+
+# A stamp carries the time at which its set-up began: a file that is saved meanwhile counts as new.
+# Editable: changes of Python files count at once; a change of the inputs rebuilds the extension.
+.venv/.installed: $(BUILD_INPUTS)
+	@mkdir -p build && touch build/started
+	tools/install.sh .venv $(SETTINGS) -e '.[fem,report,test,lint]'
+	$(BIN)/python tools/check_libraries.py
+	@mv build/started $@
+
+# Not editable: this is what a user gets from pip install.
+.venv-light/.installed: $(BUILD_INPUTS) $(PYTHON_SOURCES)
+	@mkdir -p build && touch build/started-light
+	tools/install.sh .venv-light $(SETTINGS) '.[test]'
+	@mv build/started-light $@

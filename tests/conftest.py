@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What all tests share: the marker of the DOLFINx tests, and pytest on several MPI ranks.
+
+Under mpirun every rank runs the same tests. Rank 0 alone writes the usual report; a failure on
+another rank is written to standard error when it happens and fails the run of rank 0 too.
+"""
+
+from __future__ import annotations
+
+import gc
+import importlib.util
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+FEM_TESTS = Path(__file__).parent / "fem"
+HAS_DOLFINX = importlib.util.find_spec("dolfinx") is not None
+# Set by the launchers of MPICH and Open MPI; asking MPI itself would need mpi4py.
+MPI_SIZE = int(os.environ.get("PMI_SIZE") or os.environ.get("OMPI_COMM_WORLD_SIZE") or 1)
+
+if HAS_DOLFINX and importlib.util.find_spec("dolfinx_solver") is not None:
+    # Before any other module that is linked with MPI.
+    importlib.import_module("dolfinx_solver")
+
+collect_ignore = [] if HAS_DOLFINX else [str(FEM_TESTS)]
+
+
+class RankReports:
+    """Make one result of the results of all ranks."""
+
+    def __init__(self, config: pytest.Config) -> None:
+        from mpi4py import MPI
+
+        self.config = config
+        # Its own communicator: messages of a test that went wrong cannot be mixed up with ours.
+        self.comm = MPI.COMM_WORLD.Dup()
+        self.sum = MPI.SUM
+        self.failures: list[str] = []
+        self.failures_seen = 0
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        self._note(report)
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        self._note(report)
+
+    def _note(self, report: pytest.TestReport | pytest.CollectReport) -> None:
+        if not report.failed:
+            return
+        name = f"rank {self.comm.rank}: {report.nodeid}"
+        self.failures.append(name)
+        if self.comm.rank > 0:
+            # Now, not at the end: the other ranks may be waiting for this one for ever.
+            print(f"\n--- FAILED on {name}\n{report.longreprtext}", file=sys.__stderr__, flush=True)
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_protocol(self, item: pytest.Item) -> Any:
+        result = yield
+        # PETSc objects are destroyed by all ranks together, so none may be left to chance.
+        gc.collect()
+        petsc = sys.modules.get("petsc4py.PETSc")
+        if petsc is not None:
+            petsc.garbage_cleanup()
+        failures = self.comm.allreduce(len(self.failures), op=self.sum)
+        if failures > self.failures_seen and self.config.getoption("maxfail"):
+            item.session.shouldfail = "a test failed on one of the ranks"
+        self.failures_seen = failures
+        return result
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_sessionfinish(self, session: pytest.Session) -> None:
+        gathered = self.comm.allgather(self.failures)
+        self.failures = [name for names in gathered[1:] for name in names]
+        if self.failures and session.exitstatus == pytest.ExitCode.OK:
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        if self.failures:
+            terminalreporter.section("failed on other ranks than 0")
+            for name in self.failures:
+                terminalreporter.line(name)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_configure(config: pytest.Config) -> None:
+    if MPI_SIZE == 1:
+        return
+    reports = RankReports(config)
+    config.pluginmanager.register(reports, "rank-reports")
+    if reports.comm.rank > 0:
+        config.pluginmanager.unregister(name="terminalreporter")
+        silent = open(os.devnull, "w")
+        config.add_cleanup(silent.close)
+        reporter = pytest.TerminalReporter(config, silent)
+        config.pluginmanager.register(reporter, "terminalreporter")
+
+
+def pytest_report_header() -> str:
+    dolfinx = "found" if HAS_DOLFINX else "none, tests/fem is left out"
+    return f"DOLFINx: {dolfinx}; ranks: {MPI_SIZE}"
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if item.path.is_relative_to(FEM_TESTS):
+            item.add_marker(pytest.mark.fem)
+
+
+@pytest.fixture
+def shared_path(tmp_path: Path) -> Path:
+    """A fresh folder that is the same on all ranks (tmp_path is another one on each)."""
+    if MPI_SIZE == 1:
+        return tmp_path
+    from mpi4py import MPI
+
+    path: Path = MPI.COMM_WORLD.bcast(tmp_path, root=0)
+    return path

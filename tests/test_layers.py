@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Data flows one way: a module imports only what stands before it, and only fem knows DOLFINx."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import fretfe
+
+# In the order of the data. A new module has to be given its place here. The modules of a package
+# that ends in ".*" may import one another.
+LAYERS = (
+    "fretfe",
+    "fretfe.errors",
+    "fretfe._core",
+    "fretfe.analytic.*",
+    "fretfe.case.*",
+    "fretfe.loads.*",
+    "fretfe.templates",
+    "fretfe.edges",
+    "fretfe.fem",
+    "fretfe.fem._compat",
+    "fretfe.fem.parallel",
+    "fretfe.fem.gmsh_reader",
+    "fretfe.fem.cell_geometry",
+    "fretfe.fem.meshing",
+    "fretfe.fem.surface",
+    "fretfe.fem.elasticity",
+    "fretfe.fem.schur",
+    "fretfe.fem.body",
+    "fretfe.fem.mortar",
+    "fretfe.fem.interface",
+    "fretfe.fem.newton",
+    "fretfe.fem.fallback",
+    "fretfe.fem.march",
+    "fretfe.fem.bonded",
+    "fretfe.fem.monolithic",
+    "fretfe.fem.run",
+    "fretfe.results",
+    "fretfe.evaluate",
+    "fretfe.report.*",
+    "fretfe.cli",
+)
+FEM_ONLY = {
+    "basix", "dolfinx", "dolfinx_solver", "ffcx", "gmsh", "mpi4py", "petsc4py", "slepc4py", "ufl"
+}  # fmt: skip
+ROOT = Path(fretfe.__file__).parent
+
+
+def module_name(path: Path) -> str:
+    parts = ("fretfe", *path.relative_to(ROOT).with_suffix("").parts)
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+MODULES = {module_name(path): path for path in sorted(ROOT.rglob("*.py"))}
+OUTSIDE_FEM = [name for name in MODULES if not f"{name}.".startswith("fretfe.fem.")]
+
+
+def layer(module: str) -> int:
+    """Return the place of a module in LAYERS; -1 if it has none."""
+    places = [
+        place
+        for place, entry in enumerate(LAYERS)
+        if module == entry or (entry.endswith(".*") and f"{module}.".startswith(entry[:-1]))
+    ]
+    return places[0] if places else -1
+
+
+def imported(source: str) -> set[str]:
+    """Return the full names of all modules that a source imports, inside functions too."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            names.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            package = node.module or ""
+            members = {f"{package}.{alias.name}" for alias in node.names}
+            submodules = {name for name in members if name in MODULES}
+            # `from package import submodule` depends on the submodule, not on what follows it.
+            names.update(submodules if submodules == members else submodules | {package})
+    return names
+
+
+def wrong_imports(module: str, source: str) -> set[str]:
+    """Return what a module of the package imports from it although it stands at or behind it."""
+    place = layer(module)
+    free = LAYERS[place].endswith(".*")
+    own = {name for name in imported(source) if name.split(".")[0] == "fretfe"}
+    return {name for name in own if not (-1 < layer(name) < place + free)}
+
+
+def test_every_module_has_a_place() -> None:
+    assert [name for name in MODULES if layer(name) < 0] == []
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_imports_only_what_stands_before(module: str) -> None:
+    assert wrong_imports(module, MODULES[module].read_text("utf-8")) == set()
+
+
+@pytest.mark.parametrize(
+    ("module", "source", "wrong"),
+    [
+        ("fretfe.errors", "import fretfe.case", {"fretfe.case"}),
+        ("fretfe.errors", "from fretfe import errors", {"fretfe.errors"}),
+        ("fretfe.case", "def f():\n    from fretfe.cli import main", {"fretfe.cli"}),
+        ("fretfe.case", "from fretfe.unplaced import name", {"fretfe.unplaced"}),
+        ("fretfe.case", "from fretfe.errors import CaseError\nimport numpy", set()),
+        ("fretfe.analytic.b", "from fretfe.analytic.a import name", set()),
+        ("fretfe.analytic.b", "from fretfe.loads import History", {"fretfe.loads"}),
+    ],
+)
+def test_the_rule_catches(module: str, source: str, wrong: set[str]) -> None:
+    assert wrong_imports(module, source) == wrong
+
+
+@pytest.mark.parametrize("module", OUTSIDE_FEM)
+def test_only_fem_imports_dolfinx(module: str) -> None:
+    packages = {name.split(".")[0] for name in imported(MODULES[module].read_text("utf-8"))}
+    assert packages & FEM_ONLY == set()
+
+
+IMPORT_WITHOUT_DOLFINX = """
+import importlib, sys
+modules, blocked = sys.argv[1].split(","), set(sys.argv[2].split(","))
+class Block:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in blocked or name == "fretfe.fem":
+            raise ImportError(f"{name} is blocked in this test")
+sys.meta_path.insert(0, Block())
+for module in modules:
+    importlib.import_module(module)
+"""
+
+
+def test_all_but_fem_can_be_imported_without_dolfinx() -> None:
+    arguments = [",".join(OUTSIDE_FEM), ",".join(sorted(FEM_ONLY))]
+    process = subprocess.run(
+        [sys.executable, "-c", IMPORT_WITHOUT_DOLFINX, *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert process.returncode == 0, process.stderr
