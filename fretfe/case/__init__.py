@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The case file: its model, reading it, its schema. Nothing else reads case files."""
+
+from __future__ import annotations
+
+from fretfe.case.base import unit_vector
+from fretfe.case.channels import DisplacementLoad, Load, PlatenLoad, RotationLoad, TractionLoad
+from fretfe.case.dimension import check_dimension
+from fretfe.case.histories import CsvPoints, Hold, Points, Ramp, Segment, Wave
+from fretfe.case.messages import complaint
+from fretfe.case.model import Case, case_schema
+from fretfe.case.reading import load_case, parse_case
+from fretfe.case.tables import (
+    Body,
+    Contact,
+    Cycle,
+    Geometry,
+    Model,
+    Output,
+    Plane,
+    Support,
+    Units,
+    contact_modulus,
+    plane_modulus,
+)
+
+__all__ = [
+    "Body",
+    "Case",
+    "Contact",
+    "CsvPoints",
+    "Cycle",
+    "DisplacementLoad",
+    "Geometry",
+    "Hold",
+    "Load",
+    "Model",
+    "Output",
+    "Plane",
+    "PlatenLoad",
+    "Points",
+    "Ramp",
+    "RotationLoad",
+    "Segment",
+    "Support",
+    "TractionLoad",
+    "Units",
+    "Wave",
+    "case_schema",
+    "check_dimension",
+    "complaint",
+    "contact_modulus",
+    "load_case",
+    "parse_case",
+    "plane_modulus",
+    "unit_vector",
+]

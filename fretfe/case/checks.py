@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What tables of a case file must agree on with each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import combinations
+from typing import NamedTuple
+
+from fretfe.case.base import unit_vector
+from fretfe.case.channels import DisplacementLoad, Load, PlatenLoad, RotationLoad
+from fretfe.case.tables import Body, Contact, Support
+
+Key = tuple[str | int, ...]
+
+# Sine of the angle by which two platen directions may miss a right angle: vectors typed with six
+# digits pass, a slip of a degree does not.
+ORTHOGONALITY = 1e-5
+
+
+class Problem(NamedTuple):
+    """One thing that is wrong with a case: the key in the file and a text for the user."""
+
+    key: Key
+    text: str
+
+
+def cross_problems(
+    bodies: Mapping[str, Body],
+    contacts: Mapping[str, Contact],
+    supports: Mapping[str, Support],
+    loads: Mapping[str, Load],
+) -> list[Problem]:
+    """Contradictions between the tables given, which may be only a part of a case."""
+    return [
+        *_surface_problems(contacts),
+        *_platen_problems(contacts, supports, loads),
+        *_platen_direction_problems(loads),
+        *_displacement_problems(supports, loads),
+        *_rotation_problems(bodies, loads),
+    ]
+
+
+def _surface_problems(contacts: Mapping[str, Contact]) -> Iterator[Problem]:
+    used: dict[str, str] = {}
+    for name, contact in contacts.items():
+        for side in ("surface1", "surface2"):
+            surface = getattr(contact, side)
+            if surface in used:
+                yield Problem(
+                    ("contacts", name, side),
+                    f"expected a surface of its own, found {surface!r}, which is already "
+                    f"{used[surface]}",
+                )
+            used.setdefault(surface, f"contacts.{name}.{side}")
+
+
+def _platens(loads: Mapping[str, Load]) -> dict[str, str]:
+    """Platen boundaries and the first load of each."""
+    platens: dict[str, str] = {}
+    for name, load in loads.items():
+        if isinstance(load, PlatenLoad):
+            platens.setdefault(load.boundary, name)
+    return platens
+
+
+def _platen_problems(
+    contacts: Mapping[str, Contact], supports: Mapping[str, Support], loads: Mapping[str, Load]
+) -> Iterator[Problem]:
+    uses: list[tuple[Key, str]] = []
+    for name, contact in contacts.items():
+        uses.append((("contacts", name, "surface1"), contact.surface1))
+        uses.append((("contacts", name, "surface2"), contact.surface2))
+    uses += [(("supports", name, "boundary"), each.boundary) for name, each in supports.items()]
+    uses += [
+        (("loads", name, "boundary"), load.boundary)
+        for name, load in loads.items()
+        if isinstance(load, DisplacementLoad)
+    ]
+    platens = _platens(loads)
+    for key, boundary in uses:
+        if boundary in platens:
+            yield Problem(
+                key,
+                f"expected a boundary that is not a platen, found {boundary!r}, the platen of "
+                f"loads.{platens[boundary]} (a platen is rigid and held in every direction "
+                "without a load)",
+            )
+
+
+def _platen_direction_problems(loads: Mapping[str, Load]) -> Iterator[Problem]:
+    platen_loads = [(name, load) for name, load in loads.items() if isinstance(load, PlatenLoad)]
+    for (name1, load1), (name2, load2) in combinations(platen_loads, 2):
+        if load1.boundary != load2.boundary:
+            continue
+        direction1, direction2 = (unit_vector(load.direction, 3) for load in (load1, load2))
+        cosine = sum(a * b for a, b in zip(direction1, direction2, strict=True))
+        if abs(cosine) > ORTHOGONALITY:
+            yield Problem(
+                ("loads", name2, "direction"),
+                f"expected a direction at right angles to that of loads.{name1} on the same "
+                f"platen {load1.boundary!r}, found {_shown(load2)} and {_shown(load1)}",
+            )
+
+
+def _shown(load: PlatenLoad) -> str:
+    if isinstance(load.direction, str):
+        return repr(load.direction)
+    return "[" + ", ".join(f"{component:.6g}" for component in load.direction) + "]"
+
+
+def _displacement_problems(
+    supports: Mapping[str, Support], loads: Mapping[str, Load]
+) -> Iterator[Problem]:
+    """Components of a boundary that are prescribed twice."""
+    used = {
+        (support.boundary, axis): f"supports.{name}"
+        for name, support in supports.items()
+        for axis in support.fix
+    }
+    for name, load in loads.items():
+        if not isinstance(load, DisplacementLoad):
+            continue
+        component = (load.boundary, load.direction)
+        if component in used:
+            yield Problem(
+                ("loads", name, "direction"),
+                f"expected a free component, found {load.direction!r} of {load.boundary!r}, which "
+                f"{used[component]} prescribes already",
+            )
+        used.setdefault(component, f"loads.{name}")
+
+
+def _rotation_problems(bodies: Mapping[str, Body], loads: Mapping[str, Load]) -> Iterator[Problem]:
+    missing = [f"bodies.{name}.density" for name, body in bodies.items() if body.density is None]
+    for name, load in loads.items():
+        if isinstance(load, RotationLoad) and missing:
+            yield Problem(
+                ("loads", name),
+                f"a rotation needs the density of every body, missing: {', '.join(missing)}",
+            )

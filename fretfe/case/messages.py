@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What is wrong with a case file, in words for the person who wrote it."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from fretfe.case.base import TAG, Table
+from fretfe.case.channels import LOADS
+from fretfe.case.checks import Key, Problem
+from fretfe.case.histories import KINDS
+from fretfe.case.model import Case, Contradiction
+from fretfe.case.tables import Body, Contact, Cycle, Geometry, Model, Output, Support, Units
+
+SECTIONS: dict[str, type[Table]] = {
+    "units": Units,
+    "model": Model,
+    "geometry": Geometry,
+    "bodies": Body,
+    "contacts": Contact,
+    "supports": Support,
+    "cycle": Cycle,
+    "output": Output,
+}
+TAGGED = {f"{TAG}{key}": table for key, table in (LOADS | KINDS).items()}
+
+EXPECTED = {
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "finite_number": "a finite number",
+    "string_type": "text",
+    "string_too_short": "text that is not empty",
+    "string_pattern_mismatch": "a name of letters, digits, '_' and '-' that starts with a letter "
+    "or '_'",
+    "model_type": "a table",
+    "dict_type": "a table",
+    "tuple_type": "a list",
+}
+MISSING = "expected a value (the key is required), found none"
+# Why a limit is there, where the number alone does not say it.
+REASONS = {
+    ("poisson", "less_than"): " (0.5 is an incompressible material, for which the stresses do not "
+    "follow from the displacements; take 0.49 for rubber)",
+    ("degree", "less_than_equal"): " (1 or 2)",
+    ("order", "less_than_equal"): " (1 or 2)",
+    ("steps_per_cycle", "greater_than_equal"): " (fewer cannot follow a wave)",
+}
+COMPARISONS = {
+    "greater_than": ("gt", ">"),
+    "greater_than_equal": ("ge", ">="),
+    "less_than": ("lt", "<"),
+    "less_than_equal": ("le", "<="),
+}
+
+
+def complaint(source: Path, key: Key, text: str) -> str:
+    """One line for one problem: the file, the key as it stands in the file, the text."""
+    place = key_path(key)
+    return f"{source}: {place}: {text}" if place else f"{source}: {text}"
+
+
+def key_path(key: Key) -> str:
+    """A key in TOML terms, with items of lists counted from 1: ``loads.a.history[segment 1]``."""
+    path = ""
+    for before, part in zip(("", *key), key, strict=False):
+        if isinstance(part, int):
+            path += f"[{'segment' if before == 'history' else 'item'} {part + 1}]"
+        else:
+            bare = re.fullmatch(r"[A-Za-z0-9_-]+", part)
+            path += ("." if path else "") + (part if bare else f'"{part}"')
+    return path
+
+
+def field_problems(error: ValidationError) -> list[Problem]:
+    """The problems that the validation found, contradictions between tables included."""
+    problems: list[Problem] = []
+    for detail in error.errors(include_url=False):
+        cause = detail.get("ctx", {}).get("error")
+        if isinstance(cause, Contradiction):
+            problems += cause.problems
+        elif not _consequence(detail):
+            problems.append(_problem(detail))
+    return problems
+
+
+def _consequence(detail: ErrorDetails) -> bool:
+    """Whether a list is too short only because its items are not valid: these are reported."""
+    minimum = detail.get("ctx", {}).get("min_length", math.inf)
+    return detail["type"] == "too_short" and len(detail["input"]) >= minimum
+
+
+def _key(location: Iterable[str | int]) -> Key:
+    parts = (part for part in location if not (isinstance(part, str) and part.startswith(TAG)))
+    return tuple(part for part in parts if part != "[key]")
+
+
+def _problem(detail: ErrorDetails) -> Problem:
+    key = _key(detail["loc"])
+    if not detail["type"].startswith("union_tag"):
+        return Problem(key, _text(detail))
+    if not isinstance(detail["input"], Mapping):
+        return Problem(key, f"expected a table, found {found(detail['input'])}")
+    if "history" in key[2:]:
+        return Problem(key, _no_segment(detail["input"]))
+    return Problem((*key, "type"), _no_load_type(detail["input"]))
+
+
+def _text(detail: ErrorDetails) -> str:
+    kind, value, context = detail["type"], detail["input"], detail.get("ctx", {})
+    match kind:
+        case "missing":
+            return MISSING
+        case "extra_forbidden":
+            return _unknown_key(detail["loc"])
+        case "literal_error":
+            also = ", or a list of numbers" if f"{TAG}name" in detail["loc"] else ""
+            return _not_among(context["expected"] + also, value)
+        case "value_error":
+            return str(context["error"])
+        case "too_short" | "too_long":
+            return _wrong_length(kind, context, value)
+    if kind in COMPARISONS:
+        name, symbol = COMPARISONS[kind]
+        reason = REASONS.get((str(detail["loc"][-1]), kind), "")
+        return f"expected a number {symbol} {context[name]:g}, found {found(value)}{reason}"
+    return f"expected {EXPECTED.get(kind, detail['msg'])}, found {found(value)}"
+
+
+def found(value: Any) -> str:
+    """A value of a case file, as a user would write or describe it."""
+    match value:
+        case bool():
+            return str(value).lower()
+        case str():
+            return f"text {value!r}"
+        case Mapping():
+            return f"a table with the keys {', '.join(map(str, value))}" if value else "{}"
+        case list() | tuple():
+            return "a list"
+    return str(value)
+
+
+def _unknown_key(location: tuple[str | int, ...]) -> str:
+    name = str(location[-1])
+    valid = list(_table(location).model_fields)
+    near = get_close_matches(name.lower(), valid, n=3, cutoff=0.6)
+    if near:
+        return f"unknown key; did you mean {' or '.join(map(repr, near))}?"
+    return f"unknown key, expected one of {', '.join(map(repr, valid))}"
+
+
+def _table(location: tuple[str | int, ...]) -> type[Table]:
+    """The table that the last part of a location is a key of."""
+    tags = [part for part in location if part in TAGGED]
+    if tags:
+        return TAGGED[str(tags[-1])]
+    return SECTIONS[str(location[0])] if len(location) > 1 else Case
+
+
+def _no_load_type(load: Mapping[str, Any]) -> str:
+    allowed = f"one of {', '.join(map(repr, LOADS))}"
+    return (
+        _not_among(allowed, load["type"]) if "type" in load else f"expected {allowed}, found none"
+    )
+
+
+def _no_segment(segment: Mapping[str, Any]) -> str:
+    near = [match for name in segment for match in get_close_matches(name, KINDS, n=1)]
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    return f"expected one of the keys {', '.join(map(repr, KINDS))}, found {found(segment)}{hint}"
+
+
+def _not_among(expected: str, value: Any) -> str:
+    allowed = expected.replace("True", "true")
+    names = re.findall(r"'([^']*)'", expected)
+    near = get_close_matches(value.lower(), names, n=1) if isinstance(value, str) else []
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    return f"expected {allowed}, found {found(value)}{hint}"
+
+
+def _wrong_length(kind: str, context: Mapping[str, Any], value: Any) -> str:
+    bound = "at least" if kind == "too_short" else "at most"
+    length = context["min_length" if kind == "too_short" else "max_length"]
+    entries = "entry" if length == 1 else "entries"
+    return f"expected {bound} {length} {entries}, found {len(value)}"

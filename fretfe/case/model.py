@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The case as a whole, and its JSON schema."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Self
+
+from pydantic import Field, PrivateAttr, model_validator
+
+from fretfe.case.base import Name, Table
+from fretfe.case.channels import AnyLoad
+from fretfe.case.checks import Problem, cross_problems
+from fretfe.case.tables import Body, Contact, Cycle, Geometry, Model, Output, Support, Units
+
+
+class Contradiction(ValueError):
+    """Tables that are valid one by one but not together."""
+
+    def __init__(self, problems: list[Problem]) -> None:
+        """Keep the problems, all of them."""
+        super().__init__("; ".join(problem.text for problem in problems))
+        self.problems = problems
+
+
+class Case(Table):
+    """Everything that a case file says."""
+
+    title: str = Field(default="", strict=True, description="Title, shown in the output.")
+    units: Units = Field(default=Units(), description="Labels of the units used in the file.")
+    model: Model = Field(default=Model(), description="Plane state, thickness, discretisation.")
+    geometry: Geometry = Field(description="Where the mesh comes from.")
+    bodies: dict[Name, Body] = Field(
+        min_length=2, description="Bodies; the key is the physical surface group of the mesh."
+    )
+    contacts: dict[Name, Contact] = Field(min_length=1, description="Contacts, by a name of yours.")
+    supports: dict[Name, Support] = Field(
+        default={}, description="Held boundaries, by a name of yours."
+    )
+    loads: dict[Name, AnyLoad] = Field(
+        default={}, description="Loads, by a name of yours; each is one channel with one history."
+    )
+    cycle: Cycle | None = Field(
+        default=None,
+        description="The cycle to evaluate; without it the last period of the slowest wave.",
+    )
+    output: Output = Field(default=Output(), description="What is written besides the results.")
+
+    _source: Path = PrivateAttr(default=Path("case.toml"))
+
+    @model_validator(mode="after")
+    def _no_contradictions(self) -> Self:
+        problems = cross_problems(self.bodies, self.contacts, self.supports, self.loads)
+        if problems:
+            raise Contradiction(problems)
+        return self
+
+    @property
+    def source(self) -> Path:
+        """The case file; what it names is relative to its folder."""
+        return self._source
+
+    def resolve(self, file: str) -> Path:
+        """Path of a file that the case names."""
+        return self._source.parent / file
+
+
+def case_schema() -> dict[str, Any]:
+    """JSON schema (draft 2020-12) of a case file, with a description of every key."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **Case.model_json_schema(),
+    }

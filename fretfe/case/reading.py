@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Reading a case file; every problem in it is reported at once."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, cast
+
+from pydantic import TypeAdapter, ValidationError
+
+from fretfe.case.base import Name, Table
+from fretfe.case.channels import AnyLoad, Load
+from fretfe.case.checks import Problem, cross_problems
+from fretfe.case.messages import complaint, field_problems
+from fretfe.case.model import Case
+from fretfe.case.tables import Body, Contact, Support
+from fretfe.errors import CaseError
+
+
+def load_case(path: Path | str) -> Case:
+    """Read and validate a case file.
+
+    Args:
+        path: the TOML file.
+
+    Raises:
+        CaseError: the file cannot be read, is not TOML, or is not a valid case. The message has one
+            line per problem: file, key, what was expected and what was found.
+    """
+    source = Path(path)
+    text = _read(source)
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise CaseError(f"{source}: {_syntax_problem(str(error), text)}") from None
+    return parse_case(data, source)
+
+
+def parse_case(data: Mapping[str, Any], source: Path | str = "case.toml") -> Case:
+    """Validate the contents of a case file.
+
+    Args:
+        data: tables and values as TOML has them.
+        source: name of the case file for messages; files that the case names are relative to its
+            folder.
+
+    Raises:
+        CaseError: as ``load_case``.
+    """
+    try:
+        case = Case.model_validate(data)
+    except ValidationError as error:
+        problems = field_problems(error)
+        # Contradictions among the tables that are valid are shown even if other tables are not;
+        # when the validation came as far as that, they are among the problems already.
+        problems += [each for each in _partial_cross_problems(data) if each not in problems]
+        lines = [complaint(Path(source), *problem) for problem in problems]
+        raise CaseError("\n".join(lines)) from None
+    case._source = Path(source)
+    return case
+
+
+def _read(source: Path) -> str:
+    try:
+        return source.read_bytes().decode("utf-8-sig")
+    except FileNotFoundError:
+        found = f"nothing at {source.absolute()}"
+    except IsADirectoryError:
+        found = "a folder"
+    except UnicodeDecodeError as error:
+        line = error.object.count(b"\n", 0, error.start) + 1
+        found = f"bytes in line {line} that are not UTF-8 text"
+    except OSError as error:
+        found = f"a file that cannot be read ({error.strerror})"
+    raise CaseError(f"{source}: expected a case file (TOML), found {found}")
+
+
+def _syntax_problem(message: str, text: str) -> str:
+    """Line, column and reason from the message of tomllib."""
+    reason, _, place = message.rpartition(" (at ")
+    numbers = re.findall(r"\d+", place)
+    if not numbers:
+        lines = text.split("\n")
+        numbers = [str(len(lines)), str(len(lines[-1]) + 1)]
+        reason += " (the file ends here)"
+    return f"line {numbers[0]}, column {numbers[1]}: not valid TOML: {reason}"
+
+
+def _partial_cross_problems(data: Mapping[str, Any]) -> list[Problem]:
+    return cross_problems(
+        cast("dict[str, Body]", _valid_entries(Body, data.get("bodies"))),
+        cast("dict[str, Contact]", _valid_entries(Contact, data.get("contacts"))),
+        cast("dict[str, Support]", _valid_entries(Support, data.get("supports"))),
+        cast("dict[str, Load]", _valid_entries(AnyLoad, data.get("loads"))),
+    )
+
+
+def _valid_entries(kind: Any, section: Any) -> dict[str, Table]:
+    adapter: TypeAdapter[dict[str, Table]] = TypeAdapter(dict[Name, kind])
+    entries: dict[str, Table] = {}
+    for name, entry in section.items() if isinstance(section, Mapping) else ():
+        try:
+            entries |= adapter.validate_python({name: entry})
+        except ValidationError:
+            continue
+    return entries

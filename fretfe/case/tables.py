@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The tables of a case file other than loads: geometry, bodies, contacts, supports, output."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from fretfe.case.base import TAG, Axis, Name, NotNegative, Number, Positive, Table, Text
+
+Plane = Literal["strain", "stress"]
+
+
+class Units(Table):
+    """Labels for the output; numbers are never converted, so use one consistent set."""
+
+    length: Text = Field(default="mm", description="Label of the unit of length.")
+    force: Text = Field(default="N", description="Label of the unit of force.")
+    stress: Text = Field(default="MPa", description="Label of the unit of stress: force/length^2.")
+    time: Text = Field(default="s", description="Label of the unit of the clock of the histories.")
+
+
+class Model(Table):
+    """Kinematic assumption and discretisation."""
+
+    plane: Plane = Field(
+        default="strain", description='Plane state of a plane model: "strain" or "stress".'
+    )
+    thickness: Positive = Field(
+        default=1.0,
+        description="Thickness of a plane model, in length units. Platen forces are for the whole "
+        "thickness; line forces in the results are per unit thickness.",
+    )
+    degree: int = Field(
+        default=2,
+        strict=True,
+        ge=1,
+        le=2,
+        description="Polynomial degree of the displacements, 1 or 2.",
+    )
+
+
+class Geometry(Table):
+    """Where the mesh comes from: a template or a file."""
+
+    template: Name | None = Field(
+        default=None,
+        description="Name of a geometry template that comes with fretfe. Exactly one of template "
+        "and file must be given.",
+    )
+    parameters: dict[Name, Number] = Field(
+        default={}, description="Parameters of the template that differ from its defaults."
+    )
+    order: int = Field(
+        default=2,
+        strict=True,
+        ge=1,
+        le=2,
+        description="Order of the mesh made from a template: 1 straight, 2 curved edges. "
+        "A mesh file has its own order.",
+    )
+    file: Text | None = Field(
+        default=None,
+        description="Mesh file with named physical groups, relative to the case file's folder.",
+    )
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.template is None) == (self.file is None):
+            found = "neither" if self.file is None else "both"
+            raise ValueError(f"expected exactly one of 'template' and 'file', found {found}")
+        template_only = sorted({"parameters", "order"} & self.model_fields_set)
+        if self.file is not None and template_only:
+            keys = " and ".join(repr(key) for key in template_only)
+            raise ValueError(f"expected {keys} with a template only, found together with 'file'")
+        return self
+
+
+class Body(Table):
+    """An elastic body; its key is the physical surface group of the mesh."""
+
+    young: Positive = Field(description="Young's modulus, in stress units; > 0.")
+    poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio; -1 < poisson < 0.5.")
+    density: Positive | None = Field(
+        default=None,
+        description="Mass density in consistent units (mm, N, s: t/mm^3); > 0. "
+        "Needed in every body when a load is a rotation.",
+    )
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus E/(2(1 + nu)), in stress units."""
+        return self.young / (2 * (1 + self.poisson))
+
+
+def plane_modulus(body: Body, plane: Plane) -> float:
+    """Modulus of uniaxial stress in the plane: E/(1 - nu^2) in plane strain, E in plane stress."""
+    return body.young / (1 - body.poisson**2) if plane == "strain" else body.young
+
+
+def contact_modulus(body1: Body, body2: Body, plane: Plane) -> float:
+    """Contact modulus E*: 1/E* = sum of 1/plane_modulus of the two bodies (Hertz).
+
+    Valid for plane problems; for two bodies of E and nu in plane strain E* = E/(2(1 - nu^2)).
+    """
+    return 1 / (1 / plane_modulus(body1, plane) + 1 / plane_modulus(body2, plane))
+
+
+class Contact(Table):
+    """Two surfaces that may touch, with Coulomb friction between them."""
+
+    surface1: Text = Field(
+        description="Physical group of the surface on body 1 (the upper body: the local y axis, "
+        "normal of body 2, points into it)."
+    )
+    surface2: Text = Field(
+        description="Physical group of the surface on body 2. The reported shear acts on body 2."
+    )
+    friction: NotNegative = Field(description="Coulomb friction coefficient; >= 0.")
+    friction_from: NotNegative = Field(
+        default=0.0,
+        description="Time after which friction acts: steps up to and including this time are "
+        "frictionless. Must be the time of a step; 0 means friction in every step.",
+    )
+    multipliers: Literal["finer", "surface1", "surface2"] = Field(
+        default="finer",
+        description="Surface that carries the unknown contact tractions: the one with the finer "
+        'mesh at the contact ("finer"), "surface1" or "surface2".',
+    )
+
+
+class Support(Table):
+    """A boundary with displacement components held at zero."""
+
+    boundary: Text = Field(description="Physical group of the boundary.")
+    fix: tuple[Axis, ...] = Field(
+        min_length=1, description='Components held at zero: a list of "x", "y", "z".'
+    )
+
+
+class Cycle(Table):
+    """The load cycle that is evaluated."""
+
+    start: NotNegative = Field(description="Time of the first step of the cycle.")
+    end: Positive = Field(description="Time of the last step of the cycle; later than start.")
+
+    @model_validator(mode="after")
+    def _ends_after_start(self) -> Self:
+        if self.end <= self.start:
+            raise ValueError(f"expected start < end, found start = {self.start}, end = {self.end}")
+        return self
+
+
+def _named_or_listed(value: Any) -> str:
+    return f"{TAG}times" if isinstance(value, list | tuple) else f"{TAG}name"
+
+
+class Output(Table):
+    """What is written besides the results file."""
+
+    fields: Annotated[
+        Annotated[Literal["last", "none", "all"], Tag(f"{TAG}name")]
+        | Annotated[tuple[NotNegative, ...], Tag(f"{TAG}times")],
+        Discriminator(_named_or_listed),
+    ] = Field(
+        default="last",
+        description='Steps whose fields are written for ParaView: "last", "none", "all" or a list '
+        "of times, each the time of a step.",
+    )

@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Load histories: from the segments of a case file to arrays on one clock. NumPy only."""
+
+from __future__ import annotations
+
+from fretfe.loads.history import History, build_history, turning_points
+
+__all__ = ["History", "build_history", "turning_points"]

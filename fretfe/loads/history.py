@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""All loads on one clock, as arrays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fretfe.case import Case, complaint
+from fretfe.errors import CaseError
+from fretfe.loads.cycle import check_times, find_cycle
+from fretfe.loads.segments import SAME_TIME, Array, Piece, read_pieces
+
+
+@dataclass(frozen=True)
+class History:
+    """All channels on one clock.
+
+    Attributes:
+        channels: names of the loads, in the order of the case file.
+        times: (T,) increasing; ``times[0] == 0``.
+        values: (T, C), in the units of each load; row 0 is zero: the unloaded state.
+        cycle: first and last step index of the cycle that is evaluated, if there is one.
+    """
+
+    channels: tuple[str, ...]
+    times: Array
+    values: Array
+    cycle: tuple[int, int] | None
+
+    def at(self, time: float) -> Array:
+        """Values (C,) at a time, linear between steps and constant after the last one."""
+        return np.array([np.interp(time, self.times, column) for column in self.values.T])
+
+    def step(self, time: float) -> int:
+        """Index of the step at a time, the nearest one if there is none."""
+        return int(np.argmin(np.abs(self.times - time)))
+
+
+def build_history(case: Case) -> History:
+    """Put the histories of all loads on one clock.
+
+    The clock is the sorted union of the step times of all channels. Every channel is evaluated at
+    every step, waves exactly, and keeps its value after its last segment.
+
+    Raises:
+        CaseError: a segment ends before it starts or does not continue the one before, a table or
+            CSV file is not usable, there is no step at all, or a time that the case names
+            (friction_from, cycle, output.fields) is not the time of a step. Problems of different
+            loads are listed together.
+    """
+    channels: dict[str, list[Piece]] = {}
+    problems: list[str] = []
+    for name in case.loads:
+        try:
+            channels[name] = read_pieces(case, name)
+        except CaseError as error:
+            problems.append(str(error))
+    if problems:
+        raise CaseError("\n".join(problems))
+    times = _clock([piece for pieces in channels.values() for piece in pieces])
+    if len(times) == 1:
+        text = "expected a load with at least one step after time 0, found none"
+        raise CaseError(complaint(case.source, ("loads",), text))
+    values = np.column_stack([_evaluate(pieces, times) for pieces in channels.values()])
+    check_times(case, times)
+    return History(tuple(channels), times, values, find_cycle(case, times, values, channels))
+
+
+def turning_points(values: ArrayLike, relative_tolerance: float = 1e-6) -> NDArray[np.intp]:
+    """Step indices at which a scalar history reverses.
+
+    Of a plateau at a reversal the first step counts. The first and the last step are never
+    reversals.
+
+    Args:
+        values: (T,) values at the steps.
+        relative_tolerance: changes below this fraction of the range of ``values`` are ignored.
+
+    Returns:
+        (n,) increasing indices; minima and maxima alternate.
+    """
+    history = np.asarray(values, dtype=float)
+    tolerance = relative_tolerance * np.ptp(history) if history.size else 0.0
+    turns: list[int] = []
+    extreme, direction = 0, 0.0
+    for index, value in enumerate(history):
+        change = value - history[extreme]
+        if abs(change) <= tolerance:
+            continue
+        if direction * change < 0:
+            turns.append(extreme)
+        extreme, direction = index, math.copysign(1.0, change)
+    return np.array(turns, dtype=np.intp)
+
+
+def _clock(pieces: Sequence[Piece]) -> Array:
+    """Sorted union of all step times and 0; of times that are the same the earliest is kept."""
+    times = np.unique(np.concatenate([np.zeros(1), *(piece.steps for piece in pieces)]))
+    kept = [0.0]
+    for time in times:
+        if time - kept[-1] > SAME_TIME * times[-1]:
+            kept.append(float(time))
+    return np.array(kept)
+
+
+def _evaluate(pieces: Sequence[Piece], times: Array) -> Array:
+    values = np.zeros_like(times)
+    for piece in pieces:
+        after = times > piece.start
+        values[after] = piece.value(np.minimum(times[after], piece.end))
+    return values
