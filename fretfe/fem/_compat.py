@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Everything that differs between the DOLFINx versions and distributions that fretfe supports.
+
+Importing this module makes sure that MPI, PETSc and DOLFINx load in the order that the installed
+distribution needs. All other modules of `fretfe.fem` import DOLFINx through here or after it.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.util
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from fretfe.errors import DependencyError
+
+if importlib.util.find_spec("dolfinx_solver") is not None:
+    # The PyPI wheel vendors PETSc and finds the MPI library itself, if it comes first.
+    import dolfinx_solver  # noqa: F401
+
+try:
+    import basix.ufl
+    import dolfinx
+    import dolfinx.fem.petsc
+    import dolfinx.graph
+    import dolfinx.io
+    import dolfinx.mesh
+    import ufl
+    from dolfinx import cpp as _cpp
+    from mpi4py import MPI
+    from petsc4py import PETSc
+except ImportError as error:
+    raise DependencyError(
+        "the finite-element part of fretfe needs DOLFINx with PETSc and MPI, which cannot be "
+        f"imported ({error}).\nInstall it with `pip install dolfinx-solver-real` (Linux x86-64, "
+        "Python 3.12 or newer) or from your distribution (Debian: python3-dolfinx-real)."
+    ) from error
+
+VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
+
+
+@cache
+def petsc_library() -> ctypes.CDLL:
+    """The PETSc shared library that DOLFINx uses, for functions without a petsc4py binding."""
+    return ctypes.CDLL(str(dolfinx.fem.petsc.get_petsc_lib()))
+
+
+def create_mesh(
+    comm: MPI.Comm,
+    cells: npt.NDArray[np.int64],
+    points: npt.NDArray[np.float64],
+    cell: str,
+    order: int,
+) -> dolfinx.mesh.Mesh:
+    """Distributed DOLFINx mesh from arrays in Gmsh node order. Collective.
+
+    Args:
+        comm: communicator of the mesh.
+        cells: (m, k) node numbers on rank 0, (0, k) elsewhere.
+        points: (n, gdim) node coordinates on rank 0, (0, gdim) elsewhere.
+        cell: "triangle" or "quadrilateral".
+        order: polynomial order of the geometry.
+    """
+    element = basix.ufl.element("Lagrange", cell, order, shape=(points.shape[1],))
+    permutation = _cpp.io.perm_gmsh(dolfinx.mesh.to_type(cell), cells.shape[1])
+    ordered = np.ascontiguousarray(cells[:, permutation])
+    if VERSION < (0, 10):  # 0.9: (comm, cells, x, e); later (comm, cells, e, x)
+        return dolfinx.mesh.create_mesh(comm, ordered, points, ufl.Mesh(element))
+    return dolfinx.mesh.create_mesh(comm, ordered, ufl.Mesh(element), points)
+
+
+def distribute_entity_data(
+    mesh: dolfinx.mesh.Mesh,
+    dim: int,
+    entities: npt.NDArray[np.int64],
+    values: npt.NDArray[np.int32],
+) -> dolfinx.mesh.MeshTags:
+    """Tags on the entities of a mesh, given by their input node numbers on rank 0. Collective."""
+    local, numbers = dolfinx.io.distribute_entity_data(mesh, dim, entities, values)
+    return dolfinx.mesh.meshtags_from_entities(
+        mesh, dim, dolfinx.graph.adjacencylist(local), numbers
+    )
+
+
+def assemble_matrix(form: Any, conditions: list[Any]) -> PETSc.Mat:
+    """Assembled matrix with unit diagonal at constrained degrees of freedom. Collective."""
+    matrix = dolfinx.fem.petsc.assemble_matrix(form, bcs=conditions)
+    matrix.assemble()
+    return matrix
+
+
+def assemble_vector(form: Any) -> PETSc.Vec:
+    """Assembled vector, contributions to ghosts added to their owners. Collective."""
+    vector = dolfinx.fem.petsc.assemble_vector(form)
+    vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+    return vector
+
+
+def interpolation_points(space: dolfinx.fem.FunctionSpace) -> npt.NDArray[np.float64]:
+    """Reference points at which an expression is evaluated to interpolate it into `space`."""
+    points = space.element.interpolation_points
+    return points() if isinstance(points, Callable) else points  # method in 0.9, property later
+
+
+def versions() -> dict[str, Any]:
+    """Versions of DOLFINx, PETSc and the MPI library in use."""
+    return {
+        "dolfinx": dolfinx.__version__,
+        "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
+        "mpi": MPI.Get_library_version().splitlines()[0].strip("\x00 "),
+    }

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Linear elasticity of one body in DOLFINx: space, stiffness, load vectors, stress."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import ufl
+from dolfinx import fem
+
+from fretfe.fem._compat import (
+    MPI,
+    PETSc,
+    assemble_matrix,
+    assemble_vector,
+    create_mesh,
+    distribute_entity_data,
+    interpolation_points,
+)
+from fretfe.fem.meshing import BodyMesh
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Material:
+    """Isotropic linear elasticity.
+
+    Attributes:
+        young: Young's modulus (stress).
+        poisson: Poisson's ratio.
+        density: mass per volume, zero if no load needs it.
+        plane: "strain" or "stress"; without meaning in three dimensions.
+    """
+
+    young: float
+    poisson: float
+    density: float
+    plane: str
+
+    @property
+    def shear_modulus(self) -> float:
+        """Second Lamé parameter (stress)."""
+        return self.young / (2 * (1 + self.poisson))
+
+    @property
+    def first_lame(self) -> float:
+        """First Lamé parameter (stress), the effective one in plane stress."""
+        nu = self.poisson
+        if self.plane == "stress":
+            return self.young * nu / (1 - nu**2)
+        return self.young * nu / ((1 + nu) * (1 - 2 * nu))
+
+
+@dataclass(frozen=True)
+class DistributedLoad:
+    """A load per unit of its channel that is spread over a boundary or the volume.
+
+    Attributes:
+        channel: name of the load in the case file.
+        kind: "traction" (along `direction`), "normal" (outward traction), or "rotation".
+        boundary: physical group of a traction, "" for a rotation.
+        direction: unit vector of a traction; axis of a rotation.
+        centre: a point on the axis of a rotation.
+    """
+
+    channel: str
+    kind: str
+    boundary: str = ""
+    direction: tuple[float, ...] = ()
+    centre: tuple[float, ...] = ()
+
+
+class ElasticBody:
+    """Displacement space, stiffness and load vectors of one body, distributed over all ranks.
+
+    All methods are collective.
+
+    Args:
+        comm: communicator.
+        mesh: the body's mesh on rank 0, None elsewhere.
+        material: elastic constants.
+        degree: polynomial degree of the displacement, 1 or 2.
+    """
+
+    def __init__(
+        self, comm: MPI.Comm, mesh: BodyMesh | None, material: Material, degree: int
+    ) -> None:
+        self.comm = comm
+        self.material = material
+        name, cell, order, width, gdim = comm.bcast(_mesh_type(mesh) if mesh else None)
+        cells = mesh.cells if mesh else np.empty((0, width), np.int64)
+        points = mesh.points if mesh else np.empty((0, gdim))
+        self.name: str = name
+        self.gdim: int = gdim
+        self.mesh = create_mesh(comm, cells, points, cell, order)
+        self.space = fem.functionspace(self.mesh, ("Lagrange", degree, (gdim,)))
+        self.groups, self.facet_tags = self._tag_boundaries(mesh)
+
+    def _tag_boundaries(self, mesh: BodyMesh | None) -> tuple[dict[str, int], Any]:
+        """Number of each boundary name, and the facet tags that carry these numbers."""
+        names = self.comm.bcast(sorted(mesh.boundaries) if mesh else None)
+        groups = {name: number for number, name in enumerate(names, start=1)}
+        dim = self.mesh.topology.dim - 1
+        self.mesh.topology.create_connectivity(dim, 0)
+        self.mesh.topology.create_connectivity(dim, dim + 1)
+        width = self.comm.bcast(mesh.order + 1 if mesh else None)
+        facets = np.empty((0, width), np.int64)
+        values = np.empty(0, np.int32)
+        if mesh:
+            facets = np.concatenate([mesh.boundaries[name] for name in names])
+            values = np.repeat(
+                np.arange(1, len(names) + 1, dtype=np.int32),
+                [len(mesh.boundaries[name]) for name in names],
+            )
+        return groups, distribute_entity_data(self.mesh, dim, facets, values)
+
+    def boundary_nodes(self, boundary: str) -> npt.NDArray[np.int32]:
+        """Local numbers (owned and ghosted) of the displacement nodes on a boundary."""
+        facets = self.facet_tags.find(self.groups[boundary])
+        dim = self.mesh.topology.dim - 1
+        return fem.locate_dofs_topological(self.space, dim, facets)
+
+    def _stress(self, displacement: Any) -> Any:
+        mu = fem.Constant(self.mesh, self.material.shear_modulus)
+        lame = fem.Constant(self.mesh, self.material.first_lame)
+        strain = ufl.sym(ufl.grad(displacement))
+        return 2 * mu * strain + lame * ufl.tr(strain) * ufl.Identity(self.gdim)
+
+    def _energy(self, displacement: Any) -> Any:
+        test = ufl.TestFunction(self.space)
+        return ufl.inner(self._stress(displacement), ufl.sym(ufl.grad(test))) * ufl.dx
+
+    def stiffness(self, constrained: npt.NDArray[np.int32]) -> PETSc.Mat:
+        """Stiffness matrix with unit rows and columns at constrained degrees of freedom.
+
+        Args:
+            constrained: local numbers gdim * node + component, owned and ghosted.
+        """
+        form = fem.form(self._energy(ufl.TrialFunction(self.space)))
+        conditions = [
+            fem.dirichletbc(
+                PETSc.ScalarType(0),
+                constrained[constrained % self.gdim == component],
+                self.space.sub(component),
+            )
+            for component in range(self.gdim)
+        ]
+        matrix = assemble_matrix(form, conditions)
+        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        return matrix
+
+    def forces(self, displacement: fem.Function) -> PETSc.Vec:
+        """Nodal forces K u of a displacement, without any constraint."""
+        return assemble_vector(fem.form(self._energy(displacement)))
+
+    def load_vector(self, load: DistributedLoad) -> PETSc.Vec:
+        """Nodal forces of a load of unit amplitude; zero if its boundary is on another body."""
+        test = ufl.TestFunction(self.space)
+        if load.kind == "rotation":
+            return assemble_vector(fem.form(ufl.inner(self._centrifugal(load), test) * ufl.dx))
+        if load.boundary not in self.groups:
+            return fem.Function(self.space).x.petsc_vec.copy()
+        measure = ufl.Measure("ds", self.mesh, subdomain_data=self.facet_tags)
+        if load.kind == "normal":
+            traction = ufl.FacetNormal(self.mesh)
+        else:
+            traction = fem.Constant(self.mesh, np.array(load.direction[: self.gdim]))
+        form = ufl.inner(traction, test) * measure(self.groups[load.boundary])
+        return assemble_vector(fem.form(form))
+
+    def _centrifugal(self, load: DistributedLoad) -> Any:
+        """Body force at unit angular speed: density times the vector from the axis."""
+        arm = ufl.SpatialCoordinate(self.mesh) - fem.Constant(
+            self.mesh, np.array(load.centre[: self.gdim])
+        )
+        density = fem.Constant(self.mesh, self.material.density)
+        if self.gdim == 2:  # the axis is normal to the plane
+            return density * arm
+        axis = fem.Constant(self.mesh, np.array(load.direction))
+        return density * (arm - ufl.inner(arm, axis) * axis)
+
+    def interpolate_stress(self, displacement: fem.Function) -> fem.Function:
+        """Stress tensor as a discontinuous piecewise polynomial of one degree less."""
+        degree = self.space.element.basix_element.degree - 1
+        space = fem.functionspace(self.mesh, ("DG", degree, (self.gdim, self.gdim)))
+        stress = fem.Function(space, name="stress")
+        expression = fem.Expression(self._stress(displacement), interpolation_points(space))
+        stress.interpolate(expression)
+        return stress
+
+
+def _mesh_type(mesh: BodyMesh) -> tuple[str, str, int, int, int]:
+    """Name, cell, order, nodes per cell and dimension of a mesh."""
+    return mesh.name, mesh.cell, mesh.order, mesh.cells.shape[1], mesh.points.shape[1]

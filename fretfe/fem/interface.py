@@ -1,0 +1,301 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The interface problem: condensed bodies and couplings reduced to the multipliers.
+
+Everything is written in weighted nodal quantities of N multiplier nodes with d components each
+(normal, then tangents; see `fretfe.fem.mortar`). With W_i the integral of hat function i and λ_i the
+nodal traction (p_i, q_i),
+
+    y_i = √W_i λ_i,        w_i = (∫ φ_i w) / √W_i
+
+so that y·w is work, both are of comparable size on graded meshes, and the friction cone of a node
+is the same in y as in λ. w_i/√W_i is the nodal mean of gap and tangential displacement. The bodies
+turn into
+
+    w = w0 + A y + G c + L a            (A symmetric, positive semi-definite)
+    R + H a = −Gᵀ y + K c
+
+with the coordinates c (rigid boundaries and free motions of bodies), the forces R on them and the
+load amplitudes a. The number of space dimensions appears only as d.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy import sparse
+from scipy.linalg import cholesky, solve_triangular
+
+from fretfe.errors import ModelError
+from fretfe.fem.body import CondensedBody
+from fretfe.fem.mortar import Coupling
+
+Array = npt.NDArray[np.float64]
+
+# Relative size below which a motion is resisted by nothing but round-off.
+FREE_MOTION = 1e-9
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """One amplitude c_j of the interface problem.
+
+    Attributes:
+        label: what it is, for messages and results.
+        body: name of the body.
+        control: "force" or "displacement" (driven by a channel), "fixed", or "free" (a motion that
+            nothing but contact prevents; no force acts on it).
+        channel: name of the load that drives it, "" if none.
+    """
+
+    label: str
+    body: str
+    control: str
+    channel: str = ""
+
+    @property
+    def prescribed(self) -> bool:
+        """Whether the amplitude is known and the force unknown."""
+        return self.control in ("displacement", "fixed")
+
+
+@dataclass(frozen=True)
+class Pair:
+    """One contact: its name, its bodies and its coupling."""
+
+    name: str
+    body1: str
+    body2: str
+    coupling: Coupling
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Operators of the interface problem; see the module's docstring.
+
+    Attributes:
+        components: d.
+        compliance: (N*d, N*d) A.
+        gap: (N*d,) w0 of the unloaded bodies.
+        motion: (N*d, m) G.
+        stiffness: (m, m) K.
+        loads: (N*d, l) L.
+        coordinate_loads: (m, l) H.
+        roots: (N,) √W.
+        coordinates: the m coordinates.
+        contacts: node range of each contact, by name, in the order of the case.
+    """
+
+    components: int
+    compliance: Array
+    gap: Array
+    motion: Array
+    stiffness: Array
+    loads: Array
+    coordinate_loads: Array
+    roots: Array
+    coordinates: tuple[Coordinate, ...]
+    contacts: dict[str, slice]
+
+    @property
+    def size(self) -> int:
+        """Number of multiplier nodes N."""
+        return len(self.roots)
+
+    @property
+    def prescribed(self) -> npt.NDArray[np.bool_]:
+        """(m,) which coordinates have a known amplitude."""
+        return np.array([c.prescribed for c in self.coordinates], dtype=bool)
+
+
+class ReducedBody:
+    """A condensed body solved for its surface displacements.
+
+    u = C (f + F a − S_c c) + Q g with C the (generalised) inverse of S, Q its free motions.
+
+    Args:
+        body: condensed body.
+        operator: (N*d, n) scaled coupling operator of all contacts on this body's surface.
+    """
+
+    def __init__(self, body: CondensedBody, operator: sparse.csr_matrix) -> None:
+        self.body = body
+        self._operator = operator
+        # Free motions get an artificial stiffness; equilibrium makes the forces on them vanish.
+        level = np.trace(body.stiffness) / len(body.stiffness)
+        held = body.stiffness + level * body.modes @ body.modes.T
+        self._factor = cholesky(held, lower=True, overwrite_a=True, check_finite=False)
+        self._half = self._forward(operator.T.toarray())
+
+    def _forward(self, rhs: Array) -> Array:
+        return solve_triangular(self._factor, rhs, lower=True, check_finite=False)
+
+    def add_to(self, system: dict[str, Array], columns: slice) -> None:
+        """Add this body to A, L, G, K and H; `columns` are its coordinates, free motions last."""
+        body = self.body
+        half_loads = self._forward(body.surface_loads)
+        half_coupling = self._forward(body.coupling)
+        count = body.coupling.shape[1]
+        held = slice(columns.start, columns.start + count)
+        free = slice(held.stop, columns.stop)
+        system["compliance"] += self._half.T @ self._half
+        system["loads"] += self._half.T @ half_loads
+        system["motion"][:, held] = -self._half.T @ half_coupling
+        system["motion"][:, free] = self._operator @ body.modes
+        system["stiffness"][held, held] = (
+            body.coordinate_stiffness - half_coupling.T @ half_coupling
+        )
+        system["coordinate_loads"][held] = body.coordinate_loads - half_coupling.T @ half_loads
+        system["coordinate_loads"][free] = body.modes.T @ body.surface_loads
+
+    def surface_displacement(self, y: Array, coordinates: Array, amplitudes: Array) -> Array:
+        """(n,) displacements of the surface nodes.
+
+        Args:
+            y: (N*d,) weighted tractions.
+            coordinates: (m_b + k,) coordinates of this body, free motions last.
+            amplitudes: (l,) load amplitudes.
+        """
+        body = self.body
+        count = body.coupling.shape[1]
+        force = self._operator.T @ y + body.surface_loads @ amplitudes
+        force -= body.coupling @ coordinates[:count]
+        half = self._forward(force)
+        elastic = solve_triangular(self._factor, half, lower=True, trans="T", check_finite=False)
+        return elastic + body.modes @ coordinates[count:]
+
+
+def build_interface(
+    bodies: list[CondensedBody], pairs: list[Pair], coordinates: list[Coordinate]
+) -> tuple[Interface, dict[str, ReducedBody]]:
+    """Assemble the interface problem.
+
+    Args:
+        bodies: condensed bodies.
+        pairs: contact pairs.
+        coordinates: one for each constraint of each body, in the order of `bodies`.
+
+    Returns:
+        The interface problem, whose coordinates hold the free motions too, and the reduced bodies.
+    """
+    d = pairs[0].coupling.frames.shape[1]
+    roots = np.sqrt(np.concatenate([pair.coupling.weights for pair in pairs]))
+    scale = sparse.diags(np.repeat(1 / roots, d))
+    reduced = {b.name: ReducedBody(b, scale @ _stacked_operator(b.name, pairs)) for b in bodies}
+    everything = _with_free_motions(bodies, coordinates)
+    size, count = len(roots) * d, len(everything)
+    load_count = bodies[0].surface_loads.shape[1]
+    system = {
+        "compliance": np.zeros((size, size)),
+        "loads": np.zeros((size, load_count)),
+        "motion": np.zeros((size, count)),
+        "stiffness": np.zeros((count, count)),
+        "coordinate_loads": np.zeros((count, load_count)),
+    }
+    for name, body in reduced.items():
+        body.add_to(system, coordinate_range(everything, name))
+    gap = np.zeros((len(roots), d))
+    gap[:, 0] = np.concatenate([pair.coupling.gap for pair in pairs]) / roots
+    interface = Interface(
+        components=d,
+        gap=gap.ravel(),
+        roots=roots,
+        coordinates=tuple(everything),
+        contacts=_node_ranges(pairs),
+        **system,
+    )
+    _require_held(interface)
+    return interface, reduced
+
+
+def _stacked_operator(body: str, pairs: list[Pair]) -> sparse.csr_matrix:
+    """(N*d, n) operator of all contacts on the surface unknowns of one body.
+
+    The surface unknowns of a body are those of its contact surfaces one after the other, in the
+    order of the contacts.
+    """
+    parts = [
+        pair.coupling.body1 if pair.body1 == body else pair.coupling.body2
+        for pair in pairs
+        if body in (pair.body1, pair.body2)
+    ]
+    columns = sparse.block_diag(parts).tocsr()
+    rows, start = [], 0
+    for pair in pairs:
+        height = pair.coupling.body1.shape[0]
+        if body in (pair.body1, pair.body2):
+            rows.append(columns[start : start + height])
+            start += height
+        else:
+            rows.append(sparse.csr_matrix((height, columns.shape[1])))
+    return sparse.vstack(rows).tocsr()
+
+
+def _with_free_motions(
+    bodies: list[CondensedBody], coordinates: list[Coordinate]
+) -> list[Coordinate]:
+    everything = []
+    for body in bodies:
+        everything += [c for c in coordinates if c.body == body.name]
+        everything += [
+            Coordinate(f"free motion {number + 1}", body.name, "free")
+            for number in range(body.modes.shape[1])
+        ]
+    return everything
+
+
+def coordinate_range(coordinates: list[Coordinate] | tuple[Coordinate, ...], body: str) -> slice:
+    """Where the coordinates of a body stand; they follow each other."""
+    own = [number for number, c in enumerate(coordinates) if c.body == body]
+    return slice(own[0], own[-1] + 1) if own else slice(0, 0)
+
+
+def _node_ranges(pairs: list[Pair]) -> dict[str, slice]:
+    ends = np.cumsum([len(pair.coupling.weights) for pair in pairs])
+    starts = np.concatenate([[0], ends[:-1]])
+    return {
+        pair.name: slice(int(start), int(end))
+        for pair, start, end in zip(pairs, starts, ends, strict=True)
+    }
+
+
+def free_motions(interface: Interface, released: npt.NDArray[np.bool_]) -> Array:
+    """(m, k) motions of the released coordinates that neither contact nor stiffness resists.
+
+    Contact is taken as stuck at every node, so a motion that remains is resisted by nothing at all.
+    Columns are orthonormal after scaling each coordinate with its effect on the contact.
+    """
+    chosen = np.flatnonzero(released)
+    if not len(chosen):
+        return np.zeros((len(released), 0))
+    scale = coordinate_scale(interface)
+    compliance = np.trace(interface.compliance) / len(interface.compliance)
+    resisted = np.vstack(
+        [interface.motion * scale, compliance * interface.stiffness * scale * scale[:, None]]
+    )[:, chosen]
+    _, values, rows = np.linalg.svd(resisted, full_matrices=False)
+    null = rows[values < FREE_MOTION * max(values[0], 1e-300)].T
+    motions = np.zeros((len(released), null.shape[1]))
+    motions[chosen] = null * scale[chosen, None]
+    return motions
+
+
+def coordinate_scale(interface: Interface) -> Array:
+    """(m,) amplitude of each coordinate that moves the contact by about one."""
+    effect = np.linalg.norm(interface.motion, axis=0)
+    return 1 / np.where(effect > 0, effect, 1.0)
+
+
+def _require_held(interface: Interface) -> None:
+    motions = free_motions(interface, ~interface.prescribed)
+    if not motions.shape[1]:
+        return
+    moving = np.flatnonzero(np.any(np.abs(motions) > 0.01 * np.abs(motions).max(axis=0), axis=1))
+    names = sorted({interface.coordinates[j].body for j in moving})
+    raise ModelError(
+        f"nothing holds {' and '.join(repr(name) for name in names)}: even if every contact were "
+        "stuck, it could move as a rigid body. Expected supports, or a platen under displacement "
+        "control, that hold at least one body against every translation and rotation "
+        f"(free: {', '.join(interface.coordinates[j].label for j in moving)})."
+    )

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""From a case and its mesh to condensed bodies and the interface problem."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from dolfinx import fem
+
+from fretfe.case import Case
+from fretfe.fem._compat import MPI
+from fretfe.fem.body import Body, CondensedBody
+from fretfe.fem.elasticity import ElasticBody
+from fretfe.fem.interface import (
+    Interface,
+    Pair,
+    ReducedBody,
+    build_interface,
+    coordinate_range,
+)
+from fretfe.fem.meshing import Mesh
+from fretfe.fem.mortar import couple
+from fretfe.fem.parallel import on_root
+from fretfe.fem.plan import ModelPlan, plan_model
+from fretfe.fem.state import ContactState, StepLoads
+from fretfe.fem.surface import Surface, build_surface
+from fretfe.fem.timing import Clock
+from fretfe.loads import History
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """The interface problem and what leads back from it to the bodies; rank 0 only."""
+
+    plan: ModelPlan
+    interface: Interface
+    bodies: dict[str, ReducedBody]
+    condensed: dict[str, CondensedBody]
+    pairs: tuple[Pair, ...]
+
+
+class Model:
+    """The bodies of a case, condensed, and their interface problem.
+
+    Args:
+        comm: communicator; construction is collective.
+        case: validated case, the same on all ranks.
+        mesh: bodies' meshes on rank 0, None elsewhere.
+        clock: for timings.
+    """
+
+    def __init__(self, comm: MPI.Comm, case: Case, mesh: Mesh | None, clock: Clock) -> None:
+        self.comm = comm
+        self.case = case
+        degree = case.model.degree
+        plan = on_root(comm, lambda: plan_model(case, mesh))  # type: ignore[arg-type]
+        assert plan is not None
+        with clock("surfaces"):
+            surfaces = on_root(comm, lambda: _surfaces(plan, mesh))  # type: ignore[arg-type]
+            pairs = on_root(comm, lambda: _pairs(case, surfaces, degree), share=False)
+        assert surfaces is not None
+        self.bodies: dict[str, Body] = {}
+        for body in plan.bodies:
+            with clock("assembly"):
+                own = mesh.bodies[body.name] if mesh else None
+                elastic = ElasticBody(comm, own, body.material, degree)
+            points = np.vstack([surfaces[s].displacement_points(degree) for s in body.surfaces])
+            self.bodies[body.name] = Body(
+                elastic, list(body.constraints), list(plan.loads), points, clock
+            )
+        with clock("interface"):
+            self.reduction = on_root(comm, lambda: self._reduce(plan, pairs), share=False)
+
+    def _reduce(self, plan: ModelPlan, pairs: tuple[Pair, ...] | None) -> Reduction:
+        assert pairs is not None
+        condensed = {name: body.condensed for name, body in self.bodies.items()}
+        parts = [c for c in condensed.values() if c is not None]
+        coordinates = [c for body in plan.bodies for c in body.coordinates]
+        interface, reduced = build_interface(parts, list(pairs), coordinates)
+        return Reduction(plan, interface, reduced, {c.name: c for c in parts}, pairs)
+
+    def recover(self, states: Sequence[tuple[ContactState, StepLoads]] | None) -> list[dict[str, fem.Function]]:
+        """Displacement fields of solved steps, by body. Collective; `states` on rank 0 only."""
+        requests = self.comm.bcast(
+            [self._retained(state, loads) for state, loads in states]
+            if states is not None
+            else None
+        )
+        return [
+            {name: self.bodies[name].recover(*arguments) for name, arguments in request.items()}
+            for request in requests
+        ]
+
+    def _retained(
+        self, state: ContactState, loads: StepLoads
+    ) -> dict[str, tuple[Array, Array, Array]]:
+        """Surface displacements, constraint amplitudes and load amplitudes of each body."""
+        assert self.reduction is not None
+        retained = {}
+        for name, body in self.reduction.bodies.items():
+            own = state.coordinates[
+                coordinate_range(self.reduction.interface.coordinates, name)
+            ]
+            surface = body.surface_displacement(
+                state.traction.ravel(), own, loads.amplitudes
+            )
+            constraints = own[: body.body.coupling.shape[1]]
+            retained[name] = (surface, constraints, loads.amplitudes)
+        return retained
+
+
+def _surfaces(plan: ModelPlan, mesh: Mesh) -> dict[str, Surface]:
+    return {
+        name: build_surface(mesh.bodies[body.name], name)
+        for body in plan.bodies
+        for name in body.surfaces
+    }
+
+
+def _pairs(case: Case, surfaces: dict[str, Surface], degree: int) -> tuple[Pair, ...]:
+    pairs = []
+    for name, contact in case.contacts.items():
+        first, second = surfaces[contact.surface1], surfaces[contact.surface2]
+        coupling = couple(name, first, second, contact.multipliers, degree)
+        pairs.append(Pair(name, first.body, second.body, coupling))
+    return tuple(pairs)
+
+
+def step_loads(case: Case, history: History, interface: Interface, plan: ModelPlan) -> list[StepLoads]:
+    """What each step of a history prescribes; forces are per unit thickness."""
+    column = {name: number for number, name in enumerate(history.channels)}
+    rotations = {load.channel for load in plan.loads if load.kind == "rotation"}
+    steps = []
+    for time, values in zip(history.times, history.values, strict=True):
+        amplitudes = np.array([values[column[load.channel]] for load in plan.loads])
+        # The body force goes with the square of the angular speed.
+        squared = np.array([load.channel in rotations for load in plan.loads], dtype=bool)
+        amplitudes[squared] **= 2
+        steps.append(
+            StepLoads(
+                amplitudes=amplitudes,
+                values=np.array(
+                    [
+                        values[column[c.channel]] / _per_thickness(case, c.control)
+                        if c.channel
+                        else 0.0
+                        for c in interface.coordinates
+                    ]
+                ),
+                friction=_friction(case, interface, time),
+            )
+        )
+    return steps
+
+
+def _per_thickness(case: Case, control: str) -> float:
+    """Forces on platens are given for the whole thickness; displacements are not divided."""
+    return case.model.thickness if control == "force" else 1.0
+
+
+def _friction(case: Case, interface: Interface, time: float) -> Array:
+    """(N,) friction coefficient at the nodes in the step that ends at a time."""
+    friction = np.zeros(interface.size)
+    for name, nodes in interface.contacts.items():
+        contact = case.contacts[name]
+        friction[nodes] = contact.friction if time > contact.friction_from else 0.0
+    return friction
