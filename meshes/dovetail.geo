@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+//
+// Dovetail: a blade root in the slot of a disc, plane, symmetric about x = 0. Lengths in mm.
+// Pulling the blade top upwards presses the two flanks of the root against the flanks of the slot.
+//
+//   right half, not to scale                             blade_top
+//                                                     x=0 _________
+//                                                      |           |
+//                                                      |   blade   |        ^ shank_height
+//   neck_width / 2 = width from x = 0 to the neck      |           |        v
+//                                                      |           | ._______________ (disc top)
+//   neck_fillet  = concave radius under the neck       |           | |             | ^
+//   mouth_radius = edge of the slot,                   |           | | mouth_height| |
+//     above it a straight wall, mouth_height           |          /   \            | |
+//                                                      |         (     \           | |
+//   relief_angle = how far the upper rounding turns    |          \_    \  disc    | |
+//                                                 __   |    upper_ \.    \         | |
+//   flank: flat of length flank_length,           ^    |     radius  \    \        | |
+//     flank_angle to the x axis, between          |    |      flank   \    \       | disc_depth
+//     two roundings; the flat of the disc        root_ |        length \    \      | |
+//     is longer by overhang at both ends         height|                \.   \     | |
+//                                                 |    |     lower_radius )   )    | |
+//   root_corner = lower corners of the blade      v    |__________________/  /     | |
+//   slot_fillet = all corners of the slot         __   |_slot_clearance_____/      | |
+//                                                      |                           | |
+//                                                      |___________________________| v
+//                                                      <------ disc_width / 2 ----->
+//
+// At the start the flats touch (gap zero) and the roundings curve away from the disc, so each flank
+// is a flat punch with rounded ends. The candidate contact surfaces are the flat and the first
+// contact_angle of each rounding, and what lies opposite on the disc. The blade is mesh side 1, the
+// disc 7 % coarser, so the meshes do not match.
+//
+// Element size: edge_size along the four contact edges (from edge_zone before to edge_zone behind
+// the points where flat and rounding meet), flank_size on the rest of the candidate contact surfaces,
+// and from there growing by `growth` per distance. The left half of the mesh mirrors the right half.
+//
+// Groups: blade, disc; blade_top, disc_bottom, disc_side_left, disc_side_right,
+//         blade_flank_left, blade_flank_right, disc_flank_left, disc_flank_right.
+
+DefineConstant[
+  flank_angle    = {45,   Min 30,    Max 70,  Name "Parameters/01 Angle of the flank to the x axis [degrees]"},
+  flank_length   = {6,    Min 2,     Max 30,  Name "Parameters/02 Length of the flat of the blade flank [mm]"},
+  upper_radius   = {4,    Min 0.5,   Max 50,  Name "Parameters/03 Radius of the rounding at the upper end of the flat [mm]"},
+  lower_radius   = {4,    Min 0.5,   Max 50,  Name "Parameters/04 Radius of the rounding at the lower end of the flat [mm]"},
+  contact_angle  = {10,   Min 3,     Max 20,  Name "Parameters/05 Part of each rounding that may touch [degrees]"},
+  overhang       = {2,    Min 0.2,   Max 20,  Name "Parameters/06 Flat of the disc flank beyond each end of the blade flat [mm]"},
+  relief_angle   = {30,   Min 15,    Max 60,  Name "Parameters/07 Turn of the upper rounding before the neck fillet [degrees]"},
+  neck_width     = {12,   Min 2,     Max 100, Name "Parameters/08 Width of the blade neck [mm]"},
+  neck_fillet    = {2.5,  Min 0.5,   Max 30,  Name "Parameters/09 Radius of the fillet between flank and neck [mm]"},
+  root_height    = {12,   Min 2,     Max 100, Name "Parameters/10 Height of the blade root, from the upper end of the flat to its bottom [mm]"},
+  root_corner    = {2,    Min 0.2,   Max 30,  Name "Parameters/11 Radius of the lower corners of the blade root [mm]"},
+  slot_clearance = {1.5,  Min 0.05,  Max 30,  Name "Parameters/12 Gap between blade and slot at the bottom [mm]"},
+  slot_fillet    = {3,    Min 0.3,   Max 30,  Name "Parameters/13 Radius of the fillets in the slot [mm]"},
+  mouth_radius   = {1,    Min 0.1,   Max 20,  Name "Parameters/14 Radius of the edge at the mouth of the slot [mm]"},
+  mouth_height   = {3,    Min 0.1,   Max 50,  Name "Parameters/15 Height of the straight wall at the mouth of the slot [mm]"},
+  shank_height   = {12,   Min 1,     Max 100, Name "Parameters/16 Height of the blade top above the disc [mm]"},
+  disc_width     = {60,   Min 5,     Max 500, Name "Parameters/17 Width of the disc block [mm]"},
+  disc_depth     = {45,   Min 5,     Max 500, Name "Parameters/18 Height of the disc block [mm]"},
+  edge_size      = {0.008,Min 1e-4,  Max 1,   Name "Parameters/19 Element size at the contact edges [mm]"},
+  edge_zone      = {0.2,  Min 1e-3,  Max 5,   Name "Parameters/20 Length of the fine mesh on either side of the end of the flat [mm]"},
+  flank_size     = {0.15, Min 1e-3,  Max 2,   Name "Parameters/21 Element size along the flank [mm]"},
+  growth         = {0.2,  Min 0.02,  Max 0.5, Name "Parameters/22 Growth of the element size per distance from the contact [-]"}
+];
+
+// Angles, and the directions of the right flank: (tx, ty) down along it, (nx, ny) out of the blade.
+degree = Pi / 180;
+flank = flank_angle * degree;
+relief = relief_angle * degree;
+touch = contact_angle * degree;
+tx = Cos(flank); ty = -Sin(flank);
+nx = Sin(flank); ny = Cos(flank);
+
+// Ends of the flat; y = 0 is half way down the flank. The neck fixes x: from the upper end of the flat
+// the rounding turns by the relief angle towards the blade, the fillet turns back to the vertical neck.
+neck = neck_width / 2;
+turned_x = Sin(flank - relief); turned_y = Cos(flank - relief);
+upper_x = neck + neck_fillet + upper_radius * nx - (upper_radius + neck_fillet) * turned_x;
+upper_y = -ty * flank_length / 2;
+lower_x = upper_x + flank_length * tx;
+lower_y = -upper_y;
+
+// Centres of the arcs, and the levels and widths they lead to.
+upper_cx = upper_x - upper_radius * nx; upper_cy = upper_y - upper_radius * ny;
+lower_cx = lower_x - lower_radius * nx; lower_cy = lower_y - lower_radius * ny;
+neck_cx = upper_cx + (upper_radius + neck_fillet) * turned_x;
+neck_cy = upper_cy + (upper_radius + neck_fillet) * turned_y;
+root = lower_cx + lower_radius;
+root_bottom = upper_y - root_height;
+slot_bottom = root_bottom - slot_clearance;
+slot_x = lower_x + overhang * tx; slot_y = lower_y + overhang * ty;
+slot_cx = slot_x - slot_fillet * nx; slot_cy = slot_y - slot_fillet * ny;
+slot = slot_cx + slot_fillet;
+mouth_x = upper_x - overhang * tx; mouth_y = upper_y - overhang * ty;
+mouth_cx = mouth_x + mouth_radius * nx; mouth_cy = mouth_y + mouth_radius * ny;
+mouth = mouth_cx - mouth_radius;
+disc_top = mouth_cy + mouth_height;
+disc_base = disc_top - disc_depth;
+blade_top = disc_top + shank_height;
+
+// Points on the axis of symmetry, shared by both halves of a body.
+axis_blade_top = newp; Point(axis_blade_top) = {0, blade_top, 0};
+axis_root = newp; Point(axis_root) = {0, root_bottom, 0};
+axis_slot = newp; Point(axis_slot) = {0, slot_bottom, 0};
+axis_disc = newp; Point(axis_disc) = {0, disc_base, 0};
+blade_axis = newc; Line(blade_axis) = {axis_root, axis_blade_top};
+disc_axis = newc; Line(disc_axis) = {axis_slot, axis_disc};
+
+// Both halves of the blade; side is 1 (right) or -1 (left). Curves run from the top to the bottom.
+For side In {1 : -1 : -2}
+  p = newp;
+  Point(p)      = {side * neck, blade_top, 0};
+  Point(p + 1)  = {side * neck, neck_cy, 0};
+  Point(p + 2)  = {side * neck_cx, neck_cy, 0};
+  Point(p + 3)  = {side * (upper_cx + upper_radius * turned_x), upper_cy + upper_radius * turned_y, 0};
+  Point(p + 4)  = {side * upper_cx, upper_cy, 0};
+  angle = flank - touch;
+  Point(p + 5)  = {side * (upper_cx + upper_radius * Sin(angle)), upper_cy + upper_radius * Cos(angle), 0};
+  angle = flank - edge_zone / upper_radius;
+  Point(p + 6)  = {side * (upper_cx + upper_radius * Sin(angle)), upper_cy + upper_radius * Cos(angle), 0};
+  Point(p + 7)  = {side * upper_x, upper_y, 0};
+  Point(p + 8)  = {side * (upper_x + edge_zone * tx), upper_y + edge_zone * ty, 0};
+  Point(p + 9)  = {side * (lower_x - edge_zone * tx), lower_y - edge_zone * ty, 0};
+  Point(p + 10) = {side * lower_x, lower_y, 0};
+  Point(p + 11) = {side * lower_cx, lower_cy, 0};
+  angle = flank + edge_zone / lower_radius;
+  Point(p + 12) = {side * (lower_cx + lower_radius * Sin(angle)), lower_cy + lower_radius * Cos(angle), 0};
+  angle = flank + touch;
+  Point(p + 13) = {side * (lower_cx + lower_radius * Sin(angle)), lower_cy + lower_radius * Cos(angle), 0};
+  Point(p + 14) = {side * root, lower_cy, 0};
+  Point(p + 15) = {side * root, root_bottom + root_corner, 0};
+  Point(p + 16) = {side * (root - root_corner), root_bottom + root_corner, 0};
+  Point(p + 17) = {side * (root - root_corner), root_bottom, 0};
+  c = newc;
+  Line(c)        = {axis_blade_top, p};
+  Line(c + 1)    = {p, p + 1};
+  Circle(c + 2)  = {p + 1, p + 2, p + 3};
+  Circle(c + 3)  = {p + 3, p + 4, p + 5};
+  Circle(c + 4)  = {p + 5, p + 4, p + 6};    // contact: upper rounding
+  Circle(c + 5)  = {p + 6, p + 4, p + 7};    //   fine
+  Line(c + 6)    = {p + 7, p + 8};           //   fine
+  Line(c + 7)    = {p + 8, p + 9};           //   flat
+  Line(c + 8)    = {p + 9, p + 10};          //   fine
+  Circle(c + 9)  = {p + 10, p + 11, p + 12}; //   fine
+  Circle(c + 10) = {p + 12, p + 11, p + 13}; // contact: lower rounding
+  Circle(c + 11) = {p + 13, p + 11, p + 14};
+  Line(c + 12)   = {p + 14, p + 15};
+  Circle(c + 13) = {p + 15, p + 16, p + 17};
+  Line(c + 14)   = {p + 17, axis_root};
+  If (side > 0)
+    blade_right[] = {c : c + 14};
+  Else
+    blade_left[] = {c : c + 14};
+  EndIf
+EndFor
+
+// Both halves of the disc; curves run from the bottom of the slot up its wall and round the block.
+For side In {1 : -1 : -2}
+  p = newp;
+  Point(p)      = {side * (slot - slot_fillet), slot_bottom, 0};
+  Point(p + 1)  = {side * (slot - slot_fillet), slot_bottom + slot_fillet, 0};
+  Point(p + 2)  = {side * slot, slot_bottom + slot_fillet, 0};
+  Point(p + 3)  = {side * slot, slot_cy, 0};
+  Point(p + 4)  = {side * slot_cx, slot_cy, 0};
+  Point(p + 5)  = {side * slot_x, slot_y, 0};
+  reach = lower_radius * Sin(touch);
+  Point(p + 6)  = {side * (lower_x + reach * tx), lower_y + reach * ty, 0};
+  Point(p + 7)  = {side * (lower_x + edge_zone * tx), lower_y + edge_zone * ty, 0};
+  Point(p + 8)  = {side * (lower_x - edge_zone * tx), lower_y - edge_zone * ty, 0};
+  Point(p + 9)  = {side * (upper_x + edge_zone * tx), upper_y + edge_zone * ty, 0};
+  Point(p + 10) = {side * (upper_x - edge_zone * tx), upper_y - edge_zone * ty, 0};
+  reach = upper_radius * Sin(touch);
+  Point(p + 11) = {side * (upper_x - reach * tx), upper_y - reach * ty, 0};
+  Point(p + 12) = {side * mouth_x, mouth_y, 0};
+  Point(p + 13) = {side * mouth_cx, mouth_cy, 0};
+  Point(p + 14) = {side * mouth, mouth_cy, 0};
+  Point(p + 15) = {side * mouth, disc_top, 0};
+  Point(p + 16) = {side * disc_width / 2, disc_top, 0};
+  Point(p + 17) = {side * disc_width / 2, disc_base, 0};
+  c = newc;
+  Line(c)        = {axis_slot, p};
+  Circle(c + 1)  = {p, p + 1, p + 2};
+  Line(c + 2)    = {p + 2, p + 3};
+  Circle(c + 3)  = {p + 3, p + 4, p + 5};
+  Line(c + 4)    = {p + 5, p + 6};
+  Line(c + 5)    = {p + 6, p + 7};           // contact: opposite the lower rounding
+  Line(c + 6)    = {p + 7, p + 8};           //   fine
+  Line(c + 7)    = {p + 8, p + 9};           //   opposite the flat
+  Line(c + 8)    = {p + 9, p + 10};          //   fine
+  Line(c + 9)    = {p + 10, p + 11};         // contact: opposite the upper rounding
+  Line(c + 10)   = {p + 11, p + 12};
+  Circle(c + 11) = {p + 12, p + 13, p + 14};
+  Line(c + 12)   = {p + 14, p + 15};
+  Line(c + 13)   = {p + 15, p + 16};
+  Line(c + 14)   = {p + 16, p + 17};
+  Line(c + 15)   = {p + 17, axis_disc};
+  If (side > 0)
+    disc_right[] = {c : c + 15};
+  Else
+    disc_left[] = {c : c + 15};
+  EndIf
+EndFor
+
+Curve Loop(1) = {blade_right[], blade_axis}; Plane Surface(1) = {1};
+Curve Loop(2) = {blade_left[], blade_axis};  Plane Surface(2) = {2};
+Curve Loop(3) = {disc_right[], -disc_axis};  Plane Surface(3) = {3};
+Curve Loop(4) = {disc_left[], -disc_axis};   Plane Surface(4) = {4};
+mirror[] = {-1, 0, 0, 0,  0, 1, 0, 0,  0, 0, 1, 0,  0, 0, 0, 1};
+Periodic Surface {2} = {1} Affine {mirror[]};
+Periodic Surface {4} = {3} Affine {mirror[]};
+
+Physical Surface("blade") = {1, 2};
+Physical Surface("disc") = {3, 4};
+Physical Curve("blade_top") = {blade_right[0], blade_left[0]};
+Physical Curve("blade_flank_right") = {blade_right[{4 : 10}]};
+Physical Curve("blade_flank_left") = {blade_left[{4 : 10}]};
+Physical Curve("disc_flank_right") = {disc_right[{5 : 9}]};
+Physical Curve("disc_flank_left") = {disc_left[{5 : 9}]};
+Physical Curve("disc_side_right") = {disc_right[14]};
+Physical Curve("disc_side_left") = {disc_left[14]};
+Physical Curve("disc_bottom") = {disc_right[15], disc_left[15]};
+
+// Element size: the distance is that from the nearer surface, so that both bodies are graded alike.
+Field[1] = Distance;
+Field[1].CurvesList = {blade_right[{5, 6, 8, 9}], blade_left[{5, 6, 8, 9}],
+                       disc_right[{6, 8}], disc_left[{6, 8}]};
+Field[1].Sampling = 100;
+Field[2] = Distance;
+Field[2].CurvesList = {blade_right[{4 : 10}], blade_left[{4 : 10}],
+                       disc_right[{5 : 9}], disc_left[{5 : 9}]};
+Field[2].Sampling = 200;
+Field[3] = MathEval;
+Field[3].F = Sprintf("Min(%g + %g*F1, %g + %g*F2)", edge_size, growth, flank_size, growth);
+Field[4] = Restrict;
+Field[4].InField = 3;
+Field[4].SurfacesList = {1, 2};
+Field[5] = MathEval;
+Field[5].F = Sprintf("1.07 * Min(%g + %g*F1, %g + %g*F2)", edge_size, growth, flank_size, growth);
+Field[6] = Restrict;
+Field[6].InField = 5;
+Field[6].SurfacesList = {3, 4};
+Field[7] = Min;
+Field[7].FieldsList = {4, 6};
+Background Field = 7;
+Mesh.MeshSizeFromPoints = 0;
+Mesh.MeshSizeFromCurvature = 0;
+Mesh.MeshSizeExtendFromBoundary = 0;
+Mesh.Algorithm = 6;

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Geometry templates without Gmsh: what is read from the .geo files, and refused parameters."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fretfe import templates
+from fretfe.errors import CaseError
+from fretfe.template_checks import CROSS_CHECKS
+from fretfe.templates import Parameter, check_parameters, find_template, template_names
+
+NAMES = ("cylinder", "dovetail")
+
+
+def test_all_templates_are_found() -> None:
+    assert template_names() == NAMES
+
+
+def test_unknown_template() -> None:
+    with pytest.raises(CaseError, match=r"geometry\.template.*'dovetale' \(did you mean dovetail"):
+        find_template("dovetale")
+
+
+def test_installed_templates_come_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "fretfe" / "meshes").mkdir(parents=True)
+    monkeypatch.setattr(templates, "__file__", str(tmp_path / "fretfe" / "templates.py"))
+    assert templates.template_directory() == tmp_path / "fretfe" / "meshes"
+
+
+def test_parameter_is_read_as_written() -> None:
+    parameters = {each.name: each for each in find_template("dovetail").parameters}
+    assert parameters["flank_angle"] == Parameter(
+        "flank_angle", 45.0, 30.0, 70.0, "Angle of the flank to the x axis", "degrees"
+    )
+    assert parameters["growth"].unit == "-"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_constant_of_the_script_is_a_parameter(name: str) -> None:
+    template = find_template(name)
+    block = template.path.read_text().partition("DefineConstant[")[2].partition("\n];")[0]
+    names = [line.split("=")[0].strip() for line in block.strip().splitlines()]
+    assert [parameter.name for parameter in template.parameters] == names
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_defaults_are_valid_and_complete(name: str) -> None:
+    template = find_template(name)
+    assert check_parameters(template, {}) == {
+        each.name: each.default for each in template.parameters
+    }
+
+
+def test_given_values_replace_defaults() -> None:
+    values = check_parameters(find_template("dovetail"), {"edge_size": 0.02, "neck_width": 13})
+    assert (values["edge_size"], values["neck_width"], values["flank_length"]) == (0.02, 13.0, 6.0)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"neck_widht": 12}, r"no parameter is called 'neck_widht' \(did you mean neck_width"),
+        ({"zzz": 12}, r"no parameter is called 'zzz'\n.*the parameters are: flank_angle, "),
+        ({"neck_width": 1000}, "neck_width: expected a number from 2 to 100 mm, found 1000"),
+        ({"growth": 0}, "growth: expected a number from 0.02 to 0.5, found 0"),
+        ({"growth": math.nan}, "growth: expected a number .*, found nan"),
+        ({"growth": True}, "growth: expected a number .*, found True"),
+        ({"growth": "fast"}, "growth: expected a number .*, found 'fast'"),
+    ],
+)
+def test_refused_values(values: dict[str, Any], message: str) -> None:
+    with pytest.raises(CaseError, match=rf"parameters of template 'dovetail':\n.*{message}"):
+        check_parameters(find_template("dovetail"), values)
+
+
+# For each cross check: template, parameters that break it, and how the message begins.
+BROKEN: dict[str, tuple[str, dict[str, float], str]] = {
+    "_contact_ends_on_roundings": (
+        "dovetail",
+        {"relief_angle": 15, "contact_angle": 12},
+        "contact_angle: expected at most 10 ",
+    ),
+    "_disc_flank_covers_contact": (
+        "dovetail",
+        {"lower_radius": 15},
+        "overhang: expected at least 2.75",
+    ),
+    "_fine_zone_fits": (
+        "dovetail",
+        {"upper_radius": 1},
+        "edge_zone: expected at most 0.157",
+    ),
+    "_root_is_high_enough": (
+        "dovetail",
+        {"root_height": 8},
+        "root_height: expected at least 9.22",
+    ),
+    "_slot_is_deep_enough": (
+        "dovetail",
+        {"slot_fillet": 6},
+        "slot_clearance: expected at least 4.04",
+    ),
+    "_root_clears_slot_wall": (
+        "dovetail",
+        {"lower_radius": 8, "slot_fillet": 0.5},
+        "overhang: expected at least 3.2",
+    ),
+    "_root_corner_clears_slot_fillet": (
+        "dovetail",
+        {"root_corner": 0.2, "slot_fillet": 4.5, "root_height": 16, "slot_clearance": 0.3},
+        "root_corner: the corners of the root",
+    ),
+    "_neck_passes_mouth": (
+        "dovetail",
+        {"overhang": 5, "slot_clearance": 4},
+        "neck_width: the neck with its fillets does not pass",
+    ),
+    "_corners_fit": (
+        "dovetail",
+        {"root_corner": 16, "root_height": 40},
+        "root_corner: expected at most 13.5",
+    ),
+    "_shank_rises_above_fillet": (
+        "dovetail",
+        {"neck_fillet": 12, "shank_height": 1},
+        "shank_height: expected at least 7.655",
+    ),
+    "_disc_is_large_enough": (
+        "dovetail",
+        {"disc_width": 30},
+        "disc_width: expected at least 38",
+    ),
+    "_flank_size_resolves_flat": (
+        "dovetail",
+        {"flank_size": 1.6},
+        "flank_size: expected at most 1.5 ",
+    ),
+    "_edge_size_is_smallest": (
+        "dovetail",
+        {"edge_size": 0.15},
+        "edge_size: expected at most 0.1 ",
+    ),
+    "_faces_are_less_than_half_cylinders": (
+        "cylinder",
+        {"lower_width": 9},
+        "lower_width: expected at most 7.92 ",
+    ),
+    "_zone_is_inside_faces": (
+        "cylinder",
+        {"zone": 6.5},
+        "zone: expected at most 6.3 ",
+    ),
+    "_bodies_are_higher_than_faces": (
+        "cylinder",
+        {"upper_height": 4},
+        "upper_height: expected at least 4.8",
+    ),
+    "_cylinder_sizes_ordered": (
+        "cylinder",
+        {"size": 0.3},
+        "size: expected at most 0.25 ",
+    ),
+}
+
+
+def test_every_cross_check_has_its_example() -> None:
+    assert {check.__name__ for checks in CROSS_CHECKS.values() for check in checks} == set(BROKEN)
+
+
+@pytest.mark.parametrize("check", BROKEN)
+def test_cross_check(check: str) -> None:
+    name, values, message = BROKEN[check]
+    with pytest.raises(CaseError, match=rf"\n  - {re.escape(message)}"):
+        check_parameters(find_template(name), values)
+    function = next(each for each in CROSS_CHECKS[name] if each.__name__ == check)
+    defaults = {each.name: each.default for each in find_template(name).parameters}
+    assert function(defaults) is None
+    assert function(defaults | values) is not None
+
+
+def test_a_flat_lower_block_needs_no_radius() -> None:
+    values = check_parameters(find_template("cylinder"), {"lower_radius": 0, "lower_width": 50})
+    assert values["lower_radius"] == 0.0
