@@ -10,8 +10,7 @@ namespace fretfe {
 namespace {
 
 constexpr int max_newton = 30;
-// Newton converges quadratically: after a step this small the error is round-off, which on a small
-// facet far from the origin is itself well above machine precision.
+// Newton converges quadratically: after a step this small the error is round-off.
 constexpr double parameter_tolerance = 1e-10;
 // Facet ends are shared by two facets: a hit this far outside [0, 1] still counts as on the facet.
 constexpr double end_tolerance = 1e-9;
@@ -42,6 +41,16 @@ Curve interpolate(const double *nodal, std::size_t count, double t) {
       c.derivative[d] += slope[k] * nodal[2 * k + d];
     }
   return c;
+}
+
+/// Nodes of a facet relative to a point. Differences of neighbouring coordinates are exact, so that
+/// equations solved with them are as accurate far from the origin as close to it.
+std::array<double, 6> seen_from(const Point &x, const double *nodal, std::size_t count) {
+  std::array<double, 6> seen{};
+  for (std::size_t k = 0; k < count; ++k)
+    for (std::size_t d = 0; d < 2; ++d)
+      seen[2 * k + d] = nodal[2 * k + d] - x[d];
+  return seen;
 }
 
 const double *facet_data(const double *data, const Facets &f, std::size_t i) {
@@ -81,12 +90,12 @@ template <class F> std::optional<double> solve(F residual, double start) {
 
 /// Reference coordinate at which the normal line of the surface passes through `x`.
 std::optional<double> foot(const Surface &s, const Point &x) {
+  const auto seen = seen_from(x, s.nodes, s.count);
   auto residual = [&](double xi) {
-    const Curve p = s.position(xi);
+    const Curve p = interpolate(seen.data(), s.count, xi);
     const Curve n = s.direction(xi);
-    const Point r = minus(x, p.value);
-    return std::array<double, 2>{cross(r, n.value),
-                                 cross(r, n.derivative) - cross(p.derivative, n.value)};
+    return std::array<double, 2>{cross(p.value, n.value),
+                                 cross(p.value, n.derivative) + cross(p.derivative, n.value)};
   };
   const Point chord = minus(s.position(1).value, s.position(0).value);
   const double start = dot(minus(x, s.position(0).value), chord) / dot(chord, chord);
@@ -102,10 +111,11 @@ struct Hit {
 
 /// Where the line through `x` along `n` meets a facet of the other side, if it faces `n`.
 std::optional<Hit> meet(const Facets &other, std::size_t i, const Point &x, const Point &n) {
-  const double *nodes = facet_data(other.nodes, other, i);
+  const std::size_t count = other.nodes_per_facet;
+  const auto seen = seen_from(x, facet_data(other.nodes, other, i), count);
   auto residual = [&](double eta) {
-    const Curve p = interpolate(nodes, other.nodes_per_facet, eta);
-    return std::array<double, 2>{cross(minus(p.value, x), n), cross(p.derivative, n)};
+    const Curve p = interpolate(seen.data(), count, eta);
+    return std::array<double, 2>{cross(p.value, n), cross(p.derivative, n)};
   };
   const double at_start = residual(0)[0];
   const double rise = residual(1)[0] - at_start;
@@ -113,8 +123,7 @@ std::optional<Hit> meet(const Facets &other, std::size_t i, const Point &x, cons
   const auto eta = rise == 0 ? std::nullopt : solve(residual, -at_start / rise);
   if (!eta)
     return std::nullopt;
-  const Point p = interpolate(nodes, other.nodes_per_facet, *eta).value;
-  return Hit{*eta, dot(minus(p, x), n)};
+  return Hit{*eta, dot(interpolate(seen.data(), count, *eta).value, n)};
 }
 
 bool on_facet(double t) { return t > -end_tolerance && t < 1 + end_tolerance; }

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import ctypes
 import importlib.util
-from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -103,7 +103,12 @@ def assemble_vector(form: Any) -> PETSc.Vec:
 def interpolation_points(space: dolfinx.fem.FunctionSpace) -> npt.NDArray[np.float64]:
     """Reference points at which an expression is evaluated to interpolate it into `space`."""
     points = space.element.interpolation_points
-    return points() if isinstance(points, Callable) else points  # method in 0.9, property later
+    return points() if callable(points) else points  # method in 0.9, property later
+
+
+def vtk_file(comm: MPI.Comm, path: Path) -> Any:
+    """A VTK time series opened for writing. Collective."""
+    return dolfinx.io.VTKFile(comm, path, "w")
 
 
 def versions() -> dict[str, Any]:

@@ -8,7 +8,9 @@ support). With contact forces f on the surface nodes and load amplitudes a, the 
     f + F a = S u + S_c c            forces on the surface nodes
     R + H a = S_cᵀ u + S_cc c        forces R that the boundaries exert on the body
 
-exactly: static condensation of a linear body loses nothing. Displacements inside are recovered by
+exactly: static condensation of a linear body loses nothing. A surface node that belongs to a
+constrained boundary as well moves with it, u = T c, and passes its force on: its rows of S, S_c and
+F are those of an unknown without coupling, and Tᵀ f joins R. Displacements inside are recovered by
 one back-substitution.
 """
 
@@ -61,6 +63,7 @@ class CondensedBody:
         coordinate_stiffness: (m, m) S_cc.
         surface_loads: (n, l) F.
         coordinate_loads: (m, l) H.
+        prescribed: (n, m) T, zero but for surface nodes on constrained boundaries.
         modes: (n, k) orthonormal motions of the surface nodes that no constraint prevents.
         load_resultants: (gdim, l) total force of each load.
     """
@@ -71,6 +74,7 @@ class CondensedBody:
     coordinate_stiffness: Array
     surface_loads: Array
     coordinate_loads: Array
+    prescribed: Array
     modes: Array
     load_resultants: Array
 
@@ -96,13 +100,13 @@ class Body:
     ) -> None:
         self.elastic = elastic
         self._index_map = elastic.space.dofmap.index_map
-        shapes = _constraint_shapes(elastic, constraints)
+        shapes = constraint_shapes(elastic, constraints)
         self._constrained = np.flatnonzero(np.any([s.x.array != 0 for s in shapes], axis=0))
         self._retain(surface_points)
         with clock("assembly"):
             self._matrix = elastic.stiffness(self._constrained.astype(np.int32))
         with clock("condensation"):
-            self._factor = SchurFactorization(self._matrix, self._retained)
+            self._factor = SchurFactorization(self._matrix, self.retained)
         # Displacement fields of a unit coordinate and a unit load with all else held at zero.
         self._coordinate_fields: list[PETSc.Vec] = []
         self._load_fields: list[PETSc.Vec] = []
@@ -126,10 +130,10 @@ class Body:
         self._own_local = (node[mine][:, None] * gdim + components).ravel()
         offset = self._index_map.local_range[0] * gdim
         found = comm.allgather((self._own_positions, self._own_local + offset))
-        self._retained = np.full(len(surface_points) * gdim, -1)
+        self.retained = np.full(len(surface_points) * gdim, -1)
         for positions, unknowns in found:
-            self._retained[positions] = unknowns
-        assert np.all(self._retained >= 0), "a surface node is not a node of the body"
+            self.retained[positions] = unknowns
+        assert np.all(self.retained >= 0), "a surface node is not a node of the body"
         self._surface_points = surface_points
 
     def _condense(
@@ -142,11 +146,11 @@ class Body:
         for vector in load_vectors:
             self._load_fields.append(self._interior_response(vector))
         coupling = [
-            self._gather(force + self._matrix * field)
+            self._gather_free(force + self._matrix * field)
             for force, field in zip(coordinate_forces, self._coordinate_fields, strict=True)
         ]
         surface_loads = [
-            self._gather(vector - self._matrix * field)
+            self._gather_free(vector - self._matrix * field)
             for vector, field in zip(load_vectors, self._load_fields, strict=True)
         ]
         self._shapes = shapes
@@ -159,10 +163,11 @@ class Body:
         )
         resultants = self._resultants(load_vectors)
         modes = self._free_modes()
+        prescribed = [self._gather(vector) for vector in shape_vectors]
         if self.elastic.comm.rank != 0:
             return None
         assert self._factor.complement is not None
-        size = len(self._retained)
+        size = len(self.retained)
         return CondensedBody(
             name=self.elastic.name,
             stiffness=self._factor.complement,
@@ -170,6 +175,7 @@ class Body:
             coordinate_stiffness=(stiffness + stiffness.T) / 2,
             surface_loads=_columns(surface_loads, size),
             coordinate_loads=coordinate_loads,
+            prescribed=_columns(prescribed, size),
             modes=modes,
             load_resultants=resultants,
         )
@@ -187,13 +193,18 @@ class Body:
         owned = self._index_map.size_local * self.elastic.gdim
         return self._constrained[self._constrained < owned]
 
+    def _gather_free(self, vector: PETSc.Vec) -> Array | None:
+        """(n,) values at the retained unknowns, zero where a constraint holds them; on rank 0."""
+        vector.array[self._own_constrained()] = 0.0
+        return self._gather(vector)
+
     def _gather(self, vector: PETSc.Vec) -> Array | None:
         """(n,) values at the retained unknowns, on rank 0."""
         comm = self.elastic.comm
         parts = comm.gather((self._own_positions, vector.array[self._own_local].copy()))
         if parts is None:
             return None
-        values = np.empty(len(self._retained))
+        values = np.empty(len(self.retained))
         for positions, part in parts:
             values[positions] = part
         return values
@@ -230,6 +241,7 @@ class Body:
         """
         held = self._matrix.createVecRight()
         held.array[self._own_local] = surface[self._own_positions]
+        held.array[self._own_constrained()] = 0.0
         field = self._interior_response(-1.0 * (self._matrix * held))
         field.axpy(1.0, held)
         for c, shape, response in zip(
@@ -245,7 +257,7 @@ class Body:
         return displacement
 
 
-def _constraint_shapes(
+def constraint_shapes(
     elastic: ElasticBody, constraints: list[Constraint]
 ) -> list[fem.Function]:
     """The displacement of the constrained nodes by a unit amplitude of each constraint."""

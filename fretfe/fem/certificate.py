@@ -30,7 +30,7 @@ class Certificate:
         slip_with_traction: largest slip increment along the traction it should oppose.
         dissipation: friction work of the step per unit thickness (must not be negative).
         pressure_scale: largest pressure, the scale of the tractions.
-        gap_scale: largest gap or displacement, the scale of the lengths.
+        gap_scale: largest gap or displacement by a coordinate, the scale of the lengths.
     """
 
     penetration: float
@@ -68,6 +68,7 @@ def certify(
     increment = relative[:, 1:] - reference / roots
     pressure, shear = traction[:, 0], np.linalg.norm(traction[:, 1:], axis=1)
     gap = relative[:, 0]
+    motion = (interface.motion * state.coordinates).reshape(*relative.shape, -1) / roots[..., None]
     opened, stuck, slipping = (state.status == s for s in (OPEN, STICK, SLIP))
     along = np.einsum("ij,ij->i", increment, state.direction)
     return Certificate(
@@ -80,7 +81,11 @@ def certify(
         slip_with_traction=_largest(along[slipping]),
         dissipation=dissipation(state, reference).sum(),
         pressure_scale=max(_largest(pressure), np.finfo(float).tiny),
-        gap_scale=max(_largest(np.abs(relative).ravel()), np.finfo(float).tiny),
+        gap_scale=max(
+            _largest(np.abs(relative).ravel()),
+            _largest(np.abs(motion).ravel()),
+            np.finfo(float).tiny,
+        ),
     )
 
 

@@ -163,7 +163,8 @@ class ElasticBody:
         if load.kind == "rotation":
             return assemble_vector(fem.form(ufl.inner(self._centrifugal(load), test) * ufl.dx))
         if load.boundary not in self.groups:
-            return fem.Function(self.space).x.petsc_vec.copy()
+            zero = fem.Function(self.space)  # owns the memory that its vector views
+            return zero.x.petsc_vec.copy()
         measure = ufl.Measure("ds", self.mesh, subdomain_data=self.facet_tags)
         if load.kind == "normal":
             traction = ufl.FacetNormal(self.mesh)
@@ -183,14 +184,19 @@ class ElasticBody:
         axis = fem.Constant(self.mesh, np.array(load.direction))
         return density * (arm - ufl.inner(arm, axis) * axis)
 
-    def interpolate_stress(self, displacement: fem.Function) -> fem.Function:
-        """Stress tensor as a discontinuous piecewise polynomial of one degree less."""
-        degree = self.space.element.basix_element.degree - 1
-        space = fem.functionspace(self.mesh, ("DG", degree, (self.gdim, self.gdim)))
-        stress = fem.Function(space, name="stress")
-        expression = fem.Expression(self._stress(displacement), interpolation_points(space))
-        stress.interpolate(expression)
-        return stress
+    def discontinuous_fields(self, displacement: fem.Function) -> list[fem.Function]:
+        """Displacement and stress, interpolated element by element."""
+        degree = self.space.element.basix_element.degree
+        fields = []
+        for name, shape, value in (
+            ("displacement", (self.gdim,), displacement),
+            ("stress", (self.gdim, self.gdim), self._stress(displacement)),
+        ):
+            space = fem.functionspace(self.mesh, ("DG", degree, shape))
+            function = fem.Function(space, name=name)
+            function.interpolate(fem.Expression(value, interpolation_points(space)))
+            fields.append(function)
+        return fields
 
 
 def _mesh_type(mesh: BodyMesh) -> tuple[str, str, int, int, int]:

@@ -112,7 +112,8 @@ class Interface:
 class ReducedBody:
     """A condensed body solved for its surface displacements.
 
-    u = C (f + F a − S_c c) + Q g with C the (generalised) inverse of S, Q its free motions.
+    u = C (f + F a − S_c c) + T c + Q g with C the (generalised) inverse of S where no constraint
+    holds a node, Q the free motions.
 
     Args:
         body: condensed body.
@@ -126,7 +127,9 @@ class ReducedBody:
         level = np.trace(body.stiffness) / len(body.stiffness)
         held = body.stiffness + level * body.modes @ body.modes.T
         self._factor = cholesky(held, lower=True, overwrite_a=True, check_finite=False)
-        self._half = self._forward(operator.T.toarray())
+        not_held = ~body.prescribed.any(axis=1)
+        self._own = operator @ sparse.diags(not_held.astype(float))
+        self._half = self._forward(self._own.T.toarray())
 
     def _forward(self, rhs: Array) -> Array:
         return solve_triangular(self._factor, rhs, lower=True, check_finite=False)
@@ -141,7 +144,8 @@ class ReducedBody:
         free = slice(held.stop, columns.stop)
         system["compliance"] += self._half.T @ self._half
         system["loads"] += self._half.T @ half_loads
-        system["motion"][:, held] = -self._half.T @ half_coupling
+        system["motion"][:, held] = self._operator @ body.prescribed
+        system["motion"][:, held] -= self._half.T @ half_coupling
         system["motion"][:, free] = self._operator @ body.modes
         system["stiffness"][held, held] = (
             body.coordinate_stiffness - half_coupling.T @ half_coupling
@@ -159,11 +163,11 @@ class ReducedBody:
         """
         body = self.body
         count = body.coupling.shape[1]
-        force = self._operator.T @ y + body.surface_loads @ amplitudes
+        force = self._own.T @ y + body.surface_loads @ amplitudes
         force -= body.coupling @ coordinates[:count]
         half = self._forward(force)
         elastic = solve_triangular(self._factor, half, lower=True, trans="T", check_finite=False)
-        return elastic + body.modes @ coordinates[count:]
+        return elastic + body.prescribed @ coordinates[:count] + body.modes @ coordinates[count:]
 
 
 def build_interface(

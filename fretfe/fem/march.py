@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +14,7 @@ from fretfe.fem.certificate import Certificate, certify, dissipation
 from fretfe.fem.fallback import status_by_fixed_point
 from fretfe.fem.interface import Interface
 from fretfe.fem.newton import Newton, NotConverged
-from fretfe.fem.state import OPEN, SLIP, STICK, ContactState, StepLoads, unloaded
+from fretfe.fem.state import OPEN, STICK, ContactState, StepLoads, unloaded
 
 Array = npt.NDArray[np.float64]
 
@@ -51,16 +51,13 @@ class March:
 
     def __init__(self, interface: Interface) -> None:
         self.interface = interface
-        self._newton = Newton(interface)
+        self.newton = Newton(interface)
 
-    def run(
-        self, steps: list[StepLoads], report: Callable[[int, StepResult], None]
-    ) -> Iterator[StepResult]:
+    def run(self, steps: list[StepLoads]) -> Iterator[StepResult]:
         """Solve steps one after the other.
 
         Args:
             steps: loads at the end of each step; the first entry is the unloaded state.
-            report: called with the number of each accepted step, from 1.
 
         Raises:
             ConvergenceError: if a step has no solution; what was yielded before stands.
@@ -75,7 +72,6 @@ class March:
                     f"(iteration {failure.iterations}, after halving the step {MAX_CUTS} times); "
                     f"the {number - 1} steps before it are kept."
                 ) from None
-            report(number, result)
             yield result
             state = result.state
 
@@ -104,13 +100,13 @@ class March:
         status, direction = self._start(state)
         fallbacks = 0
         try:
-            solved, iterations = self._newton.solve(loads, reference, status, direction)
+            solved, iterations = self.newton.solve(loads, reference, status, direction)
         except NotConverged as failure:
             fallbacks, spent = 1, failure.iterations
             status, direction = status_by_fixed_point(
                 self.interface, loads, reference, state.traction
             )
-            solved, iterations = self._newton.solve(loads, reference, status, direction)
+            solved, iterations = self.newton.solve(loads, reference, status, direction)
             iterations += spent
         return StepResult(
             state=solved,
@@ -137,6 +133,3 @@ class March:
             count = max(FIRST_TOUCH_NODES, int(FIRST_TOUCH_FRACTION * (nodes.stop - nodes.start)))
             closed[nodes.start + np.argsort(gap[nodes], kind="stable")[:count]] = True
         return closed
-
-
-__all__ = ["OPEN", "SLIP", "STICK", "March", "StepResult"]

@@ -61,8 +61,8 @@ class Model:
         plan = on_root(comm, lambda: plan_model(case, mesh))  # type: ignore[arg-type]
         assert plan is not None
         with clock("surfaces"):
-            surfaces = on_root(comm, lambda: _surfaces(plan, mesh))  # type: ignore[arg-type]
-            pairs = on_root(comm, lambda: _pairs(case, surfaces, degree), share=False)
+            surfaces = on_root(comm, lambda: contact_surfaces(plan, mesh))  # type: ignore[arg-type]
+            pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
         assert surfaces is not None
         self.bodies: dict[str, Body] = {}
         for body in plan.bodies:
@@ -114,7 +114,8 @@ class Model:
         return retained
 
 
-def _surfaces(plan: ModelPlan, mesh: Mesh) -> dict[str, Surface]:
+def contact_surfaces(plan: ModelPlan, mesh: Mesh) -> dict[str, Surface]:
+    """All contact surfaces, oriented, by name."""
     return {
         name: build_surface(mesh.bodies[body.name], name)
         for body in plan.bodies
@@ -122,11 +123,12 @@ def _surfaces(plan: ModelPlan, mesh: Mesh) -> dict[str, Surface]:
     }
 
 
-def _pairs(case: Case, surfaces: dict[str, Surface], degree: int) -> tuple[Pair, ...]:
+def couple_contacts(case: Case, surfaces: dict[str, Surface]) -> tuple[Pair, ...]:
+    """The contact pairs of a case, in its order."""
     pairs = []
     for name, contact in case.contacts.items():
         first, second = surfaces[contact.surface1], surfaces[contact.surface2]
-        coupling = couple(name, first, second, contact.multipliers, degree)
+        coupling = couple(name, first, second, contact.multipliers, case.model.degree)
         pairs.append(Pair(name, first.body, second.body, coupling))
     return tuple(pairs)
 

@@ -2,9 +2,14 @@
 """Mortar coupling of two contact surfaces, integrated over their true overlap segments.
 
 The traction on body 2 is τ = Σ φ_i (−p_i n + q_i·t): hat functions φ_i on the facet ends of the
-multiplier side, n the outward normal of body 2, t the tangents of the frame of theory (in the plane
-t is n turned clockwise). Work conjugate to it are the weighted gap ∫ φ_i (u_1 − u_2)·n + gap and the
-weighted tangential displacement ∫ φ_i (u_2 − u_1)·t.
+side that carries the multipliers, n the outward normal of body 2, t the tangents (in the plane n
+turned clockwise, so that x = t and y = n). Work conjugate to it are the weighted gap
+∫ φ_i [(u_1 − u_2)·n + gap] and the weighted tangential displacement ∫ φ_i (u_2 − u_1)·t.
+
+Integrals run over the surface of body 2 and the normals are its own, whichever side carries the
+multipliers. This matters where surfaces slide far: a rounded profile that slides along a flat keeps
+its gap when the normals are those of the flat, but not when they are its own, which turn by δ/R over
+a slide δ. So the flatter surface belongs to body 2.
 """
 
 from __future__ import annotations
@@ -40,7 +45,7 @@ class Coupling:
     Attributes:
         arc: (N,) arc length of the nodes along the multiplier side, in the direction of t.
         points: (N, d) coordinates of the nodes.
-        frames: (N, d, d) rows: outward normal of body 2, then tangents, at the nodes.
+        frames: (N, d, d) rows: outward normal of body 2, then tangents, mean around the nodes.
         weights: (N,) integral of each hat function over the overlap.
         gap: (N,) weighted initial gap, ∫ φ_i gap.
         body1, body2: (N*d, n) operators on the surface displacements of each body.
@@ -73,28 +78,27 @@ def couple(
     on_first = multipliers == "surface1" or (
         multipliers == "finer" and _facet_size(surface1) <= _facet_size(surface2)
     )
-    near, far = (surface1, surface2) if on_first else (surface2, surface1)
-    pairs = _overlap(near, far)
+    pairs = _overlap(surface2, surface1)
     if not len(pairs["weight"]):
         raise ModelError(
             f"contact {name!r}: surfaces {surface1.name!r} and {surface2.name!r} never face each "
             "other within half their length; expected two boundaries that look at each other. "
             "Check the names, and that the bodies are in their working position."
         )
-    return _assemble(pairs, near, far, on_first, degree)
+    return _assemble(pairs, surface1, surface2, on_first, degree)
 
 
 def _facet_size(surface: Surface) -> float:
     return float(np.median(surface.lengths))
 
 
-def _overlap(near: Surface, far: Surface) -> dict[str, Array]:
+def _overlap(base: Surface, other: Surface) -> dict[str, Array]:
     points, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
-    reach = SEARCH_FRACTION * min(near.lengths.sum(), far.lengths.sum())
+    reach = SEARCH_FRACTION * min(base.lengths.sum(), other.lengths.sum())
     return _kernels.overlap_points(
-        np.ascontiguousarray(near.nodes),
-        np.ascontiguousarray(near.normals),
-        np.ascontiguousarray(far.nodes),
+        np.ascontiguousarray(base.nodes),
+        np.ascontiguousarray(base.normals),
+        np.ascontiguousarray(other.nodes),
         (points + 1) / 2,
         weights / 2,
         reach,
@@ -102,33 +106,32 @@ def _overlap(near: Surface, far: Surface) -> dict[str, Array]:
 
 
 def _assemble(
-    pairs: dict[str, Array], near: Surface, far: Surface, on_first: bool, degree: int
+    pairs: dict[str, Array], surface1: Surface, surface2: Surface, on_first: bool, degree: int
 ) -> Coupling:
-    """Coupling from integration points on the multiplier side `near`."""
-    facet, xi = pairs["facet"], pairs["xi"]
-    hats = _hats(facet, xi, pairs["weight"], len(near.nodes) + 1)
-    support = hats @ np.ones(len(xi))
-    nodes = np.flatnonzero(support > SMALLEST_SUPPORT * _hat_integrals(near))
+    """Coupling from integration points on the surface of body 2 and their projections."""
+    places = (pairs["other_facet"], pairs["eta"]), (pairs["facet"], pairs["xi"])
+    carrier, place = (surface1, places[0]) if on_first else (surface2, places[1])
+    hats = _hats(*place, pairs["weight"], len(carrier.nodes) + 1)
+    support = hats @ np.ones(len(pairs["weight"]))
+    nodes = np.flatnonzero(support > SMALLEST_SUPPORT * _hat_integrals(carrier))
     # A chain has its body on the left: only that of body 1 runs in the direction of t.
     nodes = nodes if on_first else nodes[::-1]
-    out_of_2 = -1.0 if on_first else 1.0
-    normals = out_of_2 * np.stack([pairs["normal_x"], pairs["normal_y"]], axis=1)
+    test, support = hats[nodes], support[nodes]
+    normals = np.stack([pairs["normal_x"], pairs["normal_y"]], axis=1)
     axes = np.moveaxis(_frames(normals), 1, 0)  # normal, tangents at the points
-    test = hats[nodes]
-    near_operator = _interleave([test @ _trace(a, near, facet, xi, degree) for a in axes])
-    far_operator = _interleave(
-        [test @ _trace(a, far, pairs["other_facet"], pairs["eta"], degree) for a in axes]
+    first, second = (
+        _interleave([test @ _trace(axis, surface, *at, degree) for axis in axes])
+        for surface, at in zip((surface1, surface2), places, strict=True)
     )
-    first, second = (near_operator, far_operator) if on_first else (far_operator, near_operator)
     # The gap opens with u_1 along n; the tangential displacement grows with u_2 along t.
     signs = sparse.diags(np.tile([1.0, *[-1.0] * (normals.shape[1] - 1)], len(nodes)))
-    vertex_normals = out_of_2 * np.vstack([near.normals[:, 0], near.normals[-1:, 1]])
+    mean = test @ normals
     return Coupling(
-        arc=(near.arc if on_first else -near.arc)[nodes],
-        points=near.vertices[nodes],
-        frames=_frames(vertex_normals[nodes]),
-        weights=support[nodes],
-        gap=(hats @ pairs["gap"])[nodes],
+        arc=(carrier.arc if on_first else -carrier.arc)[nodes],
+        points=carrier.vertices[nodes],
+        frames=_frames(mean / np.linalg.norm(mean, axis=1, keepdims=True)),
+        weights=support,
+        gap=test @ pairs["gap"],
         body1=(signs @ first).tocsr(),
         body2=(-signs @ second).tocsr(),
     )

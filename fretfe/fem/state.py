@@ -9,11 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from fretfe.fem.interface import Interface
+from fretfe.solution import OPEN, SLIP, STICK
 
 Array = npt.NDArray[np.float64]
 Status = npt.NDArray[np.int8]
 
-OPEN, STICK, SLIP = 0, 1, 2
+__all__ = ["OPEN", "SLIP", "STICK", "ContactState", "StepLoads", "unloaded"]
+
 
 
 @dataclass(frozen=True)

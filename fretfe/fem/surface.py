@@ -94,15 +94,19 @@ def _chain_order(facets: Indices, where: str) -> Indices:
     """Order in which the facets follow each other from the chain's first to its last."""
     by_start = {int(start): i for i, start in enumerate(facets[:, 0])}
     firsts = np.setdiff1d(facets[:, 0], facets[:, 1])
-    if len(firsts) != 1 or len(by_start) != len(facets):
-        kind = "a closed curve" if len(firsts) == 0 else f"{len(firsts)} separate pieces"
+    order = [by_start[int(first)] for first in firsts[:1]]
+    for _ in facets[1:]:
+        following = by_start.get(int(facets[order[-1], 1])) if order else None
+        if following is None:
+            break
+        order.append(following)
+    if len(set(order)) != len(facets) or len(firsts) != 1:
+        pieces = {0: "a closed curve", 1: "an open and a closed curve"}
+        kind = pieces.get(len(firsts), f"{len(firsts)} separate pieces")
         raise MeshError(
             f"{where}: a contact surface must be one open curve, but its facets form {kind}. "
             "Give each piece a physical group and a contact of its own."
         )
-    order = [by_start[int(firsts[0])]]
-    while (following := by_start.get(int(facets[order[-1], 1]))) is not None:
-        order.append(following)
     return np.array(order)
 
 

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The command line: `fretfe run`, `check`, `mesh`, `info`, `schema`.
+
+Exit codes: 0 success, 1 unexpected error, 2 case file or usage, 3 geometry or mesh, 4 model,
+5 no convergence, 6 output, 7 missing dependency.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import traceback
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fretfe.errors import FretfeError
+
+app = typer.Typer(
+    help="Fretting contacts by finite elements: edge factors and slip zones of two-body contacts.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+CaseFile = Annotated[Path, typer.Argument(help="Case file (TOML).", show_default=False)]
+
+
+@app.command()
+def run(
+    case: CaseFile,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for the results; made if missing.")
+    ],
+    timings: Annotated[bool, typer.Option(help="Print the wall time of each phase.")] = False,
+) -> None:
+    """Solve a case and write its results.
+
+    Under MPI: mpirun -n 4 fretfe run CASE -o DIR
+    """
+    from fretfe.fem.command import run_case
+
+    run_case(case, output, timings=timings)
+
+
+@app.command()
+def check(case: CaseFile) -> None:
+    """Validate a case and its mesh and list what would be solved, without solving it."""
+    from fretfe.fem.command import check_case
+
+    check_case(case)
+
+
+@app.command()
+def mesh(
+    case: CaseFile,
+    output: Annotated[Path, typer.Option("--output", "-o", help="Mesh file to write (.msh).")],
+) -> None:
+    """Make the mesh of a case and write it in Gmsh's format, with its named groups."""
+    from fretfe.fem.command import write_mesh_file
+
+    write_mesh_file(case, output)
+
+
+@app.command()
+def info() -> None:
+    """Show versions, MPI and the linear-algebra library in use."""
+    from fretfe.fem.command import show_info
+
+    show_info()
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of case files."""
+    from fretfe.case import case_schema
+
+    typer.echo(json.dumps(case_schema(), indent=2))
+
+
+def main() -> None:
+    """Entry point: every error of a user ends with one message and its exit code."""
+    try:
+        app()
+    except FretfeError as error:
+        _finish(error.exit_code, f"fretfe: error: {error}")
+    except Exception:
+        _finish(1, traceback.format_exc())
+
+
+def _finish(code: int, message: str) -> None:
+    """Print a message once and end this process, or all of them if only this one failed.
+
+    An error of the user is raised on every rank, and the first one reports it. Anything else may
+    have happened on one rank alone, and the others would wait for it for ever.
+    """
+    communicator = _communicator()
+    if communicator is None or communicator.size == 1:
+        if _rank_from_environment() == 0:
+            print(message, file=sys.stderr, flush=True)
+        sys.exit(code)
+    if code == 1:
+        print(f"rank {communicator.rank}: {message}", file=sys.stderr, flush=True)
+        communicator.Abort(code)
+    if communicator.rank == 0:
+        print(message, file=sys.stderr, flush=True)
+    sys.exit(code)
+
+
+def _communicator():  # type: ignore[no-untyped-def]
+    """The world communicator, if MPI is in use at all."""
+    mpi = sys.modules.get("mpi4py.MPI")
+    return mpi.COMM_WORLD if mpi is not None else None
+
+
+def _rank_from_environment() -> int:
+    """Rank that the MPI launcher announces, for errors from before MPI was loaded."""
+    for name in ("PMI_RANK", "OMPI_COMM_WORLD_RANK", "PMIX_RANK"):
+        if name in os.environ:
+            return int(os.environ[name])
+    return 0

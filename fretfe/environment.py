@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What fretfe runs on: versions and the linear-algebra library in use."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import platform
+from pathlib import Path
+
+PACKAGES = ("fretfe", "numpy", "scipy", "pydantic", "h5py", "gmsh", "matplotlib", "pyvista")
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the packages that take part in a run."""
+    found = {"python": platform.python_version()}
+    for name in PACKAGES:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+def blas_libraries() -> list[str]:
+    """BLAS libraries loaded into this process (Linux; empty elsewhere)."""
+    maps = Path("/proc/self/maps")
+    if not maps.exists():
+        return []
+    paths = {line.split(maxsplit=5)[-1].strip() for line in maps.read_text().splitlines()}
+    return sorted(
+        path for path in paths if "blas" in Path(path).name.lower() and ".so" in Path(path).name
+    )
+
+
+def reference_blas_only(libraries: list[str]) -> bool:
+    """Whether no optimised BLAS is among the loaded libraries; factorisations are slow then."""
+    optimised = ("openblas", "mkl", "blis", "atlas", "flexiblas")
+    return bool(libraries) and not any(
+        name in str(Path(library).resolve()).lower() for library in libraries for name in optimised
+    )

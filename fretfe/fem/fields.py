@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Displacement and stress fields for ParaView. Collective."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from dolfinx import fem
+
+from fretfe.fem._compat import vtk_file
+from fretfe.fem.model import Model
+
+
+def write_fields(
+    model: Model,
+    fields: list[dict[str, fem.Function]],
+    times: npt.NDArray[np.float64],
+    directory: Path,
+) -> None:
+    """Write one time series per body: `<body>.pvd`, displacement and stress.
+
+    Both fields are written as discontinuous polynomials of the displacement's degree, which
+    holds them exactly; nothing is smoothed between elements.
+
+    Args:
+        model: the solved model.
+        fields: displacement by body, for each time.
+        times: (n,) times of the fields.
+        directory: existing folder.
+    """
+    for name, body in model.bodies.items():
+        with vtk_file(model.comm, directory / f"{name}.pvd") as file:
+            for displacements, time in zip(fields, times, strict=True):
+                functions = body.elastic.discontinuous_fields(displacements[name])
+                file.write_function(functions, float(time))

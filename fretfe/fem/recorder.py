@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Collects accepted steps and turns them into a `Solution` in physical units."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+import numpy.typing as npt
+
+from fretfe.fem.bonded import BondedSolver, find_drivers
+from fretfe.fem.certificate import Certificate
+from fretfe.fem.interface import Pair
+from fretfe.fem.march import March, StepResult
+from fretfe.fem.model import Reduction
+from fretfe.fem.state import ContactState, StepLoads, unloaded
+from fretfe.loads import History
+from fretfe.solution import BondedUnits, ContactHistory, Solution
+
+Array = npt.NDArray[np.float64]
+
+
+class Recorder:
+    """Keeps every accepted state, and the bonded increments of every contact area met.
+
+    Args:
+        reduction: the interface problem and what it was made from.
+        steps: loads of all steps, the unloaded state first.
+        march: whose stuck operator the companion solutions share.
+    """
+
+    def __init__(self, reduction: Reduction, steps: list[StepLoads], march: March) -> None:
+        interface = reduction.interface
+        self._reduction = reduction
+        self._steps = steps
+        self._drivers = find_drivers(interface, [load.channel for load in reduction.plan.loads])
+        self._bonded = BondedSolver(interface, march.newton, self._drivers)
+        self._areas: dict[bytes, int] = {}
+        self._units: list[Array] = []
+        self._area_of_state = [-1]
+        self.states: list[ContactState] = [unloaded(interface)]
+        self.results: list[StepResult] = []
+
+    def add(self, result: StepResult) -> None:
+        """Keep an accepted step."""
+        self.states.append(result.state)
+        self.results.append(result)
+        closed = result.state.closed
+        if not closed.any():
+            self._area_of_state.append(-1)
+            return
+        key = closed.tobytes()
+        if key not in self._areas:
+            self._areas[key] = len(self._units)
+            self._units.append(self._bonded.units(result.state))
+        self._area_of_state.append(self._areas[key])
+
+    def requests(self, states: list[int]) -> list[tuple[ContactState, StepLoads]]:
+        """Some of the states with their loads, to recover displacement fields from."""
+        return [(self.states[number], self._steps[number]) for number in states]
+
+    def smallest_gap(self) -> float:
+        """Smallest nodal gap over all states."""
+        roots = self._reduction.interface.roots
+        return float(min((state.relative[:, 0] / roots).min() for state in self.states))
+
+    def solution(self, history: History) -> Solution:
+        """Everything kept so far, in physical units."""
+        count = len(self.states)
+        forces = np.array([state.forces for state in self.states])
+        amplitudes = np.array([step.amplitudes for step in self._steps[:count]])
+        interface = self._reduction.interface
+        complete = count == len(history.times)
+        named = [j for j, c in enumerate(interface.coordinates) if c.control != "free"]
+        return Solution(
+            times=history.times[:count],
+            channels=history.channels,
+            values=history.values[:count],
+            cycle=history.cycle if complete else None,
+            coordinates=tuple(interface.coordinates[j].label for j in named),
+            amplitudes=np.array([state.coordinates for state in self.states])[:, named],
+            forces=forces[:, named],
+            drivers=self._drivers.names,
+            driver_values=np.array(
+                [self._drivers.values(f, a) for f, a in zip(forces, amplitudes, strict=True)]
+            ),
+            contacts=tuple(self._contact(pair) for pair in self._reduction.pairs),
+            iterations=np.array([0] + [r.iterations for r in self.results]),
+            parts=np.array([0] + [r.parts for r in self.results]),
+            fallbacks=np.array([0] + [r.fallbacks for r in self.results]),
+            certificates=self._certificates(),
+        )
+
+    def _contact(self, pair: Pair) -> ContactHistory:
+        interface, coupling = self._reduction.interface, pair.coupling
+        nodes = interface.contacts[pair.name]
+        roots = interface.roots[nodes]
+        relative = np.array([state.relative[nodes] for state in self.states])
+        zero = np.zeros(len(roots))
+        units = [unit[nodes] for unit in self._units]
+        shape = (0, len(roots), interface.components, len(self._drivers.names))
+        steps = self._steps[: len(self.states)]
+        return ContactHistory(
+            name=pair.name,
+            body1=pair.body1,
+            body2=pair.body2,
+            arc=coupling.arc,
+            points=coupling.points,
+            frames=coupling.frames,
+            weights=coupling.weights,
+            friction=np.array([step.friction[nodes.start] for step in steps]),
+            traction=np.array([s.traction[nodes] for s in self.states]) / roots[:, None],
+            gap=relative[..., 0] / roots,
+            slip=-relative[..., 1:] / roots[:, None],
+            status=np.array([state.status[nodes] for state in self.states]),
+            dissipation=np.array([zero] + [r.dissipation[nodes] for r in self.results]),
+            bonded=BondedUnits(
+                fields=np.array(units) if units else np.zeros(shape),
+                area=np.array(self._area_of_state),
+            ),
+        )
+
+    def _certificates(self) -> dict[str, Array]:
+        """Violations of the contact conditions and of equilibrium, by name, (T,) each."""
+        names = [field.name for field in fields(Certificate)]
+        columns = {
+            name: np.array([0.0] + [getattr(r.certificate, name) for r in self.results])
+            for name in names
+        }
+        columns["worst"] = np.array([0.0] + [r.certificate.worst for r in self.results])
+        columns["force_imbalance"], columns["force_scale"] = self._balance()
+        return columns
+
+    def _balance(self) -> tuple[Array, Array]:
+        """(T,) largest sum of all forces on a body, and the largest force, in each state."""
+        imbalance, scale = np.zeros(len(self.states)), np.zeros(len(self.states))
+        for body in self._reduction.plan.bodies:
+            reactions = self._reactions(body.name)
+            condensed = self._reduction.condensed[body.name]
+            amplitudes = np.array([s.amplitudes for s in self._steps[: len(self.states)]])
+            loads = amplitudes @ condensed.load_resultants.T
+            contacts = self._contact_forces(body.name)
+            total = reactions + loads + contacts
+            imbalance = np.maximum(imbalance, np.abs(total).max(axis=1))
+            parts = np.stack([reactions, loads, contacts])
+            scale = np.maximum(scale, np.abs(parts).max(axis=(0, 2)))
+        return imbalance, scale
+
+    def _reactions(self, name: str) -> Array:
+        """(T, d) sum of the forces that the constrained boundaries exert on a body."""
+        body = next(b for b in self._reduction.plan.bodies if b.name == name)
+        d = self._reduction.interface.components
+        own = [
+            j
+            for j, c in enumerate(self._reduction.interface.coordinates)
+            if c.body == name and c.control != "free"
+        ]
+        directions = np.array([c.direction for c in body.constraints]).reshape(len(own), d)
+        return np.array([state.forces[own] @ directions for state in self.states])
+
+    def _contact_forces(self, name: str) -> Array:
+        """(T, d) sum of the contact forces on a body."""
+        interface = self._reduction.interface
+        total = np.zeros((len(self.states), interface.components))
+        for pair in self._reduction.pairs:
+            nodes = interface.contacts[pair.name]
+            for body, operator in (
+                (pair.body1, pair.coupling.body1),
+                (pair.body2, pair.coupling.body2),
+            ):
+                if body != name:
+                    continue
+                for number, state in enumerate(self.states):
+                    traction = state.traction[nodes] / interface.roots[nodes, None]
+                    forces = operator.T @ traction.ravel()
+                    total[number] += forces.reshape(-1, interface.components).sum(axis=0)
+        return total

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Solve a case with finite elements, from its geometry to a `Solution`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from fretfe.case import Case, check_dimension
+from fretfe.errors import ConvergenceError, ModelError
+from fretfe.fem._compat import MPI
+from fretfe.fem.fields import write_fields
+from fretfe.fem.march import March, StepResult
+from fretfe.fem.mesh_groups import check_groups
+from fretfe.fem.meshing import Mesh, mesh_template, read_mesh
+from fretfe.fem.model import Model, step_loads
+from fretfe.fem.parallel import on_root
+from fretfe.fem.recorder import Recorder
+from fretfe.fem.timing import Clock
+from fretfe.loads import History
+from fretfe.solution import Solution
+from fretfe.templates import check_parameters, find_template
+
+Progress = Callable[[int, int, StepResult], None]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What solving a case produced; the same on all ranks but for what only rank 0 has.
+
+    Attributes:
+        solution: all accepted steps; rank 0 only.
+        mesh: the bodies' meshes; rank 0 only.
+        failure: why the history was not finished, or None.
+        seconds: wall time of each phase on this rank.
+    """
+
+    solution: Solution | None
+    mesh: Mesh | None
+    failure: ConvergenceError | None
+    seconds: dict[str, float]
+
+
+def load_mesh(case: Case) -> Mesh:
+    """Read or make the mesh of a case and check it against the case. Serial.
+
+    Raises:
+        CaseError: if the template or its parameters are not valid, or a direction does not fit.
+        MeshError: if there is no valid mesh with all the groups that the case names.
+    """
+    geometry = case.geometry
+    if geometry.template is not None:
+        template = find_template(geometry.template)
+        parameters = check_parameters(template, geometry.parameters)
+        mesh = mesh_template(template, parameters, geometry.order)
+    else:
+        assert geometry.file is not None
+        mesh = read_mesh(case.resolve(geometry.file))
+    check_groups(mesh, case)
+    check_dimension(case, next(iter(mesh.bodies.values())).points.shape[1])
+    return mesh
+
+
+def solve(
+    comm: MPI.Comm, case: Case, history: History, fields: Path | None, progress: Progress
+) -> Outcome:
+    """Solve the load history of a case. Collective.
+
+    Args:
+        comm: communicator.
+        case: validated case, the same on all ranks.
+        history: its load history, the same on all ranks.
+        fields: folder for the fields that the case asks for; None writes none.
+        progress: called on rank 0 with each accepted step, the number of steps, and its result.
+
+    Raises:
+        FretfeError: for whatever keeps the history from being started; see `Outcome.failure` for
+            a history that was not finished.
+    """
+    clock = Clock()
+    with clock("mesh"):
+        mesh = on_root(comm, lambda: load_mesh(case), share=False)
+    model = Model(comm, case, mesh, clock)
+    with clock("steps"):
+        marched = on_root(comm, lambda: _march(model, case, history, progress), share=False)
+    failure = comm.bcast(marched.failure if marched else None)
+    if fields is not None:
+        with clock("fields"):
+            recorder = marched.recorder if marched else None
+            _write_fields(model, case, history, recorder, fields)
+    solution = marched.recorder.solution(history) if marched else None
+    return Outcome(solution, mesh, failure, clock.seconds)
+
+
+@dataclass(frozen=True)
+class _Marched:
+    """The accepted steps, and why there are not more of them."""
+
+    recorder: Recorder
+    failure: ConvergenceError | None
+
+
+def _march(model: Model, case: Case, history: History, progress: Progress) -> _Marched:
+    """Solve all steps; one that fails ends the history and keeps what was computed."""
+    reduction = model.reduction
+    assert reduction is not None
+    steps = step_loads(case, history, reduction.interface, reduction.plan)
+    march = March(reduction.interface)
+    recorder = Recorder(reduction, steps, march)
+    try:
+        for number, result in enumerate(march.run(steps), start=1):
+            recorder.add(result)
+            progress(number, len(steps) - 1, result)
+    except ConvergenceError as failure:
+        return _Marched(recorder, failure)
+    _require_contact(recorder)
+    return _Marched(recorder, None)
+
+
+def _require_contact(recorder: Recorder) -> None:
+    """A history in which no surfaces ever touch is a mistake in the case."""
+    if any(state.closed.any() for state in recorder.states):
+        return
+    raise ModelError(
+        "no contact surfaces met in any step: the smallest gap on the way was "
+        f"{recorder.smallest_gap():.6g}. Check the signs and sizes of the loads that should "
+        "bring the bodies together, and their position in the mesh."
+    )
+
+
+def _write_fields(
+    model: Model, case: Case, history: History, recorder: Recorder | None, directory: Path
+) -> None:
+    """Write displacement and stress of the states that the case asks for. Collective."""
+    chosen = model.comm.bcast(_field_states(case, history, recorder) if recorder else None)
+    if not chosen:
+        return
+    requests = recorder.requests(chosen) if recorder else None
+    write_fields(model, model.recover(requests), history.times[chosen], directory)
+
+
+def _field_states(case: Case, history: History, recorder: Recorder) -> list[int]:
+    """Solved states whose fields are written."""
+    solved = range(1, len(recorder.states))
+    wanted = case.output.fields
+    if wanted == "none":
+        return []
+    if wanted == "all":
+        return list(solved)
+    if wanted == "last":
+        return list(solved[-1:])
+    return [state for state in (history.step(time) for time in wanted) if state in solved]

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Figures of tractions, drawn off screen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from fretfe.case import Case
+from fretfe.evaluate import ContactSummary
+from fretfe.solution import ContactHistory, Solution
+
+# Two colours that stay apart for colour-blind readers and in grey (Okabe and Ito).
+EXTREME_COLOURS = ("#0072B2", "#D55E00")
+PRESSURE_COLOUR = "#555555"
+STYLE = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
+
+
+def write_tractions(
+    path: Path, case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]
+) -> None:
+    """Draw p, f p and q along every contact at the two load extremes, one panel per contact."""
+    with mpl.rc_context(STYLE):
+        columns = min(2, len(contacts))
+        rows = -(-len(contacts) // columns)
+        figure = Figure(figsize=(6.4 * columns, 4.2 * rows), layout="constrained")
+        FigureCanvasAgg(figure)
+        panels = figure.subplots(rows, columns, squeeze=False).ravel()
+        for panel, history, summary in zip(panels, solution.contacts, contacts, strict=False):
+            _draw_contact(panel, case, solution, history, summary)
+        for panel in panels[len(contacts) :]:
+            panel.set_axis_off()
+        figure.savefig(path, dpi=150)
+
+
+def extremes(solution: Solution, summary: ContactSummary) -> list[int]:
+    """States of the largest and smallest shear factor in the evaluated cycle (or overall)."""
+    first, last = solution.cycle or (0, len(solution.times) - 1)
+    k_t = summary.edges[0].k_t[first : last + 1]
+    states = [first + int(np.argmax(k_t)), first + int(np.argmin(k_t))]
+    return sorted(set(states)) if np.ptp(k_t) > 0 else [last]
+
+
+def _draw_contact(
+    panel: Axes, case: Case, solution: Solution, history: ContactHistory, summary: ContactSummary
+) -> None:
+    stress, length = case.units.stress, case.units.length
+    for state, colour in zip(extremes(solution, summary), EXTREME_COLOURS, strict=False):
+        time = f"t = {solution.times[state]:g} {case.units.time}"
+        shown = _around_contact(history, state)
+        x = history.arc[shown]
+        pressure, shear = history.traction[state, shown, :2].T
+        bound = history.friction[state] * pressure
+        panel.plot(x, pressure, color=colour, lw=0.8, ls=":", label=f"p, {time}")
+        panel.fill_between(x, -bound, bound, color=colour, alpha=0.12, lw=0)
+        panel.plot(x, bound, color=colour, lw=0.8, ls="--", label=f"±f p, {time}")
+        panel.plot(x, -bound, color=colour, lw=0.8, ls="--")
+        panel.plot(x, shear, color=colour, lw=1.6, label=f"q, {time}")
+    panel.axhline(0, color=PRESSURE_COLOUR, lw=0.6)
+    panel.set_title(f"{summary.name}: {history.body1} on {history.body2}")
+    panel.set_xlabel(f"x along the contact [{length}]")
+    panel.set_ylabel(f"p, q [{stress}]")
+    panel.legend(frameon=False, fontsize=8)
+
+
+def _around_contact(history: ContactHistory, state: int) -> npt.NDArray[np.bool_]:
+    """Nodes of the contact at a state and a little beyond."""
+    closed = history.arc[history.traction[state, :, 0] > 0]
+    if not len(closed):
+        return np.ones(len(history.arc), dtype=bool)
+    margin = 0.05 * np.ptp(closed)
+    return (history.arc >= closed[0] - margin) & (history.arc <= closed[-1] + margin)

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Tables for the terminal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+from rich.table import Table
+
+from fretfe.case import Case
+from fretfe.evaluate import ContactSummary, Edge, SlipZone
+from fretfe.solution import Solution
+
+
+def edge_table(case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]) -> Table:
+    """One row per contact edge: position, K_N, range of K_T, slip zones, prediction."""
+    units = case.units
+    title = (
+        f"Contact edges (lengths in {units.length}; K_N in {units.stress}/√{units.length}; "
+        f"ΔK_T in {units.stress}·√{units.length}; friction work of the cycle in "
+        f"{units.force}·{units.length}/{units.length})"
+    )
+    headers = ("contact", "edge", "x", "K_N", "ΔK_T", "slip zones", "predicted", "work")
+    table = _table(title, headers, text=2)
+    for contact in contacts:
+        for edge in contact.edges:
+            table.add_row(contact.name, edge.side, *_edge_cells(edge))
+    return table
+
+
+def _table(title: str, headers: tuple[str, ...], text: int) -> Table:
+    """An empty table whose first `text` columns hold text and the others numbers."""
+    table = Table(title=title, title_justify="left", expand=False)
+    for number, header in enumerate(headers):
+        table.add_column(header, justify="left" if number < text else "right", no_wrap=True)
+    return table
+
+
+def _edge_cells(edge: Edge) -> list[str]:
+    zones = edge.slip_zones[-2:]
+    measured = [_zone_length(zone) for zone in zones]
+    loops = [z.predicted_loop if math.isfinite(z.predicted_loop) else z.predicted for z in zones]
+    return [
+        _number(edge.position[-1]),
+        _number(edge.k_n[-1]),
+        _number(edge.k_t_range),
+        " / ".join(measured) or "-",
+        " / ".join(_number(loop) for loop in loops) or "-",
+        _number(edge.dissipation),
+    ]
+
+
+def _zone_length(zone: SlipZone) -> str:
+    """Length of a slip zone; ~ marks one that the mesh does not resolve."""
+    if zone.gross:
+        return "gross"
+    return ("" if zone.resolved else "~") + _number(zone.length)
+
+
+def contact_table(case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]) -> Table:
+    """One row per contact: ranges of forces over the cycle and whether the cycle is steady."""
+    units = case.units
+    title = (
+        f"Contacts (P, Q in {units.force}/{units.length}, half-width in {units.length}; "
+        "change of q over the cycle relative to f p_max)"
+    )
+    headers = ("contact", "P", "Q", "half-width", "steady", "change of q")
+    table = _table(title, headers, text=1)
+    first, last = solution.cycle or (0, len(solution.times) - 1)
+    for contact in contacts:
+        cycle = slice(first, last + 1)
+        table.add_row(
+            contact.name,
+            _range(contact.normal_force[cycle]),
+            _range(contact.shear_force[cycle]),
+            _number(contact.half_width[-1]),
+            "yes" if contact.steady else "no",
+            _number(contact.cycle_change),
+        )
+    return table
+
+
+def timing_table(seconds: Mapping[str, float]) -> Table:
+    """Wall time of each phase, in the order of their start."""
+    table = _table("Timings", ("phase", "seconds"), text=1)
+    for phase, value in seconds.items():
+        table.add_row(phase, f"{value:.3f}")
+    table.add_row("total", f"{sum(seconds.values()):.3f}")
+    return table
+
+
+def _range(values: npt.NDArray[np.float64]) -> str:
+    return f"{_number(values.min())} … {_number(values.max())}"
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if math.isfinite(value) else "-"

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a run leaves on disk: `results.json` for numbers and histories, `results.h5` for arrays.
+
+The schema is described in docs/results.md. Numbers that do not exist are null in JSON and NaN in
+HDF5. Everything is gathered here, on one process.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any, Protocol
+
+import h5py
+import numpy as np
+import numpy.typing as npt
+
+from fretfe.case import Case
+from fretfe.errors import OutputError
+from fretfe.evaluate import ContactSummary
+from fretfe.solution import ContactHistory, Solution
+
+SCHEMA = {"name": "fretfe-results", "version": 1}
+NUMBERS, ARRAYS = "results.json", "results.h5"
+
+
+class BodyArrays(Protocol):
+    """The mesh of one body, whoever made it."""
+
+    points: npt.NDArray[np.float64]
+    cells: npt.NDArray[np.int64]
+    cell: str
+    order: int
+    boundaries: dict[str, npt.NDArray[np.int64]]
+
+
+@dataclass(frozen=True)
+class Run:
+    """How a solution was obtained.
+
+    Attributes:
+        case: the case as run.
+        versions: of everything that had a part in it.
+        seconds: wall time by phase.
+        ranks: number of MPI processes.
+        failure: why the history was not finished, "" if it was.
+        bodies: the meshes.
+    """
+
+    case: Case
+    versions: Mapping[str, str]
+    seconds: Mapping[str, float]
+    ranks: int
+    failure: str
+    bodies: Mapping[str, BodyArrays]
+
+
+def prepare_directory(directory: Path) -> None:
+    """Make the output folder and check that files can be written there.
+
+    Raises:
+        OutputError: if not.
+    """
+    probe = directory / ".fretfe-probe"
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise OutputError(
+            f"{directory}: expected a folder that files can be written to, found: {error.strerror}"
+        ) from error
+
+
+def write_results(
+    directory: Path, run: Run, solution: Solution, contacts: tuple[ContactSummary, ...]
+) -> None:
+    """Write `results.json`, `results.h5` and the case as run.
+
+    Raises:
+        OutputError: if a file cannot be written.
+    """
+    try:
+        text = json.dumps(as_numbers(run, solution, contacts), indent=1, allow_nan=False)
+        (directory / NUMBERS).write_text(text + "\n", encoding="utf-8")
+        with h5py.File(directory / ARRAYS, "w") as file:
+            file.attrs.update({"schema": SCHEMA["name"], "version": SCHEMA["version"]})
+            file["times"] = solution.times
+            for contact in solution.contacts:
+                _write_contact(file.create_group(f"contacts/{contact.name}"), contact)
+            for name, body in run.bodies.items():
+                _write_mesh(file.create_group(f"mesh/{name}"), body)
+    except OSError as error:
+        raise OutputError(f"{directory}: cannot write the results: {error}") from error
+
+
+def read_numbers(directory: Path) -> dict[str, Any]:
+    """Read `results.json` of a run.
+
+    Raises:
+        OutputError: if it is missing or not of this schema.
+    """
+    path = directory / NUMBERS
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise OutputError(f"{path}: expected the results of a run, found: {error}") from error
+    if data.get("schema") != SCHEMA:
+        raise OutputError(f"{path}: expected schema {SCHEMA}, found {data.get('schema')}")
+    return dict(data)
+
+
+def as_numbers(
+    run: Run, solution: Solution, contacts: tuple[ContactSummary, ...]
+) -> dict[str, Any]:
+    """Everything that `results.json` holds, in plain Python types."""
+    case = run.case
+    return _plain(
+        {
+            "schema": SCHEMA,
+            "title": case.title,
+            "units": case.units.model_dump(),
+            "complete": not run.failure,
+            "failure": run.failure,
+            "versions": run.versions,
+            "ranks": run.ranks,
+            "seconds": run.seconds,
+            "case": case.model_dump(mode="json", exclude_unset=True),
+            "times": solution.times,
+            "cycle": solution.cycle,
+            "loads": dict(zip(solution.channels, solution.values.T, strict=True)),
+            "coordinates": {
+                label: {"amplitude": amplitude, "force": force}
+                for label, amplitude, force in zip(
+                    solution.coordinates, solution.amplitudes.T, solution.forces.T, strict=True
+                )
+            },
+            "contacts": {contact.name: _contact_numbers(contact) for contact in contacts},
+            "steps": {
+                "iterations": solution.iterations,
+                "parts": solution.parts,
+                "fallbacks": solution.fallbacks,
+                "certificate": solution.certificates,
+            },
+            "mesh": {
+                name: {
+                    "cell": body.cell,
+                    "order": body.order,
+                    "nodes": len(body.points),
+                    "cells": len(body.cells),
+                }
+                for name, body in run.bodies.items()
+            },
+        }
+    )
+
+
+def _contact_numbers(contact: ContactSummary) -> dict[str, Any]:
+    """A contact's histories; `station` counts places along an edge, one in the plane."""
+    numbers = {field.name: getattr(contact, field.name) for field in fields(contact)}
+    del numbers["name"]
+    numbers["edges"] = [{"station": 0, **asdict(edge)} for edge in contact.edges]
+    return numbers
+
+
+def _plain(value: Any) -> Any:
+    """Arrays as lists, NaN and infinity as None, keys as strings."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _write_contact(group: h5py.Group, contact: ContactHistory) -> None:
+    group.attrs.update({"body1": contact.body1, "body2": contact.body2})
+    for field in fields(contact):
+        value = getattr(contact, field.name)
+        if isinstance(value, np.ndarray):
+            group.create_dataset(field.name, data=value)
+    group["bonded/fields"] = contact.bonded.fields
+    group["bonded/area"] = contact.bonded.area
+
+
+def _write_mesh(group: h5py.Group, body: BodyArrays) -> None:
+    group.attrs.update({"cell": body.cell, "order": body.order})
+    group["points"] = body.points
+    group["cells"] = body.cells
+    for name, facets in body.boundaries.items():
+        group[f"boundaries/{name}"] = facets

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Run a case on meshes made in a test, on any number of ranks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fretfe.case import parse_case
+from fretfe.fem._compat import MPI
+from fretfe.fem.march import March, StepResult
+from fretfe.fem.meshing import BodyMesh, Mesh
+from fretfe.fem.model import Model, step_loads
+from fretfe.fem.state import StepLoads
+from fretfe.fem.timing import Clock
+from fretfe.loads import build_history
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Run:
+    """All accepted steps; the tractions on every rank, the rest on rank 0.
+
+    tractions: (steps, N, 2) nodal pressure and shear on body 2.
+    forces: (steps, m) forces that the constrained boundaries exert.
+    """
+
+    model: Model
+    steps: list[StepLoads]
+    results: list[StepResult]
+    tractions: Array
+    forces: dict[str, Array]
+
+    def stress(self, step: int) -> dict[str, Array]:
+        """(n, 2, 2) stress at the interpolation points of this rank, by body. Collective."""
+        rank0 = self.model.comm.rank == 0
+        states = [(self.results[step].state, self.steps[step + 1])] if rank0 else None
+        (fields,) = self.model.recover(states)
+        return {
+            name: self.model.bodies[name]
+            .elastic.discontinuous_fields(field)[1]
+            .x.array.reshape(-1, 2, 2)
+            for name, field in fields.items()
+        }
+
+
+def run(data: dict[str, Any], *meshes: BodyMesh) -> Run:
+    """Solve a case without its geometry table. Collective."""
+    comm = MPI.COMM_WORLD
+    case = parse_case({"geometry": {"file": "none.msh"}, **data})
+    history = build_history(case)
+    mesh = Mesh({m.name: m for m in meshes}) if comm.rank == 0 else None
+    model = Model(comm, case, mesh, Clock())
+    steps: list[StepLoads] = []
+    results: list[StepResult] = []
+    tractions, forces = None, None
+    if model.reduction is not None:
+        interface = model.reduction.interface
+        steps = step_loads(case, history, interface, model.reduction.plan)
+        results = list(March(interface).run(steps))
+        roots = interface.roots[:, None]
+        tractions = np.array([result.state.traction / roots for result in results])
+        labels = [c.label for c in interface.coordinates]
+        table = np.array([result.state.forces for result in results]).T
+        forces = dict(zip(labels, table, strict=True))
+    return Run(model, steps, results, *comm.bcast((tractions, forces)))
+
+
+def ramp(value: float, steps: int = 2) -> list[dict[str, Any]]:
+    """History that goes to a value in one unit of time."""
+    return [{"ramp": value, "until": 1.0, "steps": steps}]
