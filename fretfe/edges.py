@@ -8,8 +8,8 @@ tractions are fitted through the cumulative force, and all fits leave out the ou
 
 Each fit is made over many windows. Those whose estimated error is within a factor 2 of the best are
 kept, the result is their median, and the spread is made of their range and standard error
-(``edge_fits.consensus``): a 95 % bound for noise, which does not see an error that all windows
-share. Where no window holds enough nodes, the result is NaN with an infinite spread.
+(``edge_fits.consensus``). It does not see an error that all windows share. Where no window holds
+enough nodes, the result is NaN with an infinite spread.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe.analytic._arguments import FloatArray, Side, check_positive, check_range, side_sign
-from fretfe.analytic.bonded_fits import fit_bonded, fit_overhang, fits_of_window, increment, windows
+from fretfe.analytic.bonded_fits import fit_overhang, fits_of_window, increment, windows
 from fretfe.analytic.edge_fits import consensus, fit_square_root, pressure_windows
 from fretfe.analytic.edges import slip_length_cyclic, slip_length_loop
 
@@ -93,8 +93,7 @@ class PredictedSlip:
 
 def contact_patches(x: FloatArray, p: FloatArray, tol: float = 0.0) -> list[Patch]:
     """Return the runs of nodes with p > tol (a pressure), from left to right; x, p (n,)."""
-    inside = np.concatenate([[False], p > tol, [False]])
-    ends = np.flatnonzero(np.diff(inside.astype(int))).reshape(-1, 2)
+    ends = np.flatnonzero(np.diff(p > tol, prepend=False, append=False)).reshape(-1, 2)
     share = p * _node_lengths(x)
     return [Patch(int(i), int(j) - 1, float(share[i:j].sum())) for i, j in ends]
 
@@ -132,9 +131,8 @@ def fit_edge(x: FloatArray, p: FloatArray, side: Side) -> EdgeFit:
         ValueError: if nothing is in contact or ``side`` is unknown.
     """
     sign, patch = side_sign(side), main_patch(x, p)
-    step = int(sign)
-    inward = (sign * x[patch.first : patch.last + 1])[::step]
-    pressure = p[patch.first : patch.last + 1][::step]
+    inside, step = slice(patch.first, patch.last + 1), int(sign)
+    inward, pressure = (sign * x[inside])[::step], p[inside][::step]
     fits = [
         fit
         for drop, end in pressure_windows(inward.size)
@@ -154,9 +152,9 @@ def bonded_factors(
 ) -> tuple[BondedFit, BondedFit]:
     """Return the singular edge terms of a bonded increment at the left and the right edge.
 
-    The cumulative force over the whole contact is fitted (``bonded_fits.fit_bonded``) with up to 14
-    terms; the error of a fit is what the next two add to it. The spread also holds the effect
-    of OVERHANG_UNCERTAINTY. At least 16 nodes must be in contact.
+    The cumulative force is fitted (``bonded_fits.fit_bonded``) with up to 14 terms; the error of a
+    fit is what the next two orders change, and the spread holds the effect of OVERHANG_UNCERTAINTY
+    too. At least 16 nodes must be in contact.
 
     Args:
         x: (n,) arc positions.
@@ -170,27 +168,20 @@ def bonded_factors(
     """
     check_positive("edges[1] - edges[0]", edges[1] - edges[0])
     check_range("overhang", overhang, low=0.0)
-    data, inside = increment(x, q)
-    fits = [
-        fit for window in windows(inside) for fit in fits_of_window(data, window, overhang, edges)
-    ]
-    if not fits:
-        return (BondedFit(np.nan, np.nan, np.inf),) * 2
-    values = np.array([fit.values for fit in fits])
-    changes = np.array([fit.changes for fit in fits])
-    score = changes.max(axis=1)
-    best = fits[int(np.argmin(score))]
-    more = fit_bonded(data, best.window, best.terms, overhang + OVERHANG_UNCERTAINTY, edges)
-    shifts = np.array(more)[:, 0] - best.values[:, 0]
-    left, right = (_agreed(values[:, i], changes[:, i], score, float(shifts[i])) for i in (0, 1))
+    here = _terms(x, q, edges, overhang)
+    shifted = _terms(x, q, edges, overhang + OVERHANG_UNCERTAINTY)
+    left, right = (
+        BondedFit(k, beta, float(np.hypot(spread, other - k)))
+        for (k, beta, spread), (other, *_) in zip(here, shifted, strict=True)
+    )
     return left, right
 
 
 def effective_overhang(x: FloatArray, q: FloatArray) -> float:
     """Return the overhang that a bonded increment shows; x, q (n,), at least 16 nodes in contact.
 
-    To calibrate a discretisation on one whose mismatch is next to linear along the contact, such as
-    a shear force between bodies that are large against it. Any other increment misleads.
+    To calibrate a discretisation on an increment whose mismatch is next to linear, such as a shear
+    force between bodies that are large against the contact. Any other increment misleads.
 
     Raises:
         ValueError: if ``q`` is zero everywhere or too few nodes are in contact.
@@ -201,11 +192,22 @@ def effective_overhang(x: FloatArray, q: FloatArray) -> float:
     return float(np.median(found))
 
 
-def _agreed(values: FloatArray, errors: FloatArray, score: FloatArray, shift: float) -> BondedFit:
-    """Return what the fits agree on at one edge; values (m, 2), errors (m,), score (m,)."""
-    k, spread = consensus(values[:, 0], errors, score)
-    beta, _ = consensus(values[:, 1], errors, score)
-    return BondedFit(k, beta, float(np.hypot(spread, shift)))
+def _terms(
+    x: FloatArray, q: FloatArray, edges: tuple[float, float], overhang: float
+) -> list[tuple[float, float, float]]:
+    """Return k, beta and the spread of k, left and right, that all fits agree on."""
+    data, inside = increment(x, q)
+    fits = [
+        fit for window in windows(inside) for fit in fits_of_window(data, window, overhang, edges)
+    ]
+    if not fits:
+        return [(np.nan, np.nan, np.inf)] * 2
+    values, changes = (np.array(column) for column in zip(*fits, strict=True))
+    score, found = changes.max(axis=1), []
+    for k, beta, change in zip(*values.transpose(2, 1, 0), changes.T, strict=True):
+        middle, spread = consensus(k, change, score)
+        found.append((middle, consensus(beta, change, score)[0], spread))
+    return found
 
 
 def edge_factor_k_t(k: float, side: Side) -> float:
@@ -235,8 +237,7 @@ def slip_border(
     Raises:
         ValueError: if ``side`` is unknown.
     """
-    sign = side_sign(side)
-    step = int(sign)
+    sign, step = side_sign(side), int(side_sign(side))
     s, amount, slips = sign * (x - edge)[::step], np.abs(slip)[::step], slipping[::step].copy()
     trusted = slips.copy()
     # The outermost node carries next to no pressure, so its own status means nothing.
@@ -289,7 +290,8 @@ def predicted_slip(
         ValueError: if ``k_n`` or ``friction`` is not positive.
     """
     cyclic = slip_length_cyclic(np.ptp(k_t), k_n, friction)
-    return PredictedSlip(float(cyclic), float(slip_length_loop(k_t, k_i, k_n, friction, reference)))
+    loop = slip_length_loop(k_t, k_i, k_n, friction, reference)
+    return PredictedSlip(float(cyclic), float(loop))
 
 
 def _node_lengths(x: FloatArray) -> FloatArray:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from fretfe.analytic.edges import slip_length_first_loading
 from fretfe.edges import (
+    OVERHANG,
     Side,
     bonded_factors,
     cycle_change,
@@ -39,7 +40,7 @@ SMALLEST_SLIP = 1e-6
 # its range.
 AT_EXTREME = 1e-2
 # Fewer nodes than this in contact cannot be fitted.
-FEWEST_NODES = 8
+FEWEST_NODES = 16
 
 
 @dataclass(frozen=True)
@@ -198,12 +199,14 @@ def _unit_factors(solution: Solution, contact: ContactHistory, positions: Array)
             continue
         if area not in by_area:
             edges = (float(positions[0, state]), float(positions[1, state]))
-            by_area[area] = _area_factors(contact, area, edges)
+            by_area[area] = _area_factors(contact, area, edges, OVERHANG[solution.degree])
         factors[state] = by_area[area]
     return factors
 
 
-def _area_factors(contact: ContactHistory, area: int, edges: tuple[float, float]) -> Array:
+def _area_factors(
+    contact: ContactHistory, area: int, edges: tuple[float, float], overhang: float
+) -> Array:
     """(2, 2, J) unit factors of one contact area."""
     fields = contact.bonded.fields[area]
     factors = np.zeros((2, 2, fields.shape[2]))
@@ -213,7 +216,7 @@ def _area_factors(contact: ContactHistory, area: int, edges: tuple[float, float]
             field = fields[:, component, driver]
             if np.abs(field).max() <= 1e-9 * largest[driver]:
                 continue  # no effect but round-off, for instance of a distant load
-            left, right = bonded_factors(contact.arc, field, edges)
+            left, right = bonded_factors(contact.arc, field, edges, overhang)
             if component == 1:
                 pair = edge_factor_k_t(left.k, "left"), edge_factor_k_t(right.k, "right")
             else:

@@ -47,7 +47,11 @@ class ContactHistory:
         frames: (N, d, d) rows: outward normal of body 2, tangents.
         weights: (N,) length that belongs to each node (integral of its hat function).
         friction: (T,) coefficient in the step that ends at each state.
-        traction: (T, N, d) pressure, then shear that body 1 exerts on body 2.
+        traction: (T, N, d) pressure, then shear that body 1 exerts on body 2: nodal values of the
+            piecewise-linear multiplier field.
+        mean_traction: (T, N, d) mean of that field around each node: the nodal force over the
+            length that belongs to the node. The better point value: where the traction has a
+            square root or a kink, nodal values of the field alternate about it.
         gap: (T, N) mean gap at the node.
         slip: (T, N, d-1) tangential displacement of body 1 relative to body 2.
         status: (T, N) OPEN, STICK or SLIP in the step that ends at each state.
@@ -64,6 +68,7 @@ class ContactHistory:
     weights: Array
     friction: Array
     traction: Array
+    mean_traction: Array
     gap: Array
     slip: Array
     status: npt.NDArray[np.int8]
@@ -76,6 +81,7 @@ class Solution:
     """A solved load history.
 
     Attributes:
+        degree: polynomial degree of the displacements.
         times: (T,) clock.
         channels: names of the loads.
         values: (T, C) value of each load.
@@ -92,6 +98,7 @@ class Solution:
         certificates: (T,) arrays by name; see the results guide.
     """
 
+    degree: int
     times: Array
     channels: tuple[str, ...]
     values: Array

@@ -77,7 +77,7 @@ class Contact:
         for _ in range(50):
             q, stick = np.where(slips, bound, 0.0), np.flatnonzero(inside & ~slips)
             reduced = matrix[np.ix_(stick, stick)]
-            rest = shear_force - weight @ q
+            rest = shear_force - float(weight @ q)
             q[stick] = solve(reduced, weight[stick], -(matrix @ q)[stick], rest)
             relative = (matrix @ q) / weight
             slip = relative[stick].mean() - relative
@@ -119,7 +119,7 @@ def press(nodes: Array, gap_second_integral: Callable[[Array], Array], load: flo
 def uniform_nodes(h: float, phase: float) -> Array:
     """Return nodes around -1 ... 1, shifted by a fraction of h."""
     count = int(1.2 / h)
-    return (np.arange(-count, count + 1) + phase) * h
+    return np.asarray((np.arange(-count, count + 1) + phase) * h, dtype=np.float64)
 
 
 def graded_nodes(h: float, coarsest: float, phase: float) -> Array:
@@ -128,4 +128,4 @@ def graded_nodes(h: float, coarsest: float, phase: float) -> Array:
     x = np.linspace(-reach, reach, 100001)
     size = np.minimum(h + 0.1 * np.abs(np.abs(x) - 1), coarsest)
     count = np.concatenate([[0.0], np.cumsum(np.diff(x) * (1 / size[1:] + 1 / size[:-1]) / 2)])
-    return np.interp(np.arange(phase, count[-1]), count, x)
+    return np.asarray(np.interp(np.arange(phase, count[-1]), count, x), dtype=np.float64)

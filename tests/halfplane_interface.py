@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import halfplane_galerkin as galerkin
 import numpy as np
@@ -106,11 +107,12 @@ def build(
         coordinate_loads=np.zeros((3, 0)),
         roots=roots,
         coordinates=tuple(
-            Coordinate(label, "one", control) for label, control in zip(labels, controls, strict=True)
+            Coordinate(label, "one", control)
+            for label, control in zip(labels, controls, strict=True)
         ),
         contacts={
             f"contact{number}": slice(int(start) // 2, int(end) // 2)
-            for number, (start, end) in enumerate(zip(ends[:-1], ends[1:], strict=True))
+            for number, (start, end) in enumerate(pairwise(ends))
         },
     )
 
@@ -133,6 +135,6 @@ def parabola(radius: float) -> Callable[[Array], Array]:
     return lambda x: x**4 / (24 * radius)
 
 
-def loads(interface: Interface, values: Sequence[float], friction: float) -> StepLoads:
+def loads(interface: Interface, values: Sequence[float] | Array, friction: float) -> StepLoads:
     """Amplitudes or forces of x, y and rotation of body 1."""
-    return StepLoads(np.empty(0), np.array(values, float), np.full(interface.size, friction))
+    return StepLoads(np.empty(0), np.asarray(values, float), np.full(interface.size, friction))

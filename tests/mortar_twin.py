@@ -8,6 +8,7 @@ facet as roots of a polynomial; all geometry is relative to the point in questio
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import polynomial
@@ -109,7 +110,7 @@ def overlap_points(
             if np.hypot(*(at(facet - end, t))) <= max_gap
         ]
         cuts = np.array(sorted([0.0, 1.0, *at_feet]))
-        for start, stop in zip(cuts[:-1], cuts[1:], strict=True):
+        for start, stop in pairwise(cuts):
             if stop - start < SHORTEST_SEGMENT:
                 continue
             middle = (start + stop) / 2

@@ -53,12 +53,14 @@ LAYERS = (
     "fretfe.fem.bonded",
     "fretfe.fem.recorder",
     "fretfe.fem.fields",
+    "fretfe.fem.full_system",
     "fretfe.fem.monolithic",
     "fretfe.fem.run",
     "fretfe.results",
     "fretfe.report.*",
     "fretfe.fem.command",
     "fretfe.cli",
+    "fretfe.__main__",
 )
 FEM_ONLY = {
     "basix", "dolfinx", "dolfinx_solver", "ffcx", "gmsh", "mpi4py", "petsc4py", "slepc4py", "ufl"

@@ -33,10 +33,8 @@ class SingularTerm(NamedTuple):
 
 
 class BondedFits(NamedTuple):
-    """A fit: nodes, terms; k and beta (2, 2) at the left and right; change of k (2,)."""
+    """A fit: k and beta (2, 2) at the left and the right edge; change of k (2,) by more terms."""
 
-    window: IndexArray
-    terms: int
     values: FloatArray
     changes: FloatArray
 
@@ -84,7 +82,7 @@ def fits_of_window(
     changes = [
         np.abs(fits[i + 1 : i + 3, :, 0] - fits[i, :, 0]).max(axis=0) for i in range(len(fits) - 2)
     ]
-    return [BondedFits(window, *row) for row in zip(orders, fits, changes, strict=False)]
+    return [BondedFits(*row) for row in zip(fits, changes, strict=False)]
 
 
 def fit_bonded(

@@ -27,7 +27,7 @@ class Certificate:
         closed_gap: largest gap at a node in contact.
         cone: largest excess of the shear over f times the pressure.
         stuck_drift: largest movement of a stuck node in this step.
-        slip_with_traction: largest slip increment along the traction it should oppose.
+        slip_with_traction: largest slip increment along, or across, the traction it should oppose.
         dissipation: friction work of the step per unit thickness (must not be negative).
         pressure_scale: largest pressure, the scale of the tractions.
         gap_scale: largest gap or displacement by a coordinate, the scale of the lengths.
@@ -71,6 +71,9 @@ def certify(
     motion = (interface.motion * state.coordinates).reshape(*relative.shape, -1) / roots[..., None]
     opened, stuck, slipping = (state.status == s for s in (OPEN, STICK, SLIP))
     along = np.einsum("ij,ij->i", increment, state.direction)
+    directed = np.any(state.direction != 0, axis=1)  # without friction there is no direction
+    across = np.linalg.norm(increment - along[:, None] * state.direction, axis=1)
+    astray = np.where(directed, np.maximum(along, across), 0.0)
     return Certificate(
         penetration=_largest(-gap),
         adhesion=_largest(-pressure),
@@ -78,7 +81,7 @@ def certify(
         closed_gap=_largest(np.abs(gap[~opened])),
         cone=_largest(shear - loads.friction * np.maximum(pressure, 0.0)),
         stuck_drift=_largest(np.abs(increment[stuck]).ravel()),
-        slip_with_traction=_largest(along[slipping]),
+        slip_with_traction=_largest(astray[slipping]),
         dissipation=dissipation(state, reference).sum(),
         pressure_scale=max(_largest(pressure), np.finfo(float).tiny),
         gap_scale=max(

@@ -38,7 +38,9 @@ def status_by_fixed_point(
     d = interface.components
     solve = _Proximal(interface, loads, reference)
     traction, multiplier = start.copy(), np.zeros_like(start)
-    bound = loads.friction * np.maximum(traction[:, 0], 0.0)
+    # Stuck at first: with a bound too low for the loads the convex problem has no solution, and its
+    # iteration drifts away.
+    bound = np.where(loads.friction > 0, np.inf, 0.0)
     for _ in range(MAX_BOUNDS):
         before = traction.copy()
         for _ in range(ITERATIONS_PER_BOUND):
@@ -48,7 +50,8 @@ def status_by_fixed_point(
             multiplier += relaxed - traction
         bound = loads.friction * traction[:, 0]
         scale = np.abs(traction).max(initial=np.finfo(float).tiny)
-        if np.abs(traction - before).max() < TRACTION_TOLERANCE * scale:
+        change = max(np.abs(traction - before).max(), np.abs(traction - free).max())
+        if change < TRACTION_TOLERANCE * scale:
             break
     shear = np.linalg.norm(traction[:, 1:], axis=1)
     on_bound = shear >= bound * (1 - TRACTION_TOLERANCE)

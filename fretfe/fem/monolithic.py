@@ -40,10 +40,10 @@ from fretfe.fem.state import StepLoads
 Array = npt.NDArray[np.float64]
 
 MAX_ITERATIONS = 60
-# Residuals below this fraction of the largest displacement or gap are round-off.
+# Residuals below this fraction of the largest displacement or gap are round-off; of one beyond the
+# size of the contact, that size counts: it shows that nothing resists the loads.
 ROUND_OFF = 1e-12
-# The shortest fraction of a Newton step. It is taken even if it does not reduce the residual, which
-# has kinks.
+# The shortest fraction of a Newton step, taken even if it does not help: the residual has kinks.
 SHORTEST_STEP = 1 / 64
 # Fraction of the decrease of a linear residual that counts as a decrease.
 SUFFICIENT_DECREASE = 1e-4
@@ -137,6 +137,7 @@ class MonolithicSolver:
     """
 
     def __init__(self, model: Model) -> None:
+        """Assemble the system."""
         if model.comm.size > 1:
             raise FretfeError(
                 "the monolithic solver runs on one process: expected 1 MPI rank, found "
@@ -151,6 +152,7 @@ class MonolithicSolver:
         #: (N,) r (stress over length).
         self.penalty = system.modulus / (2 * system.weights ** (1 / (d - 1)))
         self._modulus = system.modulus.max()
+        self._size = system.weights.sum() ** (1 / (d - 1))
         means, pull = np.repeat([1 / system.weights, self.penalty / self._modulus], d, axis=1)
         self._stiffness = system.stiffness[self.free][:, self.free] / self._modulus
         self._means = (sparse.diags(means) @ system.coupling)[:, self.free]
@@ -225,7 +227,7 @@ class MonolithicSolver:
             current = self._search(loads, reference, current, change, shortest)
             largest = max(np.abs(current.x).max(), np.abs(system.relative(current.x)).max())
             residual = max(np.abs(current.equilibrium).max(), np.abs(current.contact).max())
-            if residual <= ROUND_OFF * largest:
+            if residual <= ROUND_OFF * min(largest, self._size):
                 return current, iteration
         return None, MAX_ITERATIONS
 

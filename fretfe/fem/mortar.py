@@ -6,10 +6,11 @@ side that carries the multipliers, n the outward normal of body 2, t the tangent
 turned clockwise, so that x = t and y = n). Work conjugate to it are the weighted gap
 ∫ φ_i [(u_1 − u_2)·n + gap] and the weighted tangential displacement ∫ φ_i (u_2 − u_1)·t.
 
-Integrals run over the surface of body 2 and the normals are its own, whichever side carries the
-multipliers. This matters where surfaces slide far: a rounded profile that slides along a flat keeps
-its gap when the normals are those of the flat, but not when they are its own, which turn by δ/R over
-a slide δ. So the flatter surface belongs to body 2.
+Integrals run over the surface of body 2, whichever side carries the multipliers. The normals are
+those of both surfaces, each weighted with the curvature of the other (`contact_normals`). This
+matters where surfaces slide far or press deep: a rounded profile that slides along a flat keeps its
+gap if the normals are those of the flat, but not if they are its own, which turn by δ/R over a slide
+δ; and two equal cylinders touch in the plane between them.
 """
 
 from __future__ import annotations
@@ -47,6 +48,7 @@ class Coupling:
         points: (N, d) coordinates of the nodes.
         frames: (N, d, d) rows: outward normal of body 2, then tangents, mean around the nodes.
         weights: (N,) integral of each hat function over the overlap.
+        averaging: (N, N) mean of a traction around each node, ∫ φ_i Σ φ_j λ_j / ∫ φ_i.
         gap: (N,) weighted initial gap, ∫ φ_i gap.
         body1, body2: (N*d, n) operators on the surface displacements of each body.
     """
@@ -55,6 +57,7 @@ class Coupling:
     points: Array
     frames: Array
     weights: Array
+    averaging: sparse.csr_matrix
     gap: Array
     body1: sparse.csr_matrix
     body2: sparse.csr_matrix
@@ -78,7 +81,7 @@ def couple(
     on_first = multipliers == "surface1" or (
         multipliers == "finer" and _facet_size(surface1) <= _facet_size(surface2)
     )
-    pairs = _overlap(surface2, surface1)
+    pairs = _overlap(surface1, surface2)
     if not len(pairs["weight"]):
         raise ModelError(
             f"contact {name!r}: surfaces {surface1.name!r} and {surface2.name!r} never face each "
@@ -92,17 +95,32 @@ def _facet_size(surface: Surface) -> float:
     return float(np.median(surface.lengths))
 
 
-def _overlap(base: Surface, other: Surface) -> dict[str, Array]:
+def _overlap(surface1: Surface, surface2: Surface) -> dict[str, Array]:
     points, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
-    reach = SEARCH_FRACTION * min(base.lengths.sum(), other.lengths.sum())
+    reach = SEARCH_FRACTION * min(surface1.lengths.sum(), surface2.lengths.sum())
     return _kernels.overlap_points(
-        np.ascontiguousarray(base.nodes),
-        np.ascontiguousarray(base.normals),
-        np.ascontiguousarray(other.nodes),
+        np.ascontiguousarray(surface2.nodes),
+        np.ascontiguousarray(contact_normals(surface1, surface2)),
+        np.ascontiguousarray(surface1.nodes),
         (points + 1) / 2,
         weights / 2,
         reach,
     )
+
+
+def contact_normals(surface1: Surface, surface2: Surface) -> Array:
+    """(facets, k, 2) unit normals of the contact at the nodes of surface 2, out of body 2.
+
+    The normal of each surface counts with the mean curvature of the other: a flat against a
+    rounded surface gives the normal of the flat, equal cylinders the direction between their
+    axes, conforming surfaces their common normal.
+    """
+    curvature1, curvature2 = surface1.mean_curvature, surface2.mean_curvature
+    if curvature2 == 0:
+        return surface2.normals
+    opposite = surface1.normals_near(surface2.nodes.reshape(-1, 2))
+    normals = curvature1 * surface2.normals - curvature2 * opposite.reshape(surface2.normals.shape)
+    return normals / np.linalg.norm(normals, axis=2, keepdims=True)
 
 
 def _assemble(
@@ -111,7 +129,8 @@ def _assemble(
     """Coupling from integration points on the surface of body 2 and their projections."""
     places = (pairs["other_facet"], pairs["eta"]), (pairs["facet"], pairs["xi"])
     carrier, place = (surface1, places[0]) if on_first else (surface2, places[1])
-    hats = _hats(*place, pairs["weight"], len(carrier.nodes) + 1)
+    values = _hats(*place, len(carrier.nodes) + 1)
+    hats = values @ sparse.diags(pairs["weight"])
     support = hats @ np.ones(len(pairs["weight"]))
     nodes = np.flatnonzero(support > SMALLEST_SUPPORT * _hat_integrals(carrier))
     # A chain has its body on the left: only that of body 1 runs in the direction of t.
@@ -131,18 +150,18 @@ def _assemble(
         points=carrier.vertices[nodes],
         frames=_frames(mean / np.linalg.norm(mean, axis=1, keepdims=True)),
         weights=support,
+        averaging=(sparse.diags(1 / support) @ test @ values[nodes].T).tocsr(),
         gap=test @ pairs["gap"],
         body1=(signs @ first).tocsr(),
         body2=(-signs @ second).tocsr(),
     )
 
 
-def _hats(facet: Indices, xi: Array, weight: Array, count: int) -> sparse.csr_matrix:
-    """(count, points) matrix that integrates a quantity given at the points times each hat."""
-    data = (shape_values(1, xi) * weight[:, None]).ravel()
+def _hats(facet: Indices, t: Array, count: int) -> sparse.csr_matrix:
+    """(count, points) values of the hat functions at points on the facets."""
     rows = np.stack([facet, facet + 1], axis=1).ravel()
-    columns = np.repeat(np.arange(len(xi)), 2)
-    return sparse.csr_matrix((data, (rows, columns)), shape=(count, len(xi)))
+    columns = np.repeat(np.arange(len(t)), 2)
+    return sparse.csr_matrix((shape_values(1, t).ravel(), (rows, columns)), (count, len(t)))
 
 
 def _trace(

@@ -23,7 +23,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import sparse
 
 from fretfe.fem.interface import Interface
 from fretfe.fem.state import OPEN, SLIP, STICK, ContactState, Status, StepLoads
@@ -122,15 +121,17 @@ class Newton:
         """
         # Without friction nothing sticks: a closed node slips without resistance.
         status = np.where((status == STICK) & (loads.friction == 0), SLIP, status).astype(np.int8)
-        guess = Guess(status, direction, np.ones(len(status)))
+        guess = Guess(status, direction, np.where(loads.friction > 0, 1.0, 0.0))
         seen: set[bytes] = set()
         for iteration in range(1, MAX_ITERATIONS + 1):
             solution = self._linear_solution(loads, reference, guess, iteration)
             following = self._update(guess, solution, loads.friction)
             turned = np.abs(following.direction - guess.direction).max()
-            if np.array_equal(following.status, guess.status) and turned < DIRECTION_TOLERANCE:
+            settled = np.array_equal(following.status, guess.status)
+            if settled and turned < DIRECTION_TOLERANCE:
                 return self._state(guess, solution, loads, reference), iteration
-            if following.key() in seen:
+            # Directions that still turn, ever less, are not a cycle.
+            if not settled and following.key() in seen:
                 raise NotConverged("the status of the nodes repeats in a cycle", iteration)
             seen.add(following.key())
             guess = following
@@ -170,9 +171,7 @@ class Newton:
         traction = np.zeros(interface.size * d)
         traction[operator.rows] = unknowns[:split]
         relative = free.ravel() + operator.effect @ unknowns
-        return _Solution(
-            traction.reshape(-1, d), relative.reshape(-1, d), coordinates, motion
-        )
+        return _Solution(traction.reshape(-1, d), relative.reshape(-1, d), coordinates, motion)
 
     def _motion(self, free: Array, coordinates: Array) -> float:
         """Largest displacement of a node (length) by loads or by one coordinate."""
@@ -217,7 +216,7 @@ class Newton:
         direction[status != SLIP] = 0.0
         length = np.linalg.norm(trial, axis=1)
         turning = np.minimum(1.0, bound / np.where(length > 0, length, 1.0))
-        return Guess(status, direction, np.where(closes, 1.0, turning))
+        return Guess(status, direction, np.where(closes & (friction > 0), 1.0, turning))
 
     def _cancellation(self, solution: _Solution) -> tuple[Array, Array]:
         """(N,) tractions and gaps that may be left where displacements cancel."""
@@ -289,14 +288,20 @@ def _release(
         free[np.arange(len(sliding)), np.arange(rows.start, rows.stop)] -= np.repeat(
             penalty[slipping], d - 1
         )
-        matrix[rows] -= sideways @ free
-        target[rows] += sideways @ held[sliding]
+        matrix[rows] -= _by_node(sideways, free)
+        target[rows] += _by_node(sideways, held[sliding])
     target[rows.stop :] += loads.values[interface.prescribed]
     return held + response @ np.linalg.solve(matrix, target)
 
 
-def _sideways(guess: Guess, slipping: Indices) -> sparse.csr_matrix:
-    """Block-diagonal derivative of the slip direction times the friction bound; zero in the plane.
+def _by_node(blocks: Array, values: Array) -> Array:
+    """Products of (n, k, k) blocks with values (n * k, ...)."""
+    parts = values.reshape(*blocks.shape[:2], *values.shape[1:])
+    return np.einsum("nij,nj...->ni...", blocks, parts).reshape(values.shape)
+
+
+def _sideways(guess: Guess, slipping: Indices) -> Array:
+    """(n, d-1, d-1) derivative of the slip direction times the friction bound; zero in the plane.
 
     Blocks are f p / |q − r Δ| times the projection across the direction, so that the linearised
     condition turns the shear of a slipping node towards its slip.
@@ -304,7 +309,7 @@ def _sideways(guess: Guess, slipping: Indices) -> sparse.csr_matrix:
     across = np.eye(guess.direction.shape[1]) - np.einsum(
         "ni,nj->nij", guess.direction[slipping], guess.direction[slipping]
     )
-    return sparse.block_diag(list(guess.turning[slipping, None, None] * across)).tocsr()
+    return guess.turning[slipping, None, None] * across
 
 
 def _unit(vectors: Array) -> Array:

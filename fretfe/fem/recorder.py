@@ -19,19 +19,26 @@ from fretfe.solution import BondedUnits, ContactHistory, Solution
 
 Array = npt.NDArray[np.float64]
 
+# Tractions and gaps below this fraction of what the motion of the bodies would cause are round-off.
+ROUND_OFF = 1e-9
+
 
 class Recorder:
     """Keeps every accepted state, and the bonded increments of every contact area met.
 
     Args:
         reduction: the interface problem and what it was made from.
+        degree: of the displacements.
         steps: loads of all steps, the unloaded state first.
         march: whose stuck operator the companion solutions share.
     """
 
-    def __init__(self, reduction: Reduction, steps: list[StepLoads], march: March) -> None:
+    def __init__(
+        self, reduction: Reduction, degree: int, steps: list[StepLoads], march: March
+    ) -> None:
         interface = reduction.interface
         self._reduction = reduction
+        self._degree = degree
         self._steps = steps
         self._drivers = find_drivers(interface, [load.channel for load in reduction.plan.loads])
         self._bonded = BondedSolver(interface, march.newton, self._drivers)
@@ -64,6 +71,25 @@ class Recorder:
         roots = self._reduction.interface.roots
         return float(min((state.relative[:, 0] / roots).min() for state in self.states))
 
+    def gap_round_off(self) -> float:
+        """Gap below which surfaces count as touching."""
+        roots = self._reduction.interface.roots
+        largest = max(np.abs(state.relative[:, 0] / roots).max() for state in self.states)
+        return float(ROUND_OFF * largest)
+
+    def contact_carries(self) -> bool:
+        """Whether any contact deforms the bodies by more than round-off of their motion."""
+        interface = self._reduction.interface
+        level = np.trace(interface.compliance) / len(interface.compliance)
+        pressure = max(state.traction[:, 0].max() for state in self.states)
+        motion = max(np.abs(interface.motion * state.coordinates).max() for state in self.states)
+        return bool(level * pressure > ROUND_OFF * motion)
+
+    def bodies_with_free_motions(self) -> list[str]:
+        """Bodies that only contact holds in some direction."""
+        coordinates = self._reduction.interface.coordinates
+        return sorted({c.body for c in coordinates if c.control == "free"})
+
     def solution(self, history: History) -> Solution:
         """Everything kept so far, in physical units."""
         count = len(self.states)
@@ -73,6 +99,7 @@ class Recorder:
         complete = count == len(history.times)
         named = [j for j, c in enumerate(interface.coordinates) if c.control != "free"]
         return Solution(
+            degree=self._degree,
             times=history.times[:count],
             channels=history.channels,
             values=history.values[:count],
@@ -96,6 +123,7 @@ class Recorder:
         nodes = interface.contacts[pair.name]
         roots = interface.roots[nodes]
         relative = np.array([state.relative[nodes] for state in self.states])
+        traction = np.array([s.traction[nodes] for s in self.states]) / roots[:, None]
         zero = np.zeros(len(roots))
         units = [unit[nodes] for unit in self._units]
         shape = (0, len(roots), interface.components, len(self._drivers.names))
@@ -109,7 +137,8 @@ class Recorder:
             frames=coupling.frames,
             weights=coupling.weights,
             friction=np.array([step.friction[nodes.start] for step in steps]),
-            traction=np.array([s.traction[nodes] for s in self.states]) / roots[:, None],
+            traction=traction,
+            mean_traction=np.array([coupling.averaging @ t for t in traction]),
             gap=relative[..., 0] / roots,
             slip=-relative[..., 1:] / roots[:, None],
             status=np.array([state.status[nodes] for state in self.states]),

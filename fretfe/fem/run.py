@@ -107,7 +107,7 @@ def _march(model: Model, case: Case, history: History, progress: Progress) -> _M
     assert reduction is not None
     steps = step_loads(case, history, reduction.interface, reduction.plan)
     march = March(reduction.interface)
-    recorder = Recorder(reduction, steps, march)
+    recorder = Recorder(reduction, case.model.degree, steps, march)
     try:
         for number, result in enumerate(march.run(steps), start=1):
             recorder.add(result)
@@ -119,14 +119,18 @@ def _march(model: Model, case: Case, history: History, progress: Progress) -> _M
 
 
 def _require_contact(recorder: Recorder) -> None:
-    """A history in which no surfaces ever touch is a mistake in the case."""
-    if any(state.closed.any() for state in recorder.states):
+    """A history in which contact never carries anything is a mistake in the case."""
+    if recorder.contact_carries():
         return
-    raise ModelError(
-        "no contact surfaces met in any step: the smallest gap on the way was "
-        f"{recorder.smallest_gap():.6g}. Check the signs and sizes of the loads that should "
-        "bring the bodies together, and their position in the mesh."
+    adrift = recorder.bodies_with_free_motions()
+    reason = (
+        f"nothing but contact holds {' and '.join(repr(name) for name in adrift)}, which gave way: "
+        "support it, or press it against the other body with a force"
+        if adrift and recorder.smallest_gap() <= recorder.gap_round_off()
+        else f"the smallest gap on the way was {recorder.smallest_gap():.6g}. Check the signs and "
+        "sizes of the loads that should bring the bodies together, and their place in the mesh"
     )
+    raise ModelError(f"no contact surfaces pressed on each other in any step: {reason}.")
 
 
 def _write_fields(

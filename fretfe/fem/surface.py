@@ -8,10 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from scipy.spatial import cKDTree
+
 from fretfe.errors import MeshError
 from fretfe.fem.meshing import BodyMesh
 
 Array = npt.NDArray[np.float64]
+
+# Facets whose normal turns by less than this angle (radians) are straight.
+STRAIGHT = 1e-9
+# Normals are looked up at this many places of each facet.
+SAMPLES_PER_FACET = 17
 Indices = npt.NDArray[np.int64]
 
 
@@ -49,6 +56,28 @@ class Surface:
         """(facets + 1,) arc length at the facet ends, zero at the middle of the chain."""
         arc = np.concatenate([[0.0], np.cumsum(self.lengths)])
         return arc - arc[-1] / 2
+
+    @property
+    def mean_curvature(self) -> float:
+        """Turning of the normal, without regard to its sign, per arc length."""
+        return float(np.abs(self._turns()).sum() / self.lengths.sum())
+
+    def _turns(self) -> Array:
+        """(facets,) angle by which the normal turns over each facet."""
+        first, last = self.normals[:, 0], self.normals[:, 1]
+        sine = first[:, 0] * last[:, 1] - first[:, 1] * last[:, 0]
+        turns = np.arcsin(np.clip(sine, -1.0, 1.0))
+        # A straight surface has no curvature, not that of the round-off in its nodes.
+        return np.where(np.abs(turns) > STRAIGHT, turns, 0.0)
+
+    def normals_near(self, points: Array) -> Array:
+        """(n, 2) unit normals of the chain opposite to points (n, 2): those of the nearest place."""
+        sampling = np.linspace(0.0, 1.0, SAMPLES_PER_FACET)
+        values = shape_values(self.nodes.shape[1] - 1, sampling)
+        places = np.einsum("qk,fkd->fqd", values, self.nodes).reshape(-1, 2)
+        normals = np.einsum("qk,fkd->fqd", values, self.normals).reshape(-1, 2)
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        return normals[cKDTree(places).query(points)[1]]
 
     def displacement_points(self, degree: int) -> Array:
         """(n, 2) points of the trace of a Lagrange space: facet ends, then facet middles."""

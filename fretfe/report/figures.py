@@ -55,7 +55,7 @@ def _draw_contact(
         time = f"t = {solution.times[state]:g} {case.units.time}"
         shown = _around_contact(history, state)
         x = history.arc[shown]
-        pressure, shear = history.traction[state, shown, :2].T
+        pressure, shear = history.mean_traction[state, shown, :2].T
         bound = history.friction[state] * pressure
         panel.plot(x, pressure, color=colour, lw=0.8, ls=":", label=f"p, {time}")
         panel.fill_between(x, -bound, bound, color=colour, alpha=0.12, lw=0)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
+from rich import box
 from rich.table import Table
 
 from fretfe.case import Case
@@ -16,14 +17,16 @@ from fretfe.solution import Solution
 
 
 def edge_table(case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]) -> Table:
-    """One row per contact edge: position, K_N, range of K_T, slip zones, prediction."""
+    """One row per contact edge: position, K_N, range of K_T, slip zones of the last two half cycles.
+
+    The prediction follows the load loop where there is a cycle, else it is that of first loading.
+    """
     units = case.units
     title = (
-        f"Contact edges (lengths in {units.length}; K_N in {units.stress}/√{units.length}; "
-        f"ΔK_T in {units.stress}·√{units.length}; friction work of the cycle in "
-        f"{units.force}·{units.length}/{units.length})"
+        f"Contact edges: x and slip zones in {units.length}, "
+        f"K_N in {units.stress}/√{units.length}, ΔK_T in {units.stress}·√{units.length}"
     )
-    headers = ("contact", "edge", "x", "K_N", "ΔK_T", "slip zones", "predicted", "work")
+    headers = ("contact", "edge", "x", "K_N", "ΔK_T", "slip zones", "predicted")
     table = _table(title, headers, text=2)
     for contact in contacts:
         for edge in contact.edges:
@@ -33,7 +36,7 @@ def edge_table(case: Case, solution: Solution, contacts: tuple[ContactSummary, .
 
 def _table(title: str, headers: tuple[str, ...], text: int) -> Table:
     """An empty table whose first `text` columns hold text and the others numbers."""
-    table = Table(title=title, title_justify="left", expand=False)
+    table = Table(title=title, title_justify="left", box=box.SIMPLE, title_style="bold")
     for number, header in enumerate(headers):
         table.add_column(header, justify="left" if number < text else "right", no_wrap=True)
     return table
@@ -48,8 +51,7 @@ def _edge_cells(edge: Edge) -> list[str]:
         _number(edge.k_n[-1]),
         _number(edge.k_t_range),
         " / ".join(measured) or "-",
-        " / ".join(_number(loop) for loop in loops) or "-",
-        _number(edge.dissipation),
+        " / ".join(_number(loop, 3) for loop in loops) or "-",
     ]
 
 
@@ -57,15 +59,15 @@ def _zone_length(zone: SlipZone) -> str:
     """Length of a slip zone; ~ marks one that the mesh does not resolve."""
     if zone.gross:
         return "gross"
-    return ("" if zone.resolved else "~") + _number(zone.length)
+    return ("" if zone.resolved else "~") + _number(zone.length, 3)
 
 
 def contact_table(case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]) -> Table:
     """One row per contact: ranges of forces over the cycle and whether the cycle is steady."""
     units = case.units
     title = (
-        f"Contacts (P, Q in {units.force}/{units.length}, half-width in {units.length}; "
-        "change of q over the cycle relative to f p_max)"
+        f"Contacts: P and Q in {units.force}/{units.length}, half-width in {units.length}, "
+        "change of q over the cycle by f p_max"
     )
     headers = ("contact", "P", "Q", "half-width", "steady", "change of q")
     table = _table(title, headers, text=1)
@@ -96,5 +98,5 @@ def _range(values: npt.NDArray[np.float64]) -> str:
     return f"{_number(values.min())} … {_number(values.max())}"
 
 
-def _number(value: float) -> str:
-    return f"{value:.4g}" if math.isfinite(value) else "-"
+def _number(value: float, digits: int = 4) -> str:
+    return f"{value:.{digits}g}" if math.isfinite(value) else "-"

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import chains
 import mortar_twin
 import numpy as np
@@ -13,7 +15,7 @@ from scipy.integrate import quad
 
 from fretfe._core import _kernels
 from fretfe.errors import ModelError
-from fretfe.fem.mortar import Coupling, couple
+from fretfe.fem.mortar import Coupling, contact_normals, couple
 from fretfe.fem.surface import Surface
 
 Array = NDArray[np.float64]
@@ -60,8 +62,8 @@ def test_kernel_and_twin_give_the_same_points(seed: int, curved: bool, place: Pl
     for column in ("xi", "eta", "normal_x", "normal_y"):
         np.testing.assert_allclose(pairs[column], twin[column], rtol=0, atol=tolerance)
     for column in ("weight", "gap"):
-        scaled = [pairs[column] / place.scale, twin[column] / place.scale]
-        np.testing.assert_allclose(*scaled, rtol=0, atol=tolerance)
+        found, expected = pairs[column] / place.scale, twin[column] / place.scale
+        np.testing.assert_allclose(found, expected, rtol=0, atol=tolerance)
 
 
 def coupling(pair: tuple[Surface, Surface], side: str, degree: int) -> Coupling:
@@ -86,20 +88,22 @@ def test_weights_add_up_to_the_length_of_the_overlap(
     assert operators.weights.sum() == pytest.approx((end - start) * place.scale, rel=tolerance)
 
 
+@SIDES
 @SEEDS
-def test_overlap_on_curved_facets_is_an_arc_length(seed: int) -> None:
-    near, far = chains.random_pair(seed, True, HERE)
-    operators = coupling((near, far), "surface1", 2)
-    first_end = far.nodes[-1, 1]  # the lower chain runs backwards
-    (facet, xi) = next(
+def test_overlap_on_curved_facets_is_an_arc_length_of_body_2(seed: int, side: str) -> None:
+    upper, lower = chains.random_pair(seed, True, HERE)
+    operators = coupling((upper, lower), side, 2)
+    count, normals = len(lower.nodes), contact_normals(upper, lower)
+    # The lower chain runs backwards, and from the foot of the upper one's end to its own end.
+    facet, xi = next(
         (f, foot[0])
-        for f in range(len(near.nodes))
-        if (foot := mortar_twin.feet(near.nodes[f], near.normals[f], first_end))
+        for f in range(count)
+        if (foot := mortar_twin.feet(lower.nodes[f], normals[f], upper.nodes[-1, 1]))
     )
-    starts = [xi if f == facet else 0.0 for f in range(len(near.nodes))]
+    starts = [xi if f == facet else 0.0 for f in range(count)]
     expected = sum(
-        quad(lambda t, n=near.nodes[f]: np.hypot(*mortar_twin.slope(n, t)), starts[f], 1)[0]
-        for f in range(facet, len(near.nodes))
+        quad(lambda t, n=lower.nodes[f]: np.hypot(*mortar_twin.slope(n, t)), starts[f], 1)[0]
+        for f in range(facet, count)
     )
     # Five Gauss points on a root of a quadratic, facets that turn by about 0.05.
     assert operators.weights.sum() == pytest.approx(expected, rel=1e-7)
@@ -179,13 +183,13 @@ def test_position_and_rotation_measure_the_gap(
     expected = {"normal": operators.gap / scale, "none": np.zeros(len(scale))}
     normal, tangential = components(stretch)
     # Round-off of coordinates; a node at the edge of the overlap has a weight of 1e-3 or more.
-    close = {"rtol": 0, "atol": 100 * round_off(place)}
-    np.testing.assert_allclose(normal / scale, expected["normal"], **close)
-    np.testing.assert_allclose(tangential / scale, expected["none"], **close)
+    close = partial(np.testing.assert_allclose, rtol=0, atol=100 * round_off(place))
+    close(normal / scale, expected["normal"])
+    close(tangential / scale, expected["none"])
     # A rotation moves body 2 relative to body 1 by gap times t, and opens nothing.
     normal, tangential = components(rotation)
-    np.testing.assert_allclose(normal / scale, expected["none"], **close)
-    np.testing.assert_allclose(tangential / scale, expected["normal"], **close)
+    close(normal / scale, expected["none"])
+    close(tangential / scale, expected["normal"])
 
 
 @SIDES
@@ -240,19 +244,54 @@ def test_finer_side_carries_the_multipliers() -> None:
     np.testing.assert_array_equal(chosen.points, expected.points)
 
 
-def test_arc_and_normal_on_a_curved_surface() -> None:
-    """Convex lower body of radius 1: n is radial, arc runs clockwise seen from its centre."""
-    angle = np.linspace(0.4, -0.4, 17)
-    circle = np.stack([np.sin(angle), np.cos(angle)], axis=1)  # body 2 below, walked backwards
-    x = np.linspace(-0.5, 0.5, 12)
-    flat = np.stack([x, np.ones_like(x)], axis=1)
-    pair = chains.surface("upper", flat, False), chains.surface("lower", circle, True)
+def arc_of(radius: float, angles: Array) -> Array:
+    """Points on a circle through the origin with its centre at (0, -radius)."""
+    return radius * np.stack([np.sin(angles), np.cos(angles) - 1], axis=1)
+
+
+def flat(x: Array) -> Array:
+    return np.stack([x, np.zeros_like(x)], axis=1)
+
+
+ANGLES = np.linspace(-0.1, 0.1, 33)
+MORE_ANGLES = np.linspace(-0.12, 0.12, 25)
+ROUND, UPSIDE_DOWN = arc_of(1.0, ANGLES), arc_of(-1.0, -MORE_ANGLES)
+
+
+@SIDES
+@pytest.mark.parametrize(
+    ("upper", "lower", "turn", "tolerance"),
+    [
+        (flat(np.linspace(-0.11, 0.11, 13)), ROUND, 0.0, 1e-12),
+        (arc_of(-1.0, -ANGLES), flat(np.linspace(-0.11, 0.11, 25)), 0.0, 1e-12),
+        # Normals of the upper surface are taken from the nearest of 17 samples of a facet of 0.02,
+        # and nearest is not quite opposite.
+        (UPSIDE_DOWN, ROUND, 0.0, 1e-3),
+        (arc_of(1.0, MORE_ANGLES), ROUND, 1.0, 1e-3),
+    ],
+    ids=["flat on round", "round on flat", "equal cylinders", "conforming"],
+)
+def test_normals_of_curved_contacts(
+    upper: Array, lower: Array, turn: float, tolerance: float, side: str
+) -> None:
+    pair = chains.surface("upper", upper, True), chains.surface("lower", lower[::-1], True)
+    operators = coupling(pair, side, 2)
+    theta = turn * np.arctan2(operators.points[:, 0], 1 + operators.points[:, 1])
+    expected = np.stack([np.sin(theta), np.cos(theta)], axis=1)
+    inner = slice(1, -1)  # at the two ends the mean around a node is to one side of it
+    np.testing.assert_allclose(operators.frames[inner, 0], expected[inner], rtol=0, atol=tolerance)
+
+
+def test_arc_length_on_a_curved_surface() -> None:
+    """On a convex body 2 of radius 1 arc runs clockwise, along t."""
+    pair = (
+        chains.surface("upper", flat(np.linspace(-0.11, 0.11, 13)), True),
+        chains.surface("lower", ROUND[::-1], True),
+    )
     operators = coupling(pair, "surface2", 2)
-    radial = operators.points / np.linalg.norm(operators.points, axis=1, keepdims=True)
-    theta = np.arctan2(operators.points[:, 0], operators.points[:, 1])
-    # Facets of angle 0.1 and order 2: normals to h^3/25, arc lengths to h^4/500.
-    np.testing.assert_allclose(operators.frames[:, 0], radial, rtol=0, atol=5e-5)
-    np.testing.assert_allclose(operators.arc, theta, rtol=0, atol=1e-6)
+    theta = np.arctan2(operators.points[:, 0], 1 + operators.points[:, 1])
+    # Facets of angle 0.0125 and order 2: arc lengths to h^4.
+    np.testing.assert_allclose(operators.arc, theta, rtol=0, atol=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -263,5 +302,5 @@ def test_arc_and_normal_on_a_curved_surface() -> None:
 def test_surfaces_that_never_meet_are_named(place: Placement) -> None:
     lower = chains.straight_pair(1, False, HERE)[1]
     upper = chains.straight_pair(1, False, place)[0]
-    with pytest.raises(ModelError, match="'main'.*'upper' and 'lower' never face each other"):
+    with pytest.raises(ModelError, match=r"'main'.*'upper' and 'lower' never face each other"):
         coupling((upper, lower), "finer", 1)

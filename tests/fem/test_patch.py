@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 
 from fretfe.fem.meshing import BodyMesh
 
-pytestmark = pytest.mark.mpi
-
 Array = NDArray[np.float64]
 
 ANGLE = 37.0
@@ -125,6 +123,7 @@ def assert_stress(found: Array, expected: Array, tolerance: float) -> None:
     np.testing.assert_allclose(found, expected, rtol=0, atol=tolerance)
 
 
+@pytest.mark.mpi
 @SIDES
 @ELEMENTS
 @pytest.mark.parametrize("angle", [0.0, ANGLE], ids=["flat", "inclined"])
@@ -150,6 +149,7 @@ def test_constant_pressure(
     assert_uniform(solved, PRESSURE, 0.0, stress)
 
 
+@pytest.mark.mpi
 @SIDES
 @pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
 @pytest.mark.parametrize("degree", [1, 2])
@@ -167,6 +167,7 @@ def test_constant_pressure_on_meshes_of_order_2(degree: int, cell: str, side: st
     assert_uniform(solved, PRESSURE, 0.0, stress)
 
 
+@pytest.mark.mpi
 @SIDES
 @ELEMENTS
 @pytest.mark.parametrize("angle", [ANGLE, -ANGLE])
@@ -241,6 +242,7 @@ def test_rigid_motion_of_both_bodies_gives_no_traction(
     assert_stress(solved.stress(1)["upper"], np.zeros((2, 2)), EXACT * 200.0)
 
 
+@pytest.mark.mpi
 @ELEMENTS
 def test_rigid_motion_keeps_the_tractions_of_pressed_bodies(cell: str, degree: int) -> None:
     """Press and shear by displacements (not uniform), then move everything together."""

@@ -128,5 +128,5 @@ def test_closed_curve_next_to_an_open_one_is_an_error() -> None:
     ring = np.array([[10, 11], [11, 12], [12, 10]])
     mesh = sector(1)
     mesh = replace(mesh, boundaries={"face": np.concatenate([mesh.boundaries["b_top"], ring])})
-    with pytest.raises(MeshError, match="surface 'face' of body 'b'.*an open and a closed"):
+    with pytest.raises(MeshError, match=r"surface 'face' of body 'b'.*an open and a closed"):
         build_surface(mesh, "face")

@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The command line as a user meets it: runs, files, and a clear message for each mistake."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from fretfe.case import load_case
+from fretfe.fem.meshing import read_mesh
+from fretfe.fem.run import load_mesh
+from meshes_b1 import write_b1
+
+CASE = """
+title = "Pad on a block"
+[model]
+degree = 1
+[geometry]
+file = "pad.msh"
+[bodies.pad]
+young = 210e3
+poisson = 0.3
+[bodies.substrate]
+young = 210e3
+poisson = 0.3
+[contacts.main]
+surface1 = "pad_contact"
+surface2 = "substrate_contact"
+friction = 0.4
+[supports.base]
+boundary = "substrate_bottom"
+fix = ["x", "y"]
+[loads.press]
+type = "platen"
+boundary = "pad_top"
+direction = "y"
+control = "displacement"
+history = [{ ramp = -0.042, until = 1.0, steps = 3 }]
+[loads.shear]
+type = "platen"
+boundary = "pad_top"
+direction = "x"
+control = "displacement"
+history = [
+  { hold = true, until = 1.0 },
+  { wave = "sine", mean = 0.0, amplitude = 0.01, period = 1.0, cycles = 2, steps_per_cycle = 8 },
+]
+"""
+
+# One process, no contest: the launcher's variables of an outer mpirun must not reach the child.
+ENVIRONMENT = {
+    name: value
+    for name, value in os.environ.items()
+    if not name.startswith(("PMI_", "PMIX_", "OMPI_", "MPI_", "HYDI_"))
+}
+
+
+def fretfe(
+    *arguments: str | Path, ranks: int = 1, timeout: float = 120
+) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "fretfe", *map(str, arguments)]
+    if ranks > 1:
+        mpirun = Path(sys.executable).with_name("mpirun")
+        launcher = str(mpirun) if mpirun.exists() else shutil.which("mpirun")
+        assert launcher, "mpirun is neither in the environment nor on the path"
+        command = [launcher, "-n", str(ranks), *command]
+    return subprocess.run(
+        command,
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        env=ENVIRONMENT,
+        stdin=subprocess.DEVNULL,
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("case")
+    write_b1(path / "pad.msh", order=1, h=0.05, growth=0.2)
+    (path / "case.toml").write_text(CASE)
+    return path
+
+
+@pytest.fixture(scope="module")
+def results(folder: Path) -> Path:
+    done = fretfe("run", folder / "case.toml", "-o", folder / "results", "--timings")
+    assert done.returncode == 0, done.stderr
+    (folder / "results" / "stdout.txt").write_text(done.stdout)
+    return folder / "results"
+
+
+def test_run_prints_edges_and_where_the_results_are(results: Path) -> None:
+    output = (results / "stdout.txt").read_text()
+    assert "left" in output and "right" in output
+    assert "condensation" in output
+    assert str(results) in output.replace("\n", "")
+
+
+def test_results_hold_what_the_guide_describes(results: Path) -> None:
+    data = json.loads((results / "results.json").read_text())
+    assert data["schema"] == {"name": "fretfe-results", "version": 1}
+    assert data["complete"] is True
+    steps = len(data["times"])
+    contact = data["contacts"]["main"]
+    assert len(contact["normal_force"]) == steps == 20
+    assert [edge["side"] for edge in contact["edges"]] == ["left", "right"]
+    assert len(data["steps"]["certificate"]["worst"]) == steps
+    assert data["units"]["stress"] == "MPa"
+    with h5py.File(results / "results.h5") as arrays:
+        group = arrays["contacts/main"]
+        nodes = len(group["arc"])
+        assert group["traction"].shape == (steps, nodes, 2)
+        assert group["slip"].shape == (steps, nodes, 1)
+        assert "mesh/pad/points" in arrays
+
+
+def test_results_tell_the_case_as_it_was_run(results: Path, folder: Path) -> None:
+    case = json.loads((results / "results.json").read_text())["case"]
+    assert case["contacts"]["main"]["friction"] == 0.4
+    assert (results / "case.toml").read_text() == (folder / "case.toml").read_text()
+
+
+@pytest.mark.parametrize("name", ["tractions.png", "fields/pad.pvd", "fields/substrate.pvd"])
+def test_run_writes_pictures_and_fields(results: Path, name: str) -> None:
+    assert (results / name).stat().st_size > 0
+
+
+def test_two_processes_give_the_same_results(results: Path, folder: Path) -> None:
+    done = fretfe("run", folder / "case.toml", "-o", folder / "parallel", ranks=2)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("Results in") == 1
+    serial, parallel = (
+        json.loads((path / "results.json").read_text()) for path in (results, folder / "parallel")
+    )
+    assert parallel["ranks"] == 2
+    for quantity in ("normal_force", "shear_force", "half_width", "centre"):
+        compare(serial["contacts"]["main"][quantity], parallel["contacts"]["main"][quantity])
+    for one, other in zip(
+        serial["contacts"]["main"]["edges"], parallel["contacts"]["main"]["edges"], strict=True
+    ):
+        for quantity in ("position", "k_n", "k_t", "k_i", "k_t_range"):
+            compare(one[quantity], other[quantity])
+        lengths = [[zone["length"] for zone in edge["slip_zones"]] for edge in (one, other)]
+        compare(*lengths)
+
+
+def compare(one: object, other: object) -> None:
+    first, second = (np.array(values, dtype=float) for values in (one, other))
+    scale = np.nanmax(np.abs(first))
+    assert np.allclose(first, second, rtol=0, atol=1e-8 * scale, equal_nan=True)
+
+
+def test_check_lists_what_would_be_solved(folder: Path) -> None:
+    done = fretfe("check", folder / "case.toml")
+    assert done.returncode == 0, done.stderr
+    assert "pad (1) on substrate (2)" in done.stdout
+    assert "19 steps" in done.stdout
+    assert "The case is valid." in done.stdout
+
+
+def test_mesh_is_written_and_read_back(folder: Path) -> None:
+    done = fretfe("mesh", folder / "case.toml", "-o", folder / "copy.msh")
+    assert done.returncode == 0, done.stderr
+    copy, original = read_mesh(folder / "copy.msh"), load_mesh(load_case(folder / "case.toml"))
+    assert list(copy.bodies) == list(original.bodies)
+    for name, body in original.bodies.items():
+        assert np.allclose(copy.bodies[name].points, body.points, atol=1e-12)
+        assert {k: len(v) for k, v in copy.bodies[name].boundaries.items()} == {
+            k: len(v) for k, v in body.boundaries.items()
+        }
+
+
+def test_info_names_versions() -> None:
+    done = fretfe("info")
+    assert done.returncode == 0
+    for name in ("dolfinx", "petsc", "mpi", "BLAS"):
+        assert name in done.stdout
+
+
+def test_schema_is_json() -> None:
+    done = fretfe("schema")
+    assert "contacts" in json.loads(done.stdout)["properties"]
+
+
+# What a user gets wrong: edit of the case file, exit code, words that the message must contain.
+MISTAKES = {
+    "misspelt key": (("friction = 0.4", "frction = 0.4"), 2, ["contacts.main.frction", "friction"]),
+    "missing group": (('"pad_contact"', '"pad_contct"'), 3, ["pad_contct", "pad_contact"]),
+    "negative modulus": (("young = 210e3", "young = -1.0"), 2, ["bodies.pad.young", "-1"]),
+    "incompressible": (("poisson = 0.3", "poisson = 0.5"), 2, ["bodies.pad.poisson", "0.5"]),
+    "missing mesh": (('"pad.msh"', '"none.msh"'), 3, ["none.msh"]),
+    "nothing holds the block": (('fix = ["x", "y"]', 'fix = ["x"]'), 4, ["substrate", "holds"]),
+    "surfaces look away": (
+        ('surface1 = "pad_contact"', 'surface1 = "pad_top"'),
+        2,
+        ["pad_top"],
+    ),
+    "surfaces never meet": (("ramp = -0.042", "ramp = 0.042"), 4, ["smallest gap"]),
+    "history ends before it starts": (("until = 1.0, steps", "until = -1.0, steps"), 2, ["press"]),
+}
+
+
+@pytest.mark.parametrize("mistake", list(MISTAKES))
+def test_mistake_gets_a_clear_message(folder: Path, tmp_path: Path, mistake: str) -> None:
+    (old, new), code, words = MISTAKES[mistake]
+    assert old in CASE
+    shutil.copy(folder / "pad.msh", tmp_path)
+    (tmp_path / "case.toml").write_text(CASE.replace(old, new, 1))
+    done = fretfe("run", tmp_path / "case.toml", "-o", tmp_path / "out")
+    assert done.returncode == code, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+    assert all(word in done.stderr for word in words), done.stderr
+
+
+def test_output_folder_that_cannot_be_written(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    done = fretfe("run", folder / "case.toml", "-o", tmp_path / "file" / "out")
+    assert done.returncode == 6
+    assert str(tmp_path / "file") in done.stderr and "Traceback" not in done.stderr
+
+
+def test_error_on_two_processes_is_one_message(folder: Path, tmp_path: Path) -> None:
+    shutil.copy(folder / "pad.msh", tmp_path)
+    (tmp_path / "case.toml").write_text(CASE.replace('fix = ["x", "y"]', 'fix = ["x"]'))
+    done = fretfe("run", tmp_path / "case.toml", "-o", tmp_path / "out", ranks=2)
+    assert done.returncode == 4
+    assert done.stderr.count("fretfe: error:") == 1
+
+
+def test_what_was_computed_before_a_failure_is_kept(folder: Path, tmp_path: Path) -> None:
+    shutil.copy(folder / "pad.msh", tmp_path)
+    # a shear force of 1000 N/mm is more than friction can carry
+    text = CASE.replace(
+        'direction = "x"\ncontrol = "displacement"', 'direction = "x"\ncontrol = "force"'
+    )
+    (tmp_path / "case.toml").write_text(text.replace("amplitude = 0.01", "amplitude = 1000.0"))
+    done = fretfe("run", tmp_path / "case.toml", "-o", tmp_path / "out")
+    assert done.returncode == 5
+    assert "step" in done.stderr and "Traceback" not in done.stderr
+    data = json.loads((tmp_path / "out" / "results.json").read_text())
+    assert data["complete"] is False and data["failure"] in done.stderr.replace("\n", " ")
+    assert 4 <= len(data["times"]) < 20
