@@ -27,7 +27,7 @@ class MeshError(FretfeError):
 
 
 class ModelError(FretfeError):
-    """The mechanical model is not well posed: a body that nothing holds, surfaces that never meet."""
+    """The model is not well posed: a body that nothing holds, surfaces that never meet."""
 
     exit_code = 4
 

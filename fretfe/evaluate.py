@@ -310,7 +310,7 @@ def _slip_zones(
 
 
 def _at_extreme(solution: Solution, k_t: Array, state: int) -> bool:
-    """Whether K_T is at its largest or smallest of the cycle, so that the half cycle is complete."""
+    """Whether K_T is at its largest or smallest of the cycle: the half cycle is complete."""
     cycle = _cycle_states(solution)
     history = k_t[cycle] if len(cycle) else k_t
     distance = min(history.max() - k_t[state], k_t[state] - history.min())
@@ -363,9 +363,7 @@ def _cycle_change(solution: Solution, contact: ContactHistory) -> float:
     return cycle_change(shear[last], shear[first], float(contact.friction[last]), float(pressure))
 
 
-def _warnings(
-    contact: ContactHistory, edges: tuple[Edge, ...], change: float
-) -> tuple[str, ...]:
+def _warnings(contact: ContactHistory, edges: tuple[Edge, ...], change: float) -> tuple[str, ...]:
     warnings = []
     closed = contact.status != OPEN
     if not closed.any():

@@ -30,11 +30,25 @@ NUMBERS, ARRAYS = "results.json", "results.h5"
 class BodyArrays(Protocol):
     """The mesh of one body, whoever made it."""
 
-    points: npt.NDArray[np.float64]
-    cells: npt.NDArray[np.int64]
-    cell: str
-    order: int
-    boundaries: dict[str, npt.NDArray[np.int64]]
+    @property
+    def points(self) -> npt.NDArray[np.float64]:
+        """(n, d) coordinates of the nodes."""
+
+    @property
+    def cells(self) -> npt.NDArray[np.int64]:
+        """(m, k) nodes of the cells, in Gmsh's order."""
+
+    @property
+    def cell(self) -> str:
+        """Shape of the cells."""
+
+    @property
+    def order(self) -> int:
+        """Polynomial order of the geometry."""
+
+    @property
+    def boundaries(self) -> dict[str, npt.NDArray[np.int64]]:
+        """Facets (f, order + 1) of each boundary."""
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,9 @@ if importlib.util.find_spec("dolfinx_solver") is not None:
     import dolfinx_solver  # noqa: F401
 
 try:
+    from mpi4py import MPI
+    from petsc4py import PETSc
+
     import basix.ufl
     import dolfinx
     import dolfinx.fem.petsc
@@ -31,8 +34,6 @@ try:
     import dolfinx.mesh
     import ufl
     from dolfinx import cpp as _cpp
-    from mpi4py import MPI
-    from petsc4py import PETSc
 except ImportError as error:
     raise DependencyError(
         "the finite-element part of fretfe needs DOLFINx with PETSc and MPI, which cannot be "
@@ -100,10 +101,10 @@ def assemble_vector(form: Any) -> PETSc.Vec:
     return vector
 
 
-def interpolation_points(space: dolfinx.fem.FunctionSpace) -> npt.NDArray[np.float64]:
-    """Reference points at which an expression is evaluated to interpolate it into `space`."""
-    points = space.element.interpolation_points
-    return points() if callable(points) else points  # method in 0.9, property later
+def expression(value: Any, space: dolfinx.fem.FunctionSpace) -> dolfinx.fem.Expression:
+    """A UFL expression that can be interpolated into `space`."""
+    points = space.element.interpolation_points  # a method in 0.9, a property later
+    return dolfinx.fem.Expression(value, points() if callable(points) else points)
 
 
 def vtk_file(comm: MPI.Comm, path: Path) -> Any:

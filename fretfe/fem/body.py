@@ -257,9 +257,7 @@ class Body:
         return displacement
 
 
-def constraint_shapes(
-    elastic: ElasticBody, constraints: list[Constraint]
-) -> list[fem.Function]:
+def constraint_shapes(elastic: ElasticBody, constraints: list[Constraint]) -> list[fem.Function]:
     """The displacement of the constrained nodes by a unit amplitude of each constraint."""
     gdim = elastic.gdim
     shapes = [fem.Function(elastic.space) for _ in constraints]

@@ -69,7 +69,7 @@ class BondedSolver:
         self._floats = free_motions(interface, ~held).shape[1] > 0
 
     def units(self, state: ContactState) -> Array:
-        """(N, d, J) traction increment for a unit of each driver, the state's contact area stuck."""
+        """(N, d, J) traction increment for a unit of each driver, the contact area stuck."""
         interface, d = self._interface, self._interface.components
         operator = self._newton.operator_for(state.closed, state.relative[:, 0])
         rhs = self._right_hand_sides(operator.rows)

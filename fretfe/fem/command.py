@@ -8,7 +8,14 @@ import time
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TaskID,
+    TextColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table
 
 from fretfe.case import Case, load_case
@@ -63,9 +70,7 @@ def _prepare(directory: Path, fields: Path | None, case_file: Path) -> None:
         shutil.copyfile(case_file, target)
 
 
-def _finish(
-    case: Case, outcome: Outcome, directory: Path, start: float, timings: bool
-) -> None:
+def _finish(case: Case, outcome: Outcome, directory: Path, start: float, timings: bool) -> None:
     """Evaluate, write and print; on rank 0."""
     solution = outcome.solution
     assert solution is not None and outcome.mesh is not None
@@ -112,9 +117,14 @@ class _StepReport:
     def __init__(self) -> None:
         console = Console(stderr=True)
         self._bar: Progress | None = None
-        self._task = None
+        self._task: TaskID | None = None
         if console.is_terminal and COMM.rank == 0:
-            columns = (TextColumn("steps"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+            columns = (
+                TextColumn("steps"),
+                BarColumn(),
+                MofNCompleteColumn(),
+                TimeRemainingColumn(),
+            )
             self._bar = Progress(*columns, console=console, transient=True)
 
     def __enter__(self) -> _StepReport:

@@ -18,7 +18,7 @@ from fretfe.fem._compat import (
     assemble_vector,
     create_mesh,
     distribute_entity_data,
-    interpolation_points,
+    expression,
 )
 from fretfe.fem.meshing import BodyMesh
 
@@ -194,7 +194,7 @@ class ElasticBody:
         ):
             space = fem.functionspace(self.mesh, ("DG", degree, shape))
             function = fem.Function(space, name=name)
-            function.interpolate(fem.Expression(value, interpolation_points(space)))
+            function.interpolate(expression(value, space))
             fields.append(function)
         return fields
 

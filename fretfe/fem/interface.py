@@ -2,8 +2,8 @@
 """The interface problem: condensed bodies and couplings reduced to the multipliers.
 
 Everything is written in weighted nodal quantities of N multiplier nodes with d components each
-(normal, then tangents; see `fretfe.fem.mortar`). With W_i the integral of hat function i and λ_i the
-nodal traction (p_i, q_i),
+(normal, then tangents; see `fretfe.fem.mortar`). With W_i the integral of hat function i and λ_i
+the nodal traction (p_i, q_i),
 
     y_i = √W_i λ_i,        w_i = (∫ φ_i w) / √W_i
 

@@ -62,8 +62,8 @@ class Model:
         assert plan is not None
         with clock("surfaces"):
             surfaces = on_root(comm, lambda: contact_surfaces(plan, mesh))  # type: ignore[arg-type]
+            assert surfaces is not None
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
-        assert surfaces is not None
         self.bodies: dict[str, Body] = {}
         for body in plan.bodies:
             with clock("assembly"):
@@ -84,7 +84,9 @@ class Model:
         interface, reduced = build_interface(parts, list(pairs), coordinates)
         return Reduction(plan, interface, reduced, {c.name: c for c in parts}, pairs)
 
-    def recover(self, states: Sequence[tuple[ContactState, StepLoads]] | None) -> list[dict[str, fem.Function]]:
+    def recover(
+        self, states: Sequence[tuple[ContactState, StepLoads]] | None
+    ) -> list[dict[str, fem.Function]]:
         """Displacement fields of solved steps, by body. Collective; `states` on rank 0 only."""
         requests = self.comm.bcast(
             [self._retained(state, loads) for state, loads in states]
@@ -103,12 +105,8 @@ class Model:
         assert self.reduction is not None
         retained = {}
         for name, body in self.reduction.bodies.items():
-            own = state.coordinates[
-                coordinate_range(self.reduction.interface.coordinates, name)
-            ]
-            surface = body.surface_displacement(
-                state.traction.ravel(), own, loads.amplitudes
-            )
+            own = state.coordinates[coordinate_range(self.reduction.interface.coordinates, name)]
+            surface = body.surface_displacement(state.traction.ravel(), own, loads.amplitudes)
             constraints = own[: body.body.coupling.shape[1]]
             retained[name] = (surface, constraints, loads.amplitudes)
         return retained
@@ -133,7 +131,9 @@ def couple_contacts(case: Case, surfaces: dict[str, Surface]) -> tuple[Pair, ...
     return tuple(pairs)
 
 
-def step_loads(case: Case, history: History, interface: Interface, plan: ModelPlan) -> list[StepLoads]:
+def step_loads(
+    case: Case, history: History, interface: Interface, plan: ModelPlan
+) -> list[StepLoads]:
     """What each step of a history prescribes; forces are per unit thickness."""
     column = {name: number for number, name in enumerate(history.channels)}
     rotations = {load.channel for load in plan.loads if load.kind == "rotation"}

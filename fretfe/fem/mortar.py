@@ -8,9 +8,9 @@ turned clockwise, so that x = t and y = n). Work conjugate to it are the weighte
 
 Integrals run over the surface of body 2, whichever side carries the multipliers. The normals are
 those of both surfaces, each weighted with the curvature of the other (`contact_normals`). This
-matters where surfaces slide far or press deep: a rounded profile that slides along a flat keeps its
-gap if the normals are those of the flat, but not if they are its own, which turn by δ/R over a slide
-δ; and two equal cylinders touch in the plane between them.
+matters where surfaces slide far or press deep: a rounded profile that slides along a flat keeps
+its gap if the normals are those of the flat, but not if they are its own, which turn by δ/R over
+a slide δ; and two equal cylinders touch in the plane between them.
 """
 
 from __future__ import annotations
@@ -127,7 +127,10 @@ def _assemble(
     pairs: dict[str, Array], surface1: Surface, surface2: Surface, on_first: bool, degree: int
 ) -> Coupling:
     """Coupling from integration points on the surface of body 2 and their projections."""
-    places = (pairs["other_facet"], pairs["eta"]), (pairs["facet"], pairs["xi"])
+    places = [
+        (pairs["other_facet"].astype(np.int64), pairs["eta"]),
+        (pairs["facet"].astype(np.int64), pairs["xi"]),
+    ]
     carrier, place = (surface1, places[0]) if on_first else (surface2, places[1])
     values = _hats(*place, len(carrier.nodes) + 1)
     hats = values @ sparse.diags(pairs["weight"])
@@ -174,9 +177,7 @@ def _trace(
     columns = nodes[:, :, None] * dim + np.arange(dim)
     rows = np.broadcast_to(np.arange(len(t))[:, None, None], data.shape)
     size = len(surface.displacement_points(degree)) * dim
-    return sparse.csr_matrix(
-        (data.ravel(), (rows.ravel(), columns.ravel())), shape=(len(t), size)
-    )
+    return sparse.csr_matrix((data.ravel(), (rows.ravel(), columns.ravel())), shape=(len(t), size))
 
 
 def _interleave(operators: list[sparse.csr_matrix]) -> sparse.csr_matrix:

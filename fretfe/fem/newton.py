@@ -47,7 +47,7 @@ MARGIN = 0.05
 SMALLEST_MARGIN = 8
 
 
-class NotConverged(Exception):  # noqa: N818 - an outcome, not an error of the user
+class NotConverged(Exception):
     """The iteration found no solution; `reason` says how it ended, in words."""
 
     def __init__(self, reason: str, iterations: int) -> None:

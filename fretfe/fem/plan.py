@@ -99,9 +99,9 @@ def _platens(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
     for name, load in case.loads.items():
         if isinstance(load, PlatenLoad):
             platens.setdefault(load.boundary, []).append(name)
-    held = []
+    held: list[tuple[Constraint, str, str]] = []
     for boundary, names in platens.items():
-        directions = []
+        directions: list[tuple[float, ...]] = []
         for name in names:
             load = case.loads[name]
             assert isinstance(load, PlatenLoad)

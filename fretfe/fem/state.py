@@ -17,7 +17,6 @@ Status = npt.NDArray[np.int8]
 __all__ = ["OPEN", "SLIP", "STICK", "ContactState", "StepLoads", "unloaded"]
 
 
-
 @dataclass(frozen=True)
 class StepLoads:
     """What is known at the end of a load step.

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-
 from scipy.spatial import cKDTree
 
 from fretfe.errors import MeshError
@@ -71,7 +70,7 @@ class Surface:
         return np.where(np.abs(turns) > STRAIGHT, turns, 0.0)
 
     def normals_near(self, points: Array) -> Array:
-        """(n, 2) unit normals of the chain opposite to points (n, 2): those of the nearest place."""
+        """(n, 2) unit normals of the chain at the places nearest to points (n, 2)."""
         sampling = np.linspace(0.0, 1.0, SAMPLES_PER_FACET)
         values = shape_values(self.nodes.shape[1] - 1, sampling)
         places = np.einsum("qk,fkd->fqd", values, self.nodes).reshape(-1, 2)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -19,7 +20,7 @@ from fretfe.solution import ContactHistory, Solution
 # Two colours that stay apart for colour-blind readers and in grey (Okabe and Ito).
 EXTREME_COLOURS = ("#0072B2", "#D55E00")
 PRESSURE_COLOUR = "#555555"
-STYLE = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
+STYLE: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
 
 
 def write_tractions(

@@ -17,7 +17,7 @@ from fretfe.solution import Solution
 
 
 def edge_table(case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]) -> Table:
-    """One row per contact edge: position, K_N, range of K_T, slip zones of the last two half cycles.
+    """One row per contact edge, with the slip zones of the last two half cycles.
 
     The prediction follows the load loop where there is a cycle, else it is that of first loading.
     """

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Benchmark: a cylindrical pad on a block, one fretting cycle, against Hertz, Cattaneo and Mindlin.
 
-The mesh is read as a user's own. The references use the computed P and Q and the computed centre of
-the contact: the guided pad tilts under shear, which moves the contact by about 1 % of its half-width.
+The mesh is read as a user's own. The references use the computed P and Q and the computed centre
+of the contact: the guided pad tilts under shear, which moves it by about 1 % of its half-width.
 """
 
 from __future__ import annotations
@@ -12,6 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from meshes_b1 import write_b1
+
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import Hertz
 from fretfe.case import parse_case
@@ -20,7 +22,6 @@ from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.loads import build_history
 from fretfe.solution import SLIP, ContactHistory, Solution
-from meshes_b1 import write_b1
 
 RADIUS, YOUNG, POISSON, FRICTION = 50.0, 210e3, 0.3, 0.4
 E_STAR = YOUNG / (2 * (1 - POISSON**2))

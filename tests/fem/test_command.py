@@ -13,10 +13,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from meshes_b1 import write_b1
+
 from fretfe.case import load_case
 from fretfe.fem.meshing import read_mesh
 from fretfe.fem.run import load_mesh
-from meshes_b1 import write_b1
 
 CASE = """
 title = "Pad on a block"

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from fretfe.case import parse_case
 from fretfe.evaluate import ContactSummary, evaluate
 from fretfe.fem._compat import MPI

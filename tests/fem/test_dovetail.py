@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The dovetail demo, with fewer steps: two flanks that slide at first and then slip at their edges."""
+"""The dovetail demo, with fewer steps: both flanks slide at first, then slip at their edges."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from fretfe.case import parse_case
 from fretfe.evaluate import ContactSummary, evaluate
 from fretfe.fem._compat import MPI
@@ -102,8 +103,8 @@ def test_forward_and_backward_slip_end_at_the_same_place(
     for contact in coarse[1]:
         for edge in contact.edges:
             borders = [zone.border for zone in edge.slip_zones[-2:]]
-            # a tenth of the element size .004 is what the border is located to
-            assert np.ptp(borders) < 0.001
+            # half an element of .004: the shortest zone has only three slipping nodes
+            assert np.ptp(borders) < 0.002
 
 
 def test_slip_zones_follow_the_loop_formula(

@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+import numpy as np
+import numpy.typing as npt
+
+def overlap_points(
+    nodes: npt.NDArray[np.float64],
+    normals: npt.NDArray[np.float64],
+    other: npt.NDArray[np.float64],
+    points: npt.NDArray[np.float64],
+    weights: npt.NDArray[np.float64],
+    max_gap: float,
+) -> dict[str, npt.NDArray[np.float64]]: ...
