@@ -50,8 +50,7 @@ def status_by_fixed_point(
             multiplier += relaxed - traction
         bound = loads.friction * traction[:, 0]
         scale = np.abs(traction).max(initial=np.finfo(float).tiny)
-        change = max(np.abs(traction - before).max(), np.abs(traction - free).max())
-        if change < TRACTION_TOLERANCE * scale:
+        if np.abs(traction - before).max() < TRACTION_TOLERANCE * scale:
             break
     shear = np.linalg.norm(traction[:, 1:], axis=1)
     on_bound = shear >= bound * (1 - TRACTION_TOLERANCE)

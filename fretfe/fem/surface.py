@@ -128,7 +128,7 @@ def _chain_order(facets: Indices, where: str) -> Indices:
         if following is None:
             break
         order.append(following)
-    if len(set(order)) != len(facets) or len(firsts) != 1:
+    if len(set(order)) != len(facets):
         pieces = {0: "a closed curve", 1: "an open and a closed curve"}
         kind = pieces.get(len(firsts), f"{len(firsts)} separate pieces")
         raise MeshError(

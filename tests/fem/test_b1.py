@@ -154,14 +154,11 @@ def test_k_t(b1: Run, state: int, side: int) -> None:
 
 
 @pytest.mark.parametrize("state", EXTREMES)
-def test_stick_half_width(b1: Run, state: int) -> None:
-    if is_linear(b1):
-        pytest.skip("the bound holds for order 2")
-    reference = b1.reference(state)
-    force = b1.summary.shear_force[state]
-    borders = [zone.border for e in b1.summary.edges for zone in e.slip_zones if zone.end == state]
-    stick = abs(borders[1] - borders[0]) / 2
-    expected = float(reference.stick_half_width(force))
+def test_stick_half_width(fine: Run, state: int) -> None:
+    reference = fine.reference(state)
+    zones = [zone for edge in fine.summary.edges for zone in edge.slip_zones if zone.end == state]
+    stick = abs(zones[1].border - zones[0].border) / 2
+    expected = float(reference.stick_half_width(fine.summary.shear_force[state]))
     assert stick == pytest.approx(expected, abs=0.005 * reference.half_width)
 
 

@@ -54,8 +54,8 @@ def space(ratio: float) -> tuple[Interface, StepLoads]:
     return interface, halfspace.loads(interface, (-load, 0.8 * shear, 0.6 * shear), FRICTION)
 
 
-def under_force(ratio: float) -> tuple[Interface, StepLoads]:
-    interface = cylinder()
+def under_force(ratio: float, beta: float = 0.2) -> tuple[Interface, StepLoads]:
+    interface = cylinder(beta=beta)
     return interface, plane(interface, (ratio * FRICTION * 0.8, -0.8, 0.0))
 
 
@@ -73,6 +73,8 @@ CASES: dict[str, Callable[[], tuple[Interface, StepLoads]]] = {
     "plane, normal force": lambda: under_force(0.0),
     "plane, partial slip": lambda: under_force(0.7),
     "plane, nearly sliding": lambda: under_force(0.97),
+    "plane, similar materials": lambda: under_force(0.7, 0.0),
+    "plane, similar materials, nearly sliding": lambda: under_force(0.97, 0.0),
     "plane, gap closed by displacement": lambda: under_displacement(0.3),
     "plane, gross slip": lambda: under_displacement(3.0),
     "blade slides": lambda: on_flanks(0.2, 0.0),

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -17,9 +17,10 @@ from halfplane_interface import Flank
 from numpy.typing import NDArray
 
 from fretfe.errors import ConvergenceError, ModelError
+from fretfe.fem.certificate import certify
 from fretfe.fem.interface import Interface
 from fretfe.fem.march import March, StepResult
-from fretfe.fem.state import OPEN, SLIP, STICK
+from fretfe.fem.state import OPEN, SLIP, STICK, ContactState, StepLoads, unloaded
 
 Array = NDArray[np.float64]
 
@@ -201,6 +202,75 @@ def test_history_is_committed_only_with_the_step() -> None:
     np.testing.assert_allclose(
         first[-1].state.traction, second[-1].state.traction, rtol=0, atol=1e-13
     )
+
+
+# --- the certificate ------------------------------------------------------------------------------
+
+
+def partial_slip() -> tuple[Interface, StepLoads, ContactState, Array]:
+    """Interface, loads, state and reference of a step in partial slip."""
+    interface = cylinder(0.04)
+    rows = np.array([[0, 0, 0], [0, -LOAD, 0], [0.6 * FRICTION * LOAD, -LOAD, 0]])
+    steps = [halfplane.loads(interface, row, FRICTION) for row in rows]
+    before, after = March(interface).run(steps)
+    return interface, steps[-1], after.state, before.state.relative[:, 1:]
+
+
+def middle(status: int, sample: ContactState) -> int:
+    """Node in the middle of those with a status."""
+    nodes = np.flatnonzero(sample.status == status)
+    return int(nodes[len(nodes) // 2])
+
+
+def spoiled(array: Array, node: int, component: int, amount: float) -> Array:
+    changed = array.copy()
+    changed[node, component] += amount
+    return changed
+
+
+@pytest.mark.parametrize(
+    ("entry", "quantity", "status", "component", "sign"),
+    [
+        ("penetration", "relative", OPEN, 0, "below zero"),
+        ("adhesion", "traction", STICK, 0, "below zero"),
+        ("open_traction", "traction", OPEN, 1, "add"),
+        ("closed_gap", "relative", SLIP, 0, "add"),
+        ("cone", "traction", SLIP, 1, "along"),
+        ("stuck_drift", "relative", STICK, 1, "add"),
+        ("slip_with_traction", "relative", SLIP, 1, "backwards"),
+    ],
+)
+def test_certificate_sees_each_violation(
+    entry: str, quantity: str, status: int, component: int, sign: str
+) -> None:
+    interface, loads, state, reference = partial_slip()
+    assert certify(interface, loads, state, reference).worst < CERTIFIED
+    node, amount = middle(status, state), 1e-3
+    values = getattr(state, quantity)
+    root = interface.roots[node]
+    step = {
+        "add": amount * root,
+        "along": amount * root * state.direction[node, 0],
+        "below zero": -amount * root - values[node, component],
+        # The slip was against the traction; now it is along it.
+        "backwards": reference[node, 0] - values[node, 1] + amount * root * state.direction[node, 0],
+    }[sign]
+    broken = replace(state, **{quantity: spoiled(values, node, component, step)})
+    found = certify(interface, loads, broken, reference)
+    assert getattr(found, entry) == pytest.approx(amount, rel=1e-6)
+    scale = found.pressure_scale if quantity == "traction" else found.gap_scale
+    assert found.worst >= amount / scale * (1 - 1e-6)
+
+
+def test_certificate_of_bodies_that_only_touch() -> None:
+    """No pressure and no gap: gaps of round-off are judged by how far the bodies moved."""
+    nodes = np.arange(-1.0, 1.0, 0.1)
+    interface = halfplane.build([Flank(nodes, np.zeros_like)], ("displacement",) * 3)
+    state = unloaded(interface)
+    noise = 1e-15 * np.random.default_rng(1).uniform(-1, 1, state.relative.shape)
+    state = replace(state, relative=noise, coordinates=np.array([0.0, 0.1, 0.0]))
+    loads = halfplane.loads(interface, [0.0, 0.1, 0.0], FRICTION)
+    assert certify(interface, loads, state, np.zeros((interface.size, 1))).worst < CERTIFIED
 
 
 # --- robustness -----------------------------------------------------------------------------------

@@ -267,3 +267,22 @@ def test_rigid_motion_keeps_the_tractions_of_pressed_bodies(cell: str, degree: i
     assert scale > 0.5
     # Displacements ten times those of the contact: one digit of round-off is lost.
     np.testing.assert_allclose(moved, pressed, rtol=0, atol=EXACT * scale)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("direction", [[0.0, -1.0], [0.6, -0.8]], ids=["axis", "slanted"])
+def test_platen_is_guided(direction: list[float]) -> None:
+    """A loaded platen moves along its direction only; the guide takes the force across it."""
+    force = 4.0
+    load = platen("upper_top", direction, "force", force)
+    data = make_case("finer", 2, 1.5, supports=BASE, loads={"press": load})
+    solved = run(data, *turned_blocks(0.0, "triangle"))
+    guides = [label for label in solved.forces if "guide" in label]
+    assert len(guides) == 1
+    along, across = np.array(direction), np.array([-direction[1], direction[0]])
+    across *= np.sign(across @ GUIDES[direction[0] == 0])
+    on_top = force * along + solved.forces[guides[0]][-1] * across
+    on_base = [solved.forces["base x"][-1], solved.forces["base y"][-1]]
+    assert abs(solved.forces[guides[0]][-1]) > 1e-3 * force or direction[0] == 0
+    np.testing.assert_allclose(on_top, -np.array(on_base), rtol=0, atol=1e-10 * force)
+    assert solved.forces["press"][-1] == pytest.approx(force, rel=1e-12)

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Cost of a whole run in units of one factorisation of the same stiffness, in processor time.
+
+Times are compared within one process with one thread, so that the machine does not matter much.
+Imports and the compilation of forms do not count: a small run comes first.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = """
+import sys, time
+from pathlib import Path
+sys.path.insert(0, sys.argv[1])
+sys.path.insert(0, sys.argv[1] + "/fem")
+import test_b1
+from fretfe.case import parse_case
+from fretfe.evaluate import evaluate
+from fretfe.fem._compat import MPI, PETSc
+from fretfe.fem.model import Model
+from fretfe.fem.run import load_mesh, solve
+from fretfe.fem.timing import Clock
+from fretfe.loads import build_history
+from fretfe.results import Run, write_results
+from meshes_b1 import write_b1
+
+folder, h, growth = Path(sys.argv[2]), float(sys.argv[3]), float(sys.argv[4])
+
+
+def case(name, size, growth):
+    write_b1(folder / name, order=2, h=size, growth=growth)
+    return parse_case(test_b1.b1_case(folder / name, 2, 5.0, "finer"))
+
+
+def whole_run(case):
+    outcome = solve(MPI.COMM_WORLD, case, build_history(case), None, lambda *_: None)
+    contacts = evaluate(outcome.solution)
+    run = Run(case, {}, outcome.seconds, 1, "", outcome.mesh.bodies)
+    write_results(folder, run, outcome.solution, contacts)
+
+
+whole_run(case("warm.msh", 0.1, 0.3))
+measured = case("measured.msh", h, growth)
+start = time.process_time()
+whole_run(measured)
+run_time = time.process_time() - start
+
+model = Model(MPI.COMM_WORLD, measured, load_mesh(measured), Clock())
+start = time.process_time()
+for body in model.bodies.values():  # the stiffness of the whole is that of the bodies
+    factor = PETSc.PC().create(MPI.COMM_WORLD)
+    factor.setOperators(body._matrix)
+    factor.setType("cholesky")
+    factor.setFactorSolverType("mumps")
+    factor.setUp()
+print(run_time, time.process_time() - start)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("h", "growth", "limit"), [(0.02, 0.15, 10), (0.005, 0.05, 3)], ids=["h .02", "h .005"]
+)
+def test_cost_in_factorisations(tmp_path: Path, h: float, growth: float, limit: float) -> None:
+    tests = Path(__file__).parents[1]
+    arguments = [sys.executable, "-c", SCRIPT, str(tests), str(tmp_path), str(h), str(growth)]
+    done = subprocess.run(
+        arguments,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=600,
+        env={"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "HOME": str(Path.home())},
+    )
+    run, factorisation = map(float, done.stdout.split()[-2:])
+    print(f"run {run:.2f} s, factorisation {factorisation:.2f} s, ratio {run / factorisation:.2f}")
+    assert run < limit * factorisation
