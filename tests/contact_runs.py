@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from petsc_garbage import replace_meshes
 
 from fretfe.case import parse_case
 from fretfe.fem._compat import MPI
@@ -35,17 +37,27 @@ class Run:
     tractions: Array
     forces: dict[str, Array]
 
-    def stress(self, step: int) -> dict[str, Array]:
-        """(n, 2, 2) stress at the interpolation points of this rank, by body. Collective."""
+    def fields(self, step: int) -> dict[str, Any]:
+        """Displacement of each body. Collective."""
         rank0 = self.model.comm.rank == 0
         states = [(self.results[step].state, self.steps[step + 1])] if rank0 else None
         (fields,) = self.model.recover(states)
+        return fields
+
+    def stress(self, step: int) -> dict[str, Array]:
+        """(n, 2, 2) stress at the interpolation points of this rank, by body. Collective."""
         return {
             name: self.model.bodies[name]
             .elastic.discontinuous_fields(field)[1]
             .x.array.reshape(-1, 2, 2)
-            for name, field in fields.items()
+            for name, field in self.fields(step).items()
         }
+
+    def displacement(self, step: int, body: str, where: Callable[[Array], Array]) -> Array:
+        """(n, 2) displacements of this rank's nodes where a function of x (3, n) is true."""
+        nodes = self.model.bodies[body].elastic.space.tabulate_dof_coordinates()
+        values: Array = self.fields(step)[body].x.array.reshape(-1, 2)
+        return values[where(nodes.T)]
 
 
 def run(data: dict[str, Any], *meshes: BodyMesh) -> Run:
@@ -55,6 +67,7 @@ def run(data: dict[str, Any], *meshes: BodyMesh) -> Run:
     history = build_history(case)
     mesh = Mesh({m.name: m for m in meshes}) if comm.rank == 0 else None
     model = Model(comm, case, mesh, Clock())
+    replace_meshes(*(body.elastic.mesh for body in model.bodies.values()))
     steps: list[StepLoads] = []
     results: list[StepResult] = []
     tractions, forces = None, None

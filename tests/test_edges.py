@@ -35,8 +35,9 @@ K_N_HERTZ = float(edge_factor_k_n(HERTZ, 1.0))
 FRICTION = 0.5
 # Of the exact Galerkin solution, from its rigid motion: ln(a_eff/2) = -pi u/(2Q).
 GALERKIN = 0.53
+SIDES: tuple[Side, Side] = ("left", "right")
 SIGN = {"left": -1.0, "right": 1.0}
-both_sides = pytest.mark.parametrize("side", ["left", "right"])
+both_sides = pytest.mark.parametrize("side", SIDES)
 both_sizes = pytest.mark.parametrize("h", [0.02, 0.01])
 phases = pytest.mark.parametrize("phase", [0.0, 0.3, 0.55, 0.8])
 
@@ -54,8 +55,8 @@ def flat_rounded(flat: float, relative_h: float, phase: float) -> Contact:
 
 
 def fitted_edges(contact: Contact) -> tuple[float, float]:
-    left = fit_edge(contact.x, contact.pressure, "left")
-    return left.position, fit_edge(contact.x, contact.pressure, "right").position
+    left, right = (fit_edge(contact.x, contact.pressure, side) for side in SIDES)
+    return float(left.position), float(right.position)
 
 
 def projected(nodes: Array, function_of: Hertz) -> Array:
@@ -186,7 +187,7 @@ def test_error_bars_hold_the_truth_and_mean_something(
 ) -> None:
     exact, k_n = profile.pressure(nodes, 1.0), float(edge_factor_k_n(profile, 1.0))
 
-    def draw(seed: int) -> tuple[float, float, float, float]:
+    def draw(seed: int) -> tuple[Array, Array, Array, Array]:
         noise = 1 + 0.005 * np.random.default_rng(seed).standard_normal(nodes.size)
         side: Side = "left" if seed % 2 else "right"
         fit = fit_edge(nodes, exact * noise, side)
@@ -217,6 +218,23 @@ def test_too_few_nodes_give_nan_and_no_confidence() -> None:
     fit = fit_edge(x, HERTZ.pressure(x, 1.0), "left")
     assert np.isnan([fit.position, fit.k_n]).all()
     assert np.isinf([fit.spread_position, fit.spread_k_n]).all()
+
+
+def test_many_states_at_once() -> None:
+    coarse, fine = hertz(0.02, 0.3), FlatRounded(0.5, 1.0, 1.0)
+    # Of different size and place: windows of one state are too long for another.
+    p = np.array([coarse.pressure, fine.pressure(4 * coarse.x - 1, 1.0)])
+    together = fit_edge(coarse.x, p[:, None], "right")
+    one, other = (fit_edge(coarse.x, state, "right") for state in p)
+    assert together.k_n.shape == (2, 1)
+    # Nothing but the order of the sums may differ.
+    alone = np.transpose([astuple(one), astuple(other)])[..., None]
+    np.testing.assert_allclose(astuple(together), alone, rtol=1e-9)
+
+
+def test_a_flat_pressure_has_no_edge() -> None:
+    fit = fit_edge(np.arange(40.0), np.ones(40), "left")
+    assert np.isnan([fit.position, fit.k_n]).all()
 
 
 # --- bonded increments
@@ -363,6 +381,18 @@ def test_bonded_factor_is_linear_in_the_increment() -> None:
     assert scaled.k == pytest.approx(-3e5 * once.k, rel=1e-9)
 
 
+def test_many_increments_and_edges_at_once() -> None:
+    contact, edges = hertz(0.02, 0.3), ((-1.0, 1.0), (-0.99, 1.02), (-1.01, 0.98))
+    q = np.array([contact.bonded(1.0, 0.0), contact.bonded(0.3, 1.0)])
+    together = bonded_factors(contact.x, q, edges, GALERKIN)
+    alone = [[bonded_factors(contact.x, field, pair, GALERKIN) for field in q] for pair in edges]
+    # States, increments, sides, (k, beta, spread).
+    expected = np.array([[[astuple(fit) for fit in fits] for fits in state] for state in alone])
+    found = np.transpose([astuple(fit) for fit in together], (2, 3, 0, 1))
+    # Nothing but the order of the sums may differ.
+    np.testing.assert_allclose(found, expected, rtol=1e-8)
+
+
 def test_a_surface_that_ends_in_contact_has_its_edges_there() -> None:
     x = np.linspace(-1.0, 1.0, 101)
     force = np.arccos(-np.clip(x, -1, 1)) / np.pi
@@ -420,7 +450,7 @@ def test_slip_border_of_a_discrete_contact(
         contact.x[inside],
         slip[inside],
         slipping[inside],
-        fit_edge(contact.x, contact.pressure, side).position,
+        float(fit_edge(contact.x, contact.pressure, side).position),
         side,
     )
     # Cattaneo and Mindlin. Measured .1 h at most where at least three nodes slip.

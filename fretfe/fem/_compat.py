@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import importlib.util
+import warnings
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -26,8 +27,12 @@ try:
     from mpi4py import MPI
     from petsc4py import PETSc
 
+    with warnings.catch_warnings():
+        # 0.9 warns if there is no Numba, which fretfe does not use; later versions do not.
+        warnings.filterwarnings("ignore", "Could not import numba", ImportWarning)
+        import dolfinx
+
     import basix.ufl
-    import dolfinx
     import dolfinx.fem.petsc
     import dolfinx.graph
     import dolfinx.io
@@ -46,8 +51,10 @@ VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 
 @cache
 def petsc_library() -> ctypes.CDLL:
-    """The PETSc shared library that DOLFINx uses, for functions without a petsc4py binding."""
-    return ctypes.CDLL(str(dolfinx.fem.petsc.get_petsc_lib()))
+    """The PETSc that DOLFINx uses, for functions without a petsc4py binding."""
+    # A function is found in what the library named here is linked with. The path of PETSc itself
+    # is given by dolfinx.utils in 0.9, by dolfinx.fem.petsc later.
+    return ctypes.CDLL(PETSc.__file__)
 
 
 def create_mesh(

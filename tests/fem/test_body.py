@@ -9,6 +9,7 @@ import blocks
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from petsc_garbage import replace_meshes
 
 from fretfe.fem._compat import MPI
 from fretfe.fem.body import Body, CondensedBody, Constraint, rigid_motions
@@ -50,6 +51,7 @@ def make_body(
     elastic = ElasticBody(
         MPI.COMM_WORLD, mesh if MPI.COMM_WORLD.rank == 0 else None, material, degree
     )
+    replace_meshes(elastic.mesh)
     points = build_surface(mesh, surface).displacement_points(degree)
     return Body(elastic, list(constraints), list(loads), points, Clock()), points
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 import halfspace
@@ -13,6 +14,7 @@ from halfspace import SphereOnFlat
 from numpy.typing import NDArray
 
 from fretfe.errors import ConvergenceError
+from fretfe.fem.certificate import certify
 from fretfe.fem.interface import Interface
 from fretfe.fem.march import March, StepResult
 from fretfe.fem.newton import Guess, Newton, _Solution
@@ -256,14 +258,29 @@ def test_force_above_the_limit_is_reported() -> None:
 @COUPLING
 def test_frictionless_contact_moves_freely(nu: float) -> None:
     interface = halfspace.build(SphereOnFlat(nu=nu), ("force", "displacement", "displacement"))
-    normal = -LIMIT / FRICTION
-    # Nodes close in a step that also moves sideways, and stay closed in one that does.
-    values = np.array([[0, 0, 0], [normal / 2, 0.1, 0], [normal, 0.2, -0.1], [normal, 0.3, -0.2]])
+    # Nodes close in steps that also move sideways.
+    share = np.linspace(0.0, 1.0, 13)
+    values = share[:, None] * np.array([-LIMIT / FRICTION, 0.3, -0.2])
     results = list(March(interface).run([halfspace.loads(interface, v, 0.0) for v in values]))
     # Shear is what the linear system makes of zero.
     shear = np.array([result.state.traction[:, 1:] for result in results])
     np.testing.assert_allclose(shear, 0.0, atol=1e-14)
     assert worst(results) < CERTIFIED
+
+
+def test_certificate_sees_slip_across_the_shear() -> None:
+    interface = sphere(0.3, 15)
+    steps = [
+        halfspace.loads(interface, np.array([-1.0, 0.8 * q, 0.6 * q]) * LIMIT / FRICTION, FRICTION)
+        for q in (0.0, 0.7 * FRICTION)
+    ]
+    before, after = March(interface).run([replace(steps[0], values=np.zeros(3)), *steps])
+    state, reference = after.state, before.state.relative[:, 1:]
+    node = int(np.flatnonzero(state.status == SLIP)[0])
+    relative = state.relative.copy()
+    relative[node, 1:] += 1e-3 * interface.roots[node] * state.direction[node, ::-1] * [-1, 1]
+    found = certify(interface, steps[1], replace(state, relative=relative), reference)
+    assert found.slip_with_traction == pytest.approx(1e-3, rel=1e-6)
 
 
 # --- the linearised conditions --------------------------------------------------------------------

@@ -253,9 +253,12 @@ def test_certificate_sees_each_violation(
         "along": amount * root * state.direction[node, 0],
         "below zero": -amount * root - values[node, component],
         # The slip was against the traction; now it is along it.
-        "backwards": reference[node, 0] - values[node, 1] + amount * root * state.direction[node, 0],
+        "backwards": reference[node, 0]
+        - values[node, 1]
+        + amount * root * state.direction[node, 0],
     }[sign]
-    broken = replace(state, **{quantity: spoiled(values, node, component, step)})
+    changes: dict[str, Any] = {quantity: spoiled(values, node, component, step)}
+    broken = replace(state, **changes)
     found = certify(interface, loads, broken, reference)
     assert getattr(found, entry) == pytest.approx(amount, rel=1e-6)
     scale = found.pressure_scale if quantity == "traction" else found.gap_scale

@@ -28,6 +28,7 @@ from fretfe.fem.timing import Clock
 from fretfe.loads import build_history
 from fretfe.results import Run, write_results
 from meshes_b1 import write_b1
+from scipy.sparse import block_diag, csr_matrix
 
 folder, h, growth = Path(sys.argv[2]), float(sys.argv[3]), float(sys.argv[4])
 
@@ -51,13 +52,16 @@ whole_run(measured)
 run_time = time.process_time() - start
 
 model = Model(MPI.COMM_WORLD, measured, load_mesh(measured), Clock())
+parts = [csr_matrix(body._matrix.getValuesCSR()[::-1]) for body in model.bodies.values()]
+whole = block_diag(parts).tocsr()
+stiffness = PETSc.Mat().createAIJ(whole.shape, csr=(whole.indptr, whole.indices, whole.data))
+stiffness.setOption(PETSc.Mat.Option.SYMMETRIC, True)
 start = time.process_time()
-for body in model.bodies.values():  # the stiffness of the whole is that of the bodies
-    factor = PETSc.PC().create(MPI.COMM_WORLD)
-    factor.setOperators(body._matrix)
-    factor.setType("cholesky")
-    factor.setFactorSolverType("mumps")
-    factor.setUp()
+factor = PETSc.PC().create(MPI.COMM_WORLD)
+factor.setOperators(stiffness)
+factor.setType("cholesky")
+factor.setFactorSolverType("mumps")
+factor.setUp()
 print(run_time, time.process_time() - start)
 """
 

@@ -123,6 +123,13 @@ def test_closed_curve_is_an_error() -> None:
         build_surface(mesh, "rim")
 
 
+def test_loop_at_the_end_of_a_curve_is_an_error() -> None:
+    """The walk along the facets never ends by itself, and must not count a facet twice."""
+    facets = np.array([[0, 1], [1, 2], [2, 1], [5, 6]])
+    with pytest.raises(MeshError, match="2 separate pieces"):
+        build_surface(replace(sector(1), boundaries={"face": facets}), "face")
+
+
 def test_closed_curve_next_to_an_open_one_is_an_error() -> None:
     """One chain has a first facet, the other has none."""
     ring = np.array([[10, 11], [11, 12], [12, 10]])

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Series for a bonded increment, fitted to its cumulative force, and its singular edge terms.
+
+The nodal values of a discrete traction oscillate next to the singularity, the cumulative force does
+not. Discrete increments behave as if their edges stood a fraction of an element outside the
+outermost nodes in contact: the overhang.
+
+With x - centre = -a cos(t) a stuck traction is sum_j c_j cos(j t)/sin(t), so the cumulative force
+is a (c_0 t + sum_j c_j sin(j t)/j), and the total gives c_0. One term is exact for half-planes
+under shear force and bulk tension; a mismatch that varies along the contact needs more. Half-planes
+have the mismatch sum_j (c_j a/j) T_j, apart from a factor: a polynomial in x. The same total and
+mismatch are then applied to the true contact area.
+
+The fit knows nothing of the true edges, so that it is made once for all states of a contact area.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebpts1, chebvander
+from numpy.typing import NDArray
+
+from fretfe.analytic._arguments import FloatArray
+
+# Orders of the series that are tried.
+ORDERS = np.array([1, 2, 3, 4, 5, 6, 8, 10, 12, 14])
+# Nodes that windows leave out at either end, the smallest first.
+DROPS = np.array([3, 5, 8, 12])
+
+
+@dataclass(frozen=True)
+class BondedIncrements:
+    """Cumulative forces (k, n) of k bonded increments at nodes (n,), from their left end.
+
+    ``left`` and ``right`` are the outermost nodes in contact, ``inside`` (m,) the indices of all
+    from one to the other. One node out of contact stands outside each, unless the surface ends.
+    """
+
+    x: FloatArray
+    force: FloatArray
+    left: float
+    right: float
+    inside: NDArray[np.intp]
+
+    def ends(self, overhang: float) -> tuple[float, float]:
+        """Return the effective edges, ``overhang`` elements outside the outermost nodes."""
+        outside_left, outside_right = self.left - self.x[0], self.x[-1] - self.right
+        return self.left - overhang * outside_left, self.right + overhang * outside_right
+
+    def model(self, window: NDArray[np.intp], terms: int, overhang: float) -> FloatArray:
+        """Return (nodes, 1 + terms): force per unit of the total, and per unit c_1 ... c_terms."""
+        left, right = self.ends(overhang)
+        a = (right - left) / 2
+        angle = np.arccos((left + a - self.x[window]) / a)
+        orders = np.arange(1, terms + 1)
+        return np.column_stack([angle / np.pi, a * np.sin(angle[:, None] * orders) / orders])
+
+
+@dataclass(frozen=True)
+class BondedSeries:
+    """Series of k increments: every order that the windows allow.
+
+    Attributes:
+        ends: effective edges.
+        total: (k,) forces.
+        terms: (windows, orders, J, k) coefficients c_1 ... c_J, zero behind the order.
+        allowed: (windows, orders) whether a window has nodes enough for the order.
+    """
+
+    ends: tuple[float, float]
+    total: FloatArray
+    terms: FloatArray
+    allowed: NDArray[np.bool_]
+
+
+def increments(x: FloatArray, q: FloatArray) -> BondedIncrements:
+    """Return the increments between their outermost nodes.
+
+    Args:
+        x: (n,) positions.
+        q: (k, n) piecewise-linear tractions on the same contact area, not zero in contact.
+
+    Raises:
+        ValueError: if q is zero everywhere.
+    """
+    active = np.flatnonzero(q.any(axis=0))
+    if active.size == 0:
+        raise ValueError("q must differ from 0 at one node at least, found none")
+    first, last = max(active[0] - 1, 0), active[-1] + 1
+    nodes, traction = x[first : last + 1], q[:, first : last + 1]
+    steps = np.diff(nodes) * (traction[:, 1:] + traction[:, :-1]) / 2
+    force = np.column_stack([np.zeros(len(q)), np.cumsum(steps, axis=1)])
+    inside = np.arange(active[0], active[-1] + 1) - first
+    return BondedIncrements(nodes, force, float(x[active[0]]), float(x[active[-1]]), inside)
+
+
+def windows(inside: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    """Return the nodes in contact without DROPS at either end, as far as enough are left."""
+    enough = 2 * ORDERS[2] + 4
+    return [inside[drop:-drop] for drop in DROPS if inside.size >= 2 * drop + enough]
+
+
+def fit_series(data: BondedIncrements, overhang: float) -> BondedSeries:
+    """Fit series of every order in every window, at least one window.
+
+    One triangular factor of a window serves all its orders, since their terms are nested.
+
+    Args:
+        data: the increments.
+        overhang: distance of the effective edges from the outermost nodes, in elements.
+    """
+    used = windows(data.inside)
+    allowed = np.array([[window.size >= 2 * order + 4 for order in ORDERS] for window in used])
+    count, total = ORDERS[allowed.any(axis=0)].max(), data.force[:, -1]
+    model = data.model(used[0], count, overhang)
+    target = data.force[:, used[0]].T - np.outer(model[:, 0], total)
+    inner = np.array([np.isin(used[0], window) for window in used])
+    # A row of zeros takes a node out of a window.
+    columns = inner[:, :, None] * np.column_stack([model[:, 1:], target])
+    triangles = np.linalg.qr(columns, mode="r")[:, None, :count]
+    free = allowed[:, :, None] & (np.arange(count) < ORDERS[:, None])
+    # Rows and columns of the terms that are not used are those of the identity.
+    system = np.where(free[..., None] & free[..., None, :], triangles[..., :count], np.eye(count))
+    terms = np.linalg.solve(system, np.where(free[..., None], triangles[..., count:], 0.0))
+    return BondedSeries(data.ends(overhang), total, terms, allowed)
+
+
+def edge_terms(series: BondedSeries, edges: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return k and beta of k (1 + beta s)/sqrt(s), each (states, 2, windows, orders, k).
+
+    Args:
+        series: of k increments.
+        edges: (states, 2) true left and right edges.
+    """
+    a = (edges[:, 1] - edges[:, 0]).reshape(-1, 1, 1, 1, 1) / 2
+    sums = np.tensordot(_edge_sums(series.ends, edges, series.terms.shape[2]), series.terms, (3, 2))
+    amount = (sums[:, :, 0] + series.total / np.pi) / a
+    return np.sqrt(a / 2) * amount, (0.25 - sums[:, :, 1] / (a * amount)) / a
+
+
+def _edge_sums(ends: tuple[float, float], edges: FloatArray, terms: int) -> FloatArray:
+    """Return (states, 2 edges, 2 sums, J): what units of c_1 ... c_J over ``ends`` contribute.
+
+    With C_j, the coefficients over the true area times its half-width, the sums are those of
+    C_j cos(j t) and of j^2 C_j cos(j t) at the edge. The mismatch is moved by way of its values at
+    Chebyshev points of the true area.
+    """
+    orders, points = np.arange(terms + 1), chebpts1(terms + 1)
+    signs, fitted = (-1.0) ** orders, (ends[1] - ends[0]) / 2
+    a, centre = (edges[:, 1:] - edges[:, :1]) / 2, edges.mean(axis=1, keepdims=True)
+    at = (centre + a * points - np.mean(ends)) / fitted
+    mismatch = chebvander(at, terms)[..., 1:] * (signs[1:] * fitted / orders[1:])
+    # C_j = (-1)^j j times the coefficient of T_j; t = 0 at the left edge, pi at the right.
+    at_edges = orders * np.stack([signs, np.ones(terms + 1)])
+    # That coefficient is 2/(J + 1) times the sum of the values times T_j over the points.
+    weights = np.stack([at_edges, orders**2 * at_edges], axis=1) * 2 / (terms + 1)
+    return np.einsum("esj,pj,tpi->tesi", weights, chebvander(points, terms), mismatch)
