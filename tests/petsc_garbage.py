@@ -12,13 +12,15 @@ import gc
 
 import dolfinx.mesh
 
-from fretfe.fem._compat import PETSc
+from fretfe.fem._compat import MPI, PETSc
 
 _meshes: list[dolfinx.mesh.Mesh] = []
 
 
 def replace_meshes(*meshes: dolfinx.mesh.Mesh) -> None:
     """Clean up after the meshes of the last call and keep these for the next one. Collective."""
+    if MPI.COMM_WORLD.size == 1:  # destroyed at once
+        return
     gc.collect()
     for mesh in _meshes:
         PETSc.garbage_cleanup(mesh.comm)

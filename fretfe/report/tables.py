@@ -37,6 +37,8 @@ def edge_table(case: Case, solution: Solution, contacts: tuple[ContactSummary, .
 def _table(title: str, headers: tuple[str, ...], text: int) -> Table:
     """An empty table whose first `text` columns hold text and the others numbers."""
     table = Table(title=title, title_justify="left", box=box.SIMPLE, title_style="bold")
+    table.pad_edge = False
+    table.padding = (0, 1, 0, 0)
     for number, header in enumerate(headers):
         table.add_column(header, justify="left" if number < text else "right", no_wrap=True)
     return table
@@ -67,7 +69,7 @@ def contact_table(case: Case, solution: Solution, contacts: tuple[ContactSummary
     units = case.units
     title = (
         f"Contacts: P and Q in {units.force}/{units.length}, half-width in {units.length}, "
-        "change of q over the cycle by f p_max"
+        "change of q by f p_max"
     )
     headers = ("contact", "P", "Q", "half-width", "steady", "change of q")
     table = _table(title, headers, text=1)
