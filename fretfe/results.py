@@ -146,6 +146,7 @@ def as_numbers(
             "times": solution.times,
             "cycle": solution.cycle,
             "loads": dict(zip(solution.channels, solution.values.T, strict=True)),
+            "drivers": dict(zip(solution.drivers, solution.driver_values.T, strict=True)),
             "coordinates": {
                 label: {"amplitude": amplitude, "force": force}
                 for label, amplitude, force in zip(

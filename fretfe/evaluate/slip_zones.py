@@ -121,14 +121,23 @@ def _at_extreme(solution: Solution, k_t: Array, state: int) -> bool:
 
 
 def _border(contact: ContactHistory, side: Side, start: int, end: int, edge: float) -> SlipBorder:
-    """Slip zone between two states, from the slip that happened while in contact."""
+    """Slip zone between two states, from the slip that happened while in contact.
+
+    K_T may reverse between two steps, so that the first step of a half cycle still holds slip of
+    the half cycle before: only slip in the direction of the largest slip at this edge counts.
+    """
     steps = np.arange(start + 1, end + 1)
     slipping = contact.status[steps] == SLIP
     increments = contact.slip[steps, :, 0] - contact.slip[steps - 1, :, 0]
-    slip = np.where(slipping, increments, 0.0).sum(axis=0)
+    increments = np.where(slipping, increments, 0.0)
     closed = contact.status[end] != OPEN
     patch = main_patch(contact.arc, contact.traction[end, :, 0])
     closed[: patch.first] = closed[patch.last + 1 :] = False
+    nodes = np.flatnonzero(closed)
+    here = nodes[: len(nodes) // 2] if side == "left" else nodes[len(nodes) // 2 :]
+    total = increments[:, here].sum(axis=0)
+    direction = np.sign(total[np.argmax(np.abs(total))])
+    slip = np.maximum(direction * increments, 0.0).sum(axis=0)
     moved = np.abs(slip) > SMALLEST_SLIP * np.abs(slip).max()
     return slip_border(contact.arc[closed], slip[closed], moved[closed], edge, side)
 

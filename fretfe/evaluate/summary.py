@@ -17,6 +17,8 @@ Array = npt.NDArray[np.float64]
 
 # Change of the shear from one cycle to the next, relative to f p_max, below which it is steady.
 STEADY_CHANGE = 1e-3
+# Spread of the fits of K_N, relative to K_N, from which it is marked as uncertain.
+LARGEST_SPREAD = 0.05
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,11 @@ class Edge:
     k_i_range: float
     slip_zones: tuple[SlipZone, ...]
     dissipation: float
+
+    @property
+    def uncertain(self) -> bool:
+        """Whether the fits of K_N at the last state spread too far for a prediction."""
+        return bool(self.k_n_spread[-1] > LARGEST_SPREAD * self.k_n[-1])
 
 
 @dataclass(frozen=True)
@@ -91,17 +98,19 @@ def _evaluate_contact(solution: Solution, contact: ContactHistory) -> ContactSum
         _evaluate_edge(solution, contact, side, fit, history, centre)
         for side, fit, history in zip(SIDES, fits, histories, strict=True)
     )
-    totals = [
-        resultants(contact.arc, t[:, 0], t[:, 1], c if np.isfinite(c) else 0.0)
+    # The weights are those of the solution itself: P and Q balance the loads to round-off.
+    forces = np.einsum("n,tnc->tc", contact.weights, contact.traction)
+    moments = [
+        resultants(contact.arc, t[:, 0], t[:, 1], c if np.isfinite(c) else 0.0).moment
         for t, c in zip(contact.traction, centre, strict=True)
     ]
     change = _cycle_change(solution, contact)
     return ContactSummary(
         name=contact.name,
         edges=(edges[0], edges[1]),
-        normal_force=np.array([r.normal_force for r in totals]),
-        shear_force=np.array([r.shear_force for r in totals]),
-        moment=np.array([r.moment for r in totals]),
+        normal_force=forces[:, 0],
+        shear_force=forces[:, 1],
+        moment=np.array(moments),
         centre=centre,
         half_width=(positions[1] - positions[0]) / 2,
         cycle_change=change,
@@ -174,6 +183,11 @@ def _warnings(contact: ContactHistory, edges: tuple[Edge, ...], change: float) -
             "cycle; add cycles"
         )
     for edge in edges:
+        if edge.uncertain:
+            warnings.append(
+                f"K_N at the {edge.side} edge is {edge.k_n[-1]:.3g} ± {edge.k_n_spread[-1]:.2g}: "
+                "refine the mesh at this edge"
+            )
         if any(zone.gross for zone in edge.slip_zones[-2:]):
             warnings.append(f"gross slip in the last half cycles ({edge.side} edge)")
         elif any(not zone.resolved for zone in edge.slip_zones[-2:]):

@@ -50,7 +50,7 @@ def _edge_cells(edge: Edge) -> list[str]:
     loops = [z.predicted_loop if math.isfinite(z.predicted_loop) else z.predicted for z in zones]
     return [
         _number(edge.position[-1]),
-        _number(edge.k_n[-1]),
+        ("~" if edge.uncertain else "") + _number(edge.k_n[-1]),
         _number(edge.k_t_range),
         " / ".join(measured) or "-",
         " / ".join(_number(loop, 3) for loop in loops) or "-",
@@ -67,11 +67,8 @@ def _zone_length(zone: SlipZone) -> str:
 def contact_table(case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]) -> Table:
     """One row per contact: ranges of forces over the cycle and whether the cycle is steady."""
     units = case.units
-    title = (
-        f"Contacts: P and Q in {units.force}/{units.length}, half-width in {units.length}, "
-        "change of q by f p_max"
-    )
-    headers = ("contact", "P", "Q", "half-width", "steady", "change of q")
+    title = f"Contacts: P, Q in {units.force}/{units.length}, half-width in {units.length}"
+    headers = ("contact", "P", "Q", "half-width", "steady", "Δq/(f p_max)")
     table = _table(title, headers, text=1)
     first, last = solution.cycle or (0, len(solution.times) - 1)
     for contact in contacts:
@@ -81,10 +78,16 @@ def contact_table(case: Case, solution: Solution, contacts: tuple[ContactSummary
             _range(contact.normal_force[cycle]),
             _range(contact.shear_force[cycle]),
             _number(contact.half_width[-1]),
-            "yes" if contact.steady else "no",
+            _steady(contact),
             _number(contact.cycle_change),
         )
     return table
+
+
+def _steady(contact: ContactSummary) -> str:
+    if not math.isfinite(contact.cycle_change):
+        return "-"
+    return "yes" if contact.steady else "no"
 
 
 def timing_table(seconds: Mapping[str, float]) -> Table:

@@ -115,6 +115,7 @@ def test_results_hold_what_the_guide_describes(results: Path) -> None:
     assert [edge["side"] for edge in contact["edges"]] == ["left", "right"]
     assert len(data["steps"]["certificate"]["worst"]) == steps
     assert data["units"]["stress"] == "MPa"
+    assert list(data["drivers"]) == ["press", "shear"]
     with h5py.File(results / "results.h5") as arrays:
         group = arrays["contacts/main"]
         nodes = len(group["arc"])

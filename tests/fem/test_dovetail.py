@@ -138,6 +138,12 @@ def test_pull_is_carried_by_the_flanks(
     assert abs(carried[0]) < 1e-3 * pull
 
 
+def test_an_edge_that_the_mesh_does_not_resolve_is_reported() -> None:
+    contacts = run_dovetail(0.008)[1]
+    # 12 elements over the rounded part in contact: K_N is 15 % off
+    assert any("K_N at the left edge" in warning for warning in contacts[0].warnings)
+
+
 @pytest.mark.slow
 def test_factors_are_converged(
     coarse: tuple[Solution, tuple[ContactSummary, ...]],

@@ -380,8 +380,8 @@ def test_tangent(slip: float, pads: dict[int, list[BodyMesh]]) -> None:
     )
     expected = (ahead - behind) / (2 * step)
     found = solver.tangent(here) @ change
-    # All is linear between the kinks: round-off of residuals below .1 over the step; at the smallest
-    # step one entry of 3724 reaches .078 with PETSc 3.25 and .105 with 3.22.
+    # All is linear between the kinks: round-off of residuals below .1 over the step; at the
+    # smallest step one entry of 3724 reaches .078 with PETSc 3.25 and .105 with 3.22.
     np.testing.assert_allclose(found, expected, atol=1e-16 / step * 0.3 + 1e-9)
 
 
