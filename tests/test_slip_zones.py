@@ -11,7 +11,7 @@ from fretfe.evaluate.slip_zones import slip_zones
 from fretfe.solution import OPEN, SLIP, STICK, BondedUnits, ContactHistory, Solution
 
 H, EDGE, ZONE = 0.05, 1.02, 0.31
-X = np.arange(-22, 23) * H
+X = np.linspace(-22 * H, 22 * H, 45)
 CLOSED = np.abs(X) < EDGE
 STATES = 4  # unloaded, pressed, two steps of shear
 
