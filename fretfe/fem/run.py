@@ -6,10 +6,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from fretfe.case import Case, check_dimension
 from fretfe.errors import ConvergenceError, ModelError
-from fretfe.fem._compat import MPI
+from fretfe.fem._compat import MPI, release
 from fretfe.fem.fields import write_fields
 from fretfe.fem.march import March, StepResult
 from fretfe.fem.mesh_groups import check_groups
@@ -78,6 +79,15 @@ def solve(
         FretfeError: for whatever keeps the history from being started; see `Outcome.failure` for
             a history that was not finished.
     """
+    outcome, meshes = _solve(comm, case, history, fields, progress)
+    release(meshes)
+    return outcome
+
+
+def _solve(
+    comm: MPI.Comm, case: Case, history: History, fields: Path | None, progress: Progress
+) -> tuple[Outcome, list[Any]]:
+    """Outcome, and the meshes whose models nobody refers to any more."""
     clock = Clock()
     with clock("mesh"):
         mesh = on_root(comm, lambda: load_mesh(case), share=False)
@@ -90,7 +100,8 @@ def solve(
             recorder = marched.recorder if marched else None
             _write_fields(model, case, history, recorder, fields)
     solution = marched.recorder.solution(history) if marched else None
-    return Outcome(solution, mesh, failure, clock.seconds)
+    meshes = [body.elastic.mesh for body in model.bodies.values()]
+    return Outcome(solution, mesh, failure, clock.seconds), meshes
 
 
 @dataclass(frozen=True)

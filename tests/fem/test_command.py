@@ -4,15 +4,14 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from launch import python
 from meshes_b1 import write_b1
 
 from fretfe.case import load_case
@@ -55,31 +54,9 @@ history = [
 ]
 """
 
-# One process, no contest: the launcher's variables of an outer mpirun must not reach the child.
-ENVIRONMENT = {
-    name: value
-    for name, value in os.environ.items()
-    if not name.startswith(("PMI_", "PMIX_", "OMPI_", "MPI_", "HYDI_"))
-}
 
-
-def fretfe(
-    *arguments: str | Path, ranks: int = 1, timeout: float = 120
-) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "fretfe", *map(str, arguments)]
-    if ranks > 1:
-        mpirun = Path(sys.executable).with_name("mpirun")
-        launcher = str(mpirun) if mpirun.exists() else shutil.which("mpirun")
-        assert launcher, "mpirun is neither in the environment nor on the path"
-        command = [launcher, "-n", str(ranks), *command]
-    return subprocess.run(
-        command,
-        capture_output=True,
-        text=True,
-        timeout=timeout,
-        env=ENVIRONMENT,
-        stdin=subprocess.DEVNULL,
-    )
+def fretfe(*arguments: str | Path, ranks: int = 1) -> subprocess.CompletedProcess[str]:
+    return python("-m", "fretfe", *arguments, ranks=ranks)
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Start Python in processes of its own, on one rank or several."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+# The launcher's variables of an outer mpirun must not reach the child.
+ENVIRONMENT = {
+    name: value
+    for name, value in os.environ.items()
+    if not name.startswith(("PMI_", "PMIX_", "OMPI_", "MPI_", "HYDI_"))
+}
+
+
+def python(
+    *arguments: str | Path, ranks: int = 1, timeout: float = 120
+) -> subprocess.CompletedProcess[str]:
+    """Run the interpreter of the tests and return what it printed."""
+    command = [sys.executable, *map(str, arguments)]
+    if ranks > 1:
+        beside = Path(sys.executable).with_name("mpirun")
+        launcher = str(beside) if beside.exists() else shutil.which("mpirun")
+        assert launcher, "mpirun is neither in the environment nor on the path"
+        command = [launcher, "-n", str(ranks), *command]
+    return subprocess.run(
+        command,
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        env=ENVIRONMENT,
+        stdin=subprocess.DEVNULL,
+    )
