@@ -153,6 +153,11 @@ class ReducedBody:
         system["coordinate_loads"][held] = body.coordinate_loads - half_coupling.T @ half_loads
         system["coordinate_loads"][free] = body.modes.T @ body.surface_loads
 
+    def contact_forces(self, y: Array) -> Array:
+        """(T, d) sum of the contact forces on this body for weighted tractions (T, N*d)."""
+        nodal = self._operator.T @ y.T
+        return nodal.reshape(-1, len(self.body.load_resultants), len(y)).sum(axis=0).T
+
     def surface_displacement(self, y: Array, coordinates: Array, amplitudes: Array) -> Array:
         """(n,) displacements of the surface nodes.
 

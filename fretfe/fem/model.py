@@ -12,7 +12,7 @@ from dolfinx import fem
 
 from fretfe.case import Case
 from fretfe.fem._compat import MPI
-from fretfe.fem.body import Body, CondensedBody
+from fretfe.fem.body import Body
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.interface import (
     Interface,
@@ -40,7 +40,6 @@ class Reduction:
     plan: ModelPlan
     interface: Interface
     bodies: dict[str, ReducedBody]
-    condensed: dict[str, CondensedBody]
     pairs: tuple[Pair, ...]
 
 
@@ -78,11 +77,10 @@ class Model:
 
     def _reduce(self, plan: ModelPlan, pairs: tuple[Pair, ...] | None) -> Reduction:
         assert pairs is not None
-        condensed = {name: body.condensed for name, body in self.bodies.items()}
-        parts = [c for c in condensed.values() if c is not None]
+        condensed = [b.condensed for b in self.bodies.values() if b.condensed is not None]
         coordinates = [c for body in plan.bodies for c in body.coordinates]
-        interface, reduced = build_interface(parts, list(pairs), coordinates)
-        return Reduction(plan, interface, reduced, {c.name: c for c in parts}, pairs)
+        interface, reduced = build_interface(condensed, list(pairs), coordinates)
+        return Reduction(plan, interface, reduced, pairs)
 
     def recover(
         self, states: Sequence[tuple[ContactState, StepLoads]] | None

@@ -10,9 +10,10 @@ import numpy.typing as npt
 
 from fretfe.fem.bonded import BondedSolver, find_drivers
 from fretfe.fem.certificate import Certificate
-from fretfe.fem.interface import Pair
+from fretfe.fem.interface import Pair, coordinate_range
 from fretfe.fem.march import March, StepResult
 from fretfe.fem.model import Reduction
+from fretfe.fem.plan import BodyPlan
 from fretfe.fem.state import ContactState, StepLoads, unloaded
 from fretfe.loads import History
 from fretfe.solution import BondedUnits, ContactHistory, Solution
@@ -163,44 +164,25 @@ class Recorder:
     def _balance(self) -> tuple[Array, Array]:
         """(T,) largest sum of all forces on a body, and the largest force, in each state."""
         imbalance, scale = np.zeros(len(self.states)), np.zeros(len(self.states))
-        for body in self._reduction.plan.bodies:
-            reactions = self._reactions(body.name)
-            condensed = self._reduction.condensed[body.name]
-            amplitudes = np.array([s.amplitudes for s in self._steps[: len(self.states)]])
-            loads = amplitudes @ condensed.load_resultants.T
-            contacts = self._contact_forces(body.name)
-            total = reactions + loads + contacts
-            imbalance = np.maximum(imbalance, np.abs(total).max(axis=1))
-            parts = np.stack([reactions, loads, contacts])
+        amplitudes = np.array([s.amplitudes for s in self._steps[: len(self.states)]])
+        tractions = np.array([state.traction.ravel() for state in self.states])
+        for plan in self._reduction.plan.bodies:
+            body = self._reduction.bodies[plan.name]
+            parts = np.stack(
+                [
+                    self._reactions(plan),
+                    amplitudes @ body.body.load_resultants.T,
+                    body.contact_forces(tractions),
+                ]
+            )
+            imbalance = np.maximum(imbalance, np.abs(parts.sum(axis=0)).max(axis=1))
             scale = np.maximum(scale, np.abs(parts).max(axis=(0, 2)))
         return imbalance, scale
 
-    def _reactions(self, name: str) -> Array:
+    def _reactions(self, plan: BodyPlan) -> Array:
         """(T, d) sum of the forces that the constrained boundaries exert on a body."""
-        body = next(b for b in self._reduction.plan.bodies if b.name == name)
-        d = self._reduction.interface.components
-        own = [
-            j
-            for j, c in enumerate(self._reduction.interface.coordinates)
-            if c.body == name and c.control != "free"
-        ]
-        directions = np.array([c.direction for c in body.constraints]).reshape(len(own), d)
-        return np.array([state.forces[own] @ directions for state in self.states])
-
-    def _contact_forces(self, name: str) -> Array:
-        """(T, d) sum of the contact forces on a body."""
-        interface = self._reduction.interface
-        total = np.zeros((len(self.states), interface.components))
-        for pair in self._reduction.pairs:
-            nodes = interface.contacts[pair.name]
-            for body, operator in (
-                (pair.body1, pair.coupling.body1),
-                (pair.body2, pair.coupling.body2),
-            ):
-                if body != name:
-                    continue
-                for number, state in enumerate(self.states):
-                    traction = state.traction[nodes] / interface.roots[nodes, None]
-                    forces = operator.T @ traction.ravel()
-                    total[number] += forces.reshape(-1, interface.components).sum(axis=0)
-        return total
+        d, count = self._reduction.interface.components, len(plan.constraints)
+        own = coordinate_range(self._reduction.interface.coordinates, plan.name)
+        directions = np.array([c.direction for c in plan.constraints]).reshape(count, d)
+        # Free motions come last, and no force acts on them.
+        return np.array([state.forces[own][:count] @ directions for state in self.states])

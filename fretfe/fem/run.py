@@ -21,7 +21,7 @@ from fretfe.fem.recorder import Recorder
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
 from fretfe.solution import Solution
-from fretfe.templates import check_parameters, find_template
+from fretfe.templates import find_template
 
 Progress = Callable[[int, int, StepResult], None]
 
@@ -53,8 +53,7 @@ def load_mesh(case: Case) -> Mesh:
     geometry = case.geometry
     if geometry.template is not None:
         template = find_template(geometry.template)
-        parameters = check_parameters(template, geometry.parameters)
-        mesh = mesh_template(template, parameters, geometry.order)
+        mesh = mesh_template(template, geometry.parameters, geometry.order)
     else:
         assert geometry.file is not None
         mesh = read_mesh(case.resolve(geometry.file))
