@@ -48,6 +48,28 @@ def tangential_factor(
     return side_sign(side) * shear_term + np.asarray(bulk_tension) / 4.0 * np.sqrt(a / 2.0)
 
 
+def tension_for_zero_factor(
+    shear_force: ArrayLike, half_width: ArrayLike, side: Side
+) -> FloatArray:
+    """Return the bulk tension at which K_T of this edge vanishes, -+4Q/(pi a), minus at the left.
+
+    The stuck traction is then finite at the edge. K_T is positive exactly for a greater tension, at
+    either edge and for either sign of Q. Compare the tension itself with this value, or take the
+    sign of ``tangential_factor``; never compare the ratio sigma0 a/Q with -+4/pi: dividing by Q < 0
+    turns the inequality round, and Q = 0 has no ratio.
+
+    Args:
+        shear_force: Q per unit thickness, any shape that broadcasts with the half-width.
+        half_width: a > 0.
+        side: "left" or "right".
+
+    Raises:
+        ValueError: if ``half_width`` is not positive or ``side`` is unknown.
+    """
+    a = check_positive("half_width", half_width)
+    return -side_sign(side) * 4.0 / np.pi * np.asarray(shear_force) / a
+
+
 def normal_increment_factor(
     normal_force: ArrayLike, moment: ArrayLike, half_width: ArrayLike, side: Side
 ) -> FloatArray:

@@ -86,6 +86,46 @@ class PartialSlip:
         _, change = self._since_reversal(shear_force, amplitude, rising=rising)
         return self.stick_half_width(change / 2.0)
 
+    def shear_after(self, x: ArrayLike, shear_forces: ArrayLike) -> FloatArray:
+        """Return q(x) after any sequence of shear forces.
+
+        The first loading up to the first reversal that is still remembered, then for each change of
+        Q between the remembered reversals twice the field of half the change. A loop that closes is
+        forgotten with its reversals, and everything before where |Q| comes back to its maximum.
+
+        Args:
+            x: positions, any shape.
+            shear_forces: (T,) values of Q one after the other, from the contact without shear. Only
+                the turning points matter; q belongs to the last one.
+
+        Raises:
+            ValueError: if ``shear_forces`` is not (T,) with T >= 1, or one is outside [-f P, f P].
+        """
+        turns = self._remembered(shear_forces)
+        changes = (self.shear(x, change / 2.0) for change in np.diff(turns))
+        return self.shear(x, turns[0]) + 2.0 * sum(changes, np.zeros(()))
+
+    def stick_half_width_after(self, shear_forces: ArrayLike) -> FloatArray:
+        """Return the half-width that has not slipped since the last reversal of the sequence.
+
+        Arguments and errors as in ``shear_after``. Points that last slipped in an earlier part of
+        the sequence count as stuck.
+        """
+        turns = self._remembered(shear_forces)
+        return self.stick_half_width(turns[0] if len(turns) == 1 else (turns[-1] - turns[-2]) / 2.0)
+
+    def _remembered(self, shear_forces: ArrayLike) -> list[float]:
+        """Return the reversals that the contact remembers, in order, and the present Q."""
+        forces = self._check("shear_forces", shear_forces)
+        if forces.ndim != 1 or len(forces) == 0:
+            raise ValueError(f"shear_forces must have the shape (T,), T >= 1, found {forces.shape}")
+        turns: list[float] = []
+        for force in forces.tolist():
+            turns.append(force)
+            while _forget(turns):
+                pass
+        return turns
+
     def slip(self, x: ArrayLike, shear_force: ArrayLike) -> FloatArray:
         """Return the relative slip (body 1 to body 2) of the first loading inside the contact.
 
@@ -145,7 +185,26 @@ class PartialSlip:
 
     def _check(self, name: str, value: ArrayLike) -> FloatArray:
         limit = self.friction * self.normal_force
-        return check_range(name, value, low=-limit, high=limit)
+        try:
+            return check_range(name, value, low=-limit, high=limit)
+        except ValueError as error:
+            raise ValueError(f"{error}: beyond f P the contact slides") from None
+
+
+def _forget(turns: list[float]) -> bool:
+    """Remove from the turning points one that the last value wipes out; return whether there is."""
+    last = turns[-1]
+    if len(turns) > 1 and abs(last) >= abs(turns[0]):
+        del turns[:-1]
+        return True
+    if len(turns) < 3:
+        return False
+    before, change = turns[-2] - turns[-3], last - turns[-2]
+    goes_on, closes_loop = before * change >= 0.0, abs(change) >= abs(before)
+    if goes_on or closes_loop:
+        # The other end of a closed loop goes next: from there the last value goes on.
+        del turns[-2]
+    return goes_on or closes_loop
 
 
 def hertz_dissipation(
@@ -163,30 +222,3 @@ def hertz_dissipation(
     u = check_range("amplitude", amplitude, low=0.0, high=float(limit)) / limit
     shape = u * (2.0 - u) / 2.0 + xlog1py(1.0 - u, -u)
     return 4.0 * limit**2 / (np.pi * profile.e_star) * shape
-
-
-def stick_zone_moderate_tension(
-    contact: PartialSlip, shear_force: ArrayLike, bulk_tension: ArrayLike
-) -> tuple[FloatArray, FloatArray]:
-    """Return half-width c and centre e of the stick zone of a Hertz contact, first loading.
-
-    Shear force and bulk tension rise in proportion (Nowell and Hills 1987): c as without tension,
-    e = a sigma0/(4 f p0) sign(Q): towards the edge where |K_T| is smaller. For a steady cycle pass
-    half the ranges.
-
-    Raises:
-        ValueError: if the contact is not a Hertz contact, or c + |e| > a: the tension is then not
-            moderate, slip at the edges has opposite signs.
-    """
-    if not isinstance(contact.profile, Hertz):
-        raise ValueError(f"contact must have a Hertz profile, found {contact.profile!r}")
-    a = contact.half_width
-    bound = 4.0 * contact.friction * contact.profile.peak_pressure(a)
-    shift = a * np.asarray(bulk_tension, dtype=np.float64) / bound
-    c = contact.stick_half_width(shear_force)
-    if np.any(c + np.abs(shift) > a):
-        raise ValueError(
-            f"bulk_tension must be moderate, |e| <= a - c = {np.min(a - c):g}, "
-            f"found e = {np.max(np.abs(shift)):g}"
-        )
-    return c, np.sign(shear_force) * shift

@@ -6,25 +6,33 @@ Initial gap g(x), g(0) = 0; composite modulus E*; contact half-width ``a``; per 
     P(a) = E* int_0^a t g'(t)/sqrt(a^2 - t^2) dt
     p(x) = (1/pi) int_|x|^a P'(b)/sqrt(b^2 - x^2) db      K_N = (1/pi) sqrt(2/a) P'(a)
 
-(superposition of flat-punch increments). ``GeneralProfile`` evaluates them by quadrature, the other
-classes in closed form. Valid for plane strain and plane stress (through E*), frictionless or
-elastically similar bodies.
+(superposition of flat-punch increments). ``GeneralProfile`` evaluates them by quadrature,
+``tables.TabulatedProfile`` for the spline through a table, the classes below in closed form. Valid
+for plane strain and plane stress (through E*), frictionless or elastically similar bodies.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import quad
-from scipy.optimize import brentq
 from scipy.special import xlogy
 
 from fretfe.analytic._arguments import FloatArray, check_positive, check_range
+from fretfe.analytic.general_profile import GeneralProfile
+
+__all__ = [
+    "FlatRounded",
+    "GeneralProfile",
+    "Hertz",
+    "Profile",
+    "Wedge",
+    "approach_slope",
+    "composite_modulus",
+    "edge_factor_k_n",
+]
 
 
 def composite_modulus(
@@ -51,11 +59,21 @@ def composite_modulus(
 
 
 class Profile(Protocol):
-    """What the partial-slip solutions need of a symmetric profile; arrays of any shape."""
+    """What the solutions for whole contacts need of a symmetric profile; arrays of any shape."""
 
     @property
     def e_star(self) -> float:
         """Composite modulus."""
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Positions t >= 0 where g' or g'' jumps or is infinite: corners, ends of a flat."""
+
+    def gap(self, x: ArrayLike) -> FloatArray:
+        """Return g(x), even in x, g(0) = 0."""
+
+    def gap_slope(self, x: ArrayLike) -> FloatArray:
+        """Return g'(x), odd in x."""
 
     def load(self, half_width: ArrayLike) -> FloatArray:
         """Return P at a contact half-width."""
@@ -80,6 +98,26 @@ def edge_factor_k_n(profile: Profile, half_width: ArrayLike) -> FloatArray:
     return np.sqrt(2.0 / a) / np.pi * profile.load_slope(a)
 
 
+def approach_slope(half_width: ArrayLike, distance: ArrayLike, e_star: float) -> FloatArray:
+    """Return d(approach)/dP = (2/(pi E*)) arcosh(distance/a), the normal compliance.
+
+    The approach of the bodies is counted from the surface points at ``distance`` from the centre:
+    in plane problems it has no finite value against points at infinity. Holds for any symmetric
+    profile, as an increment of load acts like a flat punch (Johnson 1985).
+
+    Args:
+        half_width: a > 0, any shape that broadcasts with the other.
+        distance: from the centre of the contact, at least a.
+        e_star: composite modulus.
+
+    Raises:
+        ValueError: if a point lies inside the contact or an argument is not positive.
+    """
+    a = check_positive("half_width", half_width)
+    ratio = check_range("distance/half_width", np.asarray(distance) / a, low=1.0)
+    return 2.0 / (np.pi * check_positive("e_star", e_star)) * np.arccosh(ratio)
+
+
 @dataclass(frozen=True)
 class Hertz:
     """Parabolic gap x^2/(2R): two cylinders with 1/R = 1/R1 + 1/R2."""
@@ -91,6 +129,19 @@ class Hertz:
         """Check the ranges."""
         check_positive("radius", self.radius)
         check_positive("e_star", self.e_star)
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """None."""
+        return ()
+
+    def gap(self, x: ArrayLike) -> FloatArray:
+        """Return g = x^2/(2R)."""
+        return np.asarray(x, dtype=np.float64) ** 2 / (2.0 * self.radius)
+
+    def gap_slope(self, x: ArrayLike) -> FloatArray:
+        """Return g' = x/R."""
+        return np.asarray(x, dtype=np.float64) / self.radius
 
     def load(self, half_width: ArrayLike) -> FloatArray:
         """Return P = pi E* a^2/(4R)."""
@@ -131,6 +182,19 @@ class Wedge:
         check_positive("slope", self.slope)
         check_positive("e_star", self.e_star)
 
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """The apex."""
+        return (0.0,)
+
+    def gap(self, x: ArrayLike) -> FloatArray:
+        """Return g = slope |x|."""
+        return self.slope * np.abs(np.asarray(x, dtype=np.float64))
+
+    def gap_slope(self, x: ArrayLike) -> FloatArray:
+        """Return g' = slope sign(x)."""
+        return self.slope * np.sign(np.asarray(x, dtype=np.float64))
+
     def load(self, half_width: ArrayLike) -> FloatArray:
         """Return P = E* slope a."""
         return self.e_star * self.slope * check_range("half_width", half_width, low=0.0)
@@ -159,6 +223,14 @@ class FlatRounded:
     """Flat of half-width b that ends in parabolic (round) shoulders, gap (|x| - b)^2/(2R).
 
     With sin(phi0) = b/a. Hertz for b = 0. K_N = (E*/(2R)) sqrt(2a) (1 - 2 phi0/pi).
+
+    Limit of a flat punch, a - b << a, each with a relative error of the order (a - b)/a:
+
+        P   -> (2 sqrt(2)/3) (E*/R) sqrt(a) (a - b)^(3/2)
+        K_N -> (2/pi) (E*/R) sqrt(a - b) = (2/pi) (E*/R)^(2/3) (3 pi K_I/2)^(1/3)
+
+    with K_I = P/(pi sqrt(2a)), the edge factor of the punch: the rounding is short, so only K_I and
+    the radius are felt at the edge.
     """
 
     flat_half_width: float
@@ -170,6 +242,22 @@ class FlatRounded:
         check_range("flat_half_width", self.flat_half_width, low=0.0)
         check_positive("radius", self.radius)
         check_positive("e_star", self.e_star)
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """The end of the flat; none without a flat."""
+        return (self.flat_half_width,) if self.flat_half_width > 0.0 else ()
+
+    def gap(self, x: ArrayLike) -> FloatArray:
+        """Return g = (|x| - b)^2/(2R) outside the flat, 0 inside."""
+        beyond = np.abs(np.asarray(x, dtype=np.float64)) - self.flat_half_width
+        return np.maximum(beyond, 0.0) ** 2 / (2.0 * self.radius)
+
+    def gap_slope(self, x: ArrayLike) -> FloatArray:
+        """Return g' = sign(x) (|x| - b)/R outside the flat, 0 inside."""
+        position = np.asarray(x, dtype=np.float64)
+        beyond = np.abs(position) - self.flat_half_width
+        return np.sign(position) * np.maximum(beyond, 0.0) / self.radius
 
     def load(self, half_width: ArrayLike) -> FloatArray:
         """Return P = (E* a^2/(4R)) (pi - 2 phi0 - sin(2 phi0)), a >= b."""
@@ -221,77 +309,3 @@ class FlatRounded:
         """Return pi/2 - phi0; a = b = 0 counts as Hertz."""
         flat = np.divide(self.flat_half_width, a, out=np.zeros_like(a), where=a > 0.0)
         return np.arccos(flat)
-
-
-@dataclass(frozen=True)
-class GeneralProfile:
-    """Any symmetric profile with g'(t) >= 0 and its derivative given for t > 0, by quadrature.
-
-    ``kinks`` are the positions t > 0 where g'' jumps. Slow: one quadrature per value.
-    """
-
-    gap_slope: Callable[[float], float]
-    gap_curvature: Callable[[float], float]
-    e_star: float
-    kinks: tuple[float, ...] = ()
-
-    def __post_init__(self) -> None:
-        """Check the ranges."""
-        check_positive("e_star", self.e_star)
-
-    def load(self, half_width: ArrayLike) -> FloatArray:
-        """Return P(a)."""
-        return np.vectorize(self._load)(check_range("half_width", half_width, low=0.0))
-
-    def load_slope(self, half_width: ArrayLike) -> FloatArray:
-        """Return dP/da."""
-        return np.vectorize(self._load_slope)(check_range("half_width", half_width, low=0.0))
-
-    def half_width(self, load: ArrayLike) -> FloatArray:
-        """Return a at a load P > 0."""
-        return np.vectorize(self._half_width)(check_positive("load", load))
-
-    def pressure(self, x: ArrayLike, half_width: ArrayLike) -> FloatArray:
-        """Return p(x), zero outside."""
-        a = check_range("half_width", half_width, low=0.0)
-        return np.vectorize(self._pressure)(np.asarray(x, dtype=np.float64), a)
-
-    def _polar(self, function: Callable[[float], float], a: float) -> float:
-        """Return the integral of function(angle) over 0 ... pi/2, split at the kinks."""
-        angles = [np.arcsin(kink / a) for kink in self.kinks if kink < a]
-        return _integral(function, [0.0, *angles, np.pi / 2])
-
-    def _load(self, a: float) -> float:
-        return self.e_star * a * self._polar(lambda t: np.sin(t) * self.gap_slope(a * np.sin(t)), a)
-
-    def _load_slope(self, a: float) -> float:
-        def integrand(angle: float) -> float:
-            t = np.sin(angle)
-            return t * self.gap_slope(a * t) + a * t**2 * self.gap_curvature(a * t)
-
-        return self.e_star * self._polar(integrand, a)
-
-    def _half_width(self, force: float) -> float:
-        high = 1.0
-        while self._load(high) < force:
-            high *= 2.0
-        low = high / 2.0
-        while self._load(low) > force:
-            low /= 2.0
-        return float(brentq(lambda a: self._load(a) - force, low, high, xtol=1e-14 * high))
-
-    def _pressure(self, x: float, a: float) -> float:
-        if abs(x) >= a:
-            return 0.0
-        kinks = [np.sqrt(kink**2 - x**2) for kink in self.kinks if abs(x) < kink < a]
-
-        def integrand(u: float) -> float:
-            b = np.hypot(x, u)
-            return self._load_slope(b) / b
-
-        return _integral(integrand, [0.0, *kinks, np.sqrt(a**2 - x**2)]) / np.pi
-
-
-def _integral(function: Callable[[float], float], ends: list[float]) -> float:
-    pieces = (quad(function, *pair, epsabs=0.0, epsrel=1e-12, limit=200) for pair in pairwise(ends))
-    return float(sum(piece[0] for piece in pieces))

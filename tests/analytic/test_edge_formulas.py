@@ -22,6 +22,7 @@ from fretfe.analytic.edges import (
     slip_length_loop,
     slip_lengths_in_phase,
     tangential_factor,
+    tension_for_zero_factor,
 )
 from fretfe.analytic.profiles import Hertz, composite_modulus, edge_factor_k_n
 
@@ -64,6 +65,17 @@ def test_sign_of_a_factor_needs_no_ratio(side: Side) -> None:
     tension = limit * (1 + np.array([0.01, -0.01, 0.01, -0.01]) * np.sign(limit))
     found = tangential_factor(force, tension, A, side)
     assert np.sign(found).tolist() == [1, -1, 1, -1]
+
+
+@both_sides
+def test_tension_for_zero_factor(side: Side) -> None:
+    force, a = np.array([2.0, -3.0, 0.0]), np.array([[0.4], [A]])
+    limit = tension_for_zero_factor(force, a, side)
+    assert limit == pytest.approx(-FROM_LEFT[side] * 4 * force / (np.pi * a), rel=ROUND_OFF)
+    assert tangential_factor(force, limit, a, side) == pytest.approx(0.0, abs=ROUND_OFF)
+    # A greater tension gives K_T > 0 for either sign of Q.
+    assert (tangential_factor(force, limit + 0.01, a, side) > 0).all()
+    assert (tangential_factor(force, limit - 0.01, a, side) < 0).all()
 
 
 @both_sides
@@ -211,6 +223,10 @@ def test_dissipation_is_friction_times_slip_over_the_zone() -> None:
             r"half_width must lie in \(0, inf\), found -1",
         ),
         (lambda: tangential_factor(1, 0, 1, "up"), "side must be 'left' or 'right', found 'up'"),  # type: ignore[arg-type]
+        (
+            lambda: tension_for_zero_factor(1, 0, "left"),
+            r"half_width must lie in \(0, inf\), found",
+        ),
         (lambda: shear_force_mismatch(1, 1, 1, 0), "shear_force must not be zero"),
         (lambda: slip_length_cyclic(-1, 1, 1), r"k_t_range must lie in \[0, inf\), found -1"),
         (lambda: slip_length_cyclic(1, 0, 1), r"k_n must lie in \(0, inf\), found 0"),

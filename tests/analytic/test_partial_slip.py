@@ -15,11 +15,7 @@ from fretfe.analytic.edges import (
     slip_length_cyclic,
     tangential_factor,
 )
-from fretfe.analytic.partial_slip import (
-    PartialSlip,
-    hertz_dissipation,
-    stick_zone_moderate_tension,
-)
+from fretfe.analytic.partial_slip import PartialSlip, hertz_dissipation
 from fretfe.analytic.profiles import (
     FlatRounded,
     Hertz,
@@ -132,33 +128,98 @@ def test_two_cylinders() -> None:
     assert q == pytest.approx([0.5062, 0.5393, 0.7053, 1.1022, 0.8837], abs=5e-5)
 
 
-@pytest.mark.parametrize(("friction", "c", "e"), [(0.85, 0.81497, 0.07035), (2, 0.92589, 0.02990)])
-def test_fretting_specimen(friction: float, c: float, e: float) -> None:
-    """Kosec, Slak and Abdel Wahab: 543 N, 155 N, 100 MPa, thickness 4 mm."""
-    profile = Hertz(10.0, composite_modulus(72.1e3, 0.33, 72.1e3, 0.33))
-    contact = PartialSlip(profile, 543.0 / 4, friction)
-    found = np.array(stick_zone_moderate_tension(contact, 155.0 / 4, 100.0)) / contact.half_width
-    assert found == pytest.approx([c, e], abs=5e-6)
+# --- any history
 
 
-@pytest.mark.parametrize(("shear", "tension"), [(0.5, 0.02), (0.5, -0.02), (-0.5, 0.02)])
-def test_tension_moves_the_stick_zone_to_the_smaller_factor(shear: float, tension: float) -> None:
+def test_sequence_up_to_the_first_reversal_is_the_first_loading() -> None:
+    contact, x = problem("hertz"), np.linspace(-1.2, 1.2, 21)
+    expected = contact.shear(x, -0.7 * LIMIT)
+    found = contact.shear_after(x, np.array([0.0, -0.2, -0.2, -0.5, -0.7]) * LIMIT)
+    assert (found == expected).all()
+
+
+@every_profile
+@pytest.mark.parametrize("peak", [0.7, -0.7])
+@pytest.mark.parametrize("rising", [False, True])
+def test_steady_cycle_is_a_sequence(name: str, peak: float, rising: bool) -> None:
+    contact, x = problem(name), np.linspace(0.01, 1.1, 57) * problem(name).half_width
+    end = -0.7 if rising else 0.7
+    forces = np.array([peak, -peak, peak, -peak, end, 0.1]) * LIMIT
+    expected = contact.cyclic_shear(x, 0.1 * LIMIT, 0.7 * LIMIT, rising=rising)
+    assert contact.shear_after(x, forces) == pytest.approx(expected, abs=1e-13)
+    stick = contact.cyclic_stick_half_width(0.1 * LIMIT, 0.7 * LIMIT, rising=rising)
+    assert contact.stick_half_width_after(forces) == pytest.approx(stick, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("forces", "same"),
+    [
+        # Closed loops, nested or one after the other, are forgotten.
+        ([0.8, -0.2, 0.4, -0.2, 0.1], [0.8, -0.2, 0.1]),
+        ([0.8, -0.2, 0.4, 0.0, 0.3, -0.1, 0.5], [0.8, -0.2, 0.5]),
+        ([0.8, -0.2, 0.4, 0.1, 0.4, 0.6], [0.8, -0.2, 0.6]),
+        # The first loading goes on, in either direction.
+        ([0.5, 0.1, 0.3, 0.9], [0.9]),
+        ([0.5, -0.3, 0.2, -0.7], [-0.7]),
+        ([-0.5, 0.3, -0.2, 0.5, 0.2], [0.5, 0.2]),
+        # Waiting and intermediate values do not matter.
+        ([0.3, 0.8, 0.8, 0.5, 0.5, -0.2, -0.2, 0.1], [0.8, -0.2, 0.1]),
+    ],
+)
+@every_profile
+def test_what_is_wiped_out(name: str, forces: list[float], same: list[float]) -> None:
+    contact, x = problem(name), np.linspace(0.01, 1.1, 57) * problem(name).half_width
+    found = contact.shear_after(x, np.array(forces) * LIMIT)
+    expected = contact.shear_after(x, np.array(same) * LIMIT)
+    assert found == pytest.approx(expected, abs=1e-13)
+    stick = contact.stick_half_width_after(np.array(same) * LIMIT)
+    assert contact.stick_half_width_after(np.array(forces) * LIMIT) == pytest.approx(
+        stick, rel=1e-13
+    )
+
+
+@every_profile
+def test_traction_is_continuous_where_a_loop_closes(name: str) -> None:
+    contact, x = problem(name), np.linspace(0.01, 1.1, 57) * problem(name).half_width
+    before, after = (
+        contact.shear_after(x, np.array([0.8, -0.2, 0.4, -0.2 + step]) * LIMIT)
+        for step in (1e-12, -1e-12)
+    )
+    # The step, with the slope dq/dQ ~ sqrt(step) next to the edge.
+    assert before == pytest.approx(after, abs=1e-5)
+
+
+HISTORIES = {
+    "mean": [0.9, 0.3, 0.9, 0.3, 0.6],
+    "spiral": [-0.9, 0.8, -0.6, 0.5, -0.3, 0.2, 0.0],
+    "growing": [0.1, -0.2, 0.4, -0.6, 0.95, -0.4],
+}
+every_history = pytest.mark.parametrize("history", list(HISTORIES))
+
+
+@every_profile
+@every_history
+def test_sequence_balances_the_force_within_the_friction_law(name: str, history: str) -> None:
+    contact, forces = problem(name), np.array(HISTORIES[history]) * LIMIT
+    found = integral(name, lambda x: contact.shear_after(x, forces))
+    # The accuracy of the rule, for each of up to seven fields.
+    assert found == pytest.approx(forces[-1], abs=5e-5)
+    x = np.linspace(0.01, 0.999, 301) * contact.half_width
+    q, bound = contact.shear_after(x, forces), F * contact.profile.pressure(x, contact.half_width)
+    assert (np.abs(q) <= bound * (1 + 1e-12)).all()
+    slips = x > contact.stick_half_width_after(forces)
+    # Slip goes on in the direction in which Q changed last.
+    direction = np.sign(forces[-1] - forces[-2])
+    assert q[slips] == pytest.approx(direction * bound[slips], rel=1e-10)
+
+
+def test_mean_force_leaves_the_slip_zones_of_the_cycle() -> None:
     contact = problem("hertz")
-    _, e = stick_zone_moderate_tension(contact, shear * LIMIT, tension)
-    factors = [
-        abs(tangential_factor(shear * LIMIT, tension, contact.half_width, side))
-        for side in ("left", "right")
-    ]
-    assert np.sign(e) == (1.0 if factors[1] < factors[0] else -1.0)
-
-
-def test_moderate_tension_meets_the_strain_condition() -> None:
-    contact, tension = problem("hertz"), 0.3
-    c, e = stick_zone_moderate_tension(contact, 0.5 * LIMIT, tension)
-    # q = f [p(x; a) - p(x - e; c)] has the uniform strain difference -f e/R in the stick zone
-    # (strain -(2/E*)(p0/a) f x of each part, p0/a = E*/(2R)); it balances sigma0/(2 E*).
-    assert F * e / 2.0 == pytest.approx(tension / (2 * 60.0), rel=1e-13)
-    assert c + e < contact.half_width
+    found = contact.stick_half_width_after(np.array([0.9, 0.3, 0.9]) * LIMIT)
+    # Back at the maximum: the first loading. Just before, half the range.
+    assert found == pytest.approx(contact.stick_half_width(0.9 * LIMIT), rel=1e-14)
+    before = contact.stick_half_width_after(np.array([0.9, 0.3, 0.9 * (1 - 1e-12)]) * LIMIT)
+    assert before == pytest.approx(contact.stick_half_width(0.3 * LIMIT), rel=1e-11)
 
 
 # --- slip and dissipation
@@ -279,13 +340,15 @@ def test_asymptotic_slip_length_of_flat_and_rounded(
             lambda: problem("hertz").cyclic_shear(0, -1.5, 1, rising=True),
             "shear_force must lie within the amplitude 1, found -1.5",
         ),
+        (lambda: problem("hertz").shear(0, -3), "found -3: beyond f P the contact slides"),
         (
-            lambda: stick_zone_moderate_tension(problem("wedge"), 1, 0),
-            "contact must have a Hertz profile, found Wedge",
+            lambda: problem("hertz").shear_after(0, [1, 2.5]),
+            r"shear_forces must lie in \[-2, 2\], found 2.5: beyond f P the contact slides",
         ),
+        (lambda: problem("hertz").shear_after(0, []), r"shape \(T,\), T >= 1, found \(0,\)"),
         (
-            lambda: stick_zone_moderate_tension(problem("hertz"), 0.1, 50.0),
-            "bulk_tension must be moderate",
+            lambda: problem("hertz").stick_half_width_after(1.0),
+            r"shear_forces must have the shape \(T,\), T >= 1, found \(\)",
         ),
         (
             lambda: hertz_dissipation(Hertz(2, 60), P, F, 2.5),

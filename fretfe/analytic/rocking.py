@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+r"""Normal contact of a symmetric profile under a normal force and a moment: tilt, edges, K_N.
+
+The moment M is the integral of p x dx about the axis of symmetry of the profile: a positive one
+loads the right edge. It tilts the body by theta, which makes the gap g(x) - theta x: the contact
+left < x < right is unsymmetric. With its centre m, half of its width L, and xi = m + L cos(phi):
+
+    theta = (1/pi) int_0^pi g'(xi) dphi
+    P     = (E*/2) L int_0^pi cos(phi) g'(xi) dphi
+    M     = P m + (E*/4) L^2 int_0^pi cos(2 phi) g'(xi) dphi
+    K_N   = (E*/(2 pi)) sqrt(2L) int_0^pi [g'(xi) - g'(right)]/(xi - right) dphi
+
+at the right edge, and with ``left`` in place of ``right`` at the left one. They follow from
+(1/pi) int p(t)/(x - t) dt = (E*/2) [g'(x) - theta] (Johnson 1985, section 2.7) with the series
+p = sum b_n sin(n phi), which gives g' - theta = (2/E*) sum b_n cos(n phi): P and M are b_1 and b_2,
+theta the mean, K_N the slope of p at the edge. Half-planes, frictionless or elastically similar.
+The contact is one interval if g' does not decrease along x (convex bodies).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fretfe.analytic._arguments import FloatArray, check_range
+from fretfe.analytic._numerics import graded_rule
+from fretfe.analytic.edges import edge_advance, normal_increment_factor
+from fretfe.analytic.profiles import Profile
+from fretfe.analytic.tables import TabulatedProfile
+
+BoolArray = NDArray[np.bool_]
+
+_MAX_ITERATIONS = 100
+_MAX_CUTS = 20
+# Steps of the moment where Newton's method fails from the symmetric contact: each 20 % more.
+_FIRST_SHARE, _SHARES = 1e-3, 39
+# Stands for 0 as a divisor of 0.
+_SMALLEST_SINE = 1e-100
+# Relative to P and to P times the half-width without moment.
+_TOLERANCE = 1e-13
+# Close to a flat, the loads themselves have no more digits.
+_ACCEPTED = 1e-9
+
+
+@dataclass(frozen=True)
+class TiltedContact:
+    """Contact under P and M; every array has the broadcast shape of the two, NaN where P = 0.
+
+    Args:
+        left: position of the left edge.
+        right: position of the right edge.
+        tilt: theta in radians, positive if the body turns towards the right edge.
+        k_n_left: K_N of the left edge.
+        k_n_right: K_N of the right edge.
+    """
+
+    left: FloatArray
+    right: FloatArray
+    tilt: FloatArray
+    k_n_left: FloatArray
+    k_n_right: FloatArray
+
+    def fields(self) -> tuple[FloatArray, ...]:
+        """Return all arrays, in the order in which they are declared."""
+        return (self.left, self.right, self.tilt, self.k_n_left, self.k_n_right)
+
+
+def tilted_contact(profile: Profile, normal_force: ArrayLike, moment: ArrayLike) -> TiltedContact:
+    """Return the contact of a profile under a normal force and a moment.
+
+    By Newton's method from the contact without moment. There is no largest moment as such: a body
+    rolls on its profile until one edge leaves the part of it that is known. Solutions are found up
+    to about M = 100 P a, with the half-width a without moment.
+
+    Args:
+        profile: symmetric profile with g' >= 0 for x > 0, and not decreasing.
+        normal_force: P >= 0 per unit thickness, any shape.
+        moment: M about the axis of symmetry of the profile, any shape that broadcasts with P.
+
+    Raises:
+        ValueError: if ``normal_force`` is negative or above what a table covers, or no contact is
+            found for a ``moment``, as where one edge would lie beyond the end of a table.
+    """
+    force, couple = np.broadcast_arrays(
+        check_range("normal_force", normal_force, low=0.0), check_range("moment", moment)
+    )
+    loaded = force > 0.0
+    solved = _solve(profile, force[loaded], couple[loaded])
+    fields = []
+    for values in solved.fields():
+        field = np.full(force.shape, np.nan)
+        field[loaded] = values
+        fields.append(field)
+    return TiltedContact(*fields)
+
+
+@dataclass(frozen=True)
+class _Loads:
+    """Contacts and the loads that they carry, all (n,)."""
+
+    contact: TiltedContact
+    force: FloatArray
+    moment: FloatArray
+
+    def at(self, row: BoolArray) -> _Loads:
+        """Return a selection of the states."""
+        contact = TiltedContact(*(values[row] for values in self.contact.fields()))
+        return _Loads(contact, self.force[row], self.moment[row])
+
+    def distance(self, force: FloatArray, moment: FloatArray, length: FloatArray) -> FloatArray:
+        """Return the relative distance from other loads; infinite where this is no contact."""
+        apart = np.hypot(self.force - force, (self.moment - moment) / length) / force
+        pressed = (self.contact.k_n_left > 0.0) & (self.contact.k_n_right > 0.0)
+        return np.where(pressed & np.isfinite(apart), apart, np.inf)
+
+
+def _solve(profile: Profile, force: FloatArray, moment: FloatArray) -> TiltedContact:
+    """Return the contacts under (n,) loads, all P > 0; the moment in steps where it must be."""
+    scale = profile.half_width(force)
+    start = _loads(profile, -scale, scale)
+    state, failed = _newton(profile, start, force, moment, scale)
+    if not np.any(failed):
+        return state.contact
+    row = failed
+    part = start.at(row)
+    for share in np.geomspace(_FIRST_SHARE, 1.0, _SHARES):
+        part, failed = _newton(profile, part, force[row], share * moment[row], scale[row])
+    if np.any(failed):
+        raise ValueError(
+            "moment must leave both edges on the profile, found no contact under the moment "
+            f"{moment[row][failed][0]:g} and normal_force {force[row][failed][0]:g}"
+        )
+    for whole, values in zip(state.contact.fields(), part.contact.fields(), strict=True):
+        whole[row] = values
+    return state.contact
+
+
+def _newton(
+    profile: Profile, state: _Loads, force: FloatArray, moment: FloatArray, scale: FloatArray
+) -> tuple[_Loads, BoolArray]:
+    """Return the contacts that Newton's method reaches, and which of them do not meet the loads.
+
+    A step is cut to a share that brings the loads nearer; to none if there is none, as in round-off
+    or at the end of a table.
+    """
+    residual = state.distance(force, moment, scale)
+    active = residual > _TOLERANCE
+    for _ in range(_MAX_ITERATIONS):
+        left, right = _newton_step(state, force - state.force, moment - state.moment)
+        share = active.astype(np.float64)
+        for _ in range(_MAX_CUTS):
+            trial = _moved(profile, state, share * left, share * right)
+            worse = (share > 0.0) & ~(trial.distance(force, moment, scale) < residual)
+            if not np.any(worse):
+                break
+            # Next to the solution a step that brings nothing is round-off.
+            share = np.where(worse & (residual > _ACCEPTED), share / 4.0, share * ~worse)
+        else:
+            share *= ~worse
+            trial = _moved(profile, state, share * left, share * right)
+        state, residual = trial, trial.distance(force, moment, scale)
+        active = (residual > _TOLERANCE) & (share > 0.0)
+        if not np.any(active):
+            break
+    return state, residual > _ACCEPTED
+
+
+def _moved(profile: Profile, state: _Loads, left: FloatArray, right: FloatArray) -> _Loads:
+    return _loads(profile, state.contact.left + left, state.contact.right + right)
+
+
+def _newton_step(
+    state: _Loads, force: FloatArray, moment: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return how far increments of the loads move the left and the right edge along x."""
+    contact = state.contact
+    half = (contact.right - contact.left) / 2.0
+    about_centre = moment - force * (contact.left + contact.right) / 2.0
+    left = normal_increment_factor(force, about_centre, half, "left")
+    right = normal_increment_factor(force, about_centre, half, "right")
+    return -edge_advance(left, contact.k_n_left), edge_advance(right, contact.k_n_right)
+
+
+def _loads(profile: Profile, left: FloatArray, right: FloatArray) -> _Loads:
+    """Return the contacts with given edges (n,); NaN where these are out of order."""
+    centre, half = (left + right) / 2.0, (right - left) / 2.0
+    half = np.where(half > 0.0, half, np.nan)
+    phi, weight = _rule(profile, centre, half)
+    cosine = np.cos(phi)
+    slope = profile.gap_slope(centre[:, None] + half[:, None] * cosine)
+    at_left, at_right = profile.gap_slope(centre - half), profile.gap_slope(centre + half)
+    mean = profile.e_star / 2.0 * half
+    force = mean * np.sum(weight * cosine * slope, axis=-1)
+    about_centre = mean / 2.0 * half * np.sum(weight * np.cos(2.0 * phi) * slope, axis=-1)
+    # Half-angle forms of 1 - cos(phi) and 1 + cos(phi) keep their digits; pieces of no length end
+    # up at the edges themselves.
+    to_right = weight / np.maximum(np.sin(phi / 2.0), _SMALLEST_SINE) ** 2
+    to_left = weight / np.maximum(np.cos(phi / 2.0), _SMALLEST_SINE) ** 2
+    from_right = np.sum(to_right * (at_right[:, None] - slope), axis=-1)
+    from_left = np.sum(to_left * (slope - at_left[:, None]), axis=-1)
+    factor = profile.e_star / (2.0 * np.pi * np.sqrt(2.0 * half))
+    tilt = np.sum(weight * slope, axis=-1) / np.pi
+    contact = TiltedContact(left, right, tilt, factor * from_left, factor * from_right)
+    return _Loads(contact, force, about_centre + centre * force)
+
+
+def _rule(profile: Profile, centre: FloatArray, half: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return angles and weights (n, nodes) over 0 ... pi, split where the slope is not smooth."""
+    one_side = profile.kinks
+    if isinstance(profile, TabulatedProfile):
+        one_side = profile.inner_points
+    splits = np.array(sorted({0.0, *one_side, *(-place for place in one_side)}))[::-1]
+    places = np.arccos(np.clip((splits - centre[:, None]) / half[:, None], -1.0, 1.0))
+    ends = np.zeros((centre.size, 1))
+    return graded_rule(np.concatenate([ends, places, ends + np.pi], axis=-1), (0.0, np.pi))
