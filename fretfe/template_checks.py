@@ -173,18 +173,59 @@ def _zone_is_inside_faces(values: Mapping[str, float]) -> str | None:
     return _at_most("zone", values, 0.9 * width, "90 % of the smaller of the half widths")
 
 
-def _bodies_are_higher_than_faces(values: Mapping[str, float]) -> str | None:
+def _sides_remain(values: Mapping[str, float], **rises: float) -> str | None:
+    """Each body must be higher than its face rises towards the side; the rises by body."""
     problems = []
-    for body in ("upper", "lower"):
-        radius, width = values[f"{body}_radius"], values[f"{body}_width"]
-        rise = radius - math.sqrt(max(radius**2 - width**2, 0.0)) if radius else 0.0
+    for body, rise in rises.items():
         why = f"the face rises by {rise:.6g} and the body needs a side"
-        problems.append(_at_least(f"{body}_height", values, rise + 0.1 * width, why))
+        needed = rise + 0.1 * values[f"{body}_width"]
+        problems.append(_at_least(f"{body}_height", values, needed, why))
     return next(filter(None, problems), None)
 
 
-def _cylinder_sizes_ordered(values: Mapping[str, float]) -> str | None:
+def _arc_rise(radius: float, length: float) -> float:
+    """How far an arc rises over a length from its lowest point; 0 for radius 0, a flat face."""
+    return radius - math.sqrt(max(radius**2 - length**2, 0.0))
+
+
+def _bodies_are_higher_than_faces(values: Mapping[str, float]) -> str | None:
+    upper = _arc_rise(values["upper_radius"], values["upper_width"])
+    lower = _arc_rise(values["lower_radius"], values["lower_width"])
+    return _sides_remain(values, upper=upper, lower=lower)
+
+
+def _size_resolves_zone(values: Mapping[str, float]) -> str | None:
     return _at_most("size", values, values["zone"] / 4, "a quarter of zone")
+
+
+def _bodies_are_higher_than_wedge(values: Mapping[str, float]) -> str | None:
+    rise = values["upper_width"] * math.tan(math.radians(values["angle"]))
+    return _sides_remain(values, upper=rise, lower=0.0)
+
+
+def _roundings_reach_sides(values: Mapping[str, float]) -> str | None:
+    needed = (values["upper_width"] - values["flat_half_width"]) / 0.99
+    why = "the roundings must reach the sides of the upper body; a smaller upper_width helps"
+    return _at_least("radius", values, needed, why)
+
+
+def _zone_ends_on_roundings(values: Mapping[str, float]) -> str | None:
+    needed = values["flat_half_width"] + 4 * values["edge_size"]
+    why = "the contact ends beyond flat_half_width; four elements of edge_size must fit in there"
+    return _at_least("zone", values, needed, why)
+
+
+def _bodies_are_higher_than_roundings(values: Mapping[str, float]) -> str | None:
+    rise = _arc_rise(values["radius"], values["upper_width"] - values["flat_half_width"])
+    return _sides_remain(values, upper=rise, lower=0.0)
+
+
+def _flat_size_resolves_punch(values: Mapping[str, float]) -> str | None:
+    return _at_most("flat_size", values, values["flat_half_width"] / 2, "half of flat_half_width")
+
+
+def _edge_size_within_flat_size(values: Mapping[str, float]) -> str | None:
+    return _at_most("edge_size", values, values["flat_size"], "flat_size")
 
 
 CROSS_CHECKS: Mapping[str, tuple[Check, ...]] = {
@@ -207,6 +248,19 @@ CROSS_CHECKS: Mapping[str, tuple[Check, ...]] = {
         _faces_are_less_than_half_cylinders,
         _zone_is_inside_faces,
         _bodies_are_higher_than_faces,
-        _cylinder_sizes_ordered,
+        _size_resolves_zone,
+    ),
+    "flat_rounded": (
+        _roundings_reach_sides,
+        _zone_is_inside_faces,
+        _zone_ends_on_roundings,
+        _bodies_are_higher_than_roundings,
+        _flat_size_resolves_punch,
+        _edge_size_within_flat_size,
+    ),
+    "wedge": (
+        _zone_is_inside_faces,
+        _bodies_are_higher_than_wedge,
+        _size_resolves_zone,
     ),
 }

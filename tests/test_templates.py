@@ -15,7 +15,7 @@ from fretfe.errors import CaseError
 from fretfe.template_checks import CROSS_CHECKS
 from fretfe.templates import Parameter, check_parameters, find_template, template_names
 
-NAMES = ("cylinder", "dovetail")
+NAMES = ("cylinder", "dovetail", "flat_rounded", "wedge")
 
 
 def test_all_templates_are_found() -> None:
@@ -79,103 +79,123 @@ def test_refused_values(values: dict[str, Any], message: str) -> None:
         check_parameters(find_template("dovetail"), values)
 
 
-# For each cross check: template, parameters that break it, and how the message begins.
-BROKEN: dict[str, tuple[str, dict[str, float], str]] = {
-    "_contact_ends_on_roundings": (
-        "dovetail",
+# For each template and cross check: parameters that break it, and how the message begins.
+BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
+    ("dovetail", "_contact_ends_on_roundings"): (
         {"relief_angle": 15, "contact_angle": 12},
         "contact_angle: expected at most 10 ",
     ),
-    "_disc_flank_covers_contact": (
-        "dovetail",
+    ("dovetail", "_disc_flank_covers_contact"): (
         {"lower_radius": 15},
         "overhang: expected at least 2.75",
     ),
-    "_fine_zone_fits": (
-        "dovetail",
+    ("dovetail", "_fine_zone_fits"): (
         {"upper_radius": 1},
         "edge_zone: expected at most 0.157",
     ),
-    "_root_is_high_enough": (
-        "dovetail",
+    ("dovetail", "_root_is_high_enough"): (
         {"root_height": 8},
         "root_height: expected at least 9.22",
     ),
-    "_slot_is_deep_enough": (
-        "dovetail",
+    ("dovetail", "_slot_is_deep_enough"): (
         {"slot_fillet": 6},
         "slot_clearance: expected at least 4.04",
     ),
-    "_root_clears_slot_wall": (
-        "dovetail",
+    ("dovetail", "_root_clears_slot_wall"): (
         {"lower_radius": 8, "slot_fillet": 0.5},
         "overhang: expected at least 3.2",
     ),
-    "_root_corner_clears_slot_fillet": (
-        "dovetail",
+    ("dovetail", "_root_corner_clears_slot_fillet"): (
         {"root_corner": 0.2, "slot_fillet": 4.5, "root_height": 16, "slot_clearance": 0.3},
         "root_corner: the corners of the root",
     ),
-    "_neck_passes_mouth": (
-        "dovetail",
+    ("dovetail", "_neck_passes_mouth"): (
         {"overhang": 5, "slot_clearance": 4},
         "neck_width: the neck with its fillets does not pass",
     ),
-    "_corners_fit": (
-        "dovetail",
+    ("dovetail", "_corners_fit"): (
         {"root_corner": 16, "root_height": 40},
         "root_corner: expected at most 13.5",
     ),
-    "_shank_rises_above_fillet": (
-        "dovetail",
+    ("dovetail", "_shank_rises_above_fillet"): (
         {"neck_fillet": 12, "shank_height": 1},
         "shank_height: expected at least 7.655",
     ),
-    "_disc_is_large_enough": (
-        "dovetail",
+    ("dovetail", "_disc_is_large_enough"): (
         {"disc_width": 30},
         "disc_width: expected at least 38",
     ),
-    "_flank_size_resolves_flat": (
-        "dovetail",
+    ("dovetail", "_flank_size_resolves_flat"): (
         {"flank_size": 1.6},
         "flank_size: expected at most 1.5 ",
     ),
-    "_edge_size_is_smallest": (
-        "dovetail",
+    ("dovetail", "_edge_size_is_smallest"): (
         {"edge_size": 0.15},
         "edge_size: expected at most 0.1 ",
     ),
-    "_faces_are_less_than_half_cylinders": (
-        "cylinder",
+    ("cylinder", "_faces_are_less_than_half_cylinders"): (
         {"lower_width": 9},
         "lower_width: expected at most 7.92 ",
     ),
-    "_zone_is_inside_faces": (
-        "cylinder",
+    ("cylinder", "_zone_is_inside_faces"): (
         {"zone": 6.5},
         "zone: expected at most 6.3 ",
     ),
-    "_bodies_are_higher_than_faces": (
-        "cylinder",
+    ("cylinder", "_bodies_are_higher_than_faces"): (
         {"upper_height": 4},
         "upper_height: expected at least 4.8",
     ),
-    "_cylinder_sizes_ordered": (
-        "cylinder",
+    ("cylinder", "_size_resolves_zone"): (
         {"size": 0.3},
         "size: expected at most 0.25 ",
+    ),
+    ("flat_rounded", "_roundings_reach_sides"): (
+        {"upper_width": 12},
+        "radius: expected at least 11.1111 (the roundings must reach the sides",
+    ),
+    ("flat_rounded", "_zone_is_inside_faces"): (
+        {"lower_width": 1.5},
+        "zone: expected at most 1.35 ",
+    ),
+    ("flat_rounded", "_zone_ends_on_roundings"): (
+        {"zone": 0.9},
+        "zone: expected at least 1.02 (the contact ends beyond flat_half_width",
+    ),
+    ("flat_rounded", "_bodies_are_higher_than_roundings"): (
+        {"upper_height": 4.5},
+        "upper_height: expected at least 4.92",
+    ),
+    ("flat_rounded", "_flat_size_resolves_punch"): (
+        {"flat_half_width": 0.08},
+        "flat_size: expected at most 0.04 ",
+    ),
+    ("flat_rounded", "_edge_size_within_flat_size"): (
+        {"edge_size": 0.06},
+        "edge_size: expected at most 0.05 (flat_size)",
+    ),
+    ("wedge", "_zone_is_inside_faces"): (
+        {"zone": 7.5},
+        "zone: expected at most 7.2 ",
+    ),
+    ("wedge", "_bodies_are_higher_than_wedge"): (
+        {"angle": 20, "upper_height": 3},
+        "upper_height: expected at least 3.71",
+    ),
+    ("wedge", "_size_resolves_zone"): (
+        {"zone": 0.03},
+        "size: expected at most 0.0075 ",
     ),
 }
 
 
 def test_every_cross_check_has_its_example() -> None:
-    assert {check.__name__ for checks in CROSS_CHECKS.values() for check in checks} == set(BROKEN)
+    checks = {(name, check.__name__) for name in CROSS_CHECKS for check in CROSS_CHECKS[name]}
+    assert checks == set(BROKEN)
 
 
-@pytest.mark.parametrize("check", BROKEN)
-def test_cross_check(check: str) -> None:
-    name, values, message = BROKEN[check]
+@pytest.mark.parametrize(("name", "check"), BROKEN)
+def test_cross_check(name: str, check: str) -> None:
+    values, message = BROKEN[name, check]
     with pytest.raises(CaseError, match=rf"\n  - {re.escape(message)}"):
         check_parameters(find_template(name), values)
     function = next(each for each in CROSS_CHECKS[name] if each.__name__ == check)

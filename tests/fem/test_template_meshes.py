@@ -19,7 +19,12 @@ from fretfe.fem.meshing import BodyMesh, Mesh, mesh_template
 from fretfe.templates import check_parameters, find_template
 
 COARSE = {"edge_size": 0.05, "edge_zone": 0.15, "flank_size": 0.3, "growth": 0.3}
-COARSE_CYLINDER = {"size": 0.05, "growth": 0.3}
+COARSE_CYLINDER = COARSE_WEDGE = {"size": 0.05, "growth": 0.3}
+COARSE_PUNCH = {"edge_size": 0.02, "flat_size": 0.1, "growth": 0.3}
+PUNCH_GROUPS = {
+    "upper": {"upper_contact", "upper_top"},
+    "lower": {"lower_contact", "lower_bottom", "lower_left", "lower_right"},
+}
 GROUPS = {
     "dovetail": {
         "blade": {"blade_top", "blade_flank_left", "blade_flank_right"},
@@ -31,10 +36,9 @@ GROUPS = {
             "disc_flank_right",
         },
     },
-    "cylinder": {
-        "upper": {"upper_contact", "upper_top"},
-        "lower": {"lower_contact", "lower_bottom", "lower_left", "lower_right"},
-    },
+    "cylinder": PUNCH_GROUPS,
+    "flat_rounded": PUNCH_GROUPS,
+    "wedge": PUNCH_GROUPS,
 }
 
 
@@ -44,6 +48,14 @@ def dovetail(order: int = 2, **parameters: float) -> Mesh:
 
 def cylinder(order: int = 2, **parameters: float) -> Mesh:
     return mesh_template(find_template("cylinder"), COARSE_CYLINDER | parameters, order)
+
+
+def flat_rounded(order: int = 2, **parameters: float) -> Mesh:
+    return mesh_template(find_template("flat_rounded"), COARSE_PUNCH | parameters, order)
+
+
+def wedge(order: int = 2, **parameters: float) -> Mesh:
+    return mesh_template(find_template("wedge"), COARSE_WEDGE | parameters, order)
 
 
 @pytest.fixture(scope="module")
@@ -82,12 +94,21 @@ def along_and_above(points: NDArray[np.float64], side: int) -> NDArray[np.float6
 @pytest.mark.parametrize("name", GROUPS)
 @pytest.mark.parametrize("order", [1, 2])
 def test_groups(name: str, order: int) -> None:
-    mesh = {"dovetail": dovetail, "cylinder": cylinder}[name](order)
+    meshers = {
+        "dovetail": dovetail,
+        "cylinder": cylinder,
+        "flat_rounded": flat_rounded,
+        "wedge": wedge,
+    }
+    mesh = meshers[name](order)
     assert {body.name: set(body.boundaries) for body in mesh.bodies.values()} == GROUPS[name]
     assert {body.order for body in mesh.bodies.values()} == {order}
 
 
-@pytest.mark.parametrize(("name", "largest"), [("dovetail", 30_000), ("cylinder", 20_000)])
+@pytest.mark.parametrize(
+    ("name", "largest"),
+    [("dovetail", 30_000), ("cylinder", 20_000), ("flat_rounded", 30_000), ("wedge", 20_000)],
+)
 def test_default_size(name: str, largest: int) -> None:
     summary = mesh_summary(mesh_template(find_template(name), {}, 2))
     assert 5_000 < sum(body.nodes for body in summary) < largest
@@ -122,12 +143,16 @@ def test_contact_surfaces_face_each_other(coarse_dovetail: Mesh) -> None:
     np.testing.assert_allclose(ends[0], [-ends[0][1], ends[0][1]], atol=1e-9)
 
 
+def largest_mirror_error(body: BodyMesh) -> float:
+    """Distance of the mirror image of any node in x = 0 from the nearest node."""
+    distances, _ = cKDTree(body.points).query(body.points * [-1, 1])
+    return float(distances.max())
+
+
 @pytest.mark.parametrize("name", ["blade", "disc"])
 def test_mesh_is_its_own_mirror_image(default_dovetail: Mesh, name: str) -> None:
-    points = default_dovetail.bodies[name].points
-    distances, _ = cKDTree(points).query(points * [-1, 1])
     # Gmsh finds the mirror images of nodes on arcs to about 1e-6 of their radius
-    assert distances.max() < 1e-5
+    assert largest_mirror_error(default_dovetail.bodies[name]) < 1e-5
 
 
 def test_meshes_do_not_match_on_the_flat(coarse_dovetail: Mesh) -> None:
@@ -229,7 +254,14 @@ def random_parameters(name: str, fixed: Mapping[str, float], seed: int) -> dict[
 
 @pytest.mark.parametrize("seed", range(10))
 @pytest.mark.parametrize(
-    ("name", "fixed"), [("dovetail", COARSE), ("cylinder", COARSE_CYLINDER)], ids=GROUPS
+    ("name", "fixed"),
+    [
+        ("dovetail", COARSE),
+        ("cylinder", COARSE_CYLINDER),
+        ("flat_rounded", COARSE_PUNCH),
+        ("wedge", COARSE_WEDGE),
+    ],
+    ids=GROUPS,
 )
 def test_valid_parameters_give_good_meshes(
     name: str, fixed: Mapping[str, float], seed: int
@@ -238,6 +270,71 @@ def test_valid_parameters_give_good_meshes(
     template = find_template(name)
     summary = mesh_summary(mesh_template(template, random_parameters(name, fixed, seed), 2))
     assert min(body.smallest_angle for body in summary) > 15
+
+
+def flat_rounded_gap(values: Mapping[str, float], x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Gap at |x|, 0 and then a circle; without the cancellation in R - sqrt(R^2 - s^2)."""
+    radius = values["radius"]
+    beside = np.maximum(np.abs(x) - values["flat_half_width"], 0.0)
+    gap: NDArray[np.float64] = beside**2 / (radius + np.sqrt(radius**2 - beside**2))
+    return gap
+
+
+def wedge_gap(values: Mapping[str, float], x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Gap slope |x|."""
+    gap: NDArray[np.float64] = math.tan(math.radians(values["angle"])) * np.abs(x)
+    return gap
+
+
+PROFILES = {
+    "flat_rounded": (COARSE_PUNCH, flat_rounded_gap),
+    "wedge": (COARSE_WEDGE, wedge_gap),
+}
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("name", PROFILES)
+def test_random_punch_has_its_gap_and_is_symmetric(name: str, seed: int) -> None:
+    fixed, gap = PROFILES[name]
+    values = random_parameters(name, fixed, seed)
+    bodies = mesh_template(find_template(name), values, 2).bodies
+    assert {body: set(mesh.boundaries) for body, mesh in bodies.items()} == PUNCH_GROUPS
+    x, y = facet_nodes(bodies["upper"], "upper_contact").T
+    # round-off of coordinates up to 16
+    np.testing.assert_allclose(y, gap(values, x), atol=1e-13)
+    np.testing.assert_array_equal(facet_nodes(bodies["lower"], "lower_contact")[:, 1], 0.0)
+    for body, mesh in bodies.items():
+        ends = facet_nodes(mesh, f"{body}_contact")[:, 0]
+        np.testing.assert_allclose([ends.min(), ends.max()], [-values["zone"], values["zone"]])
+        # as for the dovetail; the bodies are as large
+        assert largest_mirror_error(mesh) < 1e-5
+
+
+@pytest.mark.parametrize("radius", [100.0, 1e4])
+def test_a_large_radius_loses_no_accuracy(radius: float) -> None:
+    upper = flat_rounded(radius=radius).bodies["upper"]
+    x, y = facet_nodes(upper, "upper_contact").T
+    values = {"flat_half_width": 1.0, "radius": radius}
+    # round-off of the coordinates of the centre; the gap at the end of the zone is 8e-6 or more
+    np.testing.assert_allclose(y, flat_rounded_gap(values, x), atol=1e-15 * radius)
+
+
+def test_punch_is_graded_smoothly_from_the_flat_to_a_tiny_rounding() -> None:
+    mesh = flat_rounded(
+        flat_half_width=0.95, zone=1.04, radius=50.0, edge_size=0.002, flat_size=0.08, growth=0.2
+    )
+    for name, coarser in (("upper", 1.0), ("lower", 1.07)):
+        body = mesh.bodies[name]
+        facets = body.boundaries[f"{name}_contact"]
+        middle = body.points[facets[:, :2]].mean(axis=1)[:, 0]
+        lengths = facet_lengths(body.points, facets)[np.argsort(middle)]
+        x = np.sort(middle)
+        # a whole number of elements has to fit into each of three pieces
+        np.testing.assert_allclose(lengths[np.abs(x) > 0.95], 0.002 * coarser, rtol=0.05)
+        # at the centre it has just reached flat_size, less half an element times growth
+        assert lengths[np.abs(x).argmin()] == pytest.approx(0.08 * coarser, rel=0.15)
+        # a size that grows by 0.2 per distance makes each element 1.2 times its neighbour
+        assert np.abs(np.diff(np.log(lengths))).max() < math.log(1.3)
 
 
 def test_summary_counts_and_measures() -> None:
