@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command line: `fretfe run`, `check`, `mesh`, `info`, `schema`.
+"""The command line: `fretfe run`, `backends`, `verify`, `check`, `mesh`, `info`, `schema`.
 
 Exit codes: 0 success, 1 unexpected error, 2 case file or usage, 3 geometry or mesh, 4 model,
 5 no convergence, 6 output, 7 missing dependency.
@@ -8,7 +8,6 @@ Exit codes: 0 success, 1 unexpected error, 2 case file or usage, 3 geometry or m
 from __future__ import annotations
 
 import json
-import os
 import sys
 import traceback
 from pathlib import Path
@@ -16,6 +15,7 @@ from typing import Annotated
 
 import typer
 
+from fretfe.environment import rank_from_environment
 from fretfe.errors import FretfeError
 
 app = typer.Typer(
@@ -34,15 +34,46 @@ def run(
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder for the results; made if missing.")
     ],
+    backend: Annotated[
+        str, typer.Option(help="analytic, halfplane, fem, or one of `fretfe backends`.")
+    ] = "fem",
     timings: Annotated[bool, typer.Option(help="Print the wall time of each phase.")] = False,
 ) -> None:
     """Solve a case and write its results.
 
     Under MPI: mpirun -n 4 fretfe run CASE -o DIR
     """
-    from fretfe.fem.command import run_case
+    from fretfe.command import run_case
 
-    run_case(case, output, timings=timings)
+    run_case(case, output, backend, timings=timings)
+
+
+@app.command()
+def backends(
+    case: Annotated[
+        Path | None, typer.Argument(help="Case file: say which backends can solve it.")
+    ] = None,
+) -> None:
+    """List the installed backends, and why one of them cannot be used."""
+    from fretfe.command import show_backends
+
+    show_backends(case)
+
+
+@app.command()
+def verify(
+    backend: Annotated[
+        list[str] | None, typer.Option(help="Only this backend; can be given several times.")
+    ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON document in place of tables.")
+    ] = False,
+) -> None:
+    """Run benchmarks with known answers; exit code 1 if one of them fails."""
+    from fretfe.command import verify_backends
+
+    if not verify_backends(backend or (), as_json=as_json):
+        raise typer.Exit(1)
 
 
 @app.command()
@@ -98,7 +129,7 @@ def _finish(code: int, message: str) -> None:
     """
     communicator = _communicator()
     if communicator is None or communicator.size == 1:
-        if _rank_from_environment() == 0:
+        if rank_from_environment() == 0:
             print(message, file=sys.stderr, flush=True)
         sys.exit(code)
     if code == 1:
@@ -113,11 +144,3 @@ def _communicator():  # type: ignore[no-untyped-def]
     """The world communicator, if MPI is in use at all."""
     mpi = sys.modules.get("mpi4py.MPI")
     return mpi.COMM_WORLD if mpi is not None else None
-
-
-def _rank_from_environment() -> int:
-    """Rank that the MPI launcher announces, for errors from before MPI was loaded."""
-    for name in ("PMI_RANK", "OMPI_COMM_WORLD_RANK", "PMIX_RANK"):
-        if name in os.environ:
-            return int(os.environ[name])
-    return 0

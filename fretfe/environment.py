@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import os
 import platform
 from pathlib import Path
 
@@ -38,3 +39,11 @@ def reference_blas_only(libraries: list[str]) -> bool:
     return bool(libraries) and not any(
         name in str(Path(library).resolve()).lower() for library in libraries for name in optimised
     )
+
+
+def rank_from_environment() -> int:
+    """Rank that an MPI launcher announces; known before, and without, MPI."""
+    for name in ("PMI_RANK", "OMPI_COMM_WORLD_RANK", "PMIX_RANK"):
+        if name in os.environ:
+            return int(os.environ[name])
+    return 0

@@ -10,66 +10,22 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, fields
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import h5py
 import numpy as np
-import numpy.typing as npt
 
+from fretfe.backends import BodyArrays, EdgeHistories
 from fretfe.case import Case
+from fretfe.environment import versions
 from fretfe.errors import OutputError
 from fretfe.evaluate import ContactSummary
 from fretfe.solution import ContactHistory, Solution
 
 SCHEMA = {"name": "fretfe-results", "version": 1}
 NUMBERS, ARRAYS = "results.json", "results.h5"
-
-
-class BodyArrays(Protocol):
-    """The mesh of one body, whoever made it."""
-
-    @property
-    def points(self) -> npt.NDArray[np.float64]:
-        """(n, d) coordinates of the nodes."""
-
-    @property
-    def cells(self) -> npt.NDArray[np.int64]:
-        """(m, k) nodes of the cells, in Gmsh's order."""
-
-    @property
-    def cell(self) -> str:
-        """Shape of the cells."""
-
-    @property
-    def order(self) -> int:
-        """Polynomial order of the geometry."""
-
-    @property
-    def boundaries(self) -> dict[str, npt.NDArray[np.int64]]:
-        """Facets (f, order + 1) of each boundary."""
-
-
-@dataclass(frozen=True)
-class Run:
-    """How a solution was obtained.
-
-    Attributes:
-        case: the case as run.
-        versions: of everything that had a part in it.
-        seconds: wall time by phase.
-        ranks: number of MPI processes.
-        failure: why the history was not finished, "" if it was.
-        bodies: the meshes.
-    """
-
-    case: Case
-    versions: Mapping[str, str]
-    seconds: Mapping[str, float]
-    ranks: int
-    failure: str
-    bodies: Mapping[str, BodyArrays]
 
 
 def prepare_directory(directory: Path) -> None:
@@ -89,24 +45,25 @@ def prepare_directory(directory: Path) -> None:
         ) from error
 
 
-def write_results(
-    directory: Path, run: Run, solution: Solution, contacts: tuple[ContactSummary, ...]
-) -> None:
-    """Write `results.json`, `results.h5` and the case as run.
+def write_results(directory: Path, case: Case, backend: str, result: EdgeHistories) -> None:
+    """Write `results.json` and, if there are tractions, `results.h5`.
+
+    Args:
+        directory: existing folder.
+        case: the case as run.
+        backend: name of the backend.
+        result: what it returned.
 
     Raises:
         OutputError: if a file cannot be written.
     """
     try:
-        text = json.dumps(as_numbers(run, solution, contacts), indent=1, allow_nan=False)
+        text = json.dumps(as_numbers(case, backend, result), indent=1, allow_nan=False)
         (directory / NUMBERS).write_text(text + "\n", encoding="utf-8")
-        with h5py.File(directory / ARRAYS, "w") as file:
-            file.attrs.update({"schema": SCHEMA["name"], "version": SCHEMA["version"]})
-            file["times"] = solution.times
-            for contact in solution.contacts:
-                _write_contact(file.create_group(f"contacts/{contact.name}"), contact)
-            for name, body in run.bodies.items():
-                _write_mesh(file.create_group(f"mesh/{name}"), body)
+        # Arrays of an earlier run would not belong to these numbers.
+        (directory / ARRAYS).unlink(missing_ok=True)
+        if result.solution is not None:
+            _write_arrays(directory / ARRAYS, result, result.solution)
     except OSError as error:
         raise OutputError(f"{directory}: cannot write the results: {error}") from error
 
@@ -127,39 +84,37 @@ def read_numbers(directory: Path) -> dict[str, Any]:
     return dict(data)
 
 
-def as_numbers(
-    run: Run, solution: Solution, contacts: tuple[ContactSummary, ...]
-) -> dict[str, Any]:
+def _write_arrays(path: Path, result: EdgeHistories, solution: Solution) -> None:
+    with h5py.File(path, "w") as file:
+        file.attrs.update({"schema": SCHEMA["name"], "version": SCHEMA["version"]})
+        file["times"] = solution.times
+        for contact in solution.contacts:
+            _write_contact(file.create_group(f"contacts/{contact.name}"), contact)
+        for name, body in result.bodies.items():
+            _write_mesh(file.create_group(f"mesh/{name}"), body)
+
+
+def as_numbers(case: Case, backend: str, result: EdgeHistories) -> dict[str, Any]:
     """Everything that `results.json` holds, in plain Python types."""
-    case = run.case
+    history = result.history
     return _plain(
         {
             "schema": SCHEMA,
             "title": case.title,
             "units": case.units.model_dump(),
-            "complete": not run.failure,
-            "failure": run.failure,
-            "versions": run.versions,
-            "ranks": run.ranks,
-            "seconds": run.seconds,
+            "backend": backend,
+            "notes": result.notes,
+            "complete": result.failure is None,
+            "failure": str(result.failure or ""),
+            "versions": {**versions(), **result.versions},
+            "ranks": result.ranks,
+            "seconds": result.seconds,
             "case": case.model_dump(mode="json", exclude_unset=True),
-            "times": solution.times,
-            "cycle": solution.cycle,
-            "loads": dict(zip(solution.channels, solution.values.T, strict=True)),
-            "drivers": dict(zip(solution.drivers, solution.driver_values.T, strict=True)),
-            "coordinates": {
-                label: {"amplitude": amplitude, "force": force}
-                for label, amplitude, force in zip(
-                    solution.coordinates, solution.amplitudes.T, solution.forces.T, strict=True
-                )
-            },
-            "contacts": {contact.name: _contact_numbers(contact) for contact in contacts},
-            "steps": {
-                "iterations": solution.iterations,
-                "parts": solution.parts,
-                "fallbacks": solution.fallbacks,
-                "certificate": solution.certificates,
-            },
+            "times": history.times,
+            "cycle": history.cycle,
+            "loads": dict(zip(history.channels, history.values.T, strict=True)),
+            "contacts": {contact.name: _contact_numbers(contact) for contact in result.contacts},
+            **_solution_numbers(result.solution),
             "mesh": {
                 name: {
                     "cell": body.cell,
@@ -167,10 +122,31 @@ def as_numbers(
                     "nodes": len(body.points),
                     "cells": len(body.cells),
                 }
-                for name, body in run.bodies.items()
+                for name, body in result.bodies.items()
             },
         }
     )
+
+
+def _solution_numbers(solution: Solution | None) -> dict[str, Any]:
+    """How the steps were solved and what moved the bodies; null without a solution."""
+    if solution is None:
+        return {"drivers": None, "coordinates": None, "steps": None}
+    return {
+        "drivers": dict(zip(solution.drivers, solution.driver_values.T, strict=True)),
+        "coordinates": {
+            label: {"amplitude": amplitude, "force": force}
+            for label, amplitude, force in zip(
+                solution.coordinates, solution.amplitudes.T, solution.forces.T, strict=True
+            )
+        },
+        "steps": {
+            "iterations": solution.iterations,
+            "parts": solution.parts,
+            "fallbacks": solution.fallbacks,
+            "certificate": solution.certificates,
+        },
+    }
 
 
 def _contact_numbers(contact: ContactSummary) -> dict[str, Any]:

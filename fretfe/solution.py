@@ -36,6 +36,36 @@ class BondedUnits:
 
 
 @dataclass(frozen=True)
+class EdgeIntegrals:
+    """Edge factors from displacements around the edges, by interaction integrals.
+
+    Attributes:
+        areas: (S,) contact areas, as counted in `BondedUnits`.
+        positions: (S, 2) left and right edge at these areas.
+        reaches: (R,) radii of the circles.
+        factors: (S, R, 2, 2, J) edge, factor (K_T, K_I), for a unit of each driver.
+    """
+
+    areas: npt.NDArray[np.int64]
+    positions: Array
+    reaches: Array
+    factors: Array
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """A lower and a higher load than that of the last state.
+
+    Attributes:
+        pressure: (2, N) at these loads.
+        k_i: (R, 2) K_I of the difference between them at both edges, determined in R ways.
+    """
+
+    pressure: Array
+    k_i: Array
+
+
+@dataclass(frozen=True)
 class ContactHistory:
     """One contact through the whole history.
 
@@ -57,6 +87,8 @@ class ContactHistory:
         status: (T, N) OPEN, STICK or SLIP in the step that ends at each state.
         dissipation: (T, N) friction work in that step.
         bonded: companion increments.
+        integrals: edge factors from displacements; None where there are no displacements.
+        neighbours: two load levels that tell how the edges move; None if they have no solution.
     """
 
     name: str
@@ -74,6 +106,8 @@ class ContactHistory:
     status: npt.NDArray[np.int8]
     dissipation: Array
     bonded: BondedUnits
+    integrals: EdgeIntegrals | None = None
+    neighbours: Neighbours | None = None
 
 
 @dataclass(frozen=True)

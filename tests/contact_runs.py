@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from petsc_garbage import replace_meshes
 
 from fretfe.case import parse_case
+from fretfe.contact.march import March, StepResult
+from fretfe.contact.state import StepLoads
 from fretfe.fem._compat import MPI
-from fretfe.fem.march import March, StepResult
 from fretfe.fem.meshing import BodyMesh, Mesh
 from fretfe.fem.model import Model, step_loads
-from fretfe.fem.state import StepLoads
 from fretfe.fem.timing import Clock
 from fretfe.loads import build_history
 

@@ -17,8 +17,8 @@ import halfplane_galerkin as galerkin
 import numpy as np
 from numpy.typing import NDArray
 
-from fretfe.fem.interface import Coordinate, Interface
-from fretfe.fem.state import StepLoads
+from fretfe.contact.interface import Coordinate, Interface
+from fretfe.contact.state import StepLoads
 
 Array = NDArray[np.float64]
 

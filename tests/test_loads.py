@@ -13,7 +13,7 @@ import pytest
 
 from fretfe.case import Case, parse_case
 from fretfe.errors import CaseError
-from fretfe.loads import History, build_history, turning_points
+from fretfe.loads import History, build_history
 
 DOCS = Path(__file__).parent.parent / "docs" / "case-file.md"
 # Times and values are sums and products of a few numbers of order one.
@@ -412,34 +412,3 @@ def test_a_load_that_does_not_return_is_not_a_cycle() -> None:
     )
     given = case_of(extra="cycle = { start = 1, end = 2 }", a=[wave(cycles=2)], b=[ramp(4, 2, 2)])
     assert build_history(given).cycle == (8, 16)
-
-
-TURNS = {
-    "triangle": ([0, 1, 2, 1, 0, -1, 0], [2, 5]),
-    "monotonic": ([0, 1, 2, 3], []),
-    "hold-is-no-turn": ([0, 1, 1, 2], []),
-    "plateau": ([0, 1, 3, 3, 3, 2], [2]),
-    "late-start": ([0, 0, 0, 1, 0, 0], [3]),
-    "constant": ([2, 2, 2], []),
-    "falling-first": ([0, -1, -2, 1, 0], [2, 3]),
-    "noise": ([0, 1, 1 - 1e-9, 1 + 1e-9, 2, 2 - 1e-9, 0], [4]),
-    "noisy-plateau": ([0, 1, 1 + 1e-9, 0], [1]),
-    "two-steps": ([0, 1], []),
-    "empty": ([], []),
-}
-
-
-@pytest.mark.parametrize(("values", "expected"), TURNS.values(), ids=TURNS)
-def test_turning_points(values: list[float], expected: list[int]) -> None:
-    assert turning_points(values).tolist() == expected
-
-
-def test_turning_points_of_a_sine_are_its_peaks() -> None:
-    steps = np.arange(3 * 40 + 1)
-    assert turning_points(np.sin(2 * np.pi * steps / 40)).tolist() == [10, 30, 50, 70, 90, 110]
-
-
-def test_turning_points_ignore_what_is_below_the_tolerance() -> None:
-    values = [0, 10, 9.5, 20, 0]
-    assert turning_points(values).tolist() == [1, 2, 3]
-    assert turning_points(values, relative_tolerance=0.05).tolist() == [3]

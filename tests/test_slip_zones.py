@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from fretfe.edges import Side
-from fretfe.evaluate.slip_zones import slip_zones
-from fretfe.solution import OPEN, SLIP, STICK, BondedUnits, ContactHistory, Solution
+from fretfe.evaluate.slip_zones import slip_border_of, slip_reversals, slip_zones
+from fretfe.solution import OPEN, SLIP, STICK, BondedUnits, ContactHistory
 
 H, EDGE, ZONE = 0.05, 1.02, 0.31
 X = np.linspace(-22 * H, 22 * H, 45)
@@ -16,7 +16,7 @@ CLOSED = np.abs(X) < EDGE
 STATES = 4  # unloaded, pressed, two steps of shear
 
 
-def history(increments: np.ndarray) -> tuple[Solution, ContactHistory]:
+def history(increments: np.ndarray) -> ContactHistory:
     """A solved history with slip increments (2, N) in its last two steps."""
     status = np.where(CLOSED, STICK, OPEN) * np.ones((STATES, 1), int)
     status[2:][increments != 0] = SLIP
@@ -24,7 +24,7 @@ def history(increments: np.ndarray) -> tuple[Solution, ContactHistory]:
     traction = np.zeros((STATES, len(X), 2))
     traction[1:, CLOSED, 0] = np.sqrt(EDGE**2 - X[CLOSED] ** 2)
     zero = np.zeros((STATES, len(X)))
-    contact = ContactHistory(
+    return ContactHistory(
         name="made up",
         body1="upper",
         body2="lower",
@@ -41,34 +41,17 @@ def history(increments: np.ndarray) -> tuple[Solution, ContactHistory]:
         dissipation=zero,
         bonded=BondedUnits(np.zeros((0, len(X), 2, 0)), np.full(STATES, -1)),
     )
-    none = np.zeros((STATES, 0))
-    count = np.zeros(STATES, int)
-    solution = Solution(
-        2,
-        np.arange(4.0),
-        (),
-        none,
-        None,
-        (),
-        none,
-        none,
-        (),
-        none,
-        (contact,),
-        count,
-        count,
-        count,
-        {},
-    )
-    return solution, contact
 
 
 def length(side: Side, increments: np.ndarray) -> float:
-    solution, contact = history(increments)
+    contact = history(increments)
     sign = -1.0 if side == "left" else 1.0
     position = np.array([np.nan, *[sign * EDGE] * 3])
     k_t = np.array([0.0, 0.0, 0.5, 1.0])
-    zones = slip_zones(solution, contact, side, position, np.ones(4), k_t, np.zeros(4))
+    no_cycle = np.array([], dtype=np.int64)
+    factors = (np.ones(STATES), k_t, np.zeros(STATES))
+    border = slip_border_of(contact, side, position)
+    zones = slip_zones(no_cycle, contact.friction, side, position, factors, border)
     assert [(zone.start, zone.end, zone.resolved) for zone in zones] == [(1, 3, True)]
     return zones[0].length
 
@@ -95,3 +78,35 @@ def test_slip_left_over_from_the_half_cycle_before_does_not_count(
     inside = np.flatnonzero(CLOSED & (EDGE - np.abs(X) > ZONE))[[0, 1, -2, -1]]
     increments[0, inside] = -0.01 * slip_to(ZONE).max()
     assert length(side, direction * increments) == pytest.approx(ZONE, abs=1e-9)
+
+
+REVERSALS = {
+    "triangle": ([0, 1, 2, 1, 0, -1, 0], [2, 5, 6]),
+    "monotonic": ([0, 1, 2, 3], [3]),
+    "a hold is none": ([0, 1, 1, 2], [3]),
+    "plateau": ([0, 1, 3, 3, 3, 2], [2, 5]),
+    "late start": ([0, 0, 0, 1, 0, 0], [3, 4]),
+    "constant": ([2, 2, 2], []),
+    "falling first": ([0, -1, -2, 1, 0], [2, 3, 4]),
+    "noise": ([0, 1, 1 - 1e-9, 1 + 1e-9, 2, 2 - 1e-9, 0], [4, 6]),
+    "noisy plateau": ([0, 1, 1 + 1e-9, 0], [1, 3]),
+}
+
+
+@pytest.mark.parametrize(("values", "expected"), REVERSALS.values(), ids=REVERSALS)
+def test_reversals_at_constant_normal_load(values: list[float], expected: list[int]) -> None:
+    k_t = np.array(values, dtype=float)
+    assert slip_reversals(k_t, k_t).tolist() == expected
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("phase", [-60.0, 0.0, 30.0, 90.0])
+def test_reversals_under_varying_normal_load(phase: float, sign: float) -> None:
+    angle = np.arange(3 * 72 + 1) * np.radians(5)
+    k_t, f_k_i = sign * np.sin(angle), 0.4 * np.sin(angle - np.radians(phase))
+    forward, backward = k_t - f_k_i, k_t + f_k_i
+    ends = slip_reversals(forward, backward)
+    # each direction ends once a cycle, at the extreme of its own signal
+    first_up, first_down = np.argmax(forward[:72]), np.argmin(backward[:72])
+    assert set(ends[1:-1]) <= {n * 72 + first for n in range(3) for first in (first_up, first_down)}
+    assert len(ends) >= 6

@@ -22,6 +22,7 @@ from fretfe.edges.bonded import (
     BondedFit,
     bonded_factors,
     edge_factor_k_t,
+    effective_edges,
     effective_overhang,
 )
 from fretfe.edges.patches import Patch, Resultants, contact_patches, main_patch, resultants
@@ -47,6 +48,7 @@ __all__ = [
     "contact_patches",
     "cycle_change",
     "edge_factor_k_t",
+    "effective_edges",
     "effective_overhang",
     "fit_edge",
     "main_patch",

@@ -67,6 +67,17 @@ def bonded_factors(
     return left, right
 
 
+def effective_edges(x: FloatArray, q: FloatArray, overhang: float) -> FloatArray:
+    """Return (2,) left and right edge that discrete bonded increments effectively have.
+
+    Args:
+        x: (n,) arc positions.
+        q: (..., n) increments on the same contact area.
+        overhang: as in ``bonded_factors``.
+    """
+    return np.array(increments(x, q.reshape(-1, x.size)).ends(overhang))
+
+
 def effective_overhang(x: FloatArray, q: FloatArray) -> float:
     """Return the overhang that a bonded increment shows; x, q (n,), at least 16 nodes in contact.
 

@@ -12,11 +12,21 @@ from dataclasses import astuple, fields
 import numpy as np
 import numpy.typing as npt
 
-from fretfe.edges import OVERHANG, EdgeFit, Side, bonded_factors, edge_factor_k_t, fit_edge
+from fretfe.edges import (
+    OVERHANG,
+    EdgeFit,
+    Side,
+    bonded_factors,
+    edge_factor_k_t,
+    effective_edges,
+    fit_edge,
+)
 from fretfe.solution import ContactHistory, Solution
 
 Array = npt.NDArray[np.float64]
 SIDES: tuple[Side, Side] = ("left", "right")
+# Edges that move less than this fraction of the surface between two loads do not tell anything.
+SMALLEST_MOVE = 1e-6
 # Fewer nodes than this in contact cannot be fitted.
 FEWEST_NODES = 16
 
@@ -36,22 +46,32 @@ def _full(fit: EdgeFit, fitted: npt.NDArray[np.bool_]) -> EdgeFit:
     return EdgeFit(*parts)
 
 
-def edge_histories(solution: Solution, contact: ContactHistory, positions: Array) -> Array:
-    """(2, T, 2) K_T and K_I at both edges, whose positions are (2, T)."""
-    count = len(solution.times)
-    units = _unit_factors(solution, contact, positions)
-    histories = np.zeros((2, count, 2))
-    for state in range(1, count):
-        step = solution.driver_values[state] - solution.driver_values[state - 1]
+def add_up(units: Array, drivers: Array, friction: Array) -> Array:
+    """(2, T, 2) K_T and K_I at both edges.
+
+    Args:
+        units: (T, 2, 2, J) edge, factor (K_T, K_I) for a unit of each driver; NaN where unknown.
+        drivers: (T, J) values of the drivers.
+        friction: (T,) coefficient in the step that ends at each state.
+    """
+    histories = np.zeros((2, len(drivers), 2))
+    for state in range(1, len(drivers)):
+        step = drivers[state] - drivers[state - 1]
         known = [units[s] for s in (state - 1, state) if np.isfinite(units[s]).all()]
         increment = np.mean(known, axis=0) @ step if known else np.zeros((2, 2))
-        increment[:, 0] *= contact.friction[state] > 0
+        increment[:, 0] *= friction[state] > 0
         histories[:, state] = histories[:, state - 1] + increment
     return histories
 
 
-def _unit_factors(solution: Solution, contact: ContactHistory, positions: Array) -> Array:
-    """(T, 2, 2, J) edge, factor (K_T, K_I) for a unit of each driver; NaN where unknown."""
+def companion_units(solution: Solution, contact: ContactHistory, positions: Array) -> Array:
+    """(T, 2, 2, J) unit factors, fitted to the companion increments; NaN where unknown.
+
+    Args:
+        solution: the solved history.
+        contact: one of its contacts.
+        positions: (2, T) of the edges.
+    """
     factors = np.full((len(solution.times), 2, 2, len(solution.drivers)), np.nan)
     areas = np.where(positions[1] > positions[0], contact.bonded.area, -1)
     for area in np.unique(areas[areas >= 0]):
@@ -63,6 +83,67 @@ def _unit_factors(solution: Solution, contact: ContactHistory, positions: Array)
             OVERHANG[solution.degree],
         )
     return factors
+
+
+def integral_units(solution: Solution, contact: ContactHistory, positions: Array) -> Array:
+    """(R, T, 2, 2, J) unit factors by the interaction integral, for each of its R radii.
+
+    The integrals are taken at a few contact areas; what the fits miss there is interpolated over
+    the half-width to the other states. Without integrals the fits themselves, R = 1.
+
+    Args:
+        solution: the solved history.
+        contact: one of its contacts.
+        positions: (2, T) of the edges.
+    """
+    fits = companion_units(solution, contact, positions)
+    integrals = contact.integrals
+    if integrals is None:
+        return fits[None]
+    fitted = np.array([_at_own_edges(solution, contact, int(area)) for area in integrals.areas])
+    missed = integrals.factors - fitted[:, None]
+    half_widths = (integrals.positions[:, 1] - integrals.positions[:, 0]) / 2
+    order = np.argsort(half_widths)
+    correction = _interpolate((positions[1] - positions[0]) / 2, half_widths[order], missed[order])
+    for number, area in enumerate(integrals.areas):
+        correction[:, contact.bonded.area == area] = missed[number][:, None]
+    return fits + correction
+
+
+def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Array:
+    """(2, 2, J) fitted unit factors of an area at the edges that its increments have.
+
+    The edges of a discrete increment are a fraction of an element away from those of the contact,
+    and the integral is that of the increment.
+    """
+    fields, overhang = contact.bonded.fields[area], OVERHANG[solution.degree]
+    increments = fields[:, [1, 0]].transpose(1, 2, 0)
+    edges = effective_edges(contact.arc, increments, overhang)
+    return _area_factors(contact.arc, fields, edges[None], overhang)[0]
+
+
+def moved_k_n(contact: ContactHistory, side: Side) -> float:
+    """K_N = 2 dK_I/da from the two neighbours of the last state; NaN if the edge does not move.
+
+    Needs no assumption about the profile; exact for a small step (central difference).
+    """
+    if contact.neighbours is None:
+        return np.nan
+    positions = fit_edge(contact.arc, contact.neighbours.pressure, side).position
+    outward = float(positions[1] - positions[0]) * (-1.0 if side == "left" else 1.0)
+    k_i = float(contact.neighbours.k_i[:, SIDES.index(side)].mean())
+    return 2 * k_i / outward if outward > SMALLEST_MOVE * np.ptp(contact.arc) else np.nan
+
+
+def _interpolate(at: Array, x: Array, values: Array) -> Array:
+    """(R, T, ...) values (S, R, ...) known at x (S,), linear between them and constant outside."""
+    upper = np.clip(np.searchsorted(x, at), 1, max(len(x) - 1, 1))
+    lower, upper = upper - 1, np.minimum(upper, len(x) - 1)
+    width = np.where(upper > lower, x[upper] - x[lower], 1.0)
+    share = np.clip((at - x[lower]) / width, 0.0, 1.0)
+    share = share.reshape(-1, *[1] * (values.ndim - 1))
+    mixed = (1 - share) * values[lower] + share * values[upper]
+    return np.moveaxis(mixed, 0, 1)
 
 
 def _area_factors(arc: Array, fields: Array, edges: Array, overhang: float) -> Array:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Slip zones of a contact: between successive reversals of K_T, at one edge."""
+"""Slip zones of a contact: between successive reversals of the slip at one edge."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,10 +11,10 @@ import numpy.typing as npt
 
 from fretfe.analytic.edges import slip_length_first_loading
 from fretfe.edges import Side, SlipBorder, main_patch, predicted_slip, slip_border
-from fretfe.loads import turning_points
-from fretfe.solution import OPEN, SLIP, ContactHistory, Solution
+from fretfe.solution import OPEN, SLIP, ContactHistory
 
 Array = npt.NDArray[np.float64]
+States = npt.NDArray[np.int64]
 
 # Nodes whose slip in a half cycle is below this fraction of the largest slip have not slipped.
 SMALLEST_SLIP = 1e-6
@@ -24,7 +25,7 @@ AT_EXTREME = 1e-2
 
 @dataclass(frozen=True)
 class SlipZone:
-    """Slip between two successive reversals of K_T at one edge.
+    """Slip of one edge in one direction, from one reversal to the next.
 
     Attributes:
         start, end: states between which the nodes slipped.
@@ -47,46 +48,49 @@ class SlipZone:
     predicted_loop: float
 
 
-def cycle_states(solution: Solution) -> npt.NDArray[np.int64]:
+# Slip zone between two states, measured from the edge at the second one.
+FindBorder = Callable[[int, int], SlipBorder]
+
+
+def cycle_states(cycle: tuple[int, int] | None) -> States:
     """States of the evaluated cycle, first and last included; empty without a cycle."""
-    if solution.cycle is None:
+    if cycle is None:
         return np.array([], dtype=np.int64)
-    return np.arange(solution.cycle[0], solution.cycle[1] + 1)
+    return np.arange(cycle[0], cycle[1] + 1)
 
 
 def slip_zones(
-    solution: Solution,
-    contact: ContactHistory,
+    cycle: States,
+    friction: Array,
     side: Side,
     position: Array,
-    k_n: Array,
-    k_t: Array,
-    k_i: Array,
+    factors: tuple[Array, Array, Array],
+    find_border: FindBorder,
 ) -> tuple[SlipZone, ...]:
     """Slip zones at one edge in time order.
 
     Args:
-        solution: the solved history.
-        contact: one of its contacts.
+        cycle: states of the evaluated cycle.
+        friction: (T,) coefficient in the step that ends at each state.
         side: "left" or "right".
         position: (T,) of the edge, NaN where unknown.
-        k_n: (T,) pressure factor.
-        k_t: (T,) shear factor.
-        k_i: (T,) factor of the normal increments.
+        factors: (T,) each: K_N, K_T and K_I.
+        find_border: gives the slip zone of a half cycle.
     """
-    frictional = np.flatnonzero((contact.friction > 0) & np.isfinite(position))
+    frictional = np.flatnonzero((friction > 0) & np.isfinite(position))
     if not len(frictional):
         return ()
+    k_n, k_t, _ = factors
     first = int(frictional[0]) - 1
     zones, inward = [], 1.0 if side == "left" else -1.0
-    for start, end in _half_cycles(solution, k_t, first):
+    for start, end in _half_cycles(cycle, friction, factors, first):
         if not np.isfinite(position[end]):
             continue
-        border = _border(contact, side, start, end, float(position[end]))
-        cyclic, loop = _prediction(solution, contact, start, end, k_n, k_t, k_i)
+        border = find_border(start, end)
+        cyclic, loop = _prediction(cycle, friction[end], end, factors)
         if start == first:
             rise = abs(k_t[end] - k_t[first])
-            cyclic = float(slip_length_first_loading(rise, k_n[end], contact.friction[end]))
+            cyclic = float(slip_length_first_loading(rise, k_n[end], friction[end]))
         zones.append(
             SlipZone(
                 start=start,
@@ -102,22 +106,72 @@ def slip_zones(
     return tuple(zones)
 
 
-def _half_cycles(solution: Solution, k_t: Array, first: int) -> list[tuple[int, int]]:
-    """First and last state between successive reversals of K_T (T,), from the state `first`."""
+def _half_cycles(
+    cycle: States, friction: Array, factors: tuple[Array, Array, Array], first: int
+) -> list[tuple[int, int]]:
+    """First and last state of each half cycle in which an edge slips one way, from `first` on.
+
+    Forward slip grows as long as K_T - f K_I does, backward slip as long as K_T + f K_I falls: at
+    constant normal load half cycles end where K_T reverses.
+    """
+    _, k_t, k_i = factors
     last = len(k_t) - 1
-    turns = first + turning_points(k_t[first:])
-    ends = [int(turn) for turn in turns if first < turn < last]
-    if not ends or _at_extreme(solution, k_t, last):
-        ends.append(last)
+    f = friction.max()  # the same in all steps with friction
+    forward, backward = k_t - f * k_i, k_t + f * k_i
+    ends = [first + int(end) for end in slip_reversals(forward[first:], backward[first:])]
+    states = cycle if len(cycle) else np.arange(first, last + 1)
+    if len(ends) > 1 and ends[-1] == last and not _at_extreme(forward, backward, states, last):
+        ends.pop()
+    ends = ends or [last]
     return list(zip([first, *ends[:-1]], ends, strict=True))
 
 
-def _at_extreme(solution: Solution, k_t: Array, state: int) -> bool:
-    """Whether K_T is at its largest or smallest of the cycle: the half cycle is complete."""
-    cycle = cycle_states(solution)
-    history = k_t[cycle] if len(cycle) else k_t
-    distance = min(history.max() - k_t[state], k_t[state] - history.min())
-    return bool(distance < AT_EXTREME * np.ptp(history))
+def _at_extreme(forward: Array, backward: Array, states: States, last: int) -> bool:
+    """Whether slip one way is as far as it gets in these states: the half cycle is complete."""
+    growth = forward[states].max() - forward[last]
+    fall = backward[last] - backward[states].min()
+    # Both counted from the same state: the length of the slip zone but for a factor.
+    size = np.ptp(
+        np.concatenate([forward[states] - forward[last], backward[states] - backward[last]])
+    )
+    return bool(min(growth, fall) < AT_EXTREME * size)
+
+
+def slip_reversals(
+    forward: Array, backward: Array, relative_tolerance: float = 1e-6
+) -> npt.NDArray[np.int64]:
+    """Last states of the phases in which slip goes one way, in time order.
+
+    Of a plateau the first state counts. Between two phases an edge may stick.
+
+    Args:
+        forward: (T,) grows while the edge slips forward.
+        backward: (T,) falls while the edge slips backward; the same as `forward` at constant load.
+        relative_tolerance: changes below this fraction of the range are ignored.
+
+    Returns:
+        (n,) ends; forward and backward phases alternate, the last one may not be complete.
+    """
+    tolerance = relative_tolerance * max(np.ptp(forward), np.ptp(backward))
+    ends: list[int] = []
+    direction, end, peak = 0, 0, 0
+    for state in range(1, len(forward)):
+        # In the sense of the present phase: what makes it go on, what turns it round.
+        onward, back = (-backward, -forward) if direction < 0 else (forward, backward)
+        if onward[state] - onward[end] > tolerance:
+            end, peak, direction = state, state, direction or 1
+        elif back[state] > back[peak]:
+            peak = state
+        elif back[peak] - back[state] > tolerance:
+            if direction:
+                ends.append(end)
+            direction, end, peak = (1 if direction < 0 else -1), state, state
+    return np.array([*ends, end] if direction else ends, dtype=np.int64)
+
+
+def slip_border_of(contact: ContactHistory, side: Side, position: Array) -> FindBorder:
+    """Slip zones of a solved contact, whose edge is at `position` (T,)."""
+    return lambda start, end: _border(contact, side, start, end, float(position[end]))
 
 
 def _border(contact: ContactHistory, side: Side, start: int, end: int, edge: float) -> SlipBorder:
@@ -143,21 +197,15 @@ def _border(contact: ContactHistory, side: Side, start: int, end: int, edge: flo
 
 
 def _prediction(
-    solution: Solution,
-    contact: ContactHistory,
-    start: int,
-    end: int,
-    k_n: Array,
-    k_t: Array,
-    k_i: Array,
+    cycle: States, friction: float, end: int, factors: tuple[Array, Array, Array]
 ) -> tuple[float, float]:
     """Slip length by ΔK_T/(f K_N) and by the general loop, if the zone is in the cycle."""
-    cycle = cycle_states(solution)
+    k_n, k_t, k_i = factors
     if not len(cycle) or end <= cycle[0] or not np.isfinite(k_n[end]):
         return np.nan, np.nan
     states = cycle if end in cycle else np.append(cycle, end)
     reference = int(np.flatnonzero(states == end)[0])
     predicted = predicted_slip(
-        k_t[states], k_i[states], float(k_n[end]), float(contact.friction[end]), reference
+        k_t[states], k_i[states], float(k_n[end]), float(friction), reference
     )
     return predicted.cyclic, predicted.loop

@@ -3,18 +3,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from fretfe.edges import EdgeFit, Side, cycle_change, resultants
-from fretfe.evaluate.factors import SIDES, edge_fits, edge_histories
-from fretfe.evaluate.slip_zones import SlipZone, cycle_states, slip_zones
+from fretfe.evaluate.consistency import shear_mismatch, tension_history
+from fretfe.evaluate.factors import (
+    SIDES,
+    add_up,
+    companion_units,
+    edge_fits,
+    integral_units,
+    moved_k_n,
+)
+from fretfe.evaluate.slip_zones import SlipZone, States, cycle_states, slip_border_of, slip_zones
 from fretfe.solution import OPEN, ContactHistory, Solution
 
 Array = npt.NDArray[np.float64]
 
+# Solution, contact and positions (2, T) of its edges to (R, T, 2, 2, J) factors, determined in R
+# ways; see `add_up`.
+FindUnits = Callable[[Solution, ContactHistory, Array], Array]
 # Change of the shear from one cycle to the next, relative to f p_max, below which it is steady.
 STEADY_CHANGE = 1e-3
 # Spread of the fits of K_N, relative to K_N, from which it is marked as uncertain.
@@ -32,8 +44,14 @@ class Edge:
         k_n_spread: (T,) uncertainty of the fit.
         k_t: (T,) shear factor, counted from the first state with friction.
         k_i: (T,) factor of the normal increments, counted from the first state in contact.
+        k_n_moved: (,) K_N in the last state from the movement of the edge between two load levels,
+            2 dK_I/da; NaN without them.
         k_t_range: range of K_T over the evaluated cycle, NaN without one.
-        k_i_range: the same for K_I.
+        k_t_range_spread: half the difference of the ranges that the radii of the interaction
+            integral give; 0 if K_T is known in closed form.
+        k_t_range_fitted: range of K_T by fits to the tractions of the companion increments; NaN
+            without them.
+        k_i_range: range of K_I.
         slip_zones: one for each half cycle, in time order.
         dissipation: friction work at this edge in the evaluated cycle, per unit thickness.
     """
@@ -44,7 +62,10 @@ class Edge:
     k_n_spread: Array
     k_t: Array
     k_i: Array
+    k_n_moved: float
     k_t_range: float
+    k_t_range_spread: float
+    k_t_range_fitted: float
     k_i_range: float
     slip_zones: tuple[SlipZone, ...]
     dissipation: float
@@ -65,6 +86,10 @@ class ContactSummary:
         normal_force, shear_force: (T,) P and Q per unit thickness.
         moment: (T,) moment of the pressure about the centre of the contact.
         centre, half_width: (T,) of the contact, NaN where it has none.
+        effective_tension: (T,) bulk tension that gives half-planes the same mean of K_T over the
+            two edges, counted like K_T.
+        shear_mismatch: (range of Q that half-planes need for K_T at the two edges)/(range of Q) - 1
+            over the cycle: zero if the half-plane description holds; NaN without a cycle.
         cycle_change: change of the shear over the evaluated cycle relative to f p_max.
         steady: whether that is below the limit; False without a cycle.
         dissipation: friction work in the evaluated cycle, per unit thickness.
@@ -78,25 +103,37 @@ class ContactSummary:
     moment: Array
     centre: Array
     half_width: Array
+    effective_tension: Array
+    shear_mismatch: float
     cycle_change: float
     steady: bool
     dissipation: float
     warnings: tuple[str, ...]
 
 
-def evaluate(solution: Solution) -> tuple[ContactSummary, ...]:
-    """Evaluate every contact of a solution."""
-    return tuple(_evaluate_contact(solution, contact) for contact in solution.contacts)
+def evaluate(
+    solution: Solution, find_units: FindUnits = integral_units
+) -> tuple[ContactSummary, ...]:
+    """Evaluate every contact of a solution.
+
+    Args:
+        solution: the solved history.
+        find_units: gives K_T and K_I for a unit of each driver, by interaction integrals and fits
+            unless there is a closed form.
+    """
+    return tuple(_evaluate_contact(solution, contact, find_units) for contact in solution.contacts)
 
 
-def _evaluate_contact(solution: Solution, contact: ContactHistory) -> ContactSummary:
+def _evaluate_contact(
+    solution: Solution, contact: ContactHistory, find_units: FindUnits
+) -> ContactSummary:
     fits = edge_fits(contact)
     positions = np.array([fit.position for fit in fits])
-    centre = positions.mean(axis=0)
-    histories = edge_histories(solution, contact, positions)
+    centre, half_width = positions.mean(axis=0), (positions[1] - positions[0]) / 2
+    histories = _factor_histories(solution, contact, positions, find_units)
     edges = tuple(
-        _evaluate_edge(solution, contact, side, fit, history, centre)
-        for side, fit, history in zip(SIDES, fits, histories, strict=True)
+        _evaluate_edge(solution, contact, number, fit, histories, centre)
+        for number, fit in enumerate(fits)
     )
     # The weights are those of the solution itself: P and Q balance the loads to round-off.
     forces = np.einsum("n,tnc->tc", contact.weights, contact.traction)
@@ -105,6 +142,8 @@ def _evaluate_contact(solution: Solution, contact: ContactHistory) -> ContactSum
         for t, c in zip(contact.traction, centre, strict=True)
     ]
     change = _cycle_change(solution, contact)
+    cycle = cycle_states(solution.cycle)
+    k_t = np.array([edge.k_t for edge in edges])
     return ContactSummary(
         name=contact.name,
         edges=(edges[0], edges[1]),
@@ -112,7 +151,9 @@ def _evaluate_contact(solution: Solution, contact: ContactHistory) -> ContactSum
         shear_force=forces[:, 1],
         moment=np.array(moments),
         centre=centre,
-        half_width=(positions[1] - positions[0]) / 2,
+        half_width=half_width,
+        effective_tension=tension_history(k_t, half_width),
+        shear_mismatch=shear_mismatch(k_t, half_width, forces[:, 1], cycle),
         cycle_change=change,
         steady=bool(change < STEADY_CHANGE),
         dissipation=float(_over_cycle(solution, contact.dissipation).sum()),
@@ -120,19 +161,39 @@ def _evaluate_contact(solution: Solution, contact: ContactHistory) -> ContactSum
     )
 
 
+@dataclass(frozen=True)
+class _Histories:
+    """(2, T, 2) K_T and K_I at both edges: by each of R radii, and by fits if there are any."""
+
+    radii: Array
+    fitted: Array | None
+
+
+def _factor_histories(
+    solution: Solution, contact: ContactHistory, positions: Array, find_units: FindUnits
+) -> _Histories:
+    drivers, friction = solution.driver_values, contact.friction
+    radii = [add_up(u, drivers, friction) for u in find_units(solution, contact, positions)]
+    if not len(contact.bonded.fields):
+        return _Histories(np.array(radii), None)
+    fitted = companion_units(solution, contact, positions)
+    return _Histories(np.array(radii), add_up(fitted, drivers, friction))
+
+
 def _evaluate_edge(
     solution: Solution,
     contact: ContactHistory,
-    side: Side,
+    number: int,
     fit: EdgeFit,
-    history: Array,
+    histories: _Histories,
     centre: Array,
 ) -> Edge:
-    k_t, k_i = history.T
-    cycle = cycle_states(solution)
-    reference = cycle[-1] if len(cycle) else -1
-    outer = contact.arc < centre[reference]
-    mine = outer if side == "left" else ~outer
+    side = SIDES[number]
+    by_radius = histories.radii[:, number]
+    k_t, k_i = by_radius.mean(axis=0).T
+    cycle = cycle_states(solution.cycle)
+    outer = contact.arc < centre[cycle[-1] if len(cycle) else -1]
+    fitted = histories.fitted[number, :, 0] if histories.fitted is not None else None
     return Edge(
         side=side,
         position=fit.position,
@@ -140,16 +201,32 @@ def _evaluate_edge(
         k_n_spread=fit.spread_k_n,
         k_t=k_t,
         k_i=k_i,
-        k_t_range=float(np.ptp(k_t[cycle])) if len(cycle) else np.nan,
-        k_i_range=float(np.ptp(k_i[cycle])) if len(cycle) else np.nan,
-        slip_zones=slip_zones(solution, contact, side, fit.position, fit.k_n, k_t, k_i),
-        dissipation=float(_over_cycle(solution, contact.dissipation)[mine].sum()),
+        k_n_moved=moved_k_n(contact, side),
+        k_t_range=_range(k_t, cycle),
+        k_t_range_spread=float(np.ptp([_range(each, cycle) for each in by_radius[..., 0]])) / 2,
+        k_t_range_fitted=_range(fitted, cycle) if fitted is not None else np.nan,
+        k_i_range=_range(k_i, cycle),
+        slip_zones=slip_zones(
+            cycle,
+            contact.friction,
+            side,
+            fit.position,
+            (fit.k_n, k_t, k_i),
+            slip_border_of(contact, side, fit.position),
+        ),
+        dissipation=float(
+            _over_cycle(solution, contact.dissipation)[outer if number == 0 else ~outer].sum()
+        ),
     )
+
+
+def _range(history: Array, cycle: States) -> float:
+    return float(np.ptp(history[cycle])) if len(cycle) else np.nan
 
 
 def _over_cycle(solution: Solution, per_step: Array) -> Array:
     """Sum of a quantity of each step over the evaluated cycle, or over everything without one."""
-    cycle = cycle_states(solution)
+    cycle = cycle_states(solution.cycle)
     return per_step[cycle[1:]].sum(axis=0) if len(cycle) else per_step.sum(axis=0)
 
 

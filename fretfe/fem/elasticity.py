@@ -54,6 +54,12 @@ class Material:
             return self.young * nu / (1 - nu**2)
         return self.young * nu / ((1 + nu) * (1 - 2 * nu))
 
+    @property
+    def kolosov(self) -> float:
+        """Kolosov's constant: 3 - 4 nu in plane strain, (3 - nu)/(1 + nu) in plane stress."""
+        mu, lame = self.shear_modulus, self.first_lame
+        return (lame + 3 * mu) / (lame + mu)
+
 
 @dataclass(frozen=True)
 class DistributedLoad:
@@ -124,7 +130,8 @@ class ElasticBody:
         dim = self.mesh.topology.dim - 1
         return fem.locate_dofs_topological(self.space, dim, facets)
 
-    def _stress(self, displacement: Any) -> Any:
+    def stress(self, displacement: Any) -> Any:
+        """Stress (UFL) of a displacement."""
         mu = fem.Constant(self.mesh, self.material.shear_modulus)
         lame = fem.Constant(self.mesh, self.material.first_lame)
         strain = ufl.sym(ufl.grad(displacement))
@@ -132,7 +139,7 @@ class ElasticBody:
 
     def _energy(self, displacement: Any) -> Any:
         test = ufl.TestFunction(self.space)
-        return ufl.inner(self._stress(displacement), ufl.sym(ufl.grad(test))) * ufl.dx
+        return ufl.inner(self.stress(displacement), ufl.sym(ufl.grad(test))) * ufl.dx
 
     def stiffness(self, constrained: npt.NDArray[np.int32]) -> PETSc.Mat:
         """Stiffness matrix with unit rows and columns at constrained degrees of freedom.
@@ -190,7 +197,7 @@ class ElasticBody:
         fields = []
         for name, shape, value in (
             ("displacement", (self.gdim,), displacement),
-            ("stress", (self.gdim, self.gdim), self._stress(displacement)),
+            ("stress", (self.gdim, self.gdim), self.stress(displacement)),
         ):
             space = fem.functionspace(self.mesh, ("DG", degree, shape))
             function = fem.Function(space, name=name)

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy import sparse
 
+from fretfe.contact.interface import coordinate_range
 from fretfe.fem.body import Body, constraint_shapes
-from fretfe.fem.interface import coordinate_range
 from fretfe.fem.model import Reduction
 from fretfe.fem.plan import BodyPlan, ModelPlan
 

@@ -11,21 +11,16 @@ import numpy.typing as npt
 from dolfinx import fem
 
 from fretfe.case import Case
+from fretfe.contact.interface import Interface, coordinate_range
+from fretfe.contact.state import ContactState, StepLoads
 from fretfe.fem._compat import MPI
 from fretfe.fem.body import Body
 from fretfe.fem.elasticity import ElasticBody
-from fretfe.fem.interface import (
-    Interface,
-    Pair,
-    ReducedBody,
-    build_interface,
-    coordinate_range,
-)
 from fretfe.fem.meshing import Mesh
 from fretfe.fem.mortar import couple
 from fretfe.fem.parallel import on_root
-from fretfe.fem.plan import ModelPlan, plan_model
-from fretfe.fem.state import ContactState, StepLoads
+from fretfe.fem.plan import BodyPlan, ModelPlan, plan_model
+from fretfe.fem.reduction import Pair, ReducedBody, build_interface
 from fretfe.fem.surface import Surface, build_surface
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
@@ -62,7 +57,9 @@ class Model:
         with clock("surfaces"):
             surfaces = on_root(comm, lambda: contact_surfaces(plan, mesh))  # type: ignore[arg-type]
             assert surfaces is not None
+            self.surfaces = surfaces
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
+        self._plan = plan
         self.bodies: dict[str, Body] = {}
         for body in plan.bodies:
             with clock("assembly"):
@@ -82,31 +79,47 @@ class Model:
         interface, reduced = build_interface(condensed, list(pairs), coordinates)
         return Reduction(plan, interface, reduced, pairs)
 
+    def plan_of(self, body: str) -> BodyPlan:
+        """What the case asks of a body."""
+        return next(plan for plan in self._plan.bodies if plan.name == body)
+
     def recover(
         self, states: Sequence[tuple[ContactState, StepLoads]] | None
     ) -> list[dict[str, fem.Function]]:
         """Displacement fields of solved steps, by body. Collective; `states` on rank 0 only."""
-        requests = self.comm.bcast(
-            [self._retained(state, loads) for state, loads in states]
+        return self.recover_fields(
+            [(s.traction.ravel(), s.coordinates, loads.amplitudes) for s, loads in states]
             if states is not None
             else None
         )
+
+    def recover_fields(
+        self, requests: Sequence[tuple[Array, Array, Array]] | None
+    ) -> list[dict[str, fem.Function]]:
+        """Displacement fields, by body. Collective.
+
+        Args:
+            requests: weighted tractions (N*d,), coordinates (m,) and load amplitudes (l,) of each
+                field; on rank 0, None elsewhere.
+        """
+        retained = self.comm.bcast(
+            [self._retained(*request) for request in requests] if requests is not None else None
+        )
         return [
-            {name: self.bodies[name].recover(*arguments) for name, arguments in request.items()}
-            for request in requests
+            {name: self.bodies[name].recover(*arguments) for name, arguments in field.items()}
+            for field in retained
         ]
 
     def _retained(
-        self, state: ContactState, loads: StepLoads
+        self, traction: Array, coordinates: Array, amplitudes: Array
     ) -> dict[str, tuple[Array, Array, Array]]:
         """Surface displacements, constraint amplitudes and load amplitudes of each body."""
         assert self.reduction is not None
         retained = {}
         for name, body in self.reduction.bodies.items():
-            own = state.coordinates[coordinate_range(self.reduction.interface.coordinates, name)]
-            surface = body.surface_displacement(state.traction.ravel(), own, loads.amplitudes)
-            constraints = own[: body.body.coupling.shape[1]]
-            retained[name] = (surface, constraints, loads.amplitudes)
+            own = coordinates[coordinate_range(self.reduction.interface.coordinates, name)]
+            surface = body.surface_displacement(traction, own, amplitudes)
+            retained[name] = (surface, own[: body.body.coupling.shape[1]], amplitudes)
         return retained
 
 

@@ -31,11 +31,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy import sparse
 
+from fretfe.contact.state import StepLoads
 from fretfe.errors import ConvergenceError, FretfeError
 from fretfe.fem._compat import PETSc
 from fretfe.fem.full_system import assemble_system
 from fretfe.fem.model import Model
-from fretfe.fem.state import StepLoads
 
 Array = npt.NDArray[np.float64]
 

@@ -118,7 +118,7 @@ def contact_normals(surface1: Surface, surface2: Surface) -> Array:
     curvature1, curvature2 = surface1.mean_curvature, surface2.mean_curvature
     if curvature2 == 0:
         return surface2.normals
-    opposite = surface1.normals_near(surface2.nodes.reshape(-1, 2))
+    opposite = surface1.nearest(surface2.nodes.reshape(-1, 2))[1]
     normals = curvature1 * surface2.normals - curvature2 * opposite.reshape(surface2.normals.shape)
     return normals / np.linalg.norm(normals, axis=2, keepdims=True)
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from fretfe.case import Case, unit_vector
 from fretfe.case.channels import DisplacementLoad, PlatenLoad, RotationLoad, TractionLoad
+from fretfe.contact.interface import Coordinate
 from fretfe.errors import ModelError
 from fretfe.fem.body import Constraint
 from fretfe.fem.elasticity import DistributedLoad, Material
-from fretfe.fem.interface import Coordinate
 from fretfe.fem.meshing import Mesh
 
 AXES = "xyz"

@@ -9,15 +9,17 @@ from pathlib import Path
 from typing import Any
 
 from fretfe.case import Case, check_dimension
+from fretfe.contact.march import March, StepResult
+from fretfe.contact.recorder import Place, Recorder
 from fretfe.errors import ConvergenceError, ModelError
 from fretfe.fem._compat import MPI, release
+from fretfe.fem.balance import force_balance
+from fretfe.fem.extraction import add_integrals
 from fretfe.fem.fields import write_fields
-from fretfe.fem.march import March, StepResult
 from fretfe.fem.mesh_groups import check_groups
 from fretfe.fem.meshing import Mesh, mesh_template, read_mesh
 from fretfe.fem.model import Model, step_loads
 from fretfe.fem.parallel import on_root
-from fretfe.fem.recorder import Recorder
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
 from fretfe.solution import Solution
@@ -98,15 +100,25 @@ def _solve(
         with clock("fields"):
             recorder = marched.recorder if marched else None
             _write_fields(model, case, history, recorder, fields)
-    solution = marched.recorder.solution(history) if marched else None
+    solution = _solution(model, history, marched.recorder) if marched else None
+    with clock("edge integrals"):
+        recorder, march = (marched.recorder, marched.march) if marched else (None, None)
+        solution = add_integrals(model, case, recorder, march, solution)
     meshes = [body.elastic.mesh for body in model.bodies.values()]
     return Outcome(solution, mesh, failure, clock.seconds), meshes
 
 
+def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
+    reduction = model.reduction
+    assert reduction is not None
+    return recorder.solution(history, force_balance(reduction, recorder.states, recorder.steps))
+
+
 @dataclass(frozen=True)
 class _Marched:
-    """The accepted steps, and why there are not more of them."""
+    """The accepted steps, what solved them, and why there are not more of them."""
 
+    march: March
     recorder: Recorder
     failure: ConvergenceError | None
 
@@ -117,15 +129,17 @@ def _march(model: Model, case: Case, history: History, progress: Progress) -> _M
     assert reduction is not None
     steps = step_loads(case, history, reduction.interface, reduction.plan)
     march = March(reduction.interface)
-    recorder = Recorder(reduction, case.model.degree, steps, march)
+    places = [Place(p.name, p.body1, p.body2, p.coupling) for p in reduction.pairs]
+    channels = [load.channel for load in reduction.plan.loads]
+    recorder = Recorder(march, places, steps, channels, case.model.degree)
     try:
         for number, result in enumerate(march.run(steps), start=1):
             recorder.add(result)
             progress(number, len(steps) - 1, result)
     except ConvergenceError as failure:
-        return _Marched(recorder, failure)
+        return _Marched(march, recorder, failure)
     _require_contact(recorder)
-    return _Marched(recorder, None)
+    return _Marched(march, recorder, None)
 
 
 def _require_contact(recorder: Recorder) -> None:

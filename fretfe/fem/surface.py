@@ -69,14 +69,15 @@ class Surface:
         # A straight surface has no curvature, not that of the round-off in its nodes.
         return np.where(np.abs(turns) > STRAIGHT, turns, 0.0)
 
-    def normals_near(self, points: Array) -> Array:
-        """(n, 2) unit normals of the chain at the places nearest to points (n, 2)."""
+    def nearest(self, points: Array) -> tuple[Array, Array]:
+        """(n, 2) places of the chain nearest to points (n, 2), and unit normals there."""
         sampling = np.linspace(0.0, 1.0, SAMPLES_PER_FACET)
         values = shape_values(self.nodes.shape[1] - 1, sampling)
         places = np.einsum("qk,fkd->fqd", values, self.nodes).reshape(-1, 2)
         normals = np.einsum("qk,fkd->fqd", values, self.normals).reshape(-1, 2)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        return normals[cKDTree(places).query(points)[1]]
+        found = cKDTree(places).query(points)[1]
+        return places[found], normals[found]
 
     def displacement_points(self, degree: int) -> Array:
         """(n, 2) points of the trace of a Lagrange space: facet ends, then facet middles."""

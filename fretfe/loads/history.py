@@ -3,12 +3,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from fretfe.case import Case, complaint
 from fretfe.errors import CaseError
@@ -69,33 +67,6 @@ def build_history(case: Case) -> History:
     values = np.column_stack([_evaluate(pieces, times) for pieces in channels.values()])
     check_times(case, times)
     return History(tuple(channels), times, values, find_cycle(case, times, values, channels))
-
-
-def turning_points(values: ArrayLike, relative_tolerance: float = 1e-6) -> NDArray[np.intp]:
-    """Step indices at which a scalar history reverses.
-
-    Of a plateau at a reversal the first step counts. The first and the last step are never
-    reversals.
-
-    Args:
-        values: (T,) values at the steps.
-        relative_tolerance: changes below this fraction of the range of ``values`` are ignored.
-
-    Returns:
-        (n,) increasing indices; minima and maxima alternate.
-    """
-    history = np.asarray(values, dtype=float)
-    tolerance = relative_tolerance * np.ptp(history) if history.size else 0.0
-    turns: list[int] = []
-    extreme, direction = 0, 0.0
-    for index, value in enumerate(history):
-        change = value - history[extreme]
-        if abs(change) <= tolerance:
-            continue
-        if direction * change < 0:
-            turns.append(extreme)
-        extreme, direction = index, math.copysign(1.0, change)
-    return np.array(turns, dtype=np.intp)
 
 
 def _clock(pieces: Sequence[Piece]) -> Array:

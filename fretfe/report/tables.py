@@ -9,14 +9,15 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 from rich import box
+from rich.markup import escape
 from rich.table import Table
 
+from fretfe.backends import Installed
 from fretfe.case import Case
 from fretfe.evaluate import ContactSummary, Edge, SlipZone
-from fretfe.solution import Solution
 
 
-def edge_table(case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]) -> Table:
+def edge_table(case: Case, contacts: tuple[ContactSummary, ...]) -> Table:
     """One row per contact edge, with the slip zones of the last two half cycles.
 
     The prediction follows the load loop where there is a cycle, else it is that of first loading.
@@ -64,15 +65,22 @@ def _zone_length(zone: SlipZone) -> str:
     return ("" if zone.resolved else "~") + _number(zone.length, 3)
 
 
-def contact_table(case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]) -> Table:
-    """One row per contact: ranges of forces over the cycle and whether the cycle is steady."""
+def contact_table(
+    case: Case, evaluated: tuple[int, int] | None, contacts: tuple[ContactSummary, ...]
+) -> Table:
+    """One row per contact: ranges of forces over the cycle and whether the cycle is steady.
+
+    Args:
+        case: for the units.
+        evaluated: first and last state of the cycle; None for all states.
+        contacts: the contacts.
+    """
     units = case.units
     title = f"Contacts: P, Q in {units.force}/{units.length}, half-width in {units.length}"
     headers = ("contact", "P", "Q", "half-width", "steady", "Δq/(f p_max)")
     table = _table(title, headers, text=1)
-    first, last = solution.cycle or (0, len(solution.times) - 1)
+    cycle = slice(evaluated[0], evaluated[1] + 1) if evaluated else slice(None)
     for contact in contacts:
-        cycle = slice(first, last + 1)
         table.add_row(
             contact.name,
             _range(contact.normal_force[cycle]),
@@ -88,6 +96,27 @@ def _steady(contact: ContactSummary) -> str:
     if not math.isfinite(contact.cycle_change):
         return "-"
     return "yes" if contact.steady else "no"
+
+
+def backend_table(backends: tuple[Installed, ...], case: Case | None) -> Table:
+    """One row per backend: what it solves, or why it cannot be used or cannot solve the case."""
+    table = Table(title="Backends", title_justify="left", box=box.SIMPLE, title_style="bold")
+    for header in ("backend", "usable", "package", "what it solves, or why not"):
+        table.add_column(header, overflow="fold")
+    for installed in backends:
+        usable, text = _usable(installed, case)
+        table.add_row(installed.name, usable, installed.package, escape(text))
+    return table
+
+
+def _usable(installed: Installed, case: Case | None) -> tuple[str, str]:
+    if installed.backend is None:
+        return "no", installed.reason
+    try:
+        reasons = installed.backend.supports(case) if case is not None else ()
+    except Exception as error:  # one backend must not hide the others
+        reasons = (str(error),)
+    return ("no", "\n".join(reasons)) if reasons else ("yes", installed.backend.summary)
 
 
 def timing_table(seconds: Mapping[str, float]) -> Table:

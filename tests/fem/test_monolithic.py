@@ -15,11 +15,11 @@ from contact_runs import Run, run
 from meshes_b1 import write_b1
 from numpy.typing import NDArray
 
+from fretfe.contact.state import SLIP, STICK
 from fretfe.errors import ConvergenceError, FretfeError
 from fretfe.fem.meshing import BodyMesh, mesh_template, read_mesh
 from fretfe.fem.model import Model
 from fretfe.fem.monolithic import Iterate, MonolithicSolver, MonolithicStep, cone_projection
-from fretfe.fem.state import SLIP, STICK
 from fretfe.templates import find_template
 
 Array = NDArray[np.float64]

@@ -20,13 +20,12 @@ sys.path.insert(0, sys.argv[1])
 sys.path.insert(0, sys.argv[1] + "/fem")
 import test_b1
 from fretfe.case import parse_case
-from fretfe.evaluate import evaluate
 from fretfe.fem._compat import MPI, PETSc
+from fretfe.fem.backend import BACKEND
 from fretfe.fem.model import Model
-from fretfe.fem.run import load_mesh, solve
+from fretfe.fem.run import load_mesh
 from fretfe.fem.timing import Clock
-from fretfe.loads import build_history
-from fretfe.results import Run, write_results
+from fretfe.results import write_results
 from meshes_b1 import write_b1
 from scipy.sparse import block_diag, csr_matrix
 
@@ -39,10 +38,7 @@ def case(name, size, growth):
 
 
 def whole_run(case):
-    outcome = solve(MPI.COMM_WORLD, case, build_history(case), None, lambda *_: None)
-    contacts = evaluate(outcome.solution)
-    run = Run(case, {}, outcome.seconds, 1, "", outcome.mesh.bodies)
-    write_results(folder, run, outcome.solution, contacts)
+    write_results(folder, case, "fem", BACKEND.solve(case))
 
 
 whole_run(case("warm.msh", 0.1, 0.3))

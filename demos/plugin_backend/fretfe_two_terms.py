@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A backend for `fretfe` that lives in a package of its own: a formula for the slip length.
+
+The slip length d1 that `fretfe` predicts from the edge factors is the first term of an expansion in
+d/a. Under a shear force alone the Hertz contact (Cattaneo, Mindlin) has d = a - sqrt(a^2 - 2 a d1),
+hence with the next term
+
+    d = d1 + d1^2/(2a)          d1 = change of K_T/(f K_N), twice that for first loading
+
+with a relative error of about (d/a)^2/2 in place of d/(2a). (`analytic` has the exact solution.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from fretfe.analytic.profiles import Hertz
+from fretfe.backends.analytic import solve_closed_form
+from fretfe.backends.protocol import DEFAULTS, EdgeHistories, RunOptions
+from fretfe.case import Case
+from fretfe.edges import SlipBorder
+from fretfe.evaluate import ContactSummary, Edge
+from fretfe.evaluate.slip_zones import cycle_states, slip_zones
+from fretfe.idealise import HalfPlaneProblem, NotIdealisable, idealise, obstacles
+
+
+class TwoTerms:
+    """Hertz contacts under a constant normal force and a shear force."""
+
+    summary = "Hertz under a shear force: slip lengths from two terms of their expansion"
+
+    def supports(self, case: Case) -> tuple[str, ...]:
+        """Reasons why the formula does not hold for a case; empty if it does."""
+        return obstacles(case) or tuple(_outside(idealise(case)))
+
+    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> EdgeHistories:
+        """Edge histories; slip lengths by the formula, closed forms for the rest."""
+        if reasons := self.supports(case):
+            raise NotIdealisable(case, list(reasons))
+        problem = idealise(case)
+        contact, _ = solve_closed_form(problem)
+        left, right = (_with_formula(edge, contact, problem) for edge in contact.edges)
+        return EdgeHistories(
+            history=problem.history,
+            contacts=(replace(contact, edges=(left, right)),),
+            notes=(*problem.notes, "slip lengths by: two terms of the expansion in d/a"),
+        )
+
+
+def _outside(problem: HalfPlaneProblem) -> Iterator[str]:
+    """What the formula does not know of."""
+    if not isinstance(problem.profile, Hertz):
+        yield f"geometry: expected a Hertz contact, found {type(problem.profile).__name__}"
+    if np.any(problem.bulk_tension) or np.any(problem.moment):
+        yield "loads: expected no bulk tension and no moment"
+    frictional = problem.normal_force[problem.friction > 0]
+    if len(frictional) and np.ptp(frictional) > 1e-9 * frictional.max():
+        yield "loads: expected a constant normal force as soon as there is friction"
+
+
+def _with_formula(edge: Edge, contact: ContactSummary, problem: HalfPlaneProblem) -> Edge:
+    """The edge with slip zones by the formula; `slip_zones` finds the half cycles."""
+
+    def find(start: int, end: int) -> SlipBorder:
+        change = abs(edge.k_t[end] - edge.k_t[start])
+        first_loading = problem.friction[start] == 0
+        d1 = (2 if first_loading else 1) * change / (problem.friction[end] * edge.k_n[end])
+        length = d1 + d1**2 / (2 * contact.half_width[end])
+        return SlipBorder(float(length), resolved=True, gross=False)
+
+    cycle, factors = cycle_states(problem.history.cycle), (edge.k_n, edge.k_t, edge.k_i)
+    zones = slip_zones(cycle, problem.friction, edge.side, edge.position, factors, find)
+    return replace(edge, slip_zones=zones)
+
+
+BACKEND = TwoTerms()

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Backends: one case, several fidelities."""
+
+from __future__ import annotations
+
+from fretfe.backends.protocol import (
+    Backend,
+    BodyArrays,
+    EdgeHistories,
+    ParallelBackend,
+    Processes,
+    Progress,
+    RunOptions,
+)
+from fretfe.backends.registry import (
+    Installed,
+    backend_names,
+    find_backend,
+    installed_backends,
+)
+
+__all__ = [
+    "Backend",
+    "BodyArrays",
+    "EdgeHistories",
+    "Installed",
+    "ParallelBackend",
+    "Processes",
+    "Progress",
+    "RunOptions",
+    "backend_names",
+    "find_backend",
+    "installed_backends",
+]

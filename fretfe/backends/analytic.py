@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The backend `analytic`: closed forms for half-planes."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import numpy.typing as npt
+
+from fretfe.analytic.edges import dissipation_per_cycle
+from fretfe.analytic.partial_slip import PartialSlip
+from fretfe.analytic.rocking import TiltedContact
+from fretfe.backends.closed_form import ASYMPTOTE, ClosedFormBorders
+from fretfe.backends.protocol import DEFAULTS, EdgeHistories, RunOptions
+from fretfe.case import Case
+from fretfe.evaluate import ContactSummary, Edge
+from fretfe.evaluate.consistency import shear_mismatch, tension_history
+from fretfe.evaluate.factors import SIDES, add_up
+from fretfe.evaluate.half_plane import half_plane_units
+from fretfe.evaluate.slip_zones import SlipZone, cycle_states, slip_zones
+from fretfe.idealise import HalfPlaneProblem, idealise, obstacles
+from fretfe.idealise.edges import contact_edges, governing_length
+
+Array = npt.NDArray[np.float64]
+
+# Relative slip-zone length from which the asymptote deserves a warning: about 10 % error.
+LONG_SLIP_ZONE = 0.2
+
+
+class AnalyticBackend:
+    """Closed forms of `fretfe.analytic` for a pad on a large block."""
+
+    summary = "closed forms for half-planes: pads on large blocks"
+
+    def supports(self, case: Case) -> tuple[str, ...]:
+        """Reasons why a case is not a half-plane problem."""
+        return obstacles(case)
+
+    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> EdgeHistories:
+        """Edge histories of a case that is a half-plane problem.
+
+        Raises:
+            NotIdealisable: if it is none.
+            CaseError: if template, parameters or history are not valid.
+        """
+        start = time.perf_counter()
+        problem = idealise(case)
+        summary, used = solve_closed_form(problem)
+        options.progress(
+            len(problem.history.times) - 1, len(problem.history.times) - 1, "closed form"
+        )
+        notes = problem.notes
+        if used:
+            notes = (*notes, f"slip lengths by: {', '.join(sorted(used))}")
+        return EdgeHistories(
+            history=problem.history,
+            contacts=(summary,),
+            notes=notes,
+            seconds={"closed forms": time.perf_counter() - start},
+        )
+
+
+def solve_closed_form(problem: HalfPlaneProblem) -> tuple[ContactSummary, set[str]]:
+    """Histories of the contact, and which solutions the slip lengths come from."""
+    contact = contact_edges(problem)
+    loads = np.column_stack(
+        [problem.normal_force, problem.moment, problem.shear_force, problem.bulk_tension]
+    )
+    units = half_plane_units(np.stack([contact.left, contact.right]))
+    histories = add_up(units, loads, problem.friction)
+    edges, used = [], set()
+    for i in range(len(SIDES)):
+        edge, solutions = _edge(problem, contact, i, histories[i])
+        edges.append(edge)
+        used |= solutions
+    centre = (contact.left + contact.right) / 2
+    half_width = (contact.right - contact.left) / 2
+    k_t, cycle = histories[..., 0], cycle_states(problem.history.cycle)
+    dissipation = sum(edge.dissipation for edge in edges)
+    return ContactSummary(
+        name=problem.contact,
+        edges=(edges[0], edges[1]),
+        normal_force=problem.normal_force,
+        shear_force=problem.shear_force,
+        moment=problem.moment - np.nan_to_num(centre) * problem.normal_force,
+        centre=centre,
+        half_width=half_width,
+        effective_tension=tension_history(k_t, half_width),
+        shear_mismatch=shear_mismatch(k_t, half_width, problem.shear_force, cycle),
+        cycle_change=np.nan,
+        # The closed forms are those of the steady cycle.
+        steady=problem.history.cycle is not None,
+        dissipation=dissipation,
+        warnings=_warnings(problem, contact, edges, used),
+    ), used
+
+
+def _edge(
+    problem: HalfPlaneProblem, contact: TiltedContact, number: int, history: Array
+) -> tuple[Edge, set[str]]:
+    side, (k_t, k_i) = SIDES[number], history.T
+    position = (contact.left, contact.right)[number]
+    k_n = (contact.k_n_left, contact.k_n_right)[number]
+    cycle = cycle_states(problem.history.cycle)
+    borders = ClosedFormBorders(problem, cycle, contact, side, k_t, k_i)
+    zones = slip_zones(cycle, problem.friction, side, position, (k_n, k_t, k_i), borders)
+    edge = Edge(
+        side=side,
+        position=position,
+        k_n=k_n,
+        k_n_spread=np.zeros_like(k_n),
+        k_t=k_t,
+        k_i=k_i,
+        k_n_moved=np.nan,
+        k_t_range=float(np.ptp(k_t[cycle])) if len(cycle) else np.nan,
+        k_t_range_spread=0.0,
+        k_t_range_fitted=np.nan,
+        k_i_range=float(np.ptp(k_i[cycle])) if len(cycle) else np.nan,
+        slip_zones=zones,
+        dissipation=_dissipation(problem, cycle, zones, k_n),
+    )
+    return edge, borders.used
+
+
+def _dissipation(
+    problem: HalfPlaneProblem,
+    cycle: npt.NDArray[np.int64],
+    zones: tuple[SlipZone, ...],
+    k_n: Array,
+) -> float:
+    """Friction work of one edge in the cycle; NaN without a cycle or with varying P."""
+    normal = problem.normal_force[cycle] if len(cycle) else np.array([0.0, 1.0])
+    last = int(cycle[-1]) if len(cycle) else 0
+    friction = float(problem.friction[last])
+    if np.ptp(normal) > 1e-9 * normal.max() or friction == 0 or not zones:
+        return np.nan
+    if not np.ptp(problem.bulk_tension[cycle]) and not np.any(problem.moment[cycle]):
+        amplitude = float(np.ptp(problem.shear_force[cycle])) / 2
+        return PartialSlip(problem.profile, float(normal[0]), friction).dissipation(amplitude) / 2
+    return float(
+        dissipation_per_cycle(k_n[last], zones[-1].length, friction, problem.profile.e_star)
+    )
+
+
+def _warnings(
+    problem: HalfPlaneProblem, contact: TiltedContact, edges: list[Edge], used: set[str]
+) -> tuple[str, ...]:
+    if ASYMPTOTE not in used:
+        return ()
+    half_width = float((contact.right[-1] - contact.left[-1]) / 2)
+    length = governing_length(problem, half_width)
+    longest = max(zone.length for edge in edges for zone in edge.slip_zones[-2:])
+    if longest <= LONG_SLIP_ZONE * length:
+        return ()
+    return (
+        f"the longest slip zone is {longest / length:.2g} of the length over which the edge "
+        "description holds: the asymptote may be wrong by more than 10 %, use the backend "
+        "'halfplane'",
+    )
+
+
+BACKEND = AnalyticBackend()

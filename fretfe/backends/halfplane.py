@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The backend `halfplane`: a semi-analytical solution for half-planes."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import numpy.typing as npt
+
+from fretfe.backends.protocol import DEFAULTS, EdgeHistories, RunOptions
+from fretfe.case import Case
+from fretfe.contact.march import StepResult
+from fretfe.evaluate import evaluate
+from fretfe.halfplane.solver import solve_half_planes
+from fretfe.idealise import idealise, obstacles
+from fretfe.loads import History
+
+Array = npt.NDArray[np.float64]
+
+
+class HalfPlaneBackend:
+    """Half-planes with any symmetric profile under any history of P, Q, M and sigma0."""
+
+    summary = "semi-analytical half-planes: pads on large blocks, any load history"
+
+    def supports(self, case: Case) -> tuple[str, ...]:
+        """Reasons why a case is not a half-plane problem."""
+        return obstacles(case)
+
+    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> EdgeHistories:
+        """Edge histories of a case that is a half-plane problem.
+
+        Raises:
+            NotIdealisable: if it is none.
+            CaseError: if template, parameters or history are not valid.
+        """
+
+        def report(number: int, count: int, result: StepResult) -> None:
+            options.progress(number, count, result.summary)
+
+        problem = idealise(case)
+        start = time.perf_counter()
+        outcome = solve_half_planes(problem, progress=report)
+        solved = time.perf_counter()
+        solution = outcome.solution
+        contacts = evaluate(solution, outcome.unit_factors)
+        return EdgeHistories(
+            history=History(solution.channels, solution.times, solution.values, solution.cycle),
+            contacts=contacts,
+            notes=problem.notes,
+            failure=outcome.failure,
+            solution=solution,
+            seconds={"steps": solved - start, "evaluation": time.perf_counter() - solved},
+        )
+
+
+BACKEND = HalfPlaneBackend()

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The interface problem: elastic bodies reduced to what they do at the contact nodes.
+
+Everything is written in weighted nodal quantities of N multiplier nodes with d components each
+(normal, then tangents). With W_i the integral of hat function i and λ_i
+the nodal traction (p_i, q_i),
+
+    y_i = √W_i λ_i,        w_i = (∫ φ_i w) / √W_i
+
+so that y·w is work, both are of comparable size on graded meshes, and the friction cone of a node
+is the same in y as in λ. w_i/√W_i is the nodal mean of gap and tangential displacement. The bodies
+turn into
+
+    w = w0 + A y + G c + L a            (A symmetric, positive semi-definite)
+    R + H a = −Gᵀ y + K c
+
+with the coordinates c (rigid boundaries and free motions of bodies), the forces R on them and the
+load amplitudes a. The number of space dimensions appears only as d.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from fretfe.errors import ModelError
+
+Array = npt.NDArray[np.float64]
+
+# Relative size below which a motion is resisted by nothing but round-off.
+FREE_MOTION = 1e-9
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """One amplitude c_j of the interface problem.
+
+    Attributes:
+        label: what it is, for messages and results.
+        body: name of the body.
+        control: "force" or "displacement" (driven by a channel), "fixed", or "free" (a motion that
+            nothing but contact prevents; no force acts on it).
+        channel: name of the load that drives it, "" if none.
+    """
+
+    label: str
+    body: str
+    control: str
+    channel: str = ""
+
+    @property
+    def prescribed(self) -> bool:
+        """Whether the amplitude is known and the force unknown."""
+        return self.control in ("displacement", "fixed")
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Operators of the interface problem; see the module's docstring.
+
+    Attributes:
+        components: d.
+        compliance: (N*d, N*d) A.
+        gap: (N*d,) w0 of the unloaded bodies.
+        motion: (N*d, m) G.
+        stiffness: (m, m) K.
+        loads: (N*d, l) L.
+        coordinate_loads: (m, l) H.
+        roots: (N,) √W.
+        coordinates: the m coordinates.
+        contacts: node range of each contact, by name, in the order of the case.
+    """
+
+    components: int
+    compliance: Array
+    gap: Array
+    motion: Array
+    stiffness: Array
+    loads: Array
+    coordinate_loads: Array
+    roots: Array
+    coordinates: tuple[Coordinate, ...]
+    contacts: dict[str, slice]
+
+    @property
+    def size(self) -> int:
+        """Number of multiplier nodes N."""
+        return len(self.roots)
+
+    @property
+    def prescribed(self) -> npt.NDArray[np.bool_]:
+        """(m,) which coordinates have a known amplitude."""
+        return np.array([c.prescribed for c in self.coordinates], dtype=bool)
+
+
+def coordinate_range(coordinates: list[Coordinate] | tuple[Coordinate, ...], body: str) -> slice:
+    """Where the coordinates of a body stand; they follow each other."""
+    own = [number for number, c in enumerate(coordinates) if c.body == body]
+    return slice(own[0], own[-1] + 1) if own else slice(0, 0)
+
+
+def free_motions(interface: Interface, released: npt.NDArray[np.bool_]) -> Array:
+    """(m, k) motions of the released coordinates that neither contact nor stiffness resists.
+
+    Contact is taken as stuck at every node, so a motion that remains is resisted by nothing at all.
+    Columns are orthonormal after scaling each coordinate with its effect on the contact.
+    """
+    chosen = np.flatnonzero(released)
+    if not len(chosen):
+        return np.zeros((len(released), 0))
+    scale = coordinate_scale(interface)
+    compliance = np.trace(interface.compliance) / len(interface.compliance)
+    resisted = np.vstack(
+        [interface.motion * scale, compliance * interface.stiffness * scale * scale[:, None]]
+    )[:, chosen]
+    _, values, rows = np.linalg.svd(resisted, full_matrices=False)
+    null = rows[values < FREE_MOTION * max(values[0], 1e-300)].T
+    motions = np.zeros((len(released), null.shape[1]))
+    motions[chosen] = null * scale[chosen, None]
+    return motions
+
+
+def coordinate_scale(interface: Interface) -> Array:
+    """(m,) amplitude of each coordinate that moves the contact by about one."""
+    effect = np.linalg.norm(interface.motion, axis=0)
+    return 1 / np.where(effect > 0, effect, 1.0)
+
+
+def require_held(interface: Interface) -> None:
+    """Check that the contacts, if stuck, would hold every body.
+
+    Raises:
+        ModelError: names the bodies that could still move, and in which coordinates.
+    """
+    motions = free_motions(interface, ~interface.prescribed)
+    if not motions.shape[1]:
+        return
+    moving = np.flatnonzero(np.any(np.abs(motions) > 0.01 * np.abs(motions).max(axis=0), axis=1))
+    names = sorted({interface.coordinates[j].body for j in moving})
+    raise ModelError(
+        f"nothing holds {' and '.join(repr(name) for name in names)}: even if every contact were "
+        "stuck, it could move as a rigid body. Expected supports, or a platen under displacement "
+        "control, that hold at least one body against every translation and rotation "
+        f"(free: {', '.join(interface.coordinates[j].label for j in moving)})."
+    )

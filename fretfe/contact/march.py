@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""March a load history: one contact solution per step, step cutting, certificates."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from fretfe.contact.certificate import Certificate, certify, dissipation
+from fretfe.contact.fallback import status_by_fixed_point
+from fretfe.contact.interface import Interface
+from fretfe.contact.newton import Newton, NotConverged
+from fretfe.contact.state import OPEN, STICK, ContactState, StepLoads, unloaded
+from fretfe.errors import ConvergenceError
+
+Array = npt.NDArray[np.float64]
+
+# A step is halved at most this often before the run gives up.
+MAX_CUTS = 6
+# Nodes taken as closed when nothing but contact holds a body and none is in contact yet.
+FIRST_TOUCH_FRACTION = 0.05
+FIRST_TOUCH_NODES = 3
+
+
+@dataclass(frozen=True)
+class StepResult:
+    """One accepted step.
+
+    Attributes:
+        state: contact state at the end of the step.
+        dissipation: (N,) friction work done at each node in the step, per unit thickness.
+        iterations: Newton iterations, of all parts of the step together.
+        parts: into how many parts the step was cut; 1 if it converged at first attempt.
+        fallbacks: how often the slow method was needed.
+        certificate: violations of the contact conditions.
+    """
+
+    state: ContactState
+    dissipation: Array
+    iterations: int
+    parts: int
+    fallbacks: int
+    certificate: Certificate
+
+    @property
+    def summary(self) -> str:
+        """How the step went, in words."""
+        cut = f", cut into {self.parts} parts" if self.parts > 1 else ""
+        return f"{self.iterations} iterations{cut}, violation {self.certificate.worst:.0e}"
+
+
+class March:
+    """Advances the contact state step by step; history is committed when a step is accepted."""
+
+    def __init__(self, interface: Interface) -> None:
+        self.interface = interface
+        self.newton = Newton(interface)
+
+    def run(self, steps: list[StepLoads]) -> Iterator[StepResult]:
+        """Solve steps one after the other.
+
+        Args:
+            steps: loads at the end of each step; the first entry is the unloaded state.
+
+        Raises:
+            ConvergenceError: if a step has no solution; what was yielded before stands.
+        """
+        state = unloaded(self.interface)
+        for number in range(1, len(steps)):
+            try:
+                result = self.advance(state, steps[number - 1], steps[number])
+            except NotConverged as failure:
+                raise ConvergenceError(
+                    f"step {number} of {len(steps) - 1} did not converge: {failure.reason} "
+                    f"(iteration {failure.iterations}, after halving the step {MAX_CUTS} times); "
+                    f"the {number - 1} steps before it are kept."
+                ) from None
+            yield result
+            state = result.state
+
+    def advance(
+        self, state: ContactState, start: StepLoads, end: StepLoads, cuts_left: int = MAX_CUTS
+    ) -> StepResult:
+        """Go from one load to the next, in two halves if that is necessary.
+
+        Raises:
+            NotConverged: if that fails however often the step is cut.
+        """
+        try:
+            return self._attempt(state, end)
+        except NotConverged:
+            if not cuts_left:
+                raise
+        middle = start.between(end, 0.5)
+        first = self.advance(state, start, middle, cuts_left - 1)
+        second = self.advance(first.state, middle, end, cuts_left - 1)
+        return replace(
+            second,
+            dissipation=first.dissipation + second.dissipation,
+            iterations=first.iterations + second.iterations,
+            parts=first.parts + second.parts,
+            fallbacks=first.fallbacks + second.fallbacks,
+        )
+
+    def _attempt(self, state: ContactState, loads: StepLoads) -> StepResult:
+        reference = state.relative[:, 1:]
+        status, direction = self._start(state)
+        fallbacks = 0
+        try:
+            solved, iterations = self.newton.solve(loads, reference, status, direction)
+        except NotConverged as failure:
+            fallbacks, spent = 1, failure.iterations
+            status, direction = status_by_fixed_point(
+                self.interface, loads, reference, state.traction
+            )
+            solved, iterations = self.newton.solve(loads, reference, status, direction)
+            iterations += spent
+        return StepResult(
+            state=solved,
+            dissipation=dissipation(solved, reference),
+            iterations=iterations,
+            parts=1,
+            fallbacks=fallbacks,
+            certificate=certify(self.interface, loads, solved, reference),
+        )
+
+    def _start(self, state: ContactState) -> tuple[npt.NDArray[np.int8], Array]:
+        """Every node in contact stuck; the nearest nodes if contact alone holds a body."""
+        closed = state.closed
+        held_by_contact = not self.interface.prescribed.all()
+        if held_by_contact and not closed.any():
+            closed = self._nearest(state.relative[:, 0] / self.interface.roots)
+        status = np.where(closed, STICK, OPEN).astype(np.int8)
+        return status, np.zeros_like(state.direction)
+
+    def _nearest(self, gap: Array) -> npt.NDArray[np.bool_]:
+        """The nodes of each contact whose gap is smallest."""
+        closed = np.zeros(len(gap), bool)
+        for nodes in self.interface.contacts.values():
+            count = max(FIRST_TOUCH_NODES, int(FIRST_TOUCH_FRACTION * (nodes.stop - nodes.start)))
+            closed[nodes.start + np.argsort(gap[nodes], kind="stable")[:count]] = True
+        return closed

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Two load levels next to a solved state: how far the edges move tells K_N without any profile."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from fretfe.contact.march import March
+from fretfe.contact.newton import NotConverged
+from fretfe.contact.state import ContactState, StepLoads
+
+# The loads are raised and lowered by this fraction: edges move by several elements, and the central
+# difference is in error by an eighth of its square (Hertz).
+FRACTION = 0.1
+
+
+def neighbour_states(
+    march: March, state: ContactState, loads: StepLoads
+) -> tuple[ContactState, ContactState] | None:
+    """The states after all loads are lowered, or raised, by a fraction; None without a solution."""
+    try:
+        low, high = (
+            march.advance(state, loads, _scaled(loads, 1 + change)).state
+            for change in (-FRACTION, FRACTION)
+        )
+    except NotConverged:
+        return None
+    return low, high
+
+
+def _scaled(loads: StepLoads, factor: float) -> StepLoads:
+    return replace(loads, amplitudes=factor * loads.amplitudes, values=factor * loads.values)

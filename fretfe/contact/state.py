@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The state of the contact nodes and what a load step prescribes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from fretfe.contact.interface import Interface
+from fretfe.solution import OPEN, SLIP, STICK
+
+Array = npt.NDArray[np.float64]
+Status = npt.NDArray[np.int8]
+
+__all__ = ["OPEN", "SLIP", "STICK", "ContactState", "StepLoads", "unloaded"]
+
+
+@dataclass(frozen=True)
+class StepLoads:
+    """What is known at the end of a load step.
+
+    Attributes:
+        amplitudes: (l,) load amplitudes.
+        values: (m,) amplitude of each prescribed coordinate, force on each of the others.
+        friction: (N,) coefficient at each node.
+    """
+
+    amplitudes: Array
+    values: Array
+    friction: Array
+
+    def between(self, later: StepLoads, fraction: float) -> StepLoads:
+        """Loads at a fraction of the way to a later step, with the later step's friction."""
+        return replace(
+            later,
+            amplitudes=(1 - fraction) * self.amplitudes + fraction * later.amplitudes,
+            values=(1 - fraction) * self.values + fraction * later.values,
+        )
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """Solution of the interface problem, in the weighted quantities of `interface`.
+
+    Attributes:
+        status: (N,) OPEN, STICK or SLIP.
+        direction: (N, d-1) unit vector of the shear traction at slipping nodes, else zero.
+        traction: (N, d) y: pressure, then shear on body 2.
+        relative: (N, d) w: gap, then tangential displacement of body 2 relative to body 1.
+        coordinates: (m,) c.
+        forces: (m,) R.
+    """
+
+    status: Status
+    direction: Array
+    traction: Array
+    relative: Array
+    coordinates: Array
+    forces: Array
+
+    @property
+    def closed(self) -> npt.NDArray[np.bool_]:
+        """(N,) which nodes are in contact."""
+        return self.status != OPEN
+
+
+def unloaded(interface: Interface) -> ContactState:
+    """The state before the first step: bodies in place, no traction anywhere."""
+    n, d, m = interface.size, interface.components, len(interface.coordinates)
+    return ContactState(
+        status=np.full(n, OPEN, np.int8),
+        direction=np.zeros((n, d - 1)),
+        traction=np.zeros((n, d)),
+        relative=interface.gap.reshape(n, d),
+        coordinates=np.zeros(m),
+        forces=np.zeros(m),
+    )

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What the edge factors of one contact say about each other and about its shear force."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from fretfe.analytic.edges import effective_bulk_tension, shear_force_from_factors
+
+Array = npt.NDArray[np.float64]
+
+
+def tension_history(k_t: Array, half_width: Array) -> Array:
+    """(T,) effective bulk tension, added up over the steps like K_T.
+
+    Args:
+        k_t: (2, T) at the left and right edge.
+        half_width: (T,), NaN without contact.
+    """
+    steps, a = _steps(k_t, half_width)
+    return _added_up(effective_bulk_tension(steps[0], steps[1], a))
+
+
+def shear_mismatch(
+    k_t: Array, half_width: Array, shear_force: Array, cycle: npt.NDArray[np.int64]
+) -> float:
+    """(range of Q that half-planes need for K_T at the two edges)/(range of Q) - 1; NaN if none.
+
+    Args:
+        k_t: (2, T) at the left and right edge.
+        half_width: (T,), NaN without contact.
+        shear_force: (T,) Q.
+        cycle: its states.
+    """
+    if not len(cycle) or np.ptp(shear_force[cycle]) <= 1e-9 * np.abs(shear_force).max():
+        return np.nan
+    steps, a = _steps(k_t, half_width)
+    needed = _added_up(shear_force_from_factors(steps[0], steps[1], a))
+    return float(np.ptp(needed[cycle]) / np.ptp(shear_force[cycle]) - 1)
+
+
+def _steps(k_t: Array, half_width: Array) -> tuple[Array, Array]:
+    """(2, T-1) increments of K_T, and (T-1,) half-width in the middle of each step."""
+    a = (half_width[1:] + half_width[:-1]) / 2
+    # From no contact to the first one: that of the first one.
+    a = np.where(np.isfinite(a), a, half_width[1:])
+    return np.diff(k_t, axis=1), np.where(np.isfinite(a), a, 1.0)
+
+
+def _added_up(increments: Array) -> Array:
+    return np.concatenate([[0.0], np.cumsum(increments)])

@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Interaction integrals at all contact edges of a solved history. Collective."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+from dolfinx import fem
+
+from fretfe.case import Case, contact_modulus
+from fretfe.contact.march import March
+from fretfe.contact.neighbours import FRACTION, neighbour_states
+from fretfe.contact.recorder import Recorder
+from fretfe.contact.state import ContactState
+from fretfe.edges import Side, fit_edge
+from fretfe.evaluate.slip_zones import cycle_states
+from fretfe.fem.integrals import InteractionForm, Tip
+from fretfe.fem.model import Model
+from fretfe.fem.reduction import Pair
+from fretfe.solution import ContactHistory, EdgeIntegrals, Neighbours, Solution
+
+Array = npt.NDArray[np.float64]
+SIDES: tuple[Side, Side] = ("left", "right")
+
+# Contact areas of the cycle at which the integrals are taken: smallest, middle, largest.
+AREAS = 3
+# Radii of the circles, in half-widths of the contact, and how far the smallest and largest one are
+# from elements and from the middle.
+REACHES = (0.1, 0.15, 0.25)
+FEWEST_ELEMENTS, LARGEST = 10.0, 0.5
+# Fewer nodes in contact than this have no edges that could be fitted.
+FEWEST_NODES = 16
+
+
+@dataclass(frozen=True)
+class Request:
+    """A displacement field to recover: weighted tractions (N*d,), coordinates, load amplitudes."""
+
+    traction: Array
+    coordinates: Array
+    amplitudes: Array
+
+
+@dataclass(frozen=True)
+class Probe:
+    """One edge of one contact.
+
+    Attributes:
+        contact: name.
+        side: 0 left, 1 right.
+        bodies: body 1 and body 2.
+        tips: for each area, then for the last state: the edge as body 1 and body 2 see it.
+        fields: for each of `tips`: numbers of the fields it is to be multiplied with.
+        reaches: (R,) radii.
+    """
+
+    contact: str
+    side: int
+    bodies: tuple[str, str]
+    tips: tuple[tuple[Tip, Tip], ...]
+    fields: tuple[tuple[int, ...], ...]
+    reaches: Array
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is to be integrated; the same on all ranks."""
+
+    requests: tuple[Request, ...]
+    probes: tuple[Probe, ...]
+
+
+def add_integrals(
+    model: Model,
+    case: Case,
+    recorder: Recorder | None,
+    march: March | None,
+    solution: Solution | None,
+) -> Solution | None:
+    """The solution with the interaction integrals of its contacts.
+
+    Recorder, march and solution are those of rank 0, None elsewhere, like what is returned.
+    """
+    draft = _Draft(model, recorder, march, solution) if recorder and march and solution else None
+    plan = model.comm.bcast(draft.plan if draft else None)
+    fields = model.recover_fields(
+        [(r.traction, r.coordinates, r.amplitudes) for r in plan.requests] if draft else None
+    )
+    values = [_integrate(model, case, probe, fields) for probe in plan.probes]
+    return draft.finish(values) if draft else None
+
+
+def _integrate(
+    model: Model, case: Case, probe: Probe, fields: list[dict[str, fem.Function]]
+) -> list[Array]:
+    """For each tip of a probe: (R, 2, n) K_T and K_I of its n fields."""
+    forms = _forms(model, probe)
+    bodies = [case.bodies[name] for name in probe.bodies]
+    # Contact pressure is positive, stress that opens a crack is tension.
+    scale = contact_modulus(bodies[0], bodies[1], case.model.plane) / np.sqrt(2 * np.pi)
+    signs = {"shear": scale, "opening": -scale}
+    results = []
+    for tips, numbers in zip(probe.tips, probe.fields, strict=True):
+        factors = np.zeros((len(probe.reaches), len(signs), len(numbers)))
+        for r, reach in enumerate(probe.reaches):
+            for m, (mode, sign) in enumerate(signs.items()):
+                for name, form, tip in zip(probe.bodies, forms, tips, strict=True):
+                    functional = form.functional(tip, float(reach), mode)
+                    factors[r, m] += [
+                        sign * functional.dot(fields[number][name].x.petsc_vec)
+                        for number in numbers
+                    ]
+        results.append(factors)
+    return results
+
+
+def _forms(model: Model, probe: Probe) -> list[InteractionForm]:
+    """One form for each body, on the elements around the edge."""
+    forms = []
+    for b, name in enumerate(probe.bodies):
+        points = np.array([tips[b].point for tips in probe.tips])
+        centre = points.mean(axis=0)
+        radius = probe.reaches.max() + np.linalg.norm(points - centre, axis=1).max()
+        surfaces = list(model.plan_of(name).surfaces)
+        elastic = model.bodies[name].elastic
+        forms.append(InteractionForm(elastic, surfaces, b == 0, centre, float(radius)))
+    return forms
+
+
+class _Draft:
+    """Plans the integrals and gives the results their place; rank 0 only."""
+
+    def __init__(self, model: Model, recorder: Recorder, march: March, solution: Solution) -> None:
+        assert model.reduction is not None
+        self._solution = solution
+        self._recorder = recorder
+        self._requests: list[Request] = []
+        self._area_fields: dict[int, tuple[int, ...]] = {}
+        states = neighbour_states(march, recorder.states[-1], recorder.steps[-1])
+        self._neighbours = states
+        self._difference = () if states is None else (self._request_difference(*states),)
+        self._contacts: dict[str, _Areas] = {}
+        probes: list[Probe] = []
+        for pair, contact in zip(model.reduction.pairs, solution.contacts, strict=True):
+            areas = _choose_areas(solution, contact)
+            if areas is not None:
+                self._contacts[contact.name] = areas
+                probes += [self._probe(model, pair, areas, side) for side in range(len(SIDES))]
+        self.plan = Plan(tuple(self._requests), tuple(probes))
+
+    def finish(self, values: list[list[Array]]) -> Solution:
+        """The solution with the integrals, one list of values for each probe."""
+        found = {
+            (probe.contact, probe.side): value
+            for probe, value in zip(self.plan.probes, values, strict=True)
+        }
+        contacts = []
+        for contact in self._solution.contacts:
+            areas = self._contacts.get(contact.name)
+            if areas is not None:
+                edges = [found[contact.name, side] for side in range(len(SIDES))]
+                contact = replace(
+                    contact,
+                    integrals=_integrals(areas, edges),
+                    neighbours=self._neighbour_history(contact, edges),
+                )
+            contacts.append(contact)
+        return replace(self._solution, contacts=tuple(contacts))
+
+    def _neighbour_history(
+        self, contact: ContactHistory, edges: list[list[Array]]
+    ) -> Neighbours | None:
+        if self._neighbours is None:
+            return None
+        nodes = self._recorder.nodes_of(contact.name)
+        tractions = np.array([state.traction[nodes, 0] for state in self._neighbours])
+        normal = np.stack([values[-1][:, 1, 0] for values in edges], axis=1)
+        return Neighbours(tractions / np.sqrt(contact.weights), normal)
+
+    def _request_difference(self, low: ContactState, high: ContactState) -> int:
+        amplitudes = 2 * FRACTION * self._recorder.steps[-1].amplitudes
+        traction = (high.traction - low.traction).ravel()
+        coordinates = high.coordinates - low.coordinates
+        self._requests.append(Request(traction, coordinates, amplitudes))
+        return len(self._requests) - 1
+
+    def _fields_of(self, area: int) -> tuple[int, ...]:
+        """Numbers of the fields of a contact area, one for each driver."""
+        if area not in self._area_fields:
+            increments, drivers = self._recorder.increments[area], self._recorder.drivers
+            first, count = len(self._requests), len(drivers.names)
+            loads = len(self._recorder.steps[-1].amplitudes)
+            for j in range(count):
+                amplitudes = np.zeros(loads)
+                if drivers.loads[j] >= 0:
+                    amplitudes[drivers.loads[j]] = 1.0
+                traction = increments.traction[:, :, j].ravel()
+                request = Request(traction, increments.coordinates[:, j], amplitudes)
+                self._requests.append(request)
+            self._area_fields[area] = tuple(range(first, first + count))
+        return self._area_fields[area]
+
+    def _probe(self, model: Model, pair: Pair, areas: _Areas, side: int) -> Probe:
+        edges = [*areas.positions[:, side], *([areas.last[side]] if self._difference else [])]
+        fields = [self._fields_of(int(area)) for area in areas.numbers]
+        fields += [self._difference] if self._difference else []
+        return Probe(
+            contact=pair.name,
+            side=side,
+            bodies=(pair.body1, pair.body2),
+            tips=tuple(_tips(model, pair, float(edge), side) for edge in edges),
+            fields=tuple(fields),
+            reaches=areas.reaches,
+        )
+
+
+@dataclass(frozen=True)
+class _Areas:
+    """Contact areas (S,) of one contact, edges (S, 2) there and (2,) in the last state, radii."""
+
+    numbers: npt.NDArray[np.int64]
+    positions: Array
+    last: Array
+    reaches: Array
+
+
+def _integrals(areas: _Areas, edges: list[list[Array]]) -> EdgeIntegrals:
+    values = [edge[: len(areas.numbers)] for edge in edges]
+    # (2, S, R, 2, J) to (S, R, 2, 2, J)
+    factors = np.array(values).transpose(1, 2, 0, 3, 4)
+    return EdgeIntegrals(areas.numbers, areas.positions, areas.reaches, factors)
+
+
+def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
+    """Smallest, middle and largest contact area of the cycle; None if edges cannot be fitted."""
+    cycle = cycle_states(solution.cycle)
+    states = cycle if len(cycle) else np.array([len(solution.times) - 1])
+    sizes = np.count_nonzero(contact.traction[states, :, 0] > 0, axis=1)
+    if sizes.min() < FEWEST_NODES or contact.bonded.area[states].min() < 0:
+        return None
+    numbers, firsts = np.unique(contact.bonded.area[states], return_index=True)
+    order = np.argsort(sizes[firsts], kind="stable")
+    chosen = order[np.unique(np.linspace(0, len(order) - 1, AREAS).round().astype(int))]
+    positions = np.array([_edges(contact, int(state)) for state in states[firsts[chosen]]])
+    last = _edges(contact, int(states[-1]))
+    return _Areas(numbers[chosen], positions, last, _reaches(contact, last))
+
+
+def _edges(contact: ContactHistory, state: int) -> Array:
+    pressure = contact.traction[state, :, 0]
+    return np.array([float(fit_edge(contact.arc, pressure, side).position) for side in SIDES])
+
+
+def _reaches(contact: ContactHistory, edges: Array) -> Array:
+    """(R,) radii: some elements at least, and not as far as the other edge."""
+    half_width = (edges[1] - edges[0]) / 2
+    sizes = np.diff(contact.arc)
+    element = max(sizes[np.searchsorted(contact.arc[1:-1], edge)] for edge in edges)
+    smallest = max(REACHES[0] * half_width, FEWEST_ELEMENTS * element)
+    largest = min(REACHES[-1] / REACHES[0] * smallest, LARGEST * half_width)
+    return np.array(REACHES) / REACHES[-1] * largest
+
+
+def _tips(model: Model, pair: Pair, edge: float, side: int) -> tuple[Tip, Tip]:
+    """The edge on the surfaces of body 1 and body 2, each with its own tangent."""
+    nodes = pair.coupling
+    point = np.array([np.interp(edge, nodes.arc, column) for column in nodes.points.T])
+    contact = model.case.contacts[pair.name]
+    tips = []
+    for name, outward in ((contact.surface1, -1.0), (contact.surface2, 1.0)):
+        places, normals = model.surfaces[name].nearest(point[None])
+        across = outward * normals[0]
+        along = np.array([across[1], -across[0]])
+        tips.append(Tip(places[0], along if side == 0 else -along, across))
+    return tips[0], tips[1]

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Condensed bodies and couplings reduced to the interface problem of `fretfe.contact.interface`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy import sparse
+from scipy.linalg import cholesky, solve_triangular
+
+from fretfe.contact.interface import Coordinate, Interface, coordinate_range, require_held
+from fretfe.fem.body import CondensedBody
+from fretfe.fem.mortar import Coupling
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Pair:
+    """One contact: its name, its bodies and its coupling."""
+
+    name: str
+    body1: str
+    body2: str
+    coupling: Coupling
+
+
+class ReducedBody:
+    """A condensed body solved for its surface displacements.
+
+    u = C (f + F a − S_c c) + T c + Q g with C the (generalised) inverse of S where no constraint
+    holds a node, Q the free motions.
+
+    Args:
+        body: condensed body.
+        operator: (N*d, n) scaled coupling operator of all contacts on this body's surface.
+    """
+
+    def __init__(self, body: CondensedBody, operator: sparse.csr_matrix) -> None:
+        self.body = body
+        self._operator = operator
+        # Free motions get an artificial stiffness; equilibrium makes the forces on them vanish.
+        level = np.trace(body.stiffness) / len(body.stiffness)
+        held = body.stiffness + level * body.modes @ body.modes.T
+        self._factor = cholesky(held, lower=True, overwrite_a=True, check_finite=False)
+        not_held = ~body.prescribed.any(axis=1)
+        self._own = operator @ sparse.diags(not_held.astype(float))
+        self._half = self._forward(self._own.T.toarray())
+
+    def _forward(self, rhs: Array) -> Array:
+        return solve_triangular(self._factor, rhs, lower=True, check_finite=False)
+
+    def add_to(self, system: dict[str, Array], columns: slice) -> None:
+        """Add this body to A, L, G, K and H; `columns` are its coordinates, free motions last."""
+        body = self.body
+        half_loads = self._forward(body.surface_loads)
+        half_coupling = self._forward(body.coupling)
+        count = body.coupling.shape[1]
+        held = slice(columns.start, columns.start + count)
+        free = slice(held.stop, columns.stop)
+        system["compliance"] += self._half.T @ self._half
+        system["loads"] += self._half.T @ half_loads
+        system["motion"][:, held] = self._operator @ body.prescribed
+        system["motion"][:, held] -= self._half.T @ half_coupling
+        system["motion"][:, free] = self._operator @ body.modes
+        system["stiffness"][held, held] = (
+            body.coordinate_stiffness - half_coupling.T @ half_coupling
+        )
+        system["coordinate_loads"][held] = body.coordinate_loads - half_coupling.T @ half_loads
+        system["coordinate_loads"][free] = body.modes.T @ body.surface_loads
+
+    def contact_forces(self, y: Array) -> Array:
+        """(T, d) sum of the contact forces on this body for weighted tractions (T, N*d)."""
+        nodal = self._operator.T @ y.T
+        return nodal.reshape(-1, len(self.body.load_resultants), len(y)).sum(axis=0).T
+
+    def surface_displacement(self, y: Array, coordinates: Array, amplitudes: Array) -> Array:
+        """(n,) displacements of the surface nodes.
+
+        Args:
+            y: (N*d,) weighted tractions.
+            coordinates: (m_b + k,) coordinates of this body, free motions last.
+            amplitudes: (l,) load amplitudes.
+        """
+        body = self.body
+        count = body.coupling.shape[1]
+        force = self._own.T @ y + body.surface_loads @ amplitudes
+        force -= body.coupling @ coordinates[:count]
+        half = self._forward(force)
+        elastic = solve_triangular(self._factor, half, lower=True, trans="T", check_finite=False)
+        return elastic + body.prescribed @ coordinates[:count] + body.modes @ coordinates[count:]
+
+
+def build_interface(
+    bodies: list[CondensedBody], pairs: list[Pair], coordinates: list[Coordinate]
+) -> tuple[Interface, dict[str, ReducedBody]]:
+    """Assemble the interface problem.
+
+    Args:
+        bodies: condensed bodies.
+        pairs: contact pairs.
+        coordinates: one for each constraint of each body, in the order of `bodies`.
+
+    Returns:
+        The interface problem, whose coordinates hold the free motions too, and the reduced bodies.
+    """
+    d = pairs[0].coupling.frames.shape[1]
+    roots = np.sqrt(np.concatenate([pair.coupling.weights for pair in pairs]))
+    scale = sparse.diags(np.repeat(1 / roots, d))
+    reduced = {b.name: ReducedBody(b, scale @ _stacked_operator(b.name, pairs)) for b in bodies}
+    everything = _with_free_motions(bodies, coordinates)
+    size, count = len(roots) * d, len(everything)
+    load_count = bodies[0].surface_loads.shape[1]
+    system = {
+        "compliance": np.zeros((size, size)),
+        "loads": np.zeros((size, load_count)),
+        "motion": np.zeros((size, count)),
+        "stiffness": np.zeros((count, count)),
+        "coordinate_loads": np.zeros((count, load_count)),
+    }
+    for name, body in reduced.items():
+        body.add_to(system, coordinate_range(everything, name))
+    gap = np.zeros((len(roots), d))
+    gap[:, 0] = np.concatenate([pair.coupling.gap for pair in pairs]) / roots
+    interface = Interface(
+        components=d,
+        gap=gap.ravel(),
+        roots=roots,
+        coordinates=tuple(everything),
+        contacts=_node_ranges(pairs),
+        **system,
+    )
+    require_held(interface)
+    return interface, reduced
+
+
+def _stacked_operator(body: str, pairs: list[Pair]) -> sparse.csr_matrix:
+    """(N*d, n) operator of all contacts on the surface unknowns of one body.
+
+    The surface unknowns of a body are those of its contact surfaces one after the other, in the
+    order of the contacts.
+    """
+    parts = [
+        pair.coupling.body1 if pair.body1 == body else pair.coupling.body2
+        for pair in pairs
+        if body in (pair.body1, pair.body2)
+    ]
+    columns = sparse.block_diag(parts).tocsr()
+    rows, start = [], 0
+    for pair in pairs:
+        height = pair.coupling.body1.shape[0]
+        if body in (pair.body1, pair.body2):
+            rows.append(columns[start : start + height])
+            start += height
+        else:
+            rows.append(sparse.csr_matrix((height, columns.shape[1])))
+    return sparse.vstack(rows).tocsr()
+
+
+def _with_free_motions(
+    bodies: list[CondensedBody], coordinates: list[Coordinate]
+) -> list[Coordinate]:
+    everything = []
+    for body in bodies:
+        everything += [c for c in coordinates if c.body == body.name]
+        everything += [
+            Coordinate(f"free motion {number + 1}", body.name, "free")
+            for number in range(body.modes.shape[1])
+        ]
+    return everything
+
+
+def _node_ranges(pairs: list[Pair]) -> dict[str, slice]:
+    ends = np.cumsum([len(pair.coupling.weights) for pair in pairs])
+    starts = np.concatenate([[0], ends[:-1]])
+    return {
+        pair.name: slice(int(start), int(end))
+        for pair, start, end in zip(pairs, starts, ends, strict=True)
+    }

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Half-planes in contact: an interface problem, marched through a load history.
+
+The compliance is exact for the piecewise-linear tractions; friction, contact area and history are
+those of `fretfe.contact`. Pressure and shear do not influence each other's displacements
+(elastically similar half-planes), but the pressure bounds the shear.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from fretfe.contact.interface import Coordinate, Interface
+from fretfe.contact.march import March, StepResult
+from fretfe.contact.recorder import Place, Recorder
+from fretfe.contact.state import StepLoads
+from fretfe.errors import ConvergenceError
+from fretfe.evaluate.half_plane import half_plane_units
+from fretfe.evaluate.slip_zones import cycle_states
+from fretfe.halfplane.compliance import HatFunctions
+from fretfe.halfplane.grid import EdgeRange, graded_grid
+from fretfe.idealise import HalfPlaneProblem
+from fretfe.idealise.edges import contact_edges, governing_length
+from fretfe.solution import ContactHistory, Solution
+
+Array = npt.NDArray[np.float64]
+
+ELEMENTS = 300
+# Distance of the reference point of the displacements, in widths of the grid: only a rigid motion.
+FAR = 100.0
+# A spring along x, in units of E*, holds the body while there is no friction; it takes up to about
+# this fraction of Q.
+SPRING = 1e-9
+# Forces on body 1 along these coordinates are Q, -P and -M.
+COORDINATES = ("shear", "normal", "moment")
+TENSION = "tension"
+
+
+@dataclass(frozen=True)
+class SurfaceNodes:
+    """The nodes of the solution; see `fretfe.contact.recorder.Nodes`."""
+
+    arc: Array
+    points: Array
+    frames: Array
+    weights: Array
+    averaging: Array
+
+
+@dataclass(frozen=True)
+class HalfPlaneOutcome:
+    """All accepted steps, and why the history was not finished, or None."""
+
+    solution: Solution
+    failure: ConvergenceError | None
+
+    def unit_factors(self, solution: Solution, contact: ContactHistory, positions: Array) -> Array:
+        """(1, T, 2, 2, 4) factors for a unit of each driver; see `fretfe.evaluate.evaluate`."""
+        units = half_plane_units(positions)[..., [2, 0, 1, 3]]
+        return (units * np.array([1.0, -1.0, -1.0, 1.0]))[None]
+
+
+def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
+    """The interface problem of two half-planes on given nodes; body 1 moves as a whole."""
+    weights, x = hats.weights, hats.nodes
+    roots, size = np.sqrt(weights), len(x)
+    far = FAR * (hats.grid[-1] - hats.grid[0])
+    scaled = hats.compliance(far) / np.outer(roots, roots) / problem.profile.e_star
+    compliance = np.zeros((size, 2, size, 2))
+    compliance[:, 0, :, 0] = compliance[:, 1, :, 1] = scaled
+    gap, tension = np.zeros((size, 2)), np.zeros((size, 2))
+    gap[:, 0] = hats.integrate(problem.profile.gap) / roots
+    # A bulk tension sigma0 stretches surface 2 by sigma0/(2 E*) more than surface 1.
+    tension[:, 1] = hats.integrate(lambda at: at) / roots / (2 * problem.profile.e_star)
+    motion = np.zeros((size, 2, 3))
+    motion[:, 1, 0] = -roots
+    motion[:, 0, 1] = roots
+    motion[:, 0, 2] = hats.integrate(lambda at: at) / roots
+    return Interface(
+        components=2,
+        compliance=compliance.reshape(2 * size, -1),
+        gap=gap.ravel(),
+        motion=motion.reshape(2 * size, 3),
+        stiffness=np.diag([SPRING * problem.profile.e_star, 0.0, 0.0]),
+        loads=tension.reshape(2 * size, 1),
+        coordinate_loads=np.zeros((3, 1)),
+        roots=roots,
+        coordinates=tuple(
+            Coordinate(label, problem.body1, "force", label) for label in COORDINATES
+        ),
+        contacts={problem.contact: slice(0, size)},
+    )
+
+
+def contact_grid(problem: HalfPlaneProblem, elements: int = ELEMENTS) -> Array:
+    """(elements + 1,) nodes over all that ever is in contact, graded to the edges in the cycle.
+
+    Without a cycle, to the edges in the last state.
+    """
+    contact = contact_edges(problem)
+    states = cycle_states(problem.history.cycle)
+    states = states if len(states) else np.array([-1])
+    half_width = float(np.min(contact.right[states] - contact.left[states]) / 2)
+    length = governing_length(problem, half_width)
+    left, right = (
+        EdgeRange(float(edge[states].min()), float(edge[states].max()), length)
+        for edge in (contact.left, contact.right)
+    )
+    kinks = np.array(problem.profile.kinks)
+    reach = float(np.nanmin(contact.left)), float(np.nanmax(contact.right))
+    return graded_grid((left, right), reach, np.unique([-kinks, kinks]), elements)
+
+
+def solve_half_planes(
+    problem: HalfPlaneProblem,
+    elements: int = ELEMENTS,
+    progress: Callable[[int, int, StepResult], None] = lambda *_: None,
+) -> HalfPlaneOutcome:
+    """Solve the load history of a half-plane problem.
+
+    Args:
+        problem: whose loads leave the contact closed and without gross sliding.
+        elements: of the graded grid.
+        progress: called with each accepted step, the number of steps and its result.
+    """
+    hats = HatFunctions(contact_grid(problem, elements))
+    interface = build_interface(problem, hats)
+    steps = _step_loads(problem, interface)
+    march = March(interface)
+    place = Place(problem.contact, problem.body1, problem.body2, _nodes(hats))
+    recorder = Recorder(march, [place], steps, [TENSION], degree=1)
+    failure = None
+    try:
+        for number, result in enumerate(march.run(steps), start=1):
+            recorder.add(result)
+            progress(number, len(steps) - 1, result)
+    except ConvergenceError as error:
+        failure = error
+    return HalfPlaneOutcome(recorder.solution(problem.history, _balance(recorder, hats)), failure)
+
+
+def _step_loads(problem: HalfPlaneProblem, interface: Interface) -> list[StepLoads]:
+    forces = np.column_stack([problem.shear_force, -problem.normal_force, -problem.moment])
+    return [
+        StepLoads(np.array([tension]), values, np.full(interface.size, friction))
+        for tension, values, friction in zip(
+            problem.bulk_tension, forces, problem.friction, strict=True
+        )
+    ]
+
+
+def _nodes(hats: HatFunctions) -> SurfaceNodes:
+    x = hats.nodes
+    frame = np.array([[0.0, 1.0], [1.0, 0.0]])
+    return SurfaceNodes(
+        arc=x,
+        points=np.column_stack([x, np.zeros_like(x)]),
+        frames=np.broadcast_to(frame, (len(x), 2, 2)),
+        weights=hats.weights,
+        averaging=hats.averaging(),
+    )
+
+
+def _balance(recorder: Recorder, hats: HatFunctions) -> dict[str, Array]:
+    """(T,) difference between the contact forces and the loads Q and -P, and the largest load."""
+    loads = np.array([step.values[:2] for step in recorder.steps])
+    roots = np.sqrt(hats.weights)
+    contact = np.array([roots @ state.traction for state in recorder.states])
+    imbalance = np.abs(contact[:, ::-1] * [1.0, -1.0] - loads).max(axis=1)
+    return {"force_imbalance": imbalance, "force_scale": np.abs(loads).max(axis=1)}

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The half-plane problem: what closed forms and the half-plane solution need to know of a case."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from fretfe.analytic.profiles import Profile
+from fretfe.errors import ModelError
+from fretfe.loads import History
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class HalfPlaneProblem:
+    """Two elastically similar half-planes, one of them with a symmetric profile.
+
+    Signs and names as in `fretfe.analytic.edges`; forces per unit thickness.
+
+    Attributes:
+        contact: name of the contact.
+        body1, body2: names of the bodies.
+        profile: initial gap and composite modulus.
+        history: loads of the case; state 0 is unloaded.
+        friction: (T,) coefficient in the step that ends at each state.
+        normal_force: (T,) P.
+        shear_force: (T,) Q.
+        moment: (T,) M of the pressure about the axis of the profile.
+        bulk_tension: (T,) sigma0.
+        notes: what was assumed, in words.
+    """
+
+    contact: str
+    body1: str
+    body2: str
+    profile: Profile
+    history: History
+    friction: Array
+    normal_force: Array
+    shear_force: Array
+    moment: Array
+    bulk_tension: Array
+    notes: tuple[str, ...] = ()
+
+    def with_notes(self, notes: Iterable[str]) -> HalfPlaneProblem:
+        """The same problem with other notes."""
+        return replace(self, notes=tuple(notes))
+
+    def require_partial_slip(self) -> None:
+        """Check that the contact stays closed and never slides as a whole.
+
+        Raises:
+            ModelError: names every time at which it does not.
+        """
+        problems = list(self._problems())
+        if problems:
+            raise ModelError(
+                f"contact {self.contact!r}: half-planes have no solution for these loads:\n"
+                + "\n".join(problems)
+            )
+
+    def _problems(self) -> Iterator[str]:
+        loaded = self.history.times > 0
+        opened = np.flatnonzero(loaded & (self.normal_force <= 0))
+        if opened.size:
+            time, force = self.history.times[opened[0]], self.normal_force[opened[0]]
+            yield (
+                f"  expected a normal force P > 0 in every step, found {force:g} at time {time:g}: "
+                "the contact is open"
+            )
+            return
+        limit = self.friction * self.normal_force
+        sliding = np.flatnonzero(loaded & (np.abs(self.shear_force) >= limit) & self._sheared)
+        if sliding.size:
+            state = sliding[0]
+            yield (
+                f"  expected |Q| < f P in every step, found Q = {self.shear_force[state]:g} and "
+                f"f P = {limit[state]:g} at time {self.history.times[state]:g}: the contact slides"
+            )
+
+    @property
+    def _sheared(self) -> npt.NDArray[np.bool_]:
+        """(T,) whether a shear force acts that is not round-off."""
+        return np.abs(self.shear_force) > 1e-12 * self.normal_force.max()

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""`fretfe run` without finite elements: files, their keys, and a message for each mistake."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import h5py
+import launch
+import numpy as np
+import pytest
+from pads import HERTZ
+
+from fretfe.analytic.edges import tangential_factor
+from fretfe.analytic.profiles import Hertz, composite_modulus, edge_factor_k_n
+
+DESCRIPTION = Path(__file__).parents[2] / "docs" / "results.md"
+BACKENDS = ("analytic", "halfplane")
+STATES = 21
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Run fretfe as it is installed, with lines so long that no message is broken."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path_factory.mktemp("elsewhere"))
+        patch.setitem(launch.ENVIRONMENT, "COLUMNS", "1000")
+        yield
+
+
+def run(case: Path, backend: str, out: Path) -> subprocess.CompletedProcess[str]:
+    return launch.python("-m", "fretfe", "run", case, "--backend", backend, "-o", out)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a case, and the results of each backend in a folder of its name."""
+    path = tmp_path_factory.mktemp("run")
+    (path / "pad.toml").write_text(HERTZ)
+    for backend in BACKENDS:
+        done = run(path / "pad.toml", backend, path / backend)
+        assert done.returncode == 0, done.stderr
+        (path / f"{backend}.txt").write_text(done.stdout)
+    return path
+
+
+def numbers(folder: Path) -> dict[str, Any]:
+    return dict(json.loads((folder / "results.json").read_text()))
+
+
+def described(section: str) -> set[str]:
+    """Keys in the table below a heading of docs/results.md."""
+    text = DESCRIPTION.read_text("utf-8").split(f"\n### {section}\n")[1]
+    first_cells = re.findall(r"^\|([^|]*)\|", re.split(r"\n##", text)[0], re.MULTILINE)
+    return {key for cell in first_cells for key in re.findall(r"`(\w+)`", cell)}
+
+
+@pytest.mark.parametrize(
+    ("backend", "files"),
+    [
+        ("analytic", {"results.json", "case.toml"}),
+        ("halfplane", {"results.json", "results.h5", "tractions.png", "case.toml"}),
+    ],
+)
+def test_files(folder: Path, backend: str, files: set[str]) -> None:
+    assert {path.name for path in (folder / backend).iterdir()} == files
+    assert (folder / backend / "case.toml").read_text() == HERTZ
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_keys_are_those_of_the_document(folder: Path, backend: str) -> None:
+    data = numbers(folder / backend)
+    assert set(data) == described("Top level")
+    contact = data["contacts"]["main"]
+    assert set(contact) == described("`contacts.NAME`")
+    for edge in contact["edges"]:
+        assert set(edge) == described("`contacts.NAME.edges[i]`")
+        for zone in edge["slip_zones"]:
+            assert set(zone) == described("`contacts.NAME.edges[i].slip_zones[j]`")
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_run_is_described(folder: Path, backend: str) -> None:
+    data = numbers(folder / backend)
+    assert data["backend"] == backend
+    assert data["complete"] is True and data["failure"] == ""
+    assert (len(data["times"]), data["cycle"], data["ranks"]) == (STATES, [12, 20], 1)
+    assert data["mesh"] == {}
+    assert "the platen does not turn: the pressure is symmetric, M = 0" in data["notes"]
+    printed = (folder / f"{backend}.txt").read_text()
+    assert all(f"Note: {note}" in printed for note in data["notes"])
+
+
+def test_without_tractions_there_is_nothing_about_steps(folder: Path) -> None:
+    data = numbers(folder / "analytic")
+    assert [data[key] for key in ("drivers", "coordinates", "steps")] == [None] * 3
+
+
+def test_with_tractions_the_steps_are_described(folder: Path) -> None:
+    data = numbers(folder / "halfplane")
+    assert list(data["drivers"]) == ["shear", "normal", "moment", "tension"]
+    assert set(data["coordinates"]) == {"shear", "normal", "moment"}
+    assert set(data["steps"]["certificate"]) == described("`steps.certificate`")
+    assert max(data["steps"]["certificate"]["worst"]) < 1e-9
+    with h5py.File(folder / "halfplane" / "results.h5") as arrays:
+        group = arrays["contacts/main"]
+        nodes = len(group["arc"])
+        assert group["traction"].shape == (STATES, nodes, 2)
+        assert "mesh" not in arrays
+        force = group["weights"][:] @ group["traction"][-1]
+    # The resultants are prescribed: they are met to the tolerance of the contact iteration.
+    assert np.allclose(force, [600, 0], atol=1e-8 * 600)
+
+
+@pytest.mark.parametrize(
+    # The half-plane solution is discretised: 300 nodes, fits of K_N, a slip border between nodes.
+    ("backend", "tolerance"),
+    [("analytic", 1e-12), ("halfplane", 5e-3)],
+)
+def test_numbers_are_those_of_hertz_and_cattaneo(
+    folder: Path, backend: str, tolerance: float
+) -> None:
+    contact = numbers(folder / backend)["contacts"]["main"]
+    profile = Hertz(50.0, composite_modulus(210e3, 0.3, 210e3, 0.3))
+    a = float(profile.half_width(600.0))
+    assert np.allclose(contact["normal_force"][4:], 600, rtol=1e-8)
+    assert np.isclose(contact["half_width"][-1], a, rtol=tolerance)
+    for edge in contact["edges"]:
+        sign = -1 if edge["side"] == "left" else 1
+        k_t = tangential_factor(60.0, 0.0, a, edge["side"])
+        assert np.isclose(edge["position"][-1], sign * a, rtol=tolerance)
+        assert np.isclose(edge["k_n"][-1], edge_factor_k_n(profile, a), rtol=tolerance)
+        # State 6 is the first peak of the shear force.
+        assert np.isclose(edge["k_t"][6], k_t, rtol=tolerance)
+        assert np.isclose(edge["k_t_range"], 2 * abs(k_t), rtol=tolerance)
+        # Q1 = f P/4: c = a sqrt(1 - 1/4)
+        length = edge["slip_zones"][-1]["length"]
+        assert np.isclose(length, a * (1 - np.sqrt(0.75)), rtol=tolerance)
+
+
+def test_files_of_an_earlier_run_that_do_not_belong_to_it_go(folder: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    for backend in ("halfplane", "analytic"):
+        done = run(folder / "pad.toml", backend, out)
+        assert done.returncode == 0, done.stderr
+        assert (out / "results.h5").exists() == (backend == "halfplane")
+        assert (out / "tractions.png").exists() == (backend == "halfplane")
+    assert numbers(out)["backend"] == "analytic"
+
+
+# What a user gets wrong: edit of the case, exit code, words that the message must contain.
+MISTAKES = {
+    "misspelt key": (("friction = 0.4", "frction = 0.4"), 2, ["main.frction", "'friction'"]),
+    "parameter out of range": (("upper_radius = 50", "upper_radius = 0"), 2, ["upper_radius"]),
+    "sliding": (
+        ("amplitude = 60", "amplitude = 300"),
+        4,
+        ["expected |Q| < f P", "Q = 300", "f P = 240", "at time 1.25"],
+    ),
+    "opening": (("ramp = -600", "ramp = 600"), 4, ["P > 0", "-150", "at time 0.25", "open"]),
+    "dissimilar": (
+        ("young = 210e3", "young = 70e3"),
+        4,
+        ["elastically similar", "beta = -0.143"],  # (mu1 - mu2)(kappa - 1)/[(mu1 + mu2)(kappa + 1)]
+    ),
+    "prescribed approach": (('"force"', '"displacement"'), 4, ["loads.press", "'displacement'"]),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_mistake_gets_a_clear_message_before_any_work(tmp_path: Path, mistake: str) -> None:
+    (old, new), code, words = MISTAKES[mistake]
+    assert old in HERTZ
+    (tmp_path / "case.toml").write_text(HERTZ.replace(old, new, 1))
+    done = run(tmp_path / "case.toml", "halfplane", tmp_path / "out")
+    assert done.returncode == code, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr and "step" not in done.stdout
+    assert all(word in done.stderr for word in words), done.stderr
+    assert not (tmp_path / "out").exists()

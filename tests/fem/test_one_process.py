@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A backend that runs on one process, started by mpirun on two: one run, one report."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from launch import python
+from pads import HERTZ
+
+
+@pytest.mark.parametrize("backend", ["analytic", "halfplane"])
+def test_two_processes_make_one_run(tmp_path: Path, backend: str) -> None:
+    (tmp_path / "case.toml").write_text(HERTZ)
+    arguments = ("run", tmp_path / "case.toml", "-o", tmp_path / "out", "--backend", backend)
+    done = python("-m", "fretfe", *arguments, ranks=2)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("step 20/20") == done.stdout.count("Results in") == 1
+    assert json.loads((tmp_path / "out" / "results.json").read_text())["ranks"] == 1
+
+
+def test_two_processes_report_an_error_once(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(HERTZ.replace("amplitude = 60", "amplitude = 300"))
+    arguments = ("run", tmp_path / "case.toml", "-o", tmp_path / "out", "--backend", "halfplane")
+    done = python("-m", "fretfe", *arguments, ranks=2)
+    assert done.returncode == 4
+    assert done.stderr.count("fretfe: error:") == 1
+
+
+def test_two_processes_list_the_backends_once() -> None:
+    done = python("-m", "fretfe", "backends", ranks=2, timeout=30)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("halfplane") == 1

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The benchmarks and negative controls through finite elements."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from launch import python
+
+from fretfe.backends import Installed
+from fretfe.fem.backend import BACKEND, MpiProcesses
+from fretfe.verify.benchmarks import benchmarks
+from fretfe.verify.controls import controls
+from fretfe.verify.model import Benchmark, Row
+from fretfe.verify.run import run_benchmark
+
+BENCHMARKS = {benchmark.name: benchmark for benchmark in benchmarks() if benchmark.case}
+CONTROLS = {control.name: control for control in controls()}
+# One of each kind that runs in about a second; the whole table takes twenty.
+QUICK = (
+    "fretting specimen, f = 0.85",
+    "loop Q 0.15, tension 0.3, lag 45°",
+    "moment, Hertz",
+    "sliding wedge block",
+)
+
+
+def run(benchmark: Benchmark) -> tuple[Row, ...]:
+    return run_benchmark(benchmark, Installed("fem", "", BACKEND), MpiProcesses())
+
+
+def check(name: str) -> None:
+    rows = run(BENCHMARKS[name])
+    assert [row for row in rows if row.verdict != "pass"] == []
+    assert len(rows) == len(BENCHMARKS[name].quantities)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("name", QUICK)
+def test_benchmark_passes(name: str) -> None:
+    check(name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in BENCHMARKS if name not in QUICK])
+def test_every_other_benchmark_passes(name: str) -> None:
+    check(name)
+
+
+@pytest.mark.parametrize("name", CONTROLS)
+def test_control_is_caught(name: str) -> None:
+    (row,) = run(CONTROLS[name])
+    assert row.verdict == "caught", row.reason
+
+
+@pytest.mark.slow
+def test_two_processes_give_the_rows_of_one() -> None:
+    documents = []
+    for ranks in (1, 2):
+        arguments = ("verify", "--backend", "fem", "--backend", "analytic", "--json")
+        done = python("-m", "fretfe", *arguments, ranks=ranks, timeout=280)
+        assert done.returncode == 0, done.stdout + done.stderr
+        documents.append(json.loads(done.stdout))
+    one, two = ([row["verdict"] for row in document["rows"]] for document in documents)
+    assert one == two

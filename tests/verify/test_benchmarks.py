@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The benchmarks themselves, through the backends that need no mesh."""
+
+from __future__ import annotations
+
+import math
+import runpy
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
+from fretfe.backends import Installed, backend_names, find_backend
+from fretfe.command import OneProcess
+from fretfe.verify import references
+from fretfe.verify.benchmarks import benchmarks
+from fretfe.verify.controls import controls
+from fretfe.verify.loops import LOOPS, SHORTEST
+from fretfe.verify.model import Benchmark, Row
+from fretfe.verify.run import run_benchmark
+from fretfe.verify.sliding import FRICTION, MESH, SLOPE
+
+BACKENDS = ("analytic", "halfplane")
+BENCHMARKS = {benchmark.name: benchmark for benchmark in benchmarks()}
+CONTROLS = {control.name: control for control in controls()}
+THREE_DIMENSIONAL = ("two spheres, normal", "sphere, tangential")
+NOT_FOR_HALF_PLANES = (*THREE_DIMENSIONAL, "sliding wedge block")
+
+
+def run(benchmark: Benchmark, backend: str) -> tuple[Row, ...]:
+    return run_benchmark(benchmark, Installed(backend, "", find_backend(backend)), OneProcess())
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("name", [name for name in BENCHMARKS if name not in NOT_FOR_HALF_PLANES])
+def test_benchmark_passes(name: str, backend: str) -> None:
+    rows = run(BENCHMARKS[name], backend)
+    assert [row for row in rows if row.failed] == []
+    assert any(row.verdict == "pass" for row in rows)
+    unwanted = [row for row in rows if row.verdict == "skipped" and "tractions" not in row.reason]
+    assert unwanted == []
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("name", CONTROLS)
+def test_control_is_caught(name: str, backend: str) -> None:
+    (row,) = run(CONTROLS[name], backend)
+    assert row.verdict == "caught", row.reason
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("name", NOT_FOR_HALF_PLANES)
+def test_what_is_left_out_has_a_reason(name: str, backend: str) -> None:
+    (row,) = run(BENCHMARKS[name], backend)
+    assert row.verdict == "skipped"
+    words = "three-dimensional" if name in THREE_DIMENSIONAL else "sliding_wedge.msh"
+    assert words in row.reason
+
+
+def test_names_are_different() -> None:
+    table = (*benchmarks(), *controls())
+    assert len({benchmark.name for benchmark in table}) == len(table)
+
+
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_every_benchmark_names_its_source(name: str) -> None:
+    assert BENCHMARKS[name].source
+
+
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_tolerances_are_those_of_known_backends_and_useful(name: str) -> None:
+    tolerances = [quantity.tolerances for quantity in BENCHMARKS[name].quantities]
+    assert all(set(each) <= set(backend_names()) for each in tolerances)
+    # the widest is the asymptote for slip zones of a fifth of a half-width
+    assert all(0 < value <= 0.015 for each in tolerances for value in each.values())
+
+
+Load = Callable[..., float]
+# The closed forms of the known values were written down twice; here the two meet.
+SHAPES: dict[str, tuple[Profile, Load, Load, tuple[float, ...]]] = {
+    "Hertz": (Hertz(50.0, 100.0), references.hertz_load, references.hertz_k_n, (50.0,)),
+    "wedge": (Wedge(0.01, 100.0), references.wedge_load, references.wedge_k_n, (0.01,)),
+    "flat and rounded": (
+        FlatRounded(0.5, 100.0, 100.0),
+        references.flat_rounded_load,
+        references.flat_rounded_k_n,
+        (0.5, 100.0),
+    ),
+}
+
+
+@pytest.mark.parametrize("half_width", [0.85, 1.0, 2.0])
+@pytest.mark.parametrize("name", SHAPES)
+def test_closed_forms_agree_with_the_library(name: str, half_width: float) -> None:
+    profile, load, k_n, shape = SHAPES[name]
+    assert load(half_width, *shape, 100.0) == pytest.approx(float(profile.load(half_width)))
+    assert k_n(half_width, *shape, 100.0) == pytest.approx(
+        float(edge_factor_k_n(profile, half_width))
+    )
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.7, math.pi / 2, 2.5])
+def test_ranges_of_k_t_are_those_of_the_history(lag: float) -> None:
+    times = [2 * math.pi * i / 20000 for i in range(20000)]
+    left, right = references.k_t_ranges(0.3, 0.2, lag, 1.5)
+    histories = {
+        sign: [
+            sign * references.shear_part(0.3 * math.cos(t), 1.5)
+            + references.tension_part(0.2 * math.cos(t - lag), 1.5)
+            for t in times
+        ]
+        for sign in (1, -1)
+    }
+    # sampling: 1 - cos(pi/20000)
+    assert left == pytest.approx(max(histories[1]) - min(histories[1]), rel=1e-7)
+    assert right == pytest.approx(max(histories[-1]) - min(histories[-1]), rel=1e-7)
+
+
+def test_asymptotic_lengths_of_the_loops_follow_from_the_ranges() -> None:
+    k_n = references.hertz_k_n(1.0, 50.0, 100.0)
+    for loop in LOOPS:
+        force, tension = loop.shear * 0.5 * math.pi / 2, loop.tension * 0.5
+        ranges = references.k_t_ranges(force, tension, math.radians(loop.lag), 1.0)
+        # four digits
+        assert [r / (0.5 * k_n) for r in ranges] == pytest.approx(loop.asymptotic, abs=6e-5)
+
+
+def test_shortest_slip_zone() -> None:
+    assert pytest.approx(0.00305, abs=5e-6) == SHORTEST
+
+
+def test_mesh_of_the_sliding_wedge_is_what_the_tool_writes() -> None:
+    tool = Path(__file__).parents[2] / "tools" / "sliding_wedge_mesh.py"
+    tables = runpy.run_path(str(tool))
+    assert tables["SLOPE"] == SLOPE
+    assert tables["mesh_text"]() == MESH.read_text(encoding="ascii")
+
+
+def test_force_ratio_of_the_sliding_wedge() -> None:
+    (quantity,) = BENCHMARKS["sliding wedge block"].quantities
+    normal, shear = 1.0, FRICTION
+    angle = math.atan(SLOPE)
+    horizontal = normal * math.sin(angle) + shear * math.cos(angle)
+    vertical = normal * math.cos(angle) - shear * math.sin(angle)
+    assert quantity.reference == pytest.approx(horizontal / vertical)
+    assert quantity.reference == pytest.approx(0.412371, abs=5e-7)

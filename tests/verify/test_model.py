@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The comparison that every number of the verification goes through."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from fretfe.backends import EdgeHistories
+from fretfe.loads import History
+from fretfe.verify.model import Quantity, Row, Verdict, compare, failed, remark
+
+RESULT = EdgeHistories(History((), np.zeros(1), np.zeros((1, 0)), None), contacts=())
+
+
+def quantity(value: float, *, needs_tractions: bool = False) -> Quantity:
+    tolerances = {"good": 0.01, "coarse": 0.1}
+    return Quantity("K_N", 4.0, 2.0, tolerances, lambda _: value, needs_tractions)
+
+
+@pytest.mark.parametrize(
+    ("value", "backend", "difference", "verdict"),
+    [
+        (4.015, "good", 0.0075, "pass"),
+        (3.985, "good", -0.0075, "pass"),
+        (4.03, "good", 0.015, "fail"),
+        (3.97, "good", -0.015, "fail"),
+        (4.03, "coarse", 0.015, "pass"),
+        (4.19, "foreign", 0.095, "pass"),
+        (4.21, "foreign", 0.105, "fail"),
+    ],
+)
+def test_difference_is_a_fraction_of_the_scale(
+    value: float, backend: str, difference: float, verdict: str
+) -> None:
+    row = compare("benchmark", quantity(value), backend, RESULT)
+    assert (row.computed, row.reference, row.verdict) == (value, 4.0, verdict)
+    assert row.difference == pytest.approx(difference)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_no_value_is_a_failure(value: float) -> None:
+    row = compare("benchmark", quantity(value), "good", RESULT)
+    assert (row.computed, row.difference, row.verdict) == (None, None, "fail")
+    assert "no value" in row.reason
+
+
+def test_tractions_that_a_backend_does_not_have_are_skipped() -> None:
+    row = compare("benchmark", quantity(4.0, needs_tractions=True), "good", RESULT)
+    assert (row.quantity, row.verdict) == ("K_N", "skipped")
+    assert "tractions" in row.reason
+
+
+def rows(*verdicts: Verdict) -> tuple[Row, ...]:
+    return tuple(remark("benchmark", "backend", verdict, "") for verdict in verdicts)
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "expected"),
+    [
+        (("pass", "skipped", "caught"), False),
+        (("pass", "fail"), True),
+        (("pass", "NOT CAUGHT"), True),
+        (("skipped", "skipped"), True),
+        ((), True),
+    ],
+    ids=["good", "one fails", "control not caught", "nothing run", "no rows"],
+)
+def test_a_verification_fails(verdicts: tuple[Verdict, ...], expected: bool) -> None:
+    assert failed(rows(*verdicts)) is expected

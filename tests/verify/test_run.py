@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""One benchmark through one backend: whatever happens becomes a row."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import TypeVar
+
+import numpy as np
+import pytest
+
+from fretfe.backends import EdgeHistories, Installed, Processes, RunOptions
+from fretfe.backends.protocol import DEFAULTS
+from fretfe.case import Case
+from fretfe.errors import ConvergenceError, ModelError
+from fretfe.loads import History
+from fretfe.verify.loops import TENSION_ONLY, loop_case
+from fretfe.verify.model import Benchmark, Quantity, Row
+from fretfe.verify.run import run_benchmark
+
+T = TypeVar("T")
+RESULT = EdgeHistories(History((), np.zeros(1), np.zeros((1, 0)), None), contacts=())
+
+
+class Alone:
+    """One process."""
+
+    rank = 0
+
+    def on_root(self, work: Callable[[], T]) -> T | None:
+        return work()
+
+
+@dataclass
+class Stub:
+    """A backend that returns or raises what it is told to."""
+
+    outcome: EdgeHistories | Exception = RESULT
+    reasons: tuple[str, ...] = ()
+    summary: str = "stub"
+
+    def supports(self, case: Case) -> tuple[str, ...]:
+        return self.reasons
+
+    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> EdgeHistories:
+        if isinstance(self.outcome, Exception):
+            raise self.outcome
+        return self.outcome
+
+
+class ParallelStub(Stub):
+    """The same on several processes."""
+
+    @property
+    def processes(self) -> Processes:
+        return Alone()
+
+
+def benchmark(*values: float, control: bool = False) -> Benchmark:
+    """Quantities whose known value is 1."""
+    quantities = tuple(
+        Quantity(f"quantity {i}", 1.0, 1.0, {"stub": 0.01}, lambda _, value=value: value)  # type: ignore[misc]
+        for i, value in enumerate(values)
+    )
+    return Benchmark("name", "source", loop_case(TENSION_ONLY), quantities, control=control)
+
+
+def run(
+    backend: Stub | None, *values: float, control: bool = False, reason: str = ""
+) -> tuple[Row, ...]:
+    installed = Installed("stub", "package 1.0", backend, reason)
+    return run_benchmark(benchmark(*values, control=control), installed, Alone())
+
+
+def test_every_quantity_gets_a_row() -> None:
+    rows = run(Stub(), 1.0, 2.0)
+    assert [row.quantity for row in rows] == ["quantity 0", "quantity 1"]
+    assert [row.verdict for row in rows] == ["pass", "fail"]
+
+
+def test_backend_that_cannot_be_used_is_skipped() -> None:
+    (row,) = run(None, 1.0, reason="No module named 'dolfinx'")
+    assert (row.verdict, row.reason) == ("skipped", "No module named 'dolfinx'")
+
+
+def test_case_that_is_not_supported_is_skipped() -> None:
+    (row,) = run(Stub(reasons=("no tension", "no shear")), 1.0)
+    assert (row.verdict, row.reason) == ("skipped", "no tension; no shear")
+
+
+def test_benchmark_without_a_case_is_skipped() -> None:
+    without = replace(benchmark(), case=None, left_out="three-dimensional")
+    (row,) = run_benchmark(without, Installed("stub", "", Stub()), Alone())
+    assert (row.verdict, row.reason) == ("skipped", "three-dimensional")
+
+
+ERRORS = [
+    (ModelError("nothing holds the pad"), "nothing holds the pad"),
+    (ZeroDivisionError("by zero"), "ZeroDivisionError: by zero"),
+]
+
+
+@pytest.mark.parametrize(("error", "text"), ERRORS, ids=["refusal", "crash"])
+def test_error_is_a_failed_row(error: Exception, text: str) -> None:
+    (row,) = run(Stub(error), 1.0)
+    assert (row.verdict, row.reason) == ("fail", text)
+
+
+def test_history_that_was_not_finished_is_a_failed_row() -> None:
+    result = replace(RESULT, failure=ConvergenceError("step 3 has no solution"))
+    (row,) = run(Stub(result), 1.0)
+    assert (row.verdict, row.reason) == ("fail", "step 3 has no solution")
+
+
+def test_refusal_on_several_processes_is_a_failed_row() -> None:
+    (row,) = run(ParallelStub(ModelError("refused")), 1.0)
+    assert row.verdict == "fail"
+
+
+def mpi(size: int) -> SimpleNamespace:
+    return SimpleNamespace(COMM_WORLD=SimpleNamespace(size=size))
+
+
+@pytest.mark.parametrize("module", [mpi(2), None], ids=["two", "unknown"])
+def test_crash_on_several_processes_ends_the_run(
+    monkeypatch: pytest.MonkeyPatch, module: object
+) -> None:
+    # It may have happened on one process alone, for which the others would wait.
+    monkeypatch.setitem(sys.modules, "mpi4py.MPI", module)
+    with pytest.raises(ZeroDivisionError):
+        run(ParallelStub(ZeroDivisionError()), 1.0)
+
+
+def test_crash_of_a_parallel_backend_on_one_process_is_a_failed_row(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, "mpi4py.MPI", mpi(1))
+    (row,) = run(ParallelStub(ZeroDivisionError("by zero")), 1.0)
+    assert (row.verdict, row.reason) == ("fail", "ZeroDivisionError: by zero")
+
+
+@pytest.mark.parametrize(
+    ("values", "verdict", "words"),
+    [
+        ((2.0, 3.0), "caught", "quantity 0 2 for 1"),
+        ((2.0, 1.0), "NOT CAUGHT", "accepted: quantity 1"),
+        ((1.0, 1.0), "NOT CAUGHT", "accepted: quantity 0, quantity 1"),
+        ((float("nan"),), "caught", "quantity 0 - for 1"),
+    ],
+)
+def test_control_has_to_fail_in_every_comparison(
+    values: tuple[float, ...], verdict: str, words: str
+) -> None:
+    (row,) = run(Stub(), *values, control=True)
+    assert row.verdict == verdict
+    assert words in row.reason
+
+
+@pytest.mark.parametrize(
+    ("error", "verdict"), [(ERRORS[0][0], "caught"), (ERRORS[1][0], "NOT CAUGHT")]
+)
+def test_control_may_be_refused_but_not_crash(error: Exception, verdict: str) -> None:
+    (row,) = run(Stub(error), 1.0, control=True)
+    assert row.verdict == verdict

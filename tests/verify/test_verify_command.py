@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""`fretfe verify` as a user meets it: tables, JSON, exit codes."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from launch import python
+from typer.testing import CliRunner
+
+from fretfe import command
+from fretfe.backends import Backend, Installed
+from fretfe.cli import app
+from fretfe.errors import CaseError
+from fretfe.verify.benchmarks import benchmarks
+from fretfe.verify.controls import controls
+from fretfe.verify.model import Benchmark
+
+KEYS = {
+    "benchmark", "quantity", "backend", "computed", "reference", "difference", "tolerance",
+    "verdict", "reason",
+}  # fmt: skip
+BENCHMARK = benchmarks()[0]
+
+
+@pytest.fixture(scope="module")
+def document() -> dict[str, Any]:
+    done = python("-m", "fretfe", "verify", "--backend", "analytic", "--json")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stderr == ""
+    return dict(json.loads(done.stdout))
+
+
+def test_json_document(document: dict[str, Any]) -> None:
+    assert document["schema"] == {"name": "fretfe-verify", "version": 1}
+    assert document["passed"] is True
+    assert "fretfe" in document["versions"]
+    assert list(document["seconds"]) == ["analytic"]
+
+
+def test_json_rows(document: dict[str, Any]) -> None:
+    rows = document["rows"]
+    assert all(set(row) == KEYS for row in rows)
+    assert {row["verdict"] for row in rows} == {"pass", "skipped", "caught"}
+    assert {row["backend"] for row in rows} == {"analytic"}
+    names = [benchmark.name for benchmark in (*benchmarks(), *controls())]
+    assert list(dict.fromkeys(row["benchmark"] for row in rows)) == names
+
+
+def test_json_numbers(document: dict[str, Any]) -> None:
+    for row in document["rows"]:
+        if row["verdict"] == "pass":
+            assert abs(row["difference"]) <= row["tolerance"]
+            # the scale is positive: difference has the sign of the deviation
+            assert (row["computed"] - row["reference"]) * row["difference"] >= 0
+        else:
+            assert row["computed"] is None and row["reason"]
+
+
+def test_tables() -> None:
+    done = python("-m", "fretfe", "verify", "--backend", "analytic")
+    assert done.returncode == 0, done.stdout + done.stderr
+    for words in ("two cylinders", "reference", "tolerance", "verdict", "pass", "caught"):
+        assert words in done.stdout
+    assert "fail" not in done.stdout.replace("has to fail", "").replace("has to \nfail", "")
+
+
+def test_unknown_backend() -> None:
+    done = python("-m", "fretfe", "verify", "--backend", "analitic")
+    assert done.returncode == 2
+    assert "'analitic'" in done.stderr and "halfplane" in done.stderr
+
+
+def test_other_ranks_than_0_print_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PMI_RANK", "1")
+    monkeypatch.setattr(command, "benchmarks", lambda: (BENCHMARK,))
+    done = CliRunner().invoke(app, ["verify", "--backend", "analytic"])
+    assert (done.exit_code, done.output) == (0, "")
+
+
+def invoke(
+    monkeypatch: pytest.MonkeyPatch, table: tuple[Benchmark, ...], *arguments: str
+) -> tuple[int, str]:
+    """Exit code and output with another table, without controls."""
+    monkeypatch.setattr(command, "benchmarks", lambda: table)
+    monkeypatch.setattr(command, "controls", lambda: ())
+    done = CliRunner().invoke(app, ["verify", "--backend", "analytic", *arguments])
+    return done.exit_code, done.output
+
+
+def wrong(factor: float) -> Benchmark:
+    first, *others = BENCHMARK.quantities
+    spoilt = replace(first, reference=first.reference * factor)
+    return replace(BENCHMARK, quantities=(spoilt, *others))
+
+
+def test_right_references_pass(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert invoke(monkeypatch, (BENCHMARK,))[0] == 0
+
+
+@pytest.mark.parametrize("factor", [1.0001, 0.9999])
+def test_wrong_reference_fails(monkeypatch: pytest.MonkeyPatch, factor: float) -> None:
+    code, output = invoke(monkeypatch, (wrong(factor),))
+    assert code == 1
+    assert "1 fail" in output and "verification failed" in output
+
+
+def test_wrong_reference_fails_in_json(monkeypatch: pytest.MonkeyPatch) -> None:
+    code, output = invoke(monkeypatch, (wrong(1.01),), "--json")
+    document = json.loads(output)
+    assert code == 1 and document["passed"] is False
+    assert [row["quantity"] for row in document["rows"] if row["verdict"] == "fail"] == ["a"]
+
+
+def test_control_that_is_accepted_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    code, output = invoke(monkeypatch, (replace(BENCHMARK, control=True),))
+    assert code == 1
+    assert "NOT CAUGHT" in output
+
+
+def test_nothing_run_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    code, output = invoke(monkeypatch, benchmarks()[-1:])
+    assert code == 1
+    assert "Nothing was verified" in output
+
+
+class Broken:
+    """A backend that crashes."""
+
+    summary = "broken"
+
+    def supports(self, case: object) -> tuple[str, ...]:
+        return ()
+
+    def solve(self, case: object, options: object = None) -> Any:
+        raise IndexError("index 7 is out of bounds")
+
+
+@pytest.mark.parametrize(
+    ("backend", "reason", "verdict", "words"),
+    [
+        (Broken(), "", "fail", "IndexError: index 7 is out of bounds"),
+        (None, "No module named 'dolfinx'", "skipped", "No module named 'dolfinx'"),
+    ],
+    ids=["crash", "cannot be used"],
+)
+def test_backend_that_does_not_work(
+    monkeypatch: pytest.MonkeyPatch,
+    backend: Backend | None,
+    reason: str,
+    verdict: str,
+    words: str,
+) -> None:
+    installed = (Installed("analytic", "package 1.0", backend, reason),)
+    monkeypatch.setattr(command, "installed_backends", lambda: installed)
+    code, output = invoke(monkeypatch, (BENCHMARK,), "--json")
+    (row,) = json.loads(output)["rows"]
+    assert code == 1
+    assert (row["verdict"], row["reason"]) == (verdict, words)
+
+
+def test_unknown_backend_is_an_error_of_the_user() -> None:
+    with pytest.raises(CaseError, match="'nix'"):
+        command.verify_backends(["nix"], as_json=True)
