@@ -96,6 +96,24 @@ def mesh(
 
 
 @app.command()
+def edges(
+    table: Annotated[Path, typer.Argument(help="CSV file with a header.", show_default=False)],
+    friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None,
+    x: Annotated[str, typer.Option(help="Column with the positions along the contact.")] = "x",
+    p: Annotated[str, typer.Option(help="Column with the pressure, positive.")] = "p",
+    q: Annotated[str | None, typer.Option(help="Column with the shear (default: q).")] = None,
+    slip: Annotated[str | None, typer.Option(help="Column with the slip (default: slip).")] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON document in place of tables.")
+    ] = False,
+) -> None:
+    """Find edge positions, K_N and slip zones in tractions that any program computed."""
+    from fretfe.edges_command import Columns, analyse_file
+
+    analyse_file(table, Columns(x, p, q, slip), friction, as_json=as_json)
+
+
+@app.command()
 def info() -> None:
     """Show versions, MPI and the linear-algebra library in use."""
     from fretfe.fem.command import show_info

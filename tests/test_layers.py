@@ -58,6 +58,7 @@ LAYERS = (
     "fretfe.fem.backend",
     "fretfe.results",
     "fretfe.report.*",
+    "fretfe.edges_command",
     "fretfe.verify.*",
     "fretfe.command",
     "fretfe.fem.command",

@@ -3,15 +3,14 @@
 
 A contact is sampled at arc positions ``x`` (n,), increasing; ``p``, ``q`` (n,) are the nodal values
 of piecewise-linear pressure and shear, zero at nodes out of contact. Conventions of
-``fretfe.analytic.edges``. Next to an edge nodal values oscillate, integrals do not: singular
-tractions are fitted through the cumulative force, and all fits leave out the outermost nodes.
+``fretfe.analytic.edges``. ``analyse_tractions`` does everything for one state of any contact; the
+functions that fit take many states or increments at once, as leading axes.
 
-Each fit is made over many windows. Those whose estimated error is within a factor 2 of the best are
-kept, the result is their median, and the spread is made of their range and standard error
-(``consensus``). It does not see an error that all windows share. Where no window holds enough
-nodes, the result is NaN with an infinite spread.
-
-The functions that fit take many states or increments at once, as leading axes.
+Next to an edge nodal values oscillate, integrals do not. Fits of the pressure weight the nodes by
+that error and by the noise; singular tractions are fitted through the cumulative force. Each fit is
+made over many windows and in several orders. Those of the pressure and of the slip are averaged by
+their estimated errors (``average``), those of bonded increments agree on a median (``consensus``).
+Where no window holds enough nodes, the result is NaN with an infinite spread.
 """
 
 from __future__ import annotations
@@ -34,16 +33,26 @@ from fretfe.edges.slip import (
     predicted_slip,
     slip_border,
 )
+from fretfe.edges.tractions import (
+    EdgeAnalysis,
+    Estimate,
+    TractionAnalysis,
+    analyse_tractions,
+)
 
 __all__ = [
     "OVERHANG",
     "BondedFit",
+    "EdgeAnalysis",
     "EdgeFit",
+    "Estimate",
     "Patch",
     "PredictedSlip",
     "Resultants",
     "Side",
     "SlipBorder",
+    "TractionAnalysis",
+    "analyse_tractions",
     "bonded_factors",
     "contact_patches",
     "cycle_change",

@@ -137,7 +137,9 @@ def edge_terms(series: BondedSeries, edges: FloatArray) -> tuple[FloatArray, Flo
     a = (edges[:, 1] - edges[:, 0]).reshape(-1, 1, 1, 1, 1) / 2
     sums = np.tensordot(_edge_sums(series.ends, edges, series.terms.shape[2]), series.terms, (3, 2))
     amount = (sums[:, :, 0] + series.total / np.pi) / a
-    return np.sqrt(a / 2) * amount, (0.25 - sums[:, :, 1] / (a * amount)) / a
+    # Without a singular term, as by symmetry, there is no beta either.
+    ratio = np.divide(sums[:, :, 1], a * amount, out=np.zeros_like(amount), where=amount != 0.0)
+    return np.sqrt(a / 2) * amount, (0.25 - ratio) / a
 
 
 def _edge_sums(ends: tuple[float, float], edges: FloatArray, terms: int) -> FloatArray:

@@ -9,6 +9,21 @@ import numpy as np
 
 from fretfe.analytic._arguments import FloatArray, Side, check_positive, side_sign
 from fretfe.analytic.edges import slip_length_cyclic, slip_length_loop
+from fretfe.edges.average import average
+
+# Error of a node of slip^(2/3), as an error of its place in elements: of finite elements, and of
+# averages over the support of a node.
+NODAL_ERROR = 0.05
+# Half-width of the 95 % interval over the estimated error.
+INTERVAL = 2.0
+# Slip of less than so many standard deviations of the noise takes no part.
+HIDDEN = 5.0
+# Numbers of nodes in the windows, next to the border, and then all.
+COUNTS = (4, 6, 9, 13, 19, 28, 42, 63, 94)
+# A line through so many nodes takes no part: slip^(2/3) is curved.
+LINE = 9
+# Highest order of the polynomials through slip^(2/3): one more than the highest that is used.
+HIGHEST = 3
 
 
 @dataclass(frozen=True)
@@ -17,11 +32,15 @@ class SlipBorder:
 
     If not ``resolved``, too few nodes slip, or the slip does not fall to zero where the sticking
     nodes begin: the length then ends half an element inside the last slipping node.
+
+    ``spread`` is half the width of an interval that is meant to hold the place of the border with
+    95 %, 0 in closed forms; the error of the edge is not in it. Infinite if a fit has no length.
     """
 
     length: float
     resolved: bool
     gross: bool
+    spread: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -37,8 +56,10 @@ def slip_border(
 ) -> SlipBorder:
     """Return the slip-zone length at one edge; all arrays (n,), nodes *in contact* only.
 
-    |slip|^(2/3) is linear in the distance to the stick-slip border. The node at the border is left
-    out, since its slip is an average over stick and slip; the next four give the straight line.
+    |slip|^(2/3) is a smooth function that vanishes linearly at the stick-slip border. The node at
+    the border is left out, since its slip is an average over stick and slip; lines and parabolas
+    through the next few, or many, nodes are averaged (``average``). Slip of sticking nodes is taken
+    as the noise of the samples.
 
     Args:
         x: arc positions of the nodes in contact.
@@ -56,19 +77,88 @@ def slip_border(
     # The outermost node carries next to no pressure, so its own status means nothing.
     slips[0] |= slips[1:2].any()
     if slips.all():
-        return SlipBorder(np.nan, resolved=True, gross=True)
+        return SlipBorder(np.nan, resolved=True, gross=True, spread=np.inf)
     count = int(np.argmin(slips))
+    size = float(s[count] - s[count - 1]) if count else float(s[1] - s[0])
     if count == 0:
-        return SlipBorder(0.0, resolved=True, gross=False)
+        return SlipBorder(0.0, resolved=True, gross=False, spread=max(float(s[0]), 0.0) + size)
     low, high = max(s[count - 1], 0.0), s[count]
-    zone = np.arange(max(0, count - 5), count - 1 if count > 2 else count)
+    zone = np.arange(0, count - 1 if count > 2 else count)[::-1]
     zone = zone[trusted[zone]]
+    noise = float(np.sqrt(np.mean(amount[~slips] ** 2)))
     if zone.size > 1:
-        slope, offset = np.polyfit(s[zone], amount[zone] ** (2 / 3), 1)
-        border = -offset / slope if slope < 0.0 else np.inf
-        if abs(border - (low + high) / 2) < 1.5 * (high - low):
-            return SlipBorder(float(np.clip(border, low, high)), resolved=True, gross=False)
-    return SlipBorder(float((low + high) / 2), resolved=False, gross=False)
+        border, spread, hidden = _border(s[zone] - low, amount[zone], noise, size)
+        if abs(border - (high - low) / 2) < 1.5 * size + hidden:
+            # Noise hides small slip behind the last node that is known to slip. That node may stand
+            # behind the border itself where slip is a mean over the support of each node; few
+            # nodes cannot tell.
+            behind = size if zone.size >= COUNTS[0] else 0.0
+            inside = border if hidden else np.clip(border, -behind, high - low)
+            return SlipBorder(float(low + inside), resolved=True, gross=False, spread=spread)
+    return SlipBorder(float((low + high) / 2), resolved=False, gross=False, spread=1.5 * size)
+
+
+def _border(
+    s: FloatArray, amount: FloatArray, noise: float, size: float
+) -> tuple[float, float, float]:
+    """Return the place of the border, its error bar, and over what length noise hides the slip.
+
+    Args:
+        s: (m,) places of slipping nodes, from the border outward, m >= 2.
+        amount: (m,) their slip.
+        noise: standard deviation of the slip.
+        size: element size.
+
+    Returns:
+        NaN, infinity and 0 if the slip does not fall toward the border.
+    """
+    highest = HIGHEST if noise else 2
+    if noise == 0.0:
+        # Farther nodes may have slipped while the edge moved over them: lines do.
+        s, amount = s[: COUNTS[0] + 1], amount[: COUNTS[0] + 1]
+    w = amount ** (2 / 3)
+    slope, offset = np.polyfit(s, w, 1)
+    if not slope < 0.0:
+        return np.nan, np.inf, 0.0
+    hidden = (HIDDEN * noise) ** (2 / 3) / -slope
+    # What the line expects decides which nodes count, and how much: samples there would bias it.
+    expected = np.maximum(slope * s + offset, 0.0)
+    clear = expected > (HIDDEN * noise) ** (2 / 3)
+    if np.count_nonzero(clear) > 1:
+        s, w, expected = s[clear], w[clear], expected[clear]
+    noisy = 2 / 3 * noise / np.sqrt(np.maximum(expected, (HIDDEN * noise) ** (2 / 3) or 1.0))
+    errors = np.hypot(noisy, NODAL_ERROR * size * slope)
+    # Where the samples are means, the first node may still be one over stick and slip.
+    starts = (0, 1) if s.size > COUNTS[0] else (0,)
+    windows = [slice(i, i + n) for i in starts for n in COUNTS if n < s.size - i]
+    windows += [slice(i, None) for i in starts]
+    fits = np.full((2, len(windows), HIGHEST), np.nan)
+    for number, window in enumerate(windows):
+        count = s[window].size
+        for order in range(1 if count < LINE else 2, min(highest, count - 1) + 1):
+            fits[:, number, order - 1] = _zero(s[window], w[window], errors[window], order)
+    if s.size < COUNTS[0]:
+        # Nothing to compare a line with: for what it may be curved, and for a mean at its end.
+        return float(fits[0, -1, 0]), float(np.hypot(INTERVAL * fits[1, -1, 0], size)), hidden
+    known = np.ones_like(fits[0])
+    place, bar, _ = average(fits[0], fits[1], 0.0 * known, known, INTERVAL)
+    return float(place), float(bar), hidden
+
+
+def _zero(s: FloatArray, w: FloatArray, errors: FloatArray, order: int) -> tuple[float, float]:
+    """Return the zero of a polynomial through w (m,) at s (m,) and its standard error, or NaN."""
+    scale = float(np.ptp(s))
+    powers = np.arange(order + 1)
+    matrix = (s[:, None] / scale) ** powers / errors[:, None]
+    inverse = np.linalg.pinv(matrix)
+    coefficients = inverse @ (w / errors)
+    zero, slope = 0.0, -1.0
+    for _ in range(10):  # Newton, from next to the border
+        slope = float(coefficients[1:] @ (powers[1:] * zero ** powers[:-1]))
+        if not slope < 0.0 or abs(zero) > 2.0:
+            return np.nan, np.nan
+        zero -= float(coefficients @ zero**powers) / slope
+    return zero * scale, float(np.linalg.norm(zero**powers @ inverse)) * scale / -slope
 
 
 def cycle_change(q: FloatArray, q_previous: FloatArray, friction: float, p_max: float) -> float:

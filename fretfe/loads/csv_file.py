@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Two columns of a CSV file with a header row."""
+"""Columns of a CSV file with a header row."""
 
 from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,11 +17,63 @@ from fretfe.errors import CaseError
 Array = NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class Table:
+    """Columns (n,) by name, n >= 1, and the line of the file that each row stands in."""
+
+    path: Path
+    columns: dict[str, Array]
+    lines: tuple[int, ...]
+
+    def require_increasing(self, name: str, what: str) -> None:
+        """Check that a column increases strictly; `what` it holds is for the message.
+
+        Raises:
+            CaseError: file, line and column of the first value that is not larger than the last.
+        """
+        values = self.columns[name]
+        wrong = np.flatnonzero(np.diff(values) <= 0)
+        if wrong.size:
+            row = int(wrong[0]) + 1
+            self.complain(row, name, f"a {what} after {values[row - 1]:g}")
+
+    def complain(self, row: int, name: str, expected: str) -> None:
+        """Raise the error that says what was expected of a value.
+
+        Raises:
+            CaseError: always.
+        """
+        place = f"{self.path}: line {self.lines[row]}, column {name!r}"
+        raise CaseError(f"{place}: expected {expected}, found {self.columns[name][row]:g}")
+
+
+def read_table(path: Path, names: Sequence[str], optional: Sequence[str] = ()) -> Table:
+    """Read columns of finite numbers.
+
+    Args:
+        path: comma-separated file, UTF-8, with a header row; empty lines are skipped.
+        names: of the columns.
+        optional: names of columns that are read if the file has them.
+
+    Raises:
+        CaseError: file, line and column of what is not as expected.
+    """
+    rows = _rows(path)
+    header = [name.strip() for name in rows[0][1]]
+    wanted = [*names, *(name for name in optional if name in header)]
+    places = [_column(path, header, name) for name in wanted]
+    if len(rows) == 1:
+        raise CaseError(f"{path}: expected rows of numbers below the header, found none")
+    data = np.array([[_number(path, *row, header, place) for place in places] for row in rows[1:]])
+    columns = dict(zip(wanted, data.T, strict=True))
+    return Table(path, columns, tuple(line for line, _ in rows[1:]))
+
+
 def read_columns(path: Path, time: str, value: str) -> tuple[Array, Array]:
     """Read a column of times, not negative and strictly increasing, and a column of values.
 
     Args:
-        path: comma-separated file, UTF-8, with a header row; empty lines are skipped.
+        path: as for `read_table`.
         time: name of the column with the times.
         value: name of the column with the values.
 
@@ -29,16 +83,13 @@ def read_columns(path: Path, time: str, value: str) -> tuple[Array, Array]:
     Raises:
         CaseError: file, line and column of what is not as expected.
     """
-    rows = _rows(path)
-    names = [name.strip() for name in rows[0][1]]
-    columns = [_column(path, names, name) for name in (time, value)]
-    if len(rows) == 1:
-        raise CaseError(f"{path}: expected rows of numbers below the header, found none")
-    data = np.array(
-        [[_number(path, *row, names, column) for column in columns] for row in rows[1:]]
-    )
-    _check_increasing(path, [line for line, _ in rows[1:]], time, data[:, 0])
-    return data[:, 0], data[:, 1]
+    table = read_table(path, (time, value))
+    times = table.columns[time]
+    negative = np.flatnonzero(times < 0)
+    if negative.size:
+        table.complain(int(negative[0]), time, "a time >= 0")
+    table.require_increasing(time, "time")
+    return times, table.columns[value]
 
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:
@@ -75,15 +126,3 @@ def _number(path: Path, line: int, cells: list[str], names: list[str], column: i
         place = f"{path}: line {line}, column {names[column]!r}"
         raise CaseError(f"{place}: expected a finite number, found {found}")
     return number
-
-
-def _check_increasing(path: Path, lines: list[int], name: str, times: Array) -> None:
-    steps = np.diff(times, prepend=-np.inf)
-    wrong = np.flatnonzero((steps <= 0) | (times < 0))
-    if not wrong.size:
-        return
-    row = int(wrong[0])
-    expected = "a time >= 0" if times[row] < 0 else f"a time after {times[row - 1]:g}"
-    raise CaseError(
-        f"{path}: line {lines[row]}, column {name!r}: expected {expected}, found {times[row]:g}"
-    )

@@ -57,7 +57,8 @@ def two_cylinders() -> Benchmark:
 
 def _cylinder_factors(half_width: float) -> tuple[Quantity, ...]:
     # Half-planes: the fits at the edge, on elements of 0.003 a there; the border of the stick zone
-    # is found to a tenth of an element. Finite elements: bodies of 12 a, of which K_T has 0.6 %.
+    # is found to a tenth of an element. Finite elements: bodies of 12 a, which
+    # leave 0.3 to 0.6 % in K_T.
     width = {"analytic": DIGITS, "halfplane": 3e-5, "fem": 0.005}
     factor = width | {"halfplane": FITTED}
     shear_factor = width | {"halfplane": 8e-6, "fem": 0.01}

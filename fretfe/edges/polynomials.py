@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Weighted fits of polynomials to squared pressures, solved as stacks of small matrices."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fretfe.analytic._arguments import FloatArray
+
+# Order of the highest polynomial: one more than the highest that is used, to compare with.
+HIGHEST = 5
+POWERS = np.arange(HIGHEST + 1)
+# Edges may stand so many elements outside the outermost node.
+FARTHEST = 3.0
+# Pressures of a fit are taken as this part of their error at least: weights stay finite.
+SMALLEST_PRESSURE = 0.3
+
+
+def weighted_triangles(
+    s: FloatArray, p: FloatArray, errors: FloatArray, tails: FloatArray
+) -> FloatArray:
+    """Return triangular factors of (1, z, ... z^5, p^2, tail), z = s/s_last, over 2 p errors.
+
+    Args:
+        s: (T, l) distances from the outermost node, l >= 6.
+        p: (T, l) pressures.
+        errors: (T, l) their standard deviations.
+        tails: (T, l) systematic errors of p.
+
+    Returns:
+        (T, 8, 8). The p in the weights is that of a cubic fit: samples there would bias it. With m
+        for it, p - sqrt(C) = (2 m p - m^2 - C)/(2 m) to first order, C the polynomial.
+    """
+    powers = (s / s[:, -1:])[..., None] ** POWERS
+    m = p
+    for _ in range(2):
+        triangles = _triangles(powers, np.maximum(m, SMALLEST_PRESSURE * errors), p, errors, tails)
+        cubics = np.linalg.solve(triangles[:, :4, :4], triangles[:, :4, 6:7])
+        m = np.sqrt(np.maximum((powers[..., :4] @ cubics)[..., 0], 0.0))
+    return _triangles(powers, np.maximum(m, SMALLEST_PRESSURE * errors), p, errors, tails)
+
+
+def _triangles(
+    powers: FloatArray, m: FloatArray, p: FloatArray, errors: FloatArray, tails: FloatArray
+) -> FloatArray:
+    columns = np.concatenate(
+        [powers, (2 * m * p - m**2)[..., None], (2 * m * tails)[..., None]], axis=-1
+    )
+    columns /= (2 * m * errors)[..., None]
+    missing = max(columns.shape[-1] - columns.shape[-2], 0)
+    return np.asarray(np.linalg.qr(np.pad(columns, ((0, 0), (0, missing), (0, 0))), mode="r"))
+
+
+def edge_terms(
+    triangles: FloatArray, order: int, length: int, scale: FloatArray, bounds: FloatArray
+) -> FloatArray:
+    """Return (7, T) edge, K_N, their standard errors, their systematic errors, and chi^2/nu.
+
+    Args:
+        triangles: (T, 8, 8) from ``weighted_triangles``.
+        order: of the polynomial, 2 to 5.
+        length: number of nodes in the window, at least order + 3.
+        scale: (T,) length s_last of the window.
+        bounds: (2, T) smallest and largest edge; NaN is returned for others.
+    """
+    size = order + 1
+    inverse = np.linalg.inv(triangles[:, :size, :size])
+    coefficients, shifts = np.moveaxis(inverse @ triangles[:, :size, 6:], -1, 0)
+    root = _root(coefficients, bounds / scale)
+    position, k_n, gradients = _edge(coefficients, root, scale)
+    errors = np.linalg.norm(gradients @ inverse, axis=-1)
+    systematic = (gradients @ shifts[..., None])[..., 0]
+    misfit = np.sum(triangles[:, size:7, 6] ** 2, axis=1) / (length - size)
+    return np.stack([position, k_n, *errors.T, *systematic.T, misfit])
+
+
+def _root(coefficients: FloatArray, bounds: FloatArray) -> FloatArray:
+    """Return (m,) the root of polynomials (m, k) next to 0, by Newton's method; NaN outside."""
+    root = np.zeros(len(coefficients))
+    with np.errstate(all="ignore"):  # what runs away is not within the bounds
+        for _ in range(12):
+            value, slope = _value_and_slope(coefficients, root)
+            root = root - value / slope
+        value, slope = _value_and_slope(coefficients, root)
+        tolerance = 1e-9 * np.abs(coefficients).max(axis=1)
+        found = (root >= bounds[0]) & (root < bounds[1]) & (np.abs(value) < tolerance) & (slope > 0)
+    return np.where(found, root, np.nan)
+
+
+def _value_and_slope(coefficients: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+    orders = np.arange(coefficients.shape[1])
+    powers = z[:, None] ** orders
+    slopes = orders[1:] * powers[:, :-1]
+    return np.sum(coefficients * powers, axis=1), np.sum(coefficients[:, 1:] * slopes, axis=1)
+
+
+def _edge(
+    coefficients: FloatArray, root: FloatArray, scale: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return edge (m,), K_N (m,), and their gradients (m, 2, k) by the coefficients (m, k)."""
+    orders = np.arange(coefficients.shape[1])
+    powers = root[:, None] ** orders
+    derivatives = orders * root[:, None] ** np.maximum(orders - 1, 0)
+    slope = np.sum(coefficients * derivatives, axis=1)
+    curvature = np.sum(
+        coefficients * orders * (orders - 1) * root[:, None] ** np.maximum(orders - 2, 0), axis=1
+    )
+    k_n = np.sqrt(slope / scale)
+    edge_gradient = -powers / slope[:, None]
+    slope_gradient = derivatives + curvature[:, None] * edge_gradient
+    gradients = [scale[:, None] * edge_gradient, slope_gradient * (k_n / (2 * slope))[:, None]]
+    return root * scale, k_n, np.stack(gradients, axis=1)
