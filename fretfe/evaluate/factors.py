@@ -7,7 +7,7 @@ each with the mean of the contact areas before and after it. K_T counts only ste
 
 from __future__ import annotations
 
-from dataclasses import astuple, fields
+from dataclasses import astuple, dataclass, fields
 
 import numpy as np
 import numpy.typing as npt
@@ -85,11 +85,24 @@ def companion_units(solution: Solution, contact: ContactHistory, positions: Arra
     return factors
 
 
-def integral_units(solution: Solution, contact: ContactHistory, positions: Array) -> Array:
-    """(R, T, 2, 2, J) unit factors by the interaction integral, for each of its R radii.
+@dataclass(frozen=True)
+class UnitFactors:
+    """K_T and K_I for a unit of each of J drivers, NaN where unknown; edge, factor (K_T, K_I).
+
+    Attributes:
+        main: (R, T, 2, 2, J) determined in R ways.
+        fitted: (T, 2, 2, J) by fits to tractions, as a check; None without them.
+    """
+
+    main: Array
+    fitted: Array | None
+
+
+def integral_units(solution: Solution, contact: ContactHistory, positions: Array) -> UnitFactors:
+    """Unit factors by the interaction integral, for each of its R radii, and by fits.
 
     The integrals are taken at a few contact areas; what the fits miss there is interpolated over
-    the half-width to the other states. Without integrals the fits themselves, R = 1.
+    the half-width to the other states. Without integrals both are those of the fits.
 
     Args:
         solution: the solved history.
@@ -99,7 +112,7 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     fits = companion_units(solution, contact, positions)
     integrals = contact.integrals
     if integrals is None:
-        return fits[None]
+        return UnitFactors(fits[None], fits)
     fitted = np.array([_at_own_edges(solution, contact, int(area)) for area in integrals.areas])
     missed = integrals.factors - fitted[:, None]
     half_widths = (integrals.positions[:, 1] - integrals.positions[:, 0]) / 2
@@ -107,7 +120,7 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     correction = _interpolate((positions[1] - positions[0]) / 2, half_widths[order], missed[order])
     for number, area in enumerate(integrals.areas):
         correction[:, contact.bonded.area == area] = missed[number][:, None]
-    return fits + correction
+    return UnitFactors(fits + correction, fits)
 
 
 def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Array:
@@ -123,11 +136,13 @@ def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Arr
 
 
 def moved_k_n(contact: ContactHistory, side: Side) -> float:
-    """K_N = 2 dK_I/da from the two neighbours of the last state; NaN if the edge does not move.
+    """K_N = 2 dK_I/da from the two neighbours of the last state.
+
+    NaN if the edge does not move, or reaches the end of the surface.
 
     Needs no assumption about the profile; exact for a small step (central difference).
     """
-    if contact.neighbours is None:
+    if contact.neighbours is None or np.any(contact.neighbours.pressure[:, [0, -1]] > 0):
         return np.nan
     positions = fit_edge(contact.arc, contact.neighbours.pressure, side).position
     outward = float(positions[1] - positions[0]) * (-1.0 if side == "left" else 1.0)

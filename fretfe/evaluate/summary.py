@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from fretfe.edges import EdgeFit, Side, cycle_change, resultants
-from fretfe.evaluate.consistency import shear_mismatch, tension_history
+from fretfe.evaluate.consistency import shear_mismatch, stuck_shear_force, tension_history
 from fretfe.evaluate.factors import (
     SIDES,
+    UnitFactors,
     add_up,
-    companion_units,
     edge_fits,
     integral_units,
     moved_k_n,
@@ -24,9 +24,8 @@ from fretfe.solution import OPEN, ContactHistory, Solution
 
 Array = npt.NDArray[np.float64]
 
-# Solution, contact and positions (2, T) of its edges to (R, T, 2, 2, J) factors, determined in R
-# ways; see `add_up`.
-FindUnits = Callable[[Solution, ContactHistory, Array], Array]
+# From solution, contact and positions (2, T) of its edges.
+FindUnits = Callable[[Solution, ContactHistory, Array], UnitFactors]
 # Change of the shear from one cycle to the next, relative to f p_max, below which it is steady.
 STEADY_CHANGE = 1e-3
 # Spread of the fits of K_N, relative to K_N, from which it is marked as uncertain.
@@ -88,8 +87,9 @@ class ContactSummary:
         centre, half_width: (T,) of the contact, NaN where it has none.
         effective_tension: (T,) bulk tension that gives half-planes the same mean of K_T over the
             two edges, counted like K_T.
-        shear_mismatch: (range of Q that half-planes need for K_T at the two edges)/(range of Q) - 1
-            over the cycle: zero if the half-plane description holds; NaN without a cycle.
+        shear_mismatch: (range of Q that half-planes need for K_T at the two edges)/(range of Q of
+            the stuck contact) - 1 over the cycle: zero if the half-plane description holds; NaN
+            without a cycle.
         cycle_change: change of the shear over the evaluated cycle relative to f p_max.
         steady: whether that is below the limit; False without a cycle.
         dissipation: friction work in the evaluated cycle, per unit thickness.
@@ -118,7 +118,7 @@ def evaluate(
 
     Args:
         solution: the solved history.
-        find_units: gives K_T and K_I for a unit of each driver, by interaction integrals and fits
+        find_units: gives K_T and K_I for a unit of each driver: by interaction integrals and fits,
             unless there is a closed form.
     """
     return tuple(_evaluate_contact(solution, contact, find_units) for contact in solution.contacts)
@@ -153,7 +153,7 @@ def _evaluate_contact(
         centre=centre,
         half_width=half_width,
         effective_tension=tension_history(k_t, half_width),
-        shear_mismatch=shear_mismatch(k_t, half_width, forces[:, 1], cycle),
+        shear_mismatch=shear_mismatch(k_t, half_width, stuck_shear_force(solution, contact), cycle),
         cycle_change=change,
         steady=bool(change < STEADY_CHANGE),
         dissipation=float(_over_cycle(solution, contact.dissipation).sum()),
@@ -163,9 +163,9 @@ def _evaluate_contact(
 
 @dataclass(frozen=True)
 class _Histories:
-    """(2, T, 2) K_T and K_I at both edges: by each of R radii, and by fits if there are any."""
+    """K_T and K_I at both edges: (R, 2, T, 2) in R ways, and (2, T, 2) by fits if there are any."""
 
-    radii: Array
+    ways: Array
     fitted: Array | None
 
 
@@ -173,11 +173,11 @@ def _factor_histories(
     solution: Solution, contact: ContactHistory, positions: Array, find_units: FindUnits
 ) -> _Histories:
     drivers, friction = solution.driver_values, contact.friction
-    radii = [add_up(u, drivers, friction) for u in find_units(solution, contact, positions)]
-    if not len(contact.bonded.fields):
-        return _Histories(np.array(radii), None)
-    fitted = companion_units(solution, contact, positions)
-    return _Histories(np.array(radii), add_up(fitted, drivers, friction))
+    units = find_units(solution, contact, positions)
+    ways = np.array([add_up(each, drivers, friction) for each in units.main])
+    if units.fitted is None:
+        return _Histories(ways, None)
+    return _Histories(ways, add_up(units.fitted, drivers, friction))
 
 
 def _evaluate_edge(
@@ -189,8 +189,8 @@ def _evaluate_edge(
     centre: Array,
 ) -> Edge:
     side = SIDES[number]
-    by_radius = histories.radii[:, number]
-    k_t, k_i = by_radius.mean(axis=0).T
+    by_way = histories.ways[:, number]
+    k_t, k_i = by_way.mean(axis=0).T
     cycle = cycle_states(solution.cycle)
     outer = contact.arc < centre[cycle[-1] if len(cycle) else -1]
     fitted = histories.fitted[number, :, 0] if histories.fitted is not None else None
@@ -203,7 +203,7 @@ def _evaluate_edge(
         k_i=k_i,
         k_n_moved=moved_k_n(contact, side),
         k_t_range=_range(k_t, cycle),
-        k_t_range_spread=float(np.ptp([_range(each, cycle) for each in by_radius[..., 0]])) / 2,
+        k_t_range_spread=float(np.ptp([_range(each, cycle) for each in by_way[..., 0]])) / 2,
         k_t_range_fitted=_range(fitted, cycle) if fitted is not None else np.nan,
         k_i_range=_range(k_i, cycle),
         slip_zones=slip_zones(
