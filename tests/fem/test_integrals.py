@@ -66,9 +66,9 @@ def test_half_planes(answer: EdgeHistories, number: int) -> None:
     assert shear_unit == pytest.approx(np.full(3, expected), rel=0.01)
     expected = float(normal_increment_factor(-1.0, 0.0, half_width, side))
     assert press_unit == pytest.approx(np.full(3, expected), rel=0.01)
-    # a normal load does not shear the edge
+    # a normal load does not shear the edge, but for the slope of the pad there, a/R = 0.0115
     press_shear = found.factors[-1, :, number, 0, drivers.index("press")]
-    assert np.abs(press_shear).max() < 0.01 * abs(expected)
+    assert np.abs(press_shear).max() < 0.02 * abs(expected)
 
 
 @pytest.mark.parametrize("number", [0, 1], ids=SIDES)

@@ -34,7 +34,10 @@ def test_pressure_and_edges(profile: Profile) -> None:
         # the second K_N: differences of positions, and loads 10 % apart
         assert edge.k_n_moved == pytest.approx(float(edge_factor_k_n(profile, 1.0)), rel=0.01)
     x = contact.arc
+    # without the edges, the apex of the wedge, and the kinks, where the pressure has a steep bend
     smooth = (np.abs(x) < 0.999) & (np.abs(x) > 0.02)
+    for kink in profile.kinks:
+        smooth &= np.abs(np.abs(x) - kink) > 0.01
     expected = profile.pressure(x, 1.0)
     error = np.abs(contact.mean_traction[-1, :, 0] - expected)[smooth].max()
     assert error < 0.01 * expected[smooth].max()
