@@ -7,6 +7,7 @@ each with the mean of the contact areas before and after it. K_T counts only ste
 
 from __future__ import annotations
 
+import math
 from dataclasses import astuple, dataclass, fields
 
 import numpy as np
@@ -135,19 +136,43 @@ def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Arr
     return _area_factors(contact.arc, fields, edges[None], overhang)[0]
 
 
-def moved_k_n(contact: ContactHistory, side: Side) -> float:
-    """K_N = 2 dK_I/da from the two neighbours of the last state.
+def stiffening(contact: ContactHistory, side: Side, half_width: float) -> float:
+    """(d2P/da2)/(dP/da) = d ln K_N/da + 1/(2a) from the two neighbours of the last state.
 
-    NaN if the edge does not move, or reaches the end of the surface.
+    By K_N = (1/pi) sqrt(2/a) dP/da, as the edge moves. NaN if it does not.
+    """
+    outward = _outward(contact, side)
+    if math.isnan(outward):
+        return np.nan
+    assert contact.neighbours is not None
+    k_n = fit_edge(contact.arc, contact.neighbours.pressure, side).k_n
+    return float(np.log(k_n[1] / k_n[0]) / outward + 0.5 / abs(half_width))
+
+
+def moved_k_n(contact: ContactHistory, side: Side) -> float:
+    """K_N = 2 dK_I/da from the two neighbours of the last state; NaN if the edge does not move.
 
     Needs no assumption about the profile; exact for a small step (central difference).
     """
+    outward = _outward(contact, side)
+    if math.isnan(outward):
+        return np.nan
+    assert contact.neighbours is not None
+    return 2 * float(contact.neighbours.k_i[:, SIDES.index(side)].mean()) / outward
+
+
+def _outward(contact: ContactHistory, side: Side) -> float:
+    """How far the edge moves outward from the lower to the higher neighbour.
+
+    NaN if it does not move, or reaches the end of the surface.
+    """
     if contact.neighbours is None or np.any(contact.neighbours.pressure[:, [0, -1]] > 0):
+        return np.nan
+    if np.count_nonzero(contact.neighbours.pressure > 0, axis=1).min() < FEWEST_NODES:
         return np.nan
     positions = fit_edge(contact.arc, contact.neighbours.pressure, side).position
     outward = float(positions[1] - positions[0]) * (-1.0 if side == "left" else 1.0)
-    k_i = float(contact.neighbours.k_i[:, SIDES.index(side)].mean())
-    return 2 * k_i / outward if outward > SMALLEST_MOVE * np.ptp(contact.arc) else np.nan
+    return outward if outward > SMALLEST_MOVE * np.ptp(contact.arc) else np.nan
 
 
 def _interpolate(at: Array, x: Array, values: Array) -> Array:

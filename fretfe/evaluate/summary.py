@@ -18,6 +18,7 @@ from fretfe.evaluate.factors import (
     edge_fits,
     integral_units,
     moved_k_n,
+    stiffening,
 )
 from fretfe.evaluate.slip_zones import SlipZone, States, cycle_states, slip_border_of, slip_zones
 from fretfe.solution import OPEN, ContactHistory, Solution
@@ -45,6 +46,8 @@ class Edge:
         k_i: (T,) factor of the normal increments, counted from the first state in contact.
         k_n_moved: (,) K_N in the last state from the movement of the edge between two load levels,
             2 dK_I/da; NaN without them.
+        stiffening: (,) relative growth of dP/da with the half-width a in the last state, from the
+            same two loads; it tells how long a slip zone may be for the edge description.
         k_t_range: range of K_T over the evaluated cycle, NaN without one.
         k_t_range_spread: half the difference of the ranges that the radii of the interaction
             integral give; 0 if K_T is known in closed form.
@@ -62,6 +65,7 @@ class Edge:
     k_t: Array
     k_i: Array
     k_n_moved: float
+    stiffening: float
     k_t_range: float
     k_t_range_spread: float
     k_t_range_fitted: float
@@ -202,6 +206,7 @@ def _evaluate_edge(
         k_t=k_t,
         k_i=k_i,
         k_n_moved=moved_k_n(contact, side),
+        stiffening=stiffening(contact, side, float((centre - fit.position)[-1])),
         k_t_range=_range(k_t, cycle),
         k_t_range_spread=float(np.ptp([_range(each, cycle) for each in by_way[..., 0]])) / 2,
         k_t_range_fitted=_range(fitted, cycle) if fitted is not None else np.nan,
