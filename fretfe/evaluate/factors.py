@@ -158,7 +158,8 @@ def moved_k_n(contact: ContactHistory, side: Side) -> float:
     if math.isnan(outward):
         return np.nan
     assert contact.neighbours is not None
-    return 2 * float(contact.neighbours.k_i[:, SIDES.index(side)].mean()) / outward
+    # The last way is the one with the largest circle, which the edge stays away from.
+    return 2 * float(contact.neighbours.k_i[-1, SIDES.index(side)]) / outward
 
 
 def _outward(contact: ContactHistory, side: Side) -> float:

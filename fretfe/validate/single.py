@@ -129,7 +129,9 @@ def _asymptote_row(
         return missing(name, side, label, reason)
     if math.isnan(predicted):
         return missing(name, side, label, "no prediction outside the evaluated cycle")
-    error = expected_error(edge, zone.length)
+    # An edge that moves is described over the longer of the two zones, which ends where it was.
+    longest = max(each.length for each in edge.slip_zones[-2:] if not each.gross)
+    error = expected_error(edge, longest)
     resolution = BORDER_ELEMENTS * size
     tolerance = (ESTIMATE_FACTOR * error + BORDER_FRACTION) * zone.length + resolution
     reason = (

@@ -126,8 +126,8 @@ def test_stiffness_and_plane_state_do_not_matter() -> None:
 
 
 def test_no_k_n_from_an_edge_that_leaves_its_surface() -> None:
-    # 10 % more load makes the half-width 5 % larger than 0.575
-    answer = solve(2, 0.02, zone=0.59)
+    # 5 % more load makes the half-width 2.5 % larger than 0.575
+    answer = solve(2, 0.02, zone=0.58)
     assert all(np.isnan(edge.k_n_moved) for edge in answer.contacts[0].edges)
     assert all(np.isfinite(edge.k_n[-1]) for edge in answer.contacts[0].edges)
 

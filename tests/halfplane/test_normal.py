@@ -31,7 +31,7 @@ def test_pressure_and_edges(profile: Profile) -> None:
         assert sign * edge.position[-1] == pytest.approx(1.0, abs=5e-4 * scale)
         # the fits of K_N are good to 0.5 % on any profile; Hertz is exact for them
         assert edge.k_n[-1] == pytest.approx(float(edge_factor_k_n(profile, 1.0)), rel=5e-3)
-        # the second K_N: differences of positions, and loads 10 % apart
+        # the second K_N: differences of positions, at loads 10 % apart
         assert edge.k_n_moved == pytest.approx(float(edge_factor_k_n(profile, 1.0)), rel=0.01)
     x = contact.arc
     # without the edges, the apex of the wedge, and the kinks, where the pressure has a steep bend
