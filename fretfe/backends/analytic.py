@@ -93,6 +93,7 @@ def solve_closed_form(problem: HalfPlaneProblem) -> tuple[ContactSummary, set[st
         # The closed forms are those of the steady cycle.
         steady=problem.history.cycle is not None,
         dissipation=dissipation,
+        dissipation_change=np.nan,
         warnings=_warnings(problem, contact, edges, used),
     ), used
 

@@ -97,6 +97,7 @@ class ContactSummary:
         cycle_change: change of the shear over the evaluated cycle relative to f p_max.
         steady: whether that is below the limit; False without a cycle.
         dissipation: friction work in the evaluated cycle, per unit thickness.
+        dissipation_change: relative change of it from the cycle before; NaN if there is none.
         warnings: what a reader must know, in words.
     """
 
@@ -112,6 +113,7 @@ class ContactSummary:
     cycle_change: float
     steady: bool
     dissipation: float
+    dissipation_change: float
     warnings: tuple[str, ...]
 
 
@@ -161,6 +163,7 @@ def _evaluate_contact(
         cycle_change=change,
         steady=bool(change < STEADY_CHANGE),
         dissipation=float(_over_cycle(solution, contact.dissipation).sum()),
+        dissipation_change=_dissipation_change(solution, contact),
         warnings=_warnings(contact, edges, change),
     )
 
@@ -233,6 +236,19 @@ def _over_cycle(solution: Solution, per_step: Array) -> Array:
     """Sum of a quantity of each step over the evaluated cycle, or over everything without one."""
     cycle = cycle_states(solution.cycle)
     return per_step[cycle[1:]].sum(axis=0) if len(cycle) else per_step.sum(axis=0)
+
+
+def _dissipation_change(solution: Solution, contact: ContactHistory) -> float:
+    """Friction work of the evaluated cycle over that of as many steps before it, less 1."""
+    if solution.cycle is None:
+        return np.nan
+    first, last = solution.cycle
+    count, work = last - first, contact.dissipation.sum(axis=1)
+    before = work[first - count + 1 : first + 1].sum() if first >= count else 0.0
+    earlier = contact.friction[first - count + 1 : first + 1] if first >= count else np.zeros(1)
+    if not (before > 0 and np.all(earlier > 0)):
+        return np.nan
+    return float(work[first + 1 : last + 1].sum() / before - 1)
 
 
 def _cycle_change(solution: Solution, contact: ContactHistory) -> float:

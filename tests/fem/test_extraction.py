@@ -166,3 +166,19 @@ def test_holds_are_no_cycle() -> None:
     contact = find_backend("fem").solve(parse_case(pad(geometry=cylinder(0.02), loads=loads)))
     for edge in contact.contacts[0].edges:
         assert np.isnan(edge.k_t_range) and np.isfinite(edge.k_n_moved)
+
+
+def test_friction_work_is_the_area_of_the_hysteresis_loop() -> None:
+    loads = {"press": press(), "shear": shear(100.0, cycles=3, steps=60)}
+    answer = find_backend("fem").solve(parse_case(pad(geometry=cylinder(0.02), loads=loads)))
+    solution, contact = answer.solution, answer.contacts[0]
+    assert solution is not None and solution.cycle is not None
+    cycle = slice(solution.cycle[0], solution.cycle[1] + 1)
+    force, path = solution.forces[cycle], solution.amplitudes[cycle]
+    # trapezoids over the loops of all boundaries
+    work = np.sum((force[1:] + force[:-1]) / 2 * np.diff(path, axis=0))
+    # the friction work takes the shear at the end of each step: first order in the 60 steps
+    assert contact.dissipation == pytest.approx(work, rel=0.03)
+    assert work > 0
+    assert sum(edge.dissipation for edge in contact.edges) == pytest.approx(contact.dissipation)
+    assert abs(contact.dissipation_change) < 1e-4
