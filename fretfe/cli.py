@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command line: `fretfe run`, `backends`, `verify`, `check`, `mesh`, `info`, `schema`.
+"""The command line: `fretfe run`, `validate`, `verify`, `backends`, `check` and others.
 
 Exit codes: 0 success, 1 unexpected error, 2 case file or usage, 3 geometry or mesh, 4 model,
 5 no convergence, 6 output, 7 missing dependency.
@@ -58,6 +58,27 @@ def backends(
     from fretfe.command import show_backends
 
     show_backends(case)
+
+
+@app.command()
+def validate(
+    case: CaseFile,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder for the results.")
+    ] = None,
+    backend: Annotated[str, typer.Option(help="As for `fretfe run`.")] = "fem",
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON document in place of the table.")
+    ] = False,
+) -> None:
+    """Run a case and its companions: does the edge description hold for this geometry?
+
+    Exit code 1 if a comparison fails.
+    """
+    from fretfe.validate_command import validate_case
+
+    if not validate_case(case, output, backend, as_json=as_json):
+        raise typer.Exit(1)
 
 
 @app.command()

@@ -65,26 +65,32 @@ def run_case(path: Path, directory: Path, name: str, *, timings: bool) -> None:
     """Solve a case, write everything, print the edges. Collective if the backend is parallel."""
     start = time.perf_counter()
     backend = find_backend(name)
-    processes = _processes(backend)
+    processes = processes_of(backend)
     if isinstance(processes, OneProcess) and processes.rank > 0:
         return
     case = processes.on_root(lambda: load_case(path))
     assert case is not None
-    processes.on_root(lambda: _require_supported(backend, name, case))
+    processes.on_root(lambda: require_supported(backend, name, case))
     fields = None if case.output.fields == "none" else directory / FIELDS
     processes.on_root(lambda: _prepare(directory, path))
-    with _StepReport(processes.rank) as report:
+    with StepReport(processes.rank) as report:
         result = backend.solve(case, RunOptions(fields=fields, progress=report.step))
     processes.on_root(lambda: _finish(case, name, result, directory, start, timings))
     if result.failure is not None:
         raise result.failure
 
 
-def _processes(backend: Backend | None) -> Processes:
+def processes_of(backend: Backend | None) -> Processes:
+    """The processes that a backend runs on."""
     return backend.processes if isinstance(backend, ParallelBackend) else OneProcess()
 
 
-def _require_supported(backend: Backend, name: str, case: Case) -> None:
+def require_supported(backend: Backend, name: str, case: Case) -> None:
+    """Check that a backend can solve a case.
+
+    Raises:
+        ModelError: with all reasons why not.
+    """
     reasons = backend.supports(case)
     if reasons:
         raise ModelError(
@@ -140,10 +146,11 @@ def _print_remarks(console: Console, result: EdgeHistories) -> None:
             console.print(f"Warning: {contact.name}: {warning}", highlight=False, markup=False)
 
 
-class _StepReport:
-    """Progress on rank 0: a bar on a terminal, a line per step otherwise."""
+class StepReport:
+    """Progress on rank 0: a bar on a terminal, otherwise a line per step, or nothing if quiet."""
 
-    def __init__(self, rank: int) -> None:
+    def __init__(self, rank: int, *, quiet: bool = False) -> None:
+        self._quiet = quiet
         console = Console(stderr=True)
         self._bar: Progress | None = None
         self._task: TaskID | None = None
@@ -156,13 +163,15 @@ class _StepReport:
             )
             self._bar = Progress(*columns, console=console, transient=True)
 
-    def __enter__(self) -> _StepReport:
+    def __enter__(self) -> StepReport:
+        """Show the bar."""
         if self._bar is not None:
             self._bar.start()
             self._task = self._bar.add_task("steps", total=None)
         return self
 
     def __exit__(self, *_: object) -> None:
+        """Take the bar away."""
         if self._bar is not None:
             self._bar.stop()
 
@@ -171,7 +180,8 @@ class _StepReport:
         if self._bar is not None and self._task is not None:
             self._bar.update(self._task, completed=number, total=count)
             return
-        print(f"step {number}/{count}: {text}", flush=True)
+        if not self._quiet:
+            print(f"step {number}/{count}: {text}", flush=True)
 
 
 def show_backends(path: Path | None) -> None:
@@ -204,7 +214,7 @@ def verify_backends(names: Sequence[str], *, as_json: bool) -> bool:
     for benchmark in (*benchmarks(), *controls()):
         found: list[Row] = []
         for installed in chosen:
-            processes = _processes(installed.backend)
+            processes = processes_of(installed.backend)
             if isinstance(processes, OneProcess) and processes.rank > 0:
                 continue
             start = time.perf_counter()
@@ -233,5 +243,5 @@ def _agree(chosen: Sequence[Installed], passed: bool) -> bool:
     """What rank 0 found, on all processes: the others have not run every backend."""
     for installed in chosen:
         if isinstance(installed.backend, ParallelBackend):
-            return bool(_processes(installed.backend).on_root(lambda: passed))
+            return bool(processes_of(installed.backend).on_root(lambda: passed))
     return passed or OneProcess().rank > 0

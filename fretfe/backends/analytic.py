@@ -24,6 +24,7 @@ from fretfe.idealise.edges import contact_edges, governing_length
 
 Array = npt.NDArray[np.float64]
 
+SMALL_STEP = 1e-4
 # Relative slip-zone length from which the asymptote deserves a warning: about 10 % error.
 LONG_SLIP_ZONE = 0.2
 
@@ -45,7 +46,7 @@ class AnalyticBackend:
             CaseError: if template, parameters or history are not valid.
         """
         start = time.perf_counter()
-        problem = idealise(case)
+        problem = idealise(case, options.history)
         summary, used = solve_closed_form(problem)
         options.progress(
             len(problem.history.times) - 1, len(problem.history.times) - 1, "closed form"
@@ -92,6 +93,7 @@ def solve_closed_form(problem: HalfPlaneProblem) -> tuple[ContactSummary, set[st
         # The closed forms are those of the steady cycle.
         steady=problem.history.cycle is not None,
         dissipation=dissipation,
+        dissipation_change=np.nan,
         warnings=_warnings(problem, contact, edges, used),
     ), used
 
@@ -113,6 +115,7 @@ def _edge(
         k_t=k_t,
         k_i=k_i,
         k_n_moved=np.nan,
+        stiffening=_stiffening(problem, contact),
         k_t_range=float(np.ptp(k_t[cycle])) if len(cycle) else np.nan,
         k_t_range_spread=0.0,
         k_t_range_fitted=np.nan,
@@ -121,6 +124,13 @@ def _edge(
         dissipation=_dissipation(problem, cycle, zones, k_n),
     )
     return edge, borders.used
+
+
+def _stiffening(problem: HalfPlaneProblem, contact: TiltedContact) -> float:
+    """(d2P/da2)/(dP/da) in the last state; that of the contact without moment."""
+    a = float(contact.right[-1] - contact.left[-1]) / 2
+    slopes = problem.profile.load_slope(a * np.array([1 - SMALL_STEP, 1.0, 1 + SMALL_STEP]))
+    return float((slopes[2] - slopes[0]) / (2 * SMALL_STEP * a * slopes[1]))
 
 
 def _dissipation(

@@ -39,7 +39,7 @@ class HalfPlaneBackend:
         def report(number: int, count: int, result: StepResult) -> None:
             options.progress(number, count, result.summary)
 
-        problem = idealise(case)
+        problem = idealise(case, options.history)
         start = time.perf_counter()
         outcome = solve_half_planes(problem, progress=report)
         solved = time.perf_counter()

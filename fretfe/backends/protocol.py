@@ -91,10 +91,12 @@ class RunOptions:
         fields: folder for the fields that the case asks for; None for no fields. Backends without
             fields ignore it.
         progress: called with each finished step, on rank 0.
+        history: loads in place of those of the case; None for those.
     """
 
     fields: Path | None = None
     progress: Progress = silent
+    history: History | None = None
 
 
 DEFAULTS = RunOptions()

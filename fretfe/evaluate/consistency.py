@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fretfe.analytic.edges import effective_bulk_tension, shear_force_from_factors
+from fretfe.solution import ContactHistory, Solution
 
 Array = npt.NDArray[np.float64]
 
@@ -30,7 +31,7 @@ def shear_mismatch(
     Args:
         k_t: (2, T) at the left and right edge.
         half_width: (T,), NaN without contact.
-        shear_force: (T,) Q.
+        shear_force: (T,) Q of the stuck contact.
         cycle: its states.
     """
     if not len(cycle) or np.ptp(shear_force[cycle]) <= 1e-9 * np.abs(shear_force).max():
@@ -38,6 +39,25 @@ def shear_mismatch(
     steps, a = _steps(k_t, half_width)
     needed = _added_up(shear_force_from_factors(steps[0], steps[1], a))
     return float(np.ptp(needed[cycle]) / np.ptp(shear_force[cycle]) - 1)
+
+
+def stuck_shear_force(solution: Solution, contact: ContactHistory) -> Array:
+    """(T,) Q of the companion increments, added up over the steps like K_T.
+
+    Where slip changes how the loads divide between several contacts, this is not the Q of the
+    contact itself, but the one that belongs to K_T. Without increments it is the Q of the contact.
+    """
+    bonded = contact.bonded
+    if not len(bonded.fields):
+        return np.asarray(contact.traction[:, :, 1] @ contact.weights)
+    # Area -1, the last entry, is that of states without contact.
+    units = np.einsum("n,unj->uj", contact.weights, bonded.fields[:, :, 1])
+    units = np.vstack([units, np.zeros(units.shape[1])])[bonded.area]
+    known = bonded.area >= 0
+    pairs = known[1:].astype(float) + known[:-1]
+    mean = (units[1:] + units[:-1]) / np.maximum(pairs, 1.0)[:, None]
+    steps = np.einsum("tj,tj->t", mean, np.diff(solution.driver_values, axis=0))
+    return _added_up(steps * (contact.friction[1:] > 0))
 
 
 def _steps(k_t: Array, half_width: Array) -> tuple[Array, Array]:

@@ -7,7 +7,8 @@ each with the mean of the contact areas before and after it. K_T counts only ste
 
 from __future__ import annotations
 
-from dataclasses import astuple, fields
+import math
+from dataclasses import astuple, dataclass, fields
 
 import numpy as np
 import numpy.typing as npt
@@ -85,11 +86,24 @@ def companion_units(solution: Solution, contact: ContactHistory, positions: Arra
     return factors
 
 
-def integral_units(solution: Solution, contact: ContactHistory, positions: Array) -> Array:
-    """(R, T, 2, 2, J) unit factors by the interaction integral, for each of its R radii.
+@dataclass(frozen=True)
+class UnitFactors:
+    """K_T and K_I for a unit of each of J drivers, NaN where unknown; edge, factor (K_T, K_I).
+
+    Attributes:
+        main: (R, T, 2, 2, J) determined in R ways.
+        fitted: (T, 2, 2, J) by fits to tractions, as a check; None without them.
+    """
+
+    main: Array
+    fitted: Array | None
+
+
+def integral_units(solution: Solution, contact: ContactHistory, positions: Array) -> UnitFactors:
+    """Unit factors by the interaction integral, for each of its R radii, and by fits.
 
     The integrals are taken at a few contact areas; what the fits miss there is interpolated over
-    the half-width to the other states. Without integrals the fits themselves, R = 1.
+    the half-width to the other states. Without integrals both are those of the fits.
 
     Args:
         solution: the solved history.
@@ -99,7 +113,7 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     fits = companion_units(solution, contact, positions)
     integrals = contact.integrals
     if integrals is None:
-        return fits[None]
+        return UnitFactors(fits[None], fits)
     fitted = np.array([_at_own_edges(solution, contact, int(area)) for area in integrals.areas])
     missed = integrals.factors - fitted[:, None]
     half_widths = (integrals.positions[:, 1] - integrals.positions[:, 0]) / 2
@@ -107,7 +121,7 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     correction = _interpolate((positions[1] - positions[0]) / 2, half_widths[order], missed[order])
     for number, area in enumerate(integrals.areas):
         correction[:, contact.bonded.area == area] = missed[number][:, None]
-    return fits + correction
+    return UnitFactors(fits + correction, fits)
 
 
 def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Array:
@@ -122,17 +136,44 @@ def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Arr
     return _area_factors(contact.arc, fields, edges[None], overhang)[0]
 
 
+def stiffening(contact: ContactHistory, side: Side, half_width: float) -> float:
+    """(d2P/da2)/(dP/da) = d ln K_N/da + 1/(2a) from the two neighbours of the last state.
+
+    By K_N = (1/pi) sqrt(2/a) dP/da, as the edge moves. NaN if it does not.
+    """
+    outward = _outward(contact, side)
+    if math.isnan(outward):
+        return np.nan
+    assert contact.neighbours is not None
+    k_n = fit_edge(contact.arc, contact.neighbours.pressure, side).k_n
+    return float(np.log(k_n[1] / k_n[0]) / outward + 0.5 / abs(half_width))
+
+
 def moved_k_n(contact: ContactHistory, side: Side) -> float:
     """K_N = 2 dK_I/da from the two neighbours of the last state; NaN if the edge does not move.
 
     Needs no assumption about the profile; exact for a small step (central difference).
     """
-    if contact.neighbours is None:
+    outward = _outward(contact, side)
+    if math.isnan(outward):
+        return np.nan
+    assert contact.neighbours is not None
+    # The last way is the one with the largest circle, which the edge stays away from.
+    return 2 * float(contact.neighbours.k_i[-1, SIDES.index(side)]) / outward
+
+
+def _outward(contact: ContactHistory, side: Side) -> float:
+    """How far the edge moves outward from the lower to the higher neighbour.
+
+    NaN if it does not move, or reaches the end of the surface.
+    """
+    if contact.neighbours is None or np.any(contact.neighbours.pressure[:, [0, -1]] > 0):
+        return np.nan
+    if np.count_nonzero(contact.neighbours.pressure > 0, axis=1).min() < FEWEST_NODES:
         return np.nan
     positions = fit_edge(contact.arc, contact.neighbours.pressure, side).position
     outward = float(positions[1] - positions[0]) * (-1.0 if side == "left" else 1.0)
-    k_i = float(contact.neighbours.k_i[:, SIDES.index(side)].mean())
-    return 2 * k_i / outward if outward > SMALLEST_MOVE * np.ptp(contact.arc) else np.nan
+    return outward if outward > SMALLEST_MOVE * np.ptp(contact.arc) else np.nan
 
 
 def _interpolate(at: Array, x: Array, values: Array) -> Array:

@@ -16,8 +16,9 @@ from fretfe.solution import OPEN, SLIP, ContactHistory
 Array = npt.NDArray[np.float64]
 States = npt.NDArray[np.int64]
 
-# Nodes whose slip in a half cycle is below this fraction of the largest slip have not slipped.
-SMALLEST_SLIP = 1e-6
+# Nodes whose slip in a half cycle is below this fraction of the largest slip have not slipped: in
+# the step in which slip turns round, stuck nodes move by some millionths of it.
+SMALLEST_SLIP = 1e-4
 # The history ends with a complete half cycle if K_T is this close to its extreme, as a fraction of
 # its range.
 AT_EXTREME = 1e-2

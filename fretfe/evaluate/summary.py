@@ -10,23 +10,23 @@ import numpy as np
 import numpy.typing as npt
 
 from fretfe.edges import EdgeFit, Side, cycle_change, resultants
-from fretfe.evaluate.consistency import shear_mismatch, tension_history
+from fretfe.evaluate.consistency import shear_mismatch, stuck_shear_force, tension_history
 from fretfe.evaluate.factors import (
     SIDES,
+    UnitFactors,
     add_up,
-    companion_units,
     edge_fits,
     integral_units,
     moved_k_n,
+    stiffening,
 )
 from fretfe.evaluate.slip_zones import SlipZone, States, cycle_states, slip_border_of, slip_zones
 from fretfe.solution import OPEN, ContactHistory, Solution
 
 Array = npt.NDArray[np.float64]
 
-# Solution, contact and positions (2, T) of its edges to (R, T, 2, 2, J) factors, determined in R
-# ways; see `add_up`.
-FindUnits = Callable[[Solution, ContactHistory, Array], Array]
+# From solution, contact and positions (2, T) of its edges.
+FindUnits = Callable[[Solution, ContactHistory, Array], UnitFactors]
 # Change of the shear from one cycle to the next, relative to f p_max, below which it is steady.
 STEADY_CHANGE = 1e-3
 # Spread of the fits of K_N, relative to K_N, from which it is marked as uncertain.
@@ -46,6 +46,8 @@ class Edge:
         k_i: (T,) factor of the normal increments, counted from the first state in contact.
         k_n_moved: (,) K_N in the last state from the movement of the edge between two load levels,
             2 dK_I/da; NaN without them.
+        stiffening: (,) relative growth of dP/da with the half-width a in the last state, from the
+            same two loads; it tells how long a slip zone may be for the edge description.
         k_t_range: range of K_T over the evaluated cycle, NaN without one.
         k_t_range_spread: half the difference of the ranges that the radii of the interaction
             integral give; 0 if K_T is known in closed form.
@@ -63,6 +65,7 @@ class Edge:
     k_t: Array
     k_i: Array
     k_n_moved: float
+    stiffening: float
     k_t_range: float
     k_t_range_spread: float
     k_t_range_fitted: float
@@ -88,11 +91,13 @@ class ContactSummary:
         centre, half_width: (T,) of the contact, NaN where it has none.
         effective_tension: (T,) bulk tension that gives half-planes the same mean of K_T over the
             two edges, counted like K_T.
-        shear_mismatch: (range of Q that half-planes need for K_T at the two edges)/(range of Q) - 1
-            over the cycle: zero if the half-plane description holds; NaN without a cycle.
+        shear_mismatch: (range of Q that half-planes need for K_T at the two edges)/(range of Q of
+            the stuck contact) - 1 over the cycle: zero if the half-plane description holds; NaN
+            without a cycle.
         cycle_change: change of the shear over the evaluated cycle relative to f p_max.
         steady: whether that is below the limit; False without a cycle.
         dissipation: friction work in the evaluated cycle, per unit thickness.
+        dissipation_change: relative change of it from the cycle before; NaN if there is none.
         warnings: what a reader must know, in words.
     """
 
@@ -108,6 +113,7 @@ class ContactSummary:
     cycle_change: float
     steady: bool
     dissipation: float
+    dissipation_change: float
     warnings: tuple[str, ...]
 
 
@@ -118,7 +124,7 @@ def evaluate(
 
     Args:
         solution: the solved history.
-        find_units: gives K_T and K_I for a unit of each driver, by interaction integrals and fits
+        find_units: gives K_T and K_I for a unit of each driver: by interaction integrals and fits,
             unless there is a closed form.
     """
     return tuple(_evaluate_contact(solution, contact, find_units) for contact in solution.contacts)
@@ -153,19 +159,20 @@ def _evaluate_contact(
         centre=centre,
         half_width=half_width,
         effective_tension=tension_history(k_t, half_width),
-        shear_mismatch=shear_mismatch(k_t, half_width, forces[:, 1], cycle),
+        shear_mismatch=shear_mismatch(k_t, half_width, stuck_shear_force(solution, contact), cycle),
         cycle_change=change,
         steady=bool(change < STEADY_CHANGE),
         dissipation=float(_over_cycle(solution, contact.dissipation).sum()),
+        dissipation_change=_dissipation_change(solution, contact),
         warnings=_warnings(contact, edges, change),
     )
 
 
 @dataclass(frozen=True)
 class _Histories:
-    """(2, T, 2) K_T and K_I at both edges: by each of R radii, and by fits if there are any."""
+    """K_T and K_I at both edges: (R, 2, T, 2) in R ways, and (2, T, 2) by fits if there are any."""
 
-    radii: Array
+    ways: Array
     fitted: Array | None
 
 
@@ -173,11 +180,11 @@ def _factor_histories(
     solution: Solution, contact: ContactHistory, positions: Array, find_units: FindUnits
 ) -> _Histories:
     drivers, friction = solution.driver_values, contact.friction
-    radii = [add_up(u, drivers, friction) for u in find_units(solution, contact, positions)]
-    if not len(contact.bonded.fields):
-        return _Histories(np.array(radii), None)
-    fitted = companion_units(solution, contact, positions)
-    return _Histories(np.array(radii), add_up(fitted, drivers, friction))
+    units = find_units(solution, contact, positions)
+    ways = np.array([add_up(each, drivers, friction) for each in units.main])
+    if units.fitted is None:
+        return _Histories(ways, None)
+    return _Histories(ways, add_up(units.fitted, drivers, friction))
 
 
 def _evaluate_edge(
@@ -189,8 +196,8 @@ def _evaluate_edge(
     centre: Array,
 ) -> Edge:
     side = SIDES[number]
-    by_radius = histories.radii[:, number]
-    k_t, k_i = by_radius.mean(axis=0).T
+    by_way = histories.ways[:, number]
+    k_t, k_i = by_way.mean(axis=0).T
     cycle = cycle_states(solution.cycle)
     outer = contact.arc < centre[cycle[-1] if len(cycle) else -1]
     fitted = histories.fitted[number, :, 0] if histories.fitted is not None else None
@@ -202,8 +209,9 @@ def _evaluate_edge(
         k_t=k_t,
         k_i=k_i,
         k_n_moved=moved_k_n(contact, side),
+        stiffening=stiffening(contact, side, float((centre - fit.position)[-1])),
         k_t_range=_range(k_t, cycle),
-        k_t_range_spread=float(np.ptp([_range(each, cycle) for each in by_radius[..., 0]])) / 2,
+        k_t_range_spread=float(np.ptp([_range(each, cycle) for each in by_way[..., 0]])) / 2,
         k_t_range_fitted=_range(fitted, cycle) if fitted is not None else np.nan,
         k_i_range=_range(k_i, cycle),
         slip_zones=slip_zones(
@@ -228,6 +236,19 @@ def _over_cycle(solution: Solution, per_step: Array) -> Array:
     """Sum of a quantity of each step over the evaluated cycle, or over everything without one."""
     cycle = cycle_states(solution.cycle)
     return per_step[cycle[1:]].sum(axis=0) if len(cycle) else per_step.sum(axis=0)
+
+
+def _dissipation_change(solution: Solution, contact: ContactHistory) -> float:
+    """Friction work of the evaluated cycle over that of as many steps before it, less 1."""
+    if solution.cycle is None:
+        return np.nan
+    first, last = solution.cycle
+    count, work = last - first, contact.dissipation.sum(axis=1)
+    before = work[first - count + 1 : first + 1].sum() if first >= count else 0.0
+    earlier = contact.friction[first - count + 1 : first + 1] if first >= count else np.zeros(1)
+    if not (before > 0 and np.all(earlier > 0)):
+        return np.nan
+    return float(work[first + 1 : last + 1].sum() / before - 1)
 
 
 def _cycle_change(solution: Solution, contact: ContactHistory) -> float:

@@ -60,7 +60,7 @@ class FemBackend:
             options.progress(number, count, result.summary)
 
         comm = MPI.COMM_WORLD
-        history = on_root(comm, lambda: build_history(case))
+        history = on_root(comm, lambda: options.history or build_history(case))
         assert history is not None
         outcome = solve(comm, case, history, options.fields, report)
         start = time.perf_counter()

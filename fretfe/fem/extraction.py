@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from dolfinx import fem
 
-from fretfe.case import Case, contact_modulus
+from fretfe.case import Case, contact_modulus, plane_modulus
 from fretfe.contact.march import March
 from fretfe.contact.neighbours import FRACTION, neighbour_states
 from fretfe.contact.recorder import Recorder
@@ -52,6 +52,7 @@ class Probe:
         side: 0 left, 1 right.
         bodies: body 1 and body 2.
         tips: for each area, then for the last state: the edge as body 1 and body 2 see it.
+        normals: for each of `tips`: contact normal, along which pressure is counted.
         fields: for each of `tips`: numbers of the fields it is to be multiplied with.
         reaches: (R,) radii.
     """
@@ -60,6 +61,7 @@ class Probe:
     side: int
     bodies: tuple[str, str]
     tips: tuple[tuple[Tip, Tip], ...]
+    normals: tuple[Array, ...]
     fields: tuple[tuple[int, ...], ...]
     reaches: Array
 
@@ -98,11 +100,13 @@ def _integrate(
     """For each tip of a probe: (R, 2, n) K_T and K_I of its n fields."""
     forms = _forms(model, probe)
     bodies = [case.bodies[name] for name in probe.bodies]
+    modulus = contact_modulus(bodies[0], bodies[1], case.model.plane)
+    shares = modulus / np.array([plane_modulus(body, case.model.plane) for body in bodies])
     # Contact pressure is positive, stress that opens a crack is tension.
-    scale = contact_modulus(bodies[0], bodies[1], case.model.plane) / np.sqrt(2 * np.pi)
+    scale = modulus / np.sqrt(2 * np.pi)
     signs = {"shear": scale, "opening": -scale}
     results = []
-    for tips, numbers in zip(probe.tips, probe.fields, strict=True):
+    for tips, normal, numbers in zip(probe.tips, probe.normals, probe.fields, strict=True):
         factors = np.zeros((len(probe.reaches), len(signs), len(numbers)))
         for r, reach in enumerate(probe.reaches):
             for m, (mode, sign) in enumerate(signs.items()):
@@ -112,8 +116,29 @@ def _integrate(
                         sign * functional.dot(fields[number][name].x.petsc_vec)
                         for number in numbers
                     ]
-        results.append(factors)
+        results.append(_turned(factors, tips, normal, shares))
     return results
+
+
+def _turned(factors: Array, tips: tuple[Tip, Tip], normal: Array, shares: Array) -> Array:
+    """Factors (R, 2, n) in the frame of the contact instead of those of the two surfaces.
+
+    Each body measures the traction of the ligament along its own surface; the two surfaces are not
+    parallel before they are pressed together. Pressure and friction are counted along one normal.
+
+    Args:
+        factors: K_T and K_I, sums over both bodies.
+        tips: the edge as body 1 and body 2 see it.
+        normal: (2,) of the contact.
+        shares: (2,) share of each body in the sum, E*/E'.
+    """
+    across = np.array([tip.across for tip in tips])
+    inward = np.array([normal[1], -normal[0]])
+    inward *= np.sign(inward @ tips[1].inward)
+    cosine, sine = shares @ (across @ normal), -shares @ (across @ inward)
+    shear, pressure = factors[:, 0], factors[:, 1]
+    turned = np.stack([cosine * shear + sine * pressure, cosine * pressure - sine * shear], axis=1)
+    return np.asarray(turned / (cosine**2 + sine**2))
 
 
 def _forms(model: Model, probe: Probe) -> list[InteractionForm]:
@@ -211,6 +236,7 @@ class _Draft:
             side=side,
             bodies=(pair.body1, pair.body2),
             tips=tuple(_tips(model, pair, float(edge), side) for edge in edges),
+            normals=tuple(_at(pair, float(edge), pair.coupling.frames[:, 0]) for edge in edges),
             fields=tuple(fields),
             reaches=areas.reaches,
         )
@@ -265,8 +291,7 @@ def _reaches(contact: ContactHistory, edges: Array) -> Array:
 
 def _tips(model: Model, pair: Pair, edge: float, side: int) -> tuple[Tip, Tip]:
     """The edge on the surfaces of body 1 and body 2, each with its own tangent."""
-    nodes = pair.coupling
-    point = np.array([np.interp(edge, nodes.arc, column) for column in nodes.points.T])
+    point = _at(pair, edge, pair.coupling.points)
     contact = model.case.contacts[pair.name]
     tips = []
     for name, outward in ((contact.surface1, -1.0), (contact.surface2, 1.0)):
@@ -275,3 +300,8 @@ def _tips(model: Model, pair: Pair, edge: float, side: int) -> tuple[Tip, Tip]:
         along = np.array([across[1], -across[0]])
         tips.append(Tip(places[0], along if side == 0 else -along, across))
     return tips[0], tips[1]
+
+
+def _at(pair: Pair, edge: float, values: Array) -> Array:
+    """(d,) values (N, d) of the multiplier nodes at a place along the arc."""
+    return np.array([np.interp(edge, pair.coupling.arc, column) for column in values.T])

@@ -34,10 +34,15 @@ class EdgeRange:
     length: float
 
     def size(self, x: Array) -> Array:
-        """Relative element size at x: grows with the square root of the distance to the range."""
+        """Relative element size at x, by its distance to the range.
+
+        Grows with the square root of the distance, as the tractions do, and from the governing
+        length on with the distance itself.
+        """
         distance = np.maximum(np.maximum(self.low - x, x - self.high), 0.0)
         finest = max(FINEST * self.length, TRAVEL * (self.high - self.low))
-        return np.sqrt(distance * self.length + finest**2) / self.length
+        near = np.sqrt(distance * self.length + finest**2) / self.length
+        return np.where(distance > self.length, (1 + distance / self.length) / 2, near)
 
 
 def graded_grid(

@@ -9,23 +9,25 @@ those of `fretfe.contact`. Pressure and shear do not influence each other's disp
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from fretfe.contact.interface import Coordinate, Interface
 from fretfe.contact.march import March, StepResult
+from fretfe.contact.neighbours import FRACTION, neighbour_states
 from fretfe.contact.recorder import Place, Recorder
 from fretfe.contact.state import StepLoads
 from fretfe.errors import ConvergenceError
+from fretfe.evaluate.factors import UnitFactors
 from fretfe.evaluate.half_plane import half_plane_units
 from fretfe.evaluate.slip_zones import cycle_states
 from fretfe.halfplane.compliance import HatFunctions
 from fretfe.halfplane.grid import EdgeRange, graded_grid
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.idealise.edges import contact_edges, governing_length
-from fretfe.solution import ContactHistory, Solution
+from fretfe.solution import ContactHistory, Neighbours, Solution
 
 Array = npt.NDArray[np.float64]
 
@@ -58,10 +60,12 @@ class HalfPlaneOutcome:
     solution: Solution
     failure: ConvergenceError | None
 
-    def unit_factors(self, solution: Solution, contact: ContactHistory, positions: Array) -> Array:
-        """(1, T, 2, 2, 4) factors for a unit of each driver; see `fretfe.evaluate.evaluate`."""
-        units = half_plane_units(positions)[..., [2, 0, 1, 3]]
-        return (units * np.array([1.0, -1.0, -1.0, 1.0]))[None]
+    def unit_factors(
+        self, solution: Solution, contact: ContactHistory, positions: Array
+    ) -> UnitFactors:
+        """K_T and K_I for a unit of each driver in closed form; see `fretfe.evaluate.evaluate`."""
+        units = half_plane_units(positions)[..., [2, 0, 1, 3]] * np.array([1.0, -1.0, -1.0, 1.0])
+        return UnitFactors(units[None], None)
 
 
 def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
@@ -111,7 +115,9 @@ def contact_grid(problem: HalfPlaneProblem, elements: int = ELEMENTS) -> Array:
         for edge in (contact.left, contact.right)
     )
     kinks = np.array(problem.profile.kinks)
-    reach = float(np.nanmin(contact.left)), float(np.nanmax(contact.right))
+    # The neighbours of the last state are wider than anything in the history.
+    wider = contact_edges(problem.scaled(1 + FRACTION))
+    reach = float(np.nanmin(wider.left)), float(np.nanmax(wider.right))
     return graded_grid((left, right), reach, np.unique([-kinks, kinks]), elements)
 
 
@@ -140,7 +146,26 @@ def solve_half_planes(
             progress(number, len(steps) - 1, result)
     except ConvergenceError as error:
         failure = error
-    return HalfPlaneOutcome(recorder.solution(problem.history, _balance(recorder, hats)), failure)
+    solution = recorder.solution(problem.history, _balance(recorder, hats))
+    neighbours = _neighbours(problem, march, recorder, hats)
+    contact = replace(solution.contacts[0], neighbours=neighbours)
+    return HalfPlaneOutcome(replace(solution, contacts=(contact,)), failure)
+
+
+def _neighbours(
+    problem: HalfPlaneProblem, march: March, recorder: Recorder, hats: HatFunctions
+) -> Neighbours | None:
+    """Two load levels next to the last state, with K_I between them in closed form."""
+    last = len(recorder.states) - 1
+    states = neighbour_states(march, recorder.states[last], recorder.steps[last])
+    if states is None:
+        return None
+    contact = contact_edges(problem)
+    positions = np.array([[contact.left[last]], [contact.right[last]]])
+    loads = np.array([problem.normal_force[last], problem.moment[last], 0.0, 0.0])
+    k_i = half_plane_units(positions)[0, :, 1] @ (2 * FRACTION * loads)
+    pressure = np.array([state.traction[:, 0] for state in states]) / np.sqrt(hats.weights)
+    return Neighbours(pressure, k_i[None])
 
 
 def _step_loads(problem: HalfPlaneProblem, interface: Interface) -> list[StepLoads]:

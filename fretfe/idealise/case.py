@@ -20,7 +20,7 @@ from fretfe.idealise.bodies import (
 from fretfe.idealise.edges import contact_edges
 from fretfe.idealise.loading import guided, loading_obstacles, one_sided, read_loading
 from fretfe.idealise.problem import HalfPlaneProblem
-from fretfe.loads import build_history
+from fretfe.loads import History, build_history
 from fretfe.templates import check_parameters, find_template
 
 # Bodies smaller than this many half-widths are no half-planes at all; below the second number the
@@ -39,8 +39,12 @@ class NotIdealisable(ModelError):
         self.reasons = tuple(reasons)
 
 
-def idealise(case: Case) -> HalfPlaneProblem:
+def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
     """Map a case to half-planes: a cylinder, wedge or flat-and-rounded pad on a large block.
+
+    Args:
+        case: the case.
+        loads: in place of those of the case.
 
     Raises:
         NotIdealisable: if that is not possible.
@@ -52,7 +56,7 @@ def idealise(case: Case) -> HalfPlaneProblem:
     assert case.geometry.template is not None
     values = check_parameters(find_template(case.geometry.template), case.geometry.parameters)
     block = read_block(case.geometry.template, values, case)
-    history = build_history(case)
+    history = loads or build_history(case)
     loading = read_loading(case, history, block)
     name, contact = next(iter(case.contacts.items()))
     problem = HalfPlaneProblem(

@@ -51,6 +51,16 @@ class HalfPlaneProblem:
         """The same problem with other notes."""
         return replace(self, notes=tuple(notes))
 
+    def scaled(self, factor: float) -> HalfPlaneProblem:
+        """The same problem with all loads multiplied."""
+        return replace(
+            self,
+            normal_force=factor * self.normal_force,
+            shear_force=factor * self.shear_force,
+            moment=factor * self.moment,
+            bulk_tension=factor * self.bulk_tension,
+        )
+
     def require_partial_slip(self) -> None:
         """Check that the contact stays closed and never slides as a whole.
 

@@ -101,8 +101,8 @@ def _cyclic_shear(punch: Punch) -> Benchmark:
     shear_force = FRICTION * (punch.load - punch.stick_load)
     # Half-planes: K_N of the wedge and of the rounding by a fit, borders to a tenth of an element.
     # Finite elements: the wedge feels its bodies (a 0.1 %), K_N the elements at the edge.
-    width = {"analytic": 1e-9, "halfplane": 3e-5, "fem": 0.0012}
-    factor = {"analytic": 1e-9, "halfplane": 2e-4, "fem": 0.008}
+    width = {"analytic": 1e-9, "halfplane": 6e-5, "fem": 0.0012}
+    factor = {"analytic": 1e-9, "halfplane": 1e-3, "fem": 0.008}
     length = {"analytic": 1e-9, "halfplane": 6e-4, "fem": 0.002}
     quantities = [
         Quantity("a", HALF_WIDTH, HALF_WIDTH, width, measures.half_width),
@@ -164,7 +164,7 @@ def _varying(
     start = mean + change * math.sin(math.radians(lead))
     # Out of phase the extremes of Q - fP and Q + fP lie between steps: 2e-6. The edge travels over
     # 0.18 a, and all of that slips: finite elements find the border to half an element of 0.01 a.
-    tolerances = {"analytic": 5e-6, "halfplane": 1e-4, "fem": 0.008}
+    tolerances = {"analytic": 5e-6, "halfplane": 4e-4, "fem": 0.008}
     return Benchmark(
         name=f"normal load varies, {name}",
         source="Barber, Davies and Hills 2011",
@@ -189,7 +189,7 @@ def _varying(
 def rocking() -> Benchmark:
     """A pad that is free to turn: the Hertz contact shifts by M/P, its width stays."""
     shift = 0.1 * HALF_WIDTH
-    tolerances = {"analytic": 1e-9, "halfplane": 3e-5, "fem": 0.0015}
+    tolerances = {"analytic": 1e-9, "halfplane": 6e-5, "fem": 0.0015}
     return Benchmark(
         name="moment, Hertz",
         source="a parabola that turns is the same parabola at another place: Johnson 1985, 4.2",

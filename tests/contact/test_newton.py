@@ -8,11 +8,9 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
-import blocks
 import halfplane_interface as halfplane
 import numpy as np
 import pytest
-from contact_runs import ramp, run
 from halfplane_interface import Flank
 from numpy.typing import NDArray
 
@@ -20,7 +18,7 @@ from fretfe.contact.certificate import certify
 from fretfe.contact.interface import Interface
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.state import OPEN, SLIP, STICK, ContactState, StepLoads, unloaded
-from fretfe.errors import ConvergenceError, ModelError
+from fretfe.errors import ConvergenceError
 
 Array = NDArray[np.float64]
 
@@ -503,45 +501,3 @@ def test_solved_steps_are_handed_over_before_the_failure() -> None:
     assert worst([next(marching), next(marching)]) < CERTIFIED
     with pytest.raises(ConvergenceError, match="step 3 of 3"):
         next(marching)
-
-
-def two_blocks(loads: dict[str, Any], supports: dict[str, Any]) -> None:
-    bodies = {name: {"young": 200.0, "poisson": 0.3} for name in ("upper", "lower")}
-    contact = {"surface1": "upper_bottom", "surface2": "lower_top", "friction": 0.4}
-    run(
-        {"bodies": bodies, "contacts": {"main": contact}, "loads": loads, "supports": supports},
-        blocks.block("upper", [0.0, 0.5, 1.0], [0.0, 1.0]),
-        blocks.block("lower", [0.0, 0.4, 1.0], [-1.0, 0.0]),
-    )
-
-
-PULL = {"type": "traction", "boundary": "upper_top", "direction": "y", "history": ramp(-1.0)}
-PRESS = {
-    "type": "platen",
-    "boundary": "upper_top",
-    "direction": "y",
-    "control": "force",
-    "history": ramp(-1.0),
-}
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize(
-    ("loads", "supports", "names"),
-    [
-        ({"pull": PULL}, {}, "'lower' and 'upper'"),
-        # The guided platen holds the upper body sideways, nothing holds either along y.
-        ({"press": PRESS}, {}, "'lower' and 'upper'"),
-        (
-            {"pull": PULL},
-            {"base": {"boundary": "lower_bottom", "fix": ["x"]}},
-            "'lower' and 'upper'",
-        ),
-    ],
-    ids=["nothing", "force along y", "support along x"],
-)
-def test_bodies_that_nothing_holds_are_named(
-    loads: dict[str, Any], supports: dict[str, Any], names: str
-) -> None:
-    with pytest.raises(ModelError, match=f"nothing holds {names}"):
-        two_blocks(loads, supports)

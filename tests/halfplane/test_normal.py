@@ -28,11 +28,16 @@ def test_pressure_and_edges(profile: Profile) -> None:
     contact, summary = solution.contacts[0], solved(given)
     scale = 1.0 - max(profile.kinks, default=0.0)
     for edge, sign in zip(summary.edges, (-1, 1), strict=True):
-        assert sign * edge.position[-1] == pytest.approx(1.0, abs=2e-4 * scale)
+        assert sign * edge.position[-1] == pytest.approx(1.0, abs=5e-4 * scale)
         # the fits of K_N are good to 0.5 % on any profile; Hertz is exact for them
         assert edge.k_n[-1] == pytest.approx(float(edge_factor_k_n(profile, 1.0)), rel=5e-3)
+        # the second K_N: differences of positions, at loads 10 % apart
+        assert edge.k_n_moved == pytest.approx(float(edge_factor_k_n(profile, 1.0)), rel=0.01)
     x = contact.arc
+    # without the edges, the apex of the wedge, and the kinks, where the pressure has a steep bend
     smooth = (np.abs(x) < 0.999) & (np.abs(x) > 0.02)
+    for kink in profile.kinks:
+        smooth &= np.abs(np.abs(x) - kink) > 0.01
     expected = profile.pressure(x, 1.0)
     error = np.abs(contact.mean_traction[-1, :, 0] - expected)[smooth].max()
     assert error < 0.01 * expected[smooth].max()

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What `fretfe validate` does; rank 0 prints."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from rich.console import Console
+
+from fretfe.backends import RunOptions, find_backend
+from fretfe.case import load_case
+from fretfe.command import OneProcess, StepReport, processes_of, require_supported
+from fretfe.results import prepare_directory, write_results
+from fretfe.validate import Validation, validate
+from fretfe.validate.report import as_numbers, print_validation
+
+ROWS = "validation.json"
+NARROWEST = 100
+
+
+def validate_case(path: Path, directory: Path | None, name: str, *, as_json: bool) -> bool:
+    """Validate a case, print the rows, and say whether all is well. Collective like the backend.
+
+    Args:
+        path: of the case file.
+        directory: for results and rows; None writes nothing.
+        name: of the backend.
+        as_json: print one JSON document in place of the table.
+    """
+    backend = find_backend(name)
+    processes = processes_of(backend)
+    if isinstance(processes, OneProcess) and processes.rank > 0:
+        return True
+    case = processes.on_root(lambda: load_case(path))
+    assert case is not None
+    processes.on_root(lambda: require_supported(backend, name, case))
+    if directory is not None:
+        processes.on_root(lambda: prepare_directory(directory))
+    shown = Console(stderr=True, quiet=processes.rank > 0)
+    with StepReport(processes.rank, quiet=True) as report:
+        validation = validate(
+            case,
+            backend,
+            lambda text: shown.print(f"{path.name}: {text}", highlight=False),
+            RunOptions(progress=report.step),
+        )
+    if processes.rank == 0:
+        if directory is not None:
+            write_results(directory, case, name, validation.result)
+            text = json.dumps(as_numbers(validation), indent=1, allow_nan=False)
+            (directory / ROWS).write_text(text + "\n", encoding="utf-8")
+        _print(validation, as_json)
+    return validation.passed
+
+
+def _print(validation: Validation, as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(as_numbers(validation), indent=1, allow_nan=False), flush=True)
+    else:
+        # Wide enough for all columns: a narrow terminal wraps lines rather than cuts numbers.
+        print_validation(Console(width=max(Console().width, NARROWEST)), validation)

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Bodies that nothing holds are named before anything is solved."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import blocks
+import pytest
+from contact_runs import ramp, run
+
+from fretfe.errors import ModelError
+
+
+def two_blocks(loads: dict[str, Any], supports: dict[str, Any]) -> None:
+    bodies = {name: {"young": 200.0, "poisson": 0.3} for name in ("upper", "lower")}
+    contact = {"surface1": "upper_bottom", "surface2": "lower_top", "friction": 0.4}
+    run(
+        {"bodies": bodies, "contacts": {"main": contact}, "loads": loads, "supports": supports},
+        blocks.block("upper", [0.0, 0.5, 1.0], [0.0, 1.0]),
+        blocks.block("lower", [0.0, 0.4, 1.0], [-1.0, 0.0]),
+    )
+
+
+PULL = {"type": "traction", "boundary": "upper_top", "direction": "y", "history": ramp(-1.0)}
+PRESS = {
+    "type": "platen",
+    "boundary": "upper_top",
+    "direction": "y",
+    "control": "force",
+    "history": ramp(-1.0),
+}
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(
+    ("loads", "supports", "names"),
+    [
+        ({"pull": PULL}, {}, "'lower' and 'upper'"),
+        # The guided platen holds the upper body sideways, nothing holds either along y.
+        ({"press": PRESS}, {}, "'lower' and 'upper'"),
+        (
+            {"pull": PULL},
+            {"base": {"boundary": "lower_bottom", "fix": ["x"]}},
+            "'lower' and 'upper'",
+        ),
+    ],
+    ids=["nothing", "force along y", "support along x"],
+)
+def test_bodies_that_nothing_holds_are_named(
+    loads: dict[str, Any], supports: dict[str, Any], names: str
+) -> None:
+    with pytest.raises(ModelError, match=f"nothing holds {names}"):
+        two_blocks(loads, supports)

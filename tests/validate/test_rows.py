@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Verdicts, and validations of half-plane cases that must pass, fail, or be outside."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from halfplane_problems import LIMIT, LOAD, loop, problem, started
+from pad_cases import pad, press, shear
+from typer.testing import CliRunner
+
+from fretfe.backends import EdgeHistories, RunOptions, find_backend
+from fretfe.case import Case, parse_case
+from fretfe.cli import app
+from fretfe.evaluate import evaluate
+from fretfe.halfplane import solve_half_planes
+from fretfe.loads import History
+from fretfe.validate import Row, validate
+from fretfe.validate.rows import compared, missing
+from fretfe.validate.single import expected_error, own_rows
+from fretfe.validate.variants import MEAN, MESH, START, make_variants, overloaded, shifted
+
+
+@pytest.mark.parametrize(
+    ("value", "reference", "verdict"),
+    [
+        (1.0, 1.05, "pass"),
+        (1.0, 0.89, "FAIL"),
+        (math.nan, 1.0, "FAIL"),
+        (1.0, math.nan, "FAIL"),
+        (math.nan, math.nan, "-"),
+    ],
+)
+def test_verdicts(value: float, reference: float, verdict: str) -> None:
+    row = compared("main", "left", "d", value, reference, 0.1, "for a test")
+    assert row.verdict == verdict
+    outside = compared("main", "left", "d", value, reference, 0.1, "for a test", "outside")
+    assert outside.verdict == verdict.replace("FAIL", "outside")
+    assert missing("main", "", "d", "no friction").verdict == "-"
+
+
+def halfplane(shear_ratio: float, cycles: int = 3) -> EdgeHistories:
+    """Hertz under a steady shear cycle."""
+    given = problem(LOAD, started(shear_ratio * LIMIT * np.cos(loop(24, cycles))), cycle=24)
+    outcome = solve_half_planes(given)
+    solution = outcome.solution
+    return EdgeHistories(
+        history=History(solution.channels, solution.times, solution.values, solution.cycle),
+        contacts=evaluate(solution, outcome.unit_factors),
+        solution=solution,
+    )
+
+
+def verdicts(rows: list[Row], quantity: str) -> set[str]:
+    found: set[str] = {row.verdict for row in rows if quantity in row.quantity}
+    assert found, quantity
+    return found
+
+
+def test_a_good_run_passes() -> None:
+    rows = list(own_rows(halfplane(0.15)))
+    assert {row.verdict for row in rows} == {"pass", "-"}
+    assert verdicts(rows, "half cycle") == verdicts(rows, "moving edge") == {"pass"}
+
+
+@pytest.mark.parametrize("ratio", [0.1, 0.2, 0.4])
+def test_expected_error_of_the_asymptote(ratio: float) -> None:
+    for edge in halfplane(ratio).contacts[0].edges:
+        zone = edge.slip_zones[-1]
+        # Hertz: d/(2a); the second derivative of P(a) comes from fits at two loads
+        assert expected_error(edge, zone.length) == pytest.approx(zone.length / 2, rel=0.1)
+        actual = 1 - zone.predicted_loop / zone.length
+        assert actual == pytest.approx(expected_error(edge, zone.length), rel=0.25)
+
+
+def test_long_slip_zones_are_outside_and_no_failure() -> None:
+    result = halfplane(0.85)
+    rows = list(own_rows(result))
+    asymptote = [row for row in rows if "half cycle" in row.quantity]
+    assert {row.verdict for row in asymptote} <= {"pass", "outside"}
+    assert all("use the computed length" in row.reason for row in asymptote)
+
+
+def test_what_is_wrong_fails() -> None:
+    result = halfplane(0.15)
+    contact = result.contacts[0]
+
+    def with_edge(**changes: object) -> list[Row]:
+        edges = (replace(contact.edges[0], **changes), contact.edges[1])  # type: ignore[arg-type]
+        changed = replace(result, contacts=(replace(contact, edges=edges),))
+        return list(own_rows(changed))
+
+    zones = contact.edges[0].slip_zones
+    longer = (*zones[:-1], replace(zones[-1], length=1.5 * zones[-1].length))
+    assert "FAIL" in verdicts(with_edge(slip_zones=longer), "half cycle 2")
+    moved = (*zones[:-1], replace(zones[-1], border=zones[-1].border + 0.02))
+    assert "FAIL" in verdicts(with_edge(slip_zones=moved), "inner end")
+    assert "FAIL" in verdicts(with_edge(k_n=1.1 * contact.edges[0].k_n), "moving edge")
+    changes = {"k_t_range_fitted": 1.05 * contact.edges[0].k_t_range}
+    assert "FAIL" in verdicts(with_edge(**changes), "by fit")
+    unsteady = replace(result, contacts=(replace(contact, cycle_change=0.1),))
+    assert verdicts(list(own_rows(unsteady)), "change of q") == {"FAIL"}
+    strange = replace(result, contacts=(replace(contact, shear_mismatch=0.2),))
+    assert verdicts(list(own_rows(strange)), "Q by ΔK_T") == {"outside"}
+
+
+def test_histories_of_the_companions() -> None:
+    history = halfplane(0.15).history
+    assert history.cycle is not None
+    values = np.column_stack([np.linspace(0, 1, len(history.times)), np.ones(len(history.times))])
+    first, last = history.cycle
+    values[first:, 0] = 2.0 + np.cos(np.linspace(0, 2 * np.pi, last - first + 1))
+    given = History(("a", "b"), history.times, values, history.cycle)
+    other = shifted(given)
+    assert other.cycle is not None
+    new = other.values[other.cycle[0] : other.cycle[1] + 1]
+    # a tenth of the range 2, towards zero; what does not vary stays
+    assert new[:, 0] == pytest.approx(values[first:, 0] - 0.2)
+    assert np.all(new[:, 1] == 1.0)
+    assert np.array_equal(other.values[: first + 1], values[: first + 1])
+    excursion = overloaded(given)
+    assert excursion.values[first:, 0].max() == pytest.approx(3.15)
+    assert excursion.values[first:, 0].min() == pytest.approx(0.85)
+    assert excursion.cycle is not None
+    start, end = excursion.cycle
+    assert excursion.values[start : end + 1, 0] == pytest.approx(values[first:, 0])
+    assert np.all(np.diff(excursion.times) > 0)
+
+
+def case(**tables: object) -> Case:
+    return parse_case(pad(**tables))
+
+
+def test_companions_that_make_no_sense_say_why() -> None:
+    backend = find_backend("halfplane")
+    result = backend.solve(case())
+    variants, reasons = make_variants(case(), result)
+    assert [variant.name for variant in variants] == [MEAN, START]
+    assert reasons == {MESH: "no mesh"}
+    varying = {**press(), "history": [*press()["history"], shear(60.0)["history"][1]]}
+    varying["history"][1] = {**varying["history"][1], "mean": -600.0}
+    loads = case(loads={"press": varying, "shear": shear(90.0)})
+    variants, reasons = make_variants(loads, backend.solve(loads))
+    assert [variant.name for variant in variants] == [START]
+    assert "the normal load varies" in reasons[MEAN]
+
+
+def test_validation_of_half_planes() -> None:
+    said: list[str] = []
+    validation = validate(case(), find_backend("halfplane"), said.append)
+    assert validation.passed
+    assert said == ["the case itself", MEAN, START]
+    assert verdicts(list(validation.rows), f"d {MEAN}") == {"pass"}
+    assert verdicts(list(validation.rows), f"d {START}") == {"pass"}
+
+
+class Sliding:
+    """The half-plane backend, with a wrong answer about any other history."""
+
+    summary = "for a test"
+
+    def supports(self, case: Case) -> tuple[str, ...]:
+        return ()
+
+    def solve(self, case: Case, options: RunOptions = RunOptions()) -> EdgeHistories:  # noqa: B008
+        result = find_backend("halfplane").solve(case, options)
+        if options.history is None:
+            return result
+        contact = result.contacts[0]
+        edges = [
+            replace(
+                edge, slip_zones=tuple(replace(z, length=2 * z.length) for z in edge.slip_zones)
+            )
+            for edge in contact.edges
+        ]
+        return replace(result, contacts=(replace(contact, edges=(edges[0], edges[1])),))
+
+
+def test_companions_that_disagree() -> None:
+    rows = list(validate(case(), Sliding(), lambda _: None).rows)
+    assert verdicts(rows, f"d {MEAN}") == {"FAIL"}
+    # another start may lead to another steady state: said, not failed
+    assert verdicts(rows, f"d {START}") == {"depends"}
+
+
+def test_command(tmp_path: Path) -> None:
+    from pads import HERTZ
+
+    file = tmp_path / "pad.toml"
+    file.write_text(HERTZ, encoding="utf-8")
+    arguments = ["validate", str(file), "--backend", "halfplane", "-o", str(tmp_path / "out")]
+    answer = CliRunner().invoke(app, [*arguments, "--json"])
+    assert answer.exit_code == 0, answer.output
+    data = json.loads(answer.stdout)
+    assert data["passed"] and data == json.loads((tmp_path / "out/validation.json").read_text())
+    assert {"contact", "edge", "quantity", "value", "verdict", "difference"} <= set(data["rows"][0])
+    assert (tmp_path / "out/results.json").exists()
+    table = CliRunner().invoke(app, arguments)
+    assert "description holds for this case." in " ".join(table.stdout.split())
