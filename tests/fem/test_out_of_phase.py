@@ -80,8 +80,9 @@ def test_slip_zones_do_not_depend_on_the_steps(summaries: list[ContactSummary], 
     coarse, fine = (
         [zone.length for zone in summary.edges[side].slip_zones[-2:]] for summary in summaries
     )
-    # a border is located to about a tenth of the element size
-    assert coarse == pytest.approx(fine, abs=0.1 * H)
+    # A border is located to about a tenth of the element size; 20 steps miss a reversal by up to
+    # (pi/20)^2/2 of the range.
+    assert coarse == pytest.approx(fine, abs=0.1 * H + 0.012 * max(fine))
 
 
 @pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
