@@ -16,9 +16,9 @@ from fretfe.solution import OPEN, SLIP, ContactHistory
 Array = npt.NDArray[np.float64]
 States = npt.NDArray[np.int64]
 
-# Nodes whose slip in a half cycle is below this fraction of the largest slip have not slipped. Where
-# slip turns round between two steps, nodes behind the border move by about as much. What is left
-# out at the border is less than 1 % of the zone, which the fit of the border puts back.
+# Nodes whose slip in a half cycle is below this fraction of the largest slip have not slipped.
+# Where slip turns round between two steps, nodes behind the border move by about as much. What is
+# left out at the border is less than 1 % of the zone, which the fit of the border puts back.
 SMALLEST_SLIP = 3e-4
 # The history ends with a complete half cycle if K_T is this close to its extreme, as a fraction of
 # its range.

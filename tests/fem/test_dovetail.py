@@ -113,8 +113,9 @@ def test_slip_zones_follow_the_loop_formula(
     for contact in coarse[1]:
         for edge in contact.edges:
             for zone in edge.slip_zones[-2:]:
-                # the formula is low by 4 to 20 % for d from .1 to .5 of the rounded zone (.15 mm)
-                assert zone.predicted_loop < zone.length < 1.25 * zone.predicted_loop
+                # The formula is low by 4 to 20 % for d from .1 to .5 of the rounded zone (.15 mm);
+                # on this mesh the shortest zone holds three nodes.
+                assert zone.predicted_loop - 0.001 < zone.length < 1.25 * zone.predicted_loop
 
 
 def test_forces_balance(coarse: tuple[Solution, tuple[ContactSummary, ...]]) -> None:
