@@ -10,7 +10,7 @@ import numpy as np
 
 from fretfe.backends import EdgeHistories
 from fretfe.evaluate import ContactSummary, Edge, SlipZone
-from fretfe.validate.rows import Row, compared, missing
+from fretfe.validate.rows import Row, Verdict, compared, missing
 
 K_N_AGREEMENT = 0.02
 K_T_AGREEMENT = 0.01
@@ -140,7 +140,7 @@ def _asymptote_row(
     )
     if error > LARGEST_ERROR:
         reason += ". Long against the edge's own length: use the computed length"
-    otherwise: str = "outside" if error > LARGEST_ERROR else "FAIL"
+    otherwise: Verdict = "outside" if error > LARGEST_ERROR else "FAIL"
     return compared(
         name,
         side,
@@ -149,7 +149,7 @@ def _asymptote_row(
         predicted,
         tolerance,
         reason,
-        otherwise,  # type: ignore[arg-type]
+        otherwise,
     )
 
 
