@@ -9,9 +9,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from fretfe.backends import EdgeHistories
+from fretfe.edges import analyse_tractions
 from fretfe.evaluate import ContactSummary, Edge, SlipZone
 from fretfe.validate.rows import Row, Verdict, compared, missing
 
+# Normal increments below this fraction of the tangential ones leave the edges where they are.
+CONSTANT_NORMAL = 0.05
 K_N_AGREEMENT = 0.02
 K_T_AGREEMENT = 0.01
 SHEAR_AGREEMENT = 0.03
@@ -30,6 +33,7 @@ def own_rows(result: EdgeHistories) -> Iterator[Row]:
         size = element_size(result, contact)
         for edge in contact.edges:
             yield from _edge_rows(contact, edge, size)
+            yield from _traction_rows(result, contact, edge, size)
     yield from _solution_rows(result)
 
 
@@ -117,6 +121,35 @@ def _slip_rows(contact: ContactSummary, edge: Edge, size: float) -> Iterator[Row
             tolerance,
             "the same material point in a steady cycle, to the accuracy of the border",
         )
+
+
+def _traction_rows(
+    result: EdgeHistories, contact: ContactSummary, edge: Edge, size: float
+) -> Iterator[Row]:
+    """Slip zones once more, from where the shear leaves the friction bound."""
+    if result.solution is None or not edge.slip_zones:
+        return
+    if edge.k_i_range > CONSTANT_NORMAL * edge.k_t_range:
+        reason = "the normal load varies: the shear keeps traces of slip with other edges"
+        yield missing(contact.name, edge.side, "d, by traction", reason)
+        return
+    history = next(each for each in result.solution.contacts if each.name == contact.name)
+    for number, zone in enumerate(edge.slip_zones[-2:], start=1):
+        label = f"d, by traction, half cycle {number}"
+        if zone.gross or not zone.length > 0:
+            continue
+        pressure, shear = history.traction[zone.end].T
+        friction = float(history.friction[zone.end])
+        analysis = analyse_tractions(history.arc, pressure, shear, friction=friction)
+        found = analysis.edges[0 if edge.side == "left" else 1].slip_from_traction
+        if not found.known:
+            yield missing(contact.name, edge.side, label, found.remark)
+            continue
+        tolerance = found.spread + size / 2 + BORDER_FRACTION * zone.length
+        reason = (
+            "by slip, and where the shear leaves the friction bound: error bar, half an element"
+        )
+        yield compared(contact.name, edge.side, label, zone.length, found.value, tolerance, reason)
 
 
 def _asymptote_row(

@@ -12,6 +12,7 @@ from fretfe.backends import EdgeHistories
 from fretfe.case import Case, parse_case
 from fretfe.loads import History
 from fretfe.templates import find_template
+from fretfe.validate.single import CONSTANT_NORMAL
 
 Array = npt.NDArray[np.float64]
 
@@ -21,8 +22,6 @@ MEAN_SHIFT = 0.1
 OVERLOAD = 0.15
 # Elements of the other mesh are this much larger: it costs less than half.
 COARSER = 1.5
-# Normal increments below this fraction of the tangential ones leave the edges where they are.
-CONSTANT_NORMAL = 0.05
 CYCLES = 2
 EXCURSION_STEPS = 6
 
