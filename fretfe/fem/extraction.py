@@ -26,6 +26,8 @@ SIDES: tuple[Side, Side] = ("left", "right")
 
 # Contact areas of the cycle at which the integrals are taken: smallest, middle, largest.
 AREAS = 3
+# Contact areas that differ by less than this fraction are one.
+SAME_AREA = 0.02
 # Radii of the circles, in half-widths of the contact, and how far the smallest and largest one are
 # from elements and from the middle.
 REACHES = (0.1, 0.15, 0.25)
@@ -268,9 +270,13 @@ def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
         return None
     numbers, firsts = np.unique(contact.bonded.area[states], return_index=True)
     order = np.argsort(sizes[firsts], kind="stable")
-    chosen = order[np.unique(np.linspace(0, len(order) - 1, AREAS).round().astype(int))]
+    # Areas that differ by a node or two have the same factors but for that difference.
+    count = AREAS if np.ptp(sizes) > SAME_AREA * sizes.max() else 1
+    chosen = order[np.unique(np.linspace(0, len(order) - 1, count).round().astype(int))]
     positions = np.array([_edges(contact, int(state)) for state in states[firsts[chosen]]])
     last = _edges(contact, int(states[-1]))
+    if not (np.isfinite(positions).all() and np.isfinite(last).all()):
+        return None
     return _Areas(numbers[chosen], positions, last, _reaches(contact, last))
 
 
