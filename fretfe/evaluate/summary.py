@@ -16,9 +16,8 @@ from fretfe.evaluate.factors import (
     UnitFactors,
     add_up,
     edge_fits,
+    edge_movement,
     integral_units,
-    moved_k_n,
-    stiffening,
 )
 from fretfe.evaluate.slip_zones import SlipZone, States, cycle_states, slip_border_of, slip_zones
 from fretfe.solution import OPEN, ContactHistory, Solution
@@ -200,6 +199,7 @@ def _evaluate_edge(
     k_t, k_i = by_way.mean(axis=0).T
     cycle = cycle_states(solution.cycle)
     outer = contact.arc < centre[cycle[-1] if len(cycle) else -1]
+    movement = edge_movement(contact, side, float((centre - fit.position)[-1]))
     fitted = histories.fitted[number, :, 0] if histories.fitted is not None else None
     return Edge(
         side=side,
@@ -208,8 +208,8 @@ def _evaluate_edge(
         k_n_spread=fit.spread_k_n,
         k_t=k_t,
         k_i=k_i,
-        k_n_moved=moved_k_n(contact, side),
-        stiffening=stiffening(contact, side, float((centre - fit.position)[-1])),
+        k_n_moved=movement.k_n,
+        stiffening=movement.stiffening,
         k_t_range=_range(k_t, cycle),
         k_t_range_spread=float(np.ptp([_range(each, cycle) for each in by_way[..., 0]])) / 2,
         k_t_range_fitted=_range(fitted, cycle) if fitted is not None else np.nan,

@@ -68,14 +68,6 @@ class Probe:
     reaches: Array
 
 
-@dataclass(frozen=True)
-class Plan:
-    """What is to be integrated; the same on all ranks."""
-
-    requests: tuple[Request, ...]
-    probes: tuple[Probe, ...]
-
-
 def add_integrals(
     model: Model,
     case: Case,
@@ -88,11 +80,11 @@ def add_integrals(
     Recorder, march and solution are those of rank 0, None elsewhere, like what is returned.
     """
     draft = _Draft(model, recorder, march, solution) if recorder and march and solution else None
-    plan = model.comm.bcast(draft.plan if draft else None)
+    probes = model.comm.bcast(draft.probes if draft else None)
     fields = model.recover_fields(
-        [(r.traction, r.coordinates, r.amplitudes) for r in plan.requests] if draft else None
+        [(r.traction, r.coordinates, r.amplitudes) for r in draft.requests] if draft else None
     )
-    values = [_integrate(model, case, probe, fields) for probe in plan.probes]
+    values = [_integrate(model, case, probe, fields) for probe in probes]
     return draft.finish(values) if draft else None
 
 
@@ -163,7 +155,7 @@ class _Draft:
         assert model.reduction is not None
         self._solution = solution
         self._recorder = recorder
-        self._requests: list[Request] = []
+        self.requests: list[Request] = []
         self._area_fields: dict[int, tuple[int, ...]] = {}
         states = neighbour_states(march, recorder.states[-1], recorder.steps[-1])
         self._neighbours = states
@@ -175,13 +167,13 @@ class _Draft:
             if areas is not None:
                 self._contacts[contact.name] = areas
                 probes += [self._probe(model, pair, areas, side) for side in range(len(SIDES))]
-        self.plan = Plan(tuple(self._requests), tuple(probes))
+        self.probes = tuple(probes)
 
     def finish(self, values: list[list[Array]]) -> Solution:
         """The solution with the integrals, one list of values for each probe."""
         found = {
             (probe.contact, probe.side): value
-            for probe, value in zip(self.plan.probes, values, strict=True)
+            for probe, value in zip(self.probes, values, strict=True)
         }
         contacts = []
         for contact in self._solution.contacts:
@@ -210,14 +202,14 @@ class _Draft:
         amplitudes = 2 * FRACTION * self._recorder.steps[-1].amplitudes
         traction = (high.traction - low.traction).ravel()
         coordinates = high.coordinates - low.coordinates
-        self._requests.append(Request(traction, coordinates, amplitudes))
-        return len(self._requests) - 1
+        self.requests.append(Request(traction, coordinates, amplitudes))
+        return len(self.requests) - 1
 
     def _fields_of(self, area: int) -> tuple[int, ...]:
         """Numbers of the fields of a contact area, one for each driver."""
         if area not in self._area_fields:
             increments, drivers = self._recorder.increments[area], self._recorder.drivers
-            first, count = len(self._requests), len(drivers.names)
+            first, count = len(self.requests), len(drivers.names)
             loads = len(self._recorder.steps[-1].amplitudes)
             for j in range(count):
                 amplitudes = np.zeros(loads)
@@ -225,7 +217,7 @@ class _Draft:
                     amplitudes[drivers.loads[j]] = 1.0
                 traction = increments.traction[:, :, j].ravel()
                 request = Request(traction, increments.coordinates[:, j], amplitudes)
-                self._requests.append(request)
+                self.requests.append(request)
             self._area_fields[area] = tuple(range(first, first + count))
         return self._area_fields[area]
 
