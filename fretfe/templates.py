@@ -35,6 +35,11 @@ class Parameter:
     description: str
     unit: str
 
+    @property
+    def is_mesh_size(self) -> bool:
+        """Whether it is about the mesh only: the size of elements or its growth."""
+        return self.name == "growth" or self.name.endswith("size")
+
 
 @dataclass(frozen=True)
 class Template:

@@ -19,6 +19,7 @@ from fretfe.case import Case
 from fretfe.errors import ConvergenceError
 from fretfe.evaluate import ContactSummary
 from fretfe.loads import History
+from fretfe.refinement import Refinement
 from fretfe.solution import Solution
 
 T = TypeVar("T")
@@ -66,6 +67,7 @@ class EdgeHistories:
         versions: of what the backend is made of.
         seconds: wall time by phase.
         ranks: number of processes.
+        refinement: how the mesh refined itself, or None.
     """
 
     history: History
@@ -77,6 +79,7 @@ class EdgeHistories:
     versions: Mapping[str, str] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
     ranks: int = 1
+    refinement: Refinement | None = None
 
 
 def silent(number: int, count: int, text: str) -> None:

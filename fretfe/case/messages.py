@@ -18,7 +18,7 @@ from fretfe.case.channels import LOADS
 from fretfe.case.checks import Key, Problem
 from fretfe.case.histories import KINDS
 from fretfe.case.model import Case, Contradiction
-from fretfe.case.tables import Body, Contact, Cycle, Geometry, Model, Output, Support, Units
+from fretfe.case.tables import Body, Contact, Cycle, Edges, Geometry, Model, Output, Support, Units
 
 SECTIONS: dict[str, type[Table]] = {
     "units": Units,
@@ -28,6 +28,7 @@ SECTIONS: dict[str, type[Table]] = {
     "contacts": Contact,
     "supports": Support,
     "cycle": Cycle,
+    "edges": Edges,
     "output": Output,
 }
 TAGGED = {f"{TAG}{key}": table for key, table in (LOADS | KINDS).items()}

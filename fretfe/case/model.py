@@ -11,7 +11,7 @@ from pydantic import Field, PrivateAttr, model_validator
 from fretfe.case.base import Name, Table
 from fretfe.case.channels import AnyLoad
 from fretfe.case.checks import Problem, cross_problems
-from fretfe.case.tables import Body, Contact, Cycle, Geometry, Model, Output, Support, Units
+from fretfe.case.tables import Body, Contact, Cycle, Edges, Geometry, Model, Output, Support, Units
 
 
 class Contradiction(ValueError):
@@ -43,6 +43,10 @@ class Case(Table):
     cycle: Cycle | None = Field(
         default=None,
         description="The cycle to evaluate; without it the last period of the slowest wave.",
+    )
+    edges: Edges | None = Field(
+        default=None,
+        description="Accuracy of the edge factors; without it the mesh is that of the geometry.",
     )
     output: Output = Field(default=Output(), description="What is written besides the results.")
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from fretfe.case.base import TAG, Axis, Name, NotNegative, Number, Positive, Table, Text
+from fretfe.case.base import TAG, Axis, Count, Name, NotNegative, Number, Positive, Table, Text
 
 Plane = Literal["strain", "stress"]
 
@@ -127,6 +127,20 @@ class Contact(Table):
         default="finer",
         description="Surface that carries the unknown contact tractions: the one with the finer "
         'mesh at the contact ("finer"), "surface1" or "surface2".',
+    )
+
+
+class Edges(Table):
+    """How accurate the edge factors are to be: the mesh refines itself until they are."""
+
+    tolerance: Positive = Field(
+        le=0.1,
+        description="Relative change of K_N, ΔK_T and the slip-zone lengths from one mesh to the "
+        "next, at every contact edge, below which the mesh is fine enough; 0 < tolerance <= 0.1.",
+    )
+    unknowns: Count = Field(
+        default=200_000,
+        description="Displacements of the largest mesh that is solved; refinement ends there.",
     )
 
 

@@ -5,17 +5,20 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 from typing import TypeVar
 
 from fretfe.backends import EdgeHistories, Processes, RunOptions
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case
 from fretfe.contact.march import StepResult
-from fretfe.evaluate import ContactSummary, evaluate
+from fretfe.evaluate import evaluate
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
 from fretfe.fem.parallel import on_root
-from fretfe.fem.run import solve
+from fretfe.fem.refine import Evaluated, refine
+from fretfe.fem.run import Outcome, Progress, solve
 from fretfe.loads import History, build_history
 from fretfe.solution import Solution
 
@@ -62,28 +65,51 @@ class FemBackend:
         comm = MPI.COMM_WORLD
         history = on_root(comm, lambda: options.history or build_history(case))
         assert history is not None
-        outcome = solve(comm, case, history, options.fields, report)
-        start = time.perf_counter()
-        shared = on_root(comm, lambda: _evaluate(outcome.solution))
-        assert shared is not None
-        history, contacts = shared
+        solved = _solve(comm, case, history, options.fields, report)
+        outcome = solved.outcome
         return EdgeHistories(
-            history=history,
-            contacts=contacts,
+            history=_solved_history(comm, outcome),
+            contacts=solved.contacts,
             failure=outcome.failure,
             solution=outcome.solution,
             bodies=outcome.mesh.bodies if outcome.mesh else {},
             versions=_compat.versions(),
-            seconds={**outcome.seconds, "evaluation": time.perf_counter() - start},
+            seconds=outcome.seconds,
             ranks=comm.size,
+            refinement=solved.refinement,
         )
 
 
-def _evaluate(solution: Solution | None) -> tuple[History, tuple[ContactSummary, ...]]:
-    """The states that were solved, and what they mean; on rank 0."""
-    assert solution is not None
-    history = History(solution.channels, solution.times, solution.values, solution.cycle)
-    return history, evaluate(solution)
+def _solve(
+    comm: MPI.Comm, case: Case, history: History, fields: Path | None, progress: Progress
+) -> Evaluated:
+    """Solve and evaluate a case on the mesh it asks for. Collective."""
+    if case.edges is not None:
+        return refine(comm, case, history, fields, progress)
+    outcome = solve(comm, case, history, fields, progress)
+    start = time.perf_counter()
+    contacts = on_root(comm, lambda: evaluate(_solution(outcome)))
+    assert contacts is not None
+    seconds = {**outcome.seconds, "evaluation": time.perf_counter() - start}
+    return Evaluated(replace(outcome, seconds=seconds), contacts)
+
+
+def _solved_history(comm: MPI.Comm, outcome: Outcome) -> History:
+    """The states that were solved. Collective."""
+
+    def history() -> History:
+        solution = _solution(outcome)
+        return History(solution.channels, solution.times, solution.values, solution.cycle)
+
+    shared = on_root(comm, history)
+    assert shared is not None
+    return shared
+
+
+def _solution(outcome: Outcome) -> Solution:
+    """On rank 0."""
+    assert outcome.solution is not None
+    return outcome.solution
 
 
 BACKEND = FemBackend()

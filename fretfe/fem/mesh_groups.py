@@ -15,6 +15,8 @@ from fretfe.fem.cell_geometry import smallest_angle
 from fretfe.fem.meshing import BodyMesh, Mesh
 from fretfe.templates import did_you_mean
 
+CORNERS = {"triangle": 3, "quadrilateral": 4}
+
 
 @dataclass(frozen=True)
 class BoundarySummary:
@@ -75,6 +77,19 @@ def mesh_summary(mesh: Mesh) -> list[BodySummary]:
         )
         for body in mesh.bodies.values()
     ]
+
+
+def count_unknowns(mesh: Mesh, degree: int) -> int:
+    """Displacement unknowns of all bodies with elements of a degree, 1 or 2."""
+    count = 0
+    for body in mesh.bodies.values():
+        nodes = body.cells[:, : CORNERS[body.cell]]
+        count += len(np.unique(nodes))
+        if degree == 2:
+            edges = np.sort(np.stack([nodes, np.roll(nodes, -1, axis=1)], axis=2).reshape(-1, 2))
+            count += len(np.unique(edges, axis=0))
+            count += len(nodes) if body.cell == "quadrilateral" else 0
+    return 2 * count
 
 
 def _boundary_summary(name: str, body: BodyMesh, facets: NDArray[np.int64]) -> BoundarySummary:

@@ -7,9 +7,10 @@ The functions are serial: they are called on one process. Lengths are in the uni
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,9 @@ from fretfe.templates import Template, check_parameters
 
 # Out-of-plane coordinates below this fraction of the size of the mesh are round-off.
 PLANE_TOLERANCE = 1e-9
+
+# Sets the element sizes of the current Gmsh model.
+SetSizes = Callable[[ModuleType], None]
 
 
 @dataclass(frozen=True)
@@ -79,13 +83,19 @@ def read_mesh(path: str | os.PathLike[str]) -> Mesh:
     return _mesh_from_raw(raw, str(path))
 
 
-def mesh_template(template: Template, parameters: Mapping[str, float], order: int) -> Mesh:
+def mesh_template(
+    template: Template,
+    parameters: Mapping[str, float],
+    order: int,
+    size: SetSizes | None = None,
+) -> Mesh:
     """Mesh a geometry template with elements of order 1 or 2 (curved edges).
 
     Args:
         template: What to mesh.
         parameters: Values that differ from the defaults of the template.
         order: Polynomial order of the elements.
+        size: Sets element sizes in place of those of the template.
 
     Raises:
         CaseError: A parameter is unknown, out of range or at odds with another.
@@ -98,6 +108,8 @@ def mesh_template(template: Template, parameters: Mapping[str, float], order: in
             gmsh.parser.setNumber(name, [value])
         # merge, not open: open forgets the numbers set above
         gmsh.merge(str(template.path))
+        if size is not None:
+            size(gmsh)
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(order)
         raw = raw_mesh(gmsh, template.path)

@@ -5,27 +5,29 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fretfe.case import Case, check_dimension
+from fretfe.case import Case, check_dimension, complaint
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.recorder import Place, Recorder
-from fretfe.errors import ConvergenceError, ModelError
+from fretfe.errors import CaseError, ConvergenceError, ModelError
 from fretfe.fem._compat import MPI, release
 from fretfe.fem.balance import force_balance
 from fretfe.fem.extraction import add_integrals
 from fretfe.fem.fields import write_fields
 from fretfe.fem.mesh_groups import check_groups
-from fretfe.fem.meshing import Mesh, mesh_template, read_mesh
+from fretfe.fem.meshing import Mesh, SetSizes, mesh_template, read_mesh
 from fretfe.fem.model import Model, step_loads
 from fretfe.fem.parallel import on_root
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
 from fretfe.solution import Solution
-from fretfe.templates import find_template
+from fretfe.templates import Template, find_template
 
 Progress = Callable[[int, int, StepResult], None]
+LoadMesh = Callable[[], Mesh]
 
 
 @dataclass(frozen=True)
@@ -45,27 +47,57 @@ class Outcome:
     seconds: dict[str, float]
 
 
-def load_mesh(case: Case) -> Mesh:
+def load_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
     """Read or make the mesh of a case and check it against the case. Serial.
 
+    Args:
+        case: validated case.
+        size: sets element sizes in place of those of the geometry.
+
     Raises:
-        CaseError: if the template or its parameters are not valid, or a direction does not fit.
+        CaseError: if the template or its parameters are not valid, a direction does not fit, or the
+            geometry has a mesh already and sizes are to be set.
         MeshError: if there is no valid mesh with all the groups that the case names.
     """
     geometry = case.geometry
     if geometry.template is not None:
         template = find_template(geometry.template)
-        mesh = mesh_template(template, geometry.parameters, geometry.order)
+        if size is not None:
+            _refuse_sizes(case, template)
+        mesh = mesh_template(template, geometry.parameters, geometry.order, size)
     else:
         assert geometry.file is not None
+        if size is not None:
+            raise CaseError(
+                complaint(
+                    case.source,
+                    ("edges", "tolerance"),
+                    f"expected a geometry that can be meshed again, found the mesh "
+                    f"{geometry.file!r}",
+                )
+            )
         mesh = read_mesh(case.resolve(geometry.file))
     check_groups(mesh, case)
     check_dimension(case, next(iter(mesh.bodies.values())).points.shape[1])
     return mesh
 
 
+def _refuse_sizes(case: Case, template: Template) -> None:
+    """A mesh that refines itself takes no element sizes."""
+    given = [each.name for each in template.parameters if each.is_mesh_size]
+    given = [name for name in given if name in case.geometry.parameters]
+    if given:
+        text = f"expected no element sizes together with edges.tolerance, found {', '.join(given)}"
+        raise CaseError(complaint(case.source, ("geometry", "parameters"), text))
+
+
 def solve(
-    comm: MPI.Comm, case: Case, history: History, fields: Path | None, progress: Progress
+    comm: MPI.Comm,
+    case: Case,
+    history: History,
+    fields: Path | None,
+    progress: Progress,
+    load: LoadMesh | None = None,
 ) -> Outcome:
     """Solve the load history of a case. Collective.
 
@@ -75,23 +107,30 @@ def solve(
         history: its load history, the same on all ranks.
         fields: folder for the fields that the case asks for; None writes none.
         progress: called on rank 0 with each accepted step, the number of steps, and its result.
+        load: gives the mesh, called on rank 0; None for `load_mesh`.
 
     Raises:
         FretfeError: for whatever keeps the history from being started; see `Outcome.failure` for
             a history that was not finished.
     """
-    outcome, meshes = _solve(comm, case, history, fields, progress)
+    own = load or partial(load_mesh, case)
+    outcome, meshes = _solve(comm, case, history, fields, progress, own)
     release(meshes)
     return outcome
 
 
 def _solve(
-    comm: MPI.Comm, case: Case, history: History, fields: Path | None, progress: Progress
+    comm: MPI.Comm,
+    case: Case,
+    history: History,
+    fields: Path | None,
+    progress: Progress,
+    load: LoadMesh,
 ) -> tuple[Outcome, list[Any]]:
     """Outcome, and the meshes whose models nobody refers to any more."""
     clock = Clock()
     with clock("mesh"):
-        mesh = on_root(comm, lambda: load_mesh(case), share=False)
+        mesh = on_root(comm, load, share=False)
     model = Model(comm, case, mesh, clock)
     with clock("steps"):
         marched = on_root(comm, lambda: _march(model, case, history, progress), share=False)

@@ -56,7 +56,9 @@ def make_variants(case: Case, result: EdgeHistories) -> tuple[list[Variant], dic
             reasons[MEAN] = "the normal load varies: another mean is another cycle"
         variants.append(Variant(START, case, overloaded(result.history)))
     coarse = coarser(case)
-    if coarse is not None:
+    if case.edges is not None:
+        reasons[MESH] = "the mesh refined itself: see the changes from mesh to mesh"
+    elif coarse is not None:
         variants.append(Variant(MESH, coarse, None))
     elif case.geometry.template is None:
         reasons[MESH] = "a mesh file: compare with a finer mesh of your own"
@@ -118,7 +120,7 @@ def coarser(case: Case) -> Case | None:
     sizes = {
         parameter.name: COARSER * given.get(parameter.name, parameter.default)
         for parameter in find_template(case.geometry.template).parameters
-        if "size" in parameter.name
+        if parameter.name.endswith("size")
     }
     data = case.model_dump(mode="json", exclude_unset=True)
     data["geometry"]["parameters"] = {**given, **sizes}

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Solve a case on meshes that refine themselves until the edge factors converge. Collective."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+from fretfe.case import Case
+from fretfe.errors import FretfeError, MeshError
+from fretfe.evaluate import ContactSummary, evaluate
+from fretfe.fem._compat import MPI
+from fretfe.fem.mesh_groups import count_unknowns
+from fretfe.fem.meshing import Mesh
+from fretfe.fem.parallel import on_root
+from fretfe.fem.run import Outcome, Progress, load_mesh, solve
+from fretfe.fem.sizing import Sizes, Source, apply_sizes, curves_of_groups, length_of
+from fretfe.fem.surface import build_surface
+from fretfe.loads import History
+from fretfe.refinement import (
+    Interval,
+    Pass,
+    Refinement,
+    edge_values,
+    largest_change,
+    needed_sizes,
+    resolves,
+)
+from fretfe.solution import Solution
+
+# Elements along the shorter surface of a contact in the first mesh.
+FIRST_ELEMENTS = 40
+# More passes than this do not help: the element size at the edges has been halved eight times.
+MOST_PASSES = 12
+# Passes that may be needed to find the edges and to resolve their slip zones.
+UNRESOLVED_PASSES = 3
+# Largest growth of the element size per distance from the edges.
+LARGEST_GROWTH = 0.3
+
+
+def growth_for(tolerance: float) -> float:
+    """Growth of the element size per distance from an edge.
+
+    Elements g s long at a distance s interpolate √s with the relative error g²/32: a third of
+    the tolerance.
+    """
+    return min(math.sqrt(32 * tolerance / 3), LARGEST_GROWTH)
+
+
+def first_sizes(case: Case, growth: float, gmsh: ModuleType) -> Sizes:
+    """Even sizes along the contact surfaces of the geometry that is the current Gmsh model."""
+    curves = curves_of_groups(gmsh)
+    sizes: dict[str, float] = {}
+    for contact in case.contacts.values():
+        names = [name for name in (contact.surface1, contact.surface2) if name in curves]
+        lengths = [length_of(gmsh, curves[name]) for name in names]
+        sizes |= {name: min(lengths) / FIRST_ELEMENTS for name in names}
+    return Sizes(sizes, growth)
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """A solved case and what it means; the same on all ranks but for its outcome.
+
+    Attributes:
+        outcome: what solving it produced.
+        contacts: its evaluation.
+        refinement: the meshes that led to it, None if there was one mesh only.
+    """
+
+    outcome: Outcome
+    contacts: tuple[ContactSummary, ...]
+    refinement: Refinement | None = None
+
+
+def refine(
+    comm: MPI.Comm, case: Case, history: History, fields: Path | None, progress: Progress
+) -> Evaluated:
+    """Solve a case on finer and finer meshes, the whole history on each. Collective.
+
+    Args:
+        comm: communicator.
+        case: validated case that asks for an accuracy.
+        history: as for `solve`.
+        fields: as for `solve`; those of the last pass remain.
+        progress: as for `solve`.
+
+    Returns:
+        The last pass that was solved to its end.
+
+    Raises:
+        FretfeError: for whatever keeps the first pass from being started. A later pass that fails
+            ends the refinement, and the one before counts.
+    """
+    passes = _Passes(case)
+    result: Evaluated | None = None
+    while True:
+        try:
+            outcome = solve(comm, case, history, fields, progress, passes.load)
+            if outcome.failure is not None and result is not None:
+                raise outcome.failure
+        except FretfeError as error:
+            if result is None or result.refinement is None:
+                raise
+            ended = replace(result.refinement, reason=str(error))
+            return replace(result, refinement=ended)
+        judged = on_root(comm, partial(passes.judge, outcome))
+        assert judged is not None
+        contacts, refinement = judged
+        result = Evaluated(outcome, contacts, refinement)
+        if refinement.reason:
+            return result
+
+
+class _Passes:
+    """The meshes of a case one after the other, and what they gave; rank 0 only."""
+
+    def __init__(self, case: Case) -> None:
+        assert case.edges is not None
+        self._case = case
+        self._edges = case.edges
+        self._growth = growth_for(case.edges.tolerance)
+        self._sources: tuple[Source, ...] = ()
+        self._level = 0
+        self._passes: tuple[Pass, ...] = ()
+
+    def load(self) -> Mesh:
+        """The next mesh.
+
+        Raises:
+            MeshError: if it is larger than the case allows, or as for `load_mesh`.
+        """
+        mesh = load_mesh(self._case, self._set_sizes)
+        unknowns = count_unknowns(mesh, self._case.model.degree)
+        if unknowns > self._edges.unknowns:
+            raise MeshError(
+                f"{self._case.source}: edges.unknowns: mesh {len(self._passes) + 1} would have "
+                f"{unknowns} unknowns, expected at most {self._edges.unknowns}"
+            )
+        return mesh
+
+    def _set_sizes(self, gmsh: ModuleType) -> None:
+        even = first_sizes(self._case, self._growth, gmsh)
+        apply_sizes(gmsh, replace(even, sources=self._sources))
+
+    def judge(self, outcome: Outcome) -> tuple[tuple[ContactSummary, ...], Refinement]:
+        """Evaluation of a pass, and all passes so far; without a reason to end there is another."""
+        solution, mesh = outcome.solution, outcome.mesh
+        assert solution is not None
+        assert mesh is not None
+        contacts = evaluate(solution)
+        if outcome.failure is not None:
+            return contacts, self._refinement(reason=str(outcome.failure))
+        before = self._passes[-1] if self._passes else None
+        self._passes += (self._pass(solution, mesh, contacts),)
+        last = self._passes[-1]
+        if before is not None and before.resolved and self._fine_enough(last):
+            return contacts, self._refinement("the results no longer change", converged=True)
+        if len(self._passes) == MOST_PASSES:
+            return contacts, self._refinement(f"{MOST_PASSES} meshes were not enough")
+        # A mesh that still does not show all of a slip zone must not keep the others waiting.
+        self._level += last.resolved or len(self._passes) > UNRESOLVED_PASSES
+        intervals = needed_sizes(solution, contacts, self._level)
+        self._sources = tuple(_sources(self._case, mesh, solution, intervals))
+        return contacts, self._refinement("")
+
+    def _pass(self, solution: Solution, mesh: Mesh, contacts: tuple[ContactSummary, ...]) -> Pass:
+        values = edge_values(solution, contacts)
+        return Pass(
+            unknowns=count_unknowns(mesh, self._case.model.degree),
+            smallest_element=min(float(np.diff(c.arc).min()) for c in solution.contacts),
+            edges=values,
+            resolved=all(math.isfinite(edge.k_n) for edge in values)
+            and resolves(solution, needed_sizes(solution, contacts, 0)),
+            change=largest_change(self._passes[-1].edges, values) if self._passes else math.inf,
+        )
+
+    def _fine_enough(self, last: Pass) -> bool:
+        return last.resolved and last.change <= self._edges.tolerance
+
+    def _refinement(self, reason: str, *, converged: bool = False) -> Refinement:
+        return Refinement(self._edges.tolerance, self._passes, converged, reason)
+
+
+def _sources(
+    case: Case, mesh: Mesh, solution: Solution, intervals: Sequence[Interval]
+) -> Iterator[Source]:
+    """The intervals as places on the surfaces of both bodies."""
+    contacts = {contact.name: contact for contact in solution.contacts}
+    for each in intervals:
+        history, contact = contacts[each.contact], case.contacts[each.contact]
+        count = math.ceil((each.high - each.low) / each.size) + 1
+        arc = np.linspace(each.low, each.high, count)
+        points = np.stack([np.interp(arc, history.arc, x) for x in history.points.T], axis=1)
+        for body, name in ((history.body1, contact.surface1), (history.body2, contact.surface2)):
+            surface = build_surface(mesh.bodies[body], name)
+            yield Source(surface.nearest(points)[0], each.size)
