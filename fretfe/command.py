@@ -35,7 +35,14 @@ from fretfe.case import Case, load_case
 from fretfe.environment import rank_from_environment
 from fretfe.errors import CaseError, ModelError
 from fretfe.report.figures import write_tractions
-from fretfe.report.tables import backend_table, contact_table, edge_table, timing_table
+from fretfe.report.tables import (
+    backend_table,
+    contact_table,
+    edge_table,
+    limit_table,
+    mesh_table,
+    timing_table,
+)
 from fretfe.results import prepare_directory, write_results
 from fretfe.solution import Solution
 from fretfe.verify.benchmarks import benchmarks
@@ -74,7 +81,9 @@ def run_case(path: Path, directory: Path, name: str, *, timings: bool) -> None:
     fields = None if case.output.fields == "none" else directory / FIELDS
     processes.on_root(lambda: _prepare(directory, path))
     with StepReport(processes.rank) as report:
-        result = backend.solve(case, RunOptions(fields=fields, progress=report.step))
+        result = backend.solve(
+            case, RunOptions(fields=fields, progress=report.step, announce=report.announce)
+        )
     processes.on_root(lambda: _finish(case, name, result, directory, start, timings))
     if result.failure is not None:
         raise result.failure
@@ -120,6 +129,9 @@ def _finish(
     console = Console()
     console.print(contact_table(case, result.history.cycle, result.contacts))
     console.print(edge_table(case, result.contacts))
+    if result.refinement is not None:
+        console.print(mesh_table(result.refinement))
+        console.print(limit_table(result.refinement))
     _print_remarks(console, result)
     if timings:
         console.print(timing_table({**result.seconds, "writing": writing}))
@@ -139,6 +151,10 @@ def _step_text(solution: Solution | None) -> str:
 
 
 def _print_remarks(console: Console, result: EdgeHistories) -> None:
+    refinement = result.refinement
+    if refinement is not None and not refinement.converged:
+        text = f"Warning: the mesh is not fine enough for edges.tolerance: {refinement.reason}"
+        console.print(text, highlight=False, markup=False)
     for note in result.notes:
         console.print(f"Note: {note}", highlight=False, markup=False)
     for contact in result.contacts:
@@ -182,6 +198,13 @@ class StepReport:
             return
         if not self._quiet:
             print(f"step {number}/{count}: {text}", flush=True)
+
+    def announce(self, text: str) -> None:
+        """Say what begins or has ended."""
+        if self._bar is not None:
+            self._bar.console.print(text, highlight=False, markup=False)
+        elif not self._quiet:
+            print(text, flush=True)
 
 
 def show_backends(path: Path | None) -> None:

@@ -60,6 +60,11 @@ class EdgeValues:
     friction: float
 
     @property
+    def key(self) -> tuple[str, str, int]:
+        """The same for values that can be compared."""
+        return self.contact, self.side, len(self.slip)
+
+    @property
     def values(self) -> tuple[float, ...]:
         """K_N, K_T and the slip lengths."""
         return (self.k_n, self.k_t, *self.slip)
@@ -124,13 +129,23 @@ class Refinement:
     converged: bool
     reason: str
 
-    def history(self, edge: int, value: int) -> tuple[float, ...]:
-        """One value of one edge in all passes, NaN where unknown."""
-        histories = []
-        for each in self.passes:
-            values = each.edges[edge].values
-            histories.append(values[value] if value < len(values) else math.nan)
-        return tuple(histories)
+    @property
+    def limits(self) -> tuple[tuple[EdgeValues, tuple[float, ...]], ...]:
+        """The edges of the last pass, and what each of their values tends to."""
+        last = self.passes[-1].edges if self.passes else ()
+        return tuple(
+            (edge, tuple(extrapolate(self.history(edge, v)) for v in range(len(edge.values))))
+            for edge in last
+        )
+
+    def history(self, edge: EdgeValues, value: int) -> tuple[float, ...]:
+        """One value of an edge in all passes that have it."""
+        return tuple(
+            found.values[value]
+            for done in self.passes
+            for found in done.edges
+            if found.key == edge.key
+        )
 
 
 def extrapolate(values: Sequence[float]) -> float:
@@ -173,20 +188,22 @@ def _edges(
                 yield history, contact, edge
 
 
-def largest_change(before: Sequence[EdgeValues], after: Sequence[EdgeValues]) -> float:
-    """Largest relative change of any value between two passes; infinite if one is unknown."""
-    if [_key(edge) for edge in before] != [_key(edge) for edge in after]:
-        return math.inf
-    changes = [0.0]
+def changes_by_kind(
+    before: Sequence[EdgeValues], after: Sequence[EdgeValues]
+) -> tuple[float, float, float]:
+    """Largest relative change of K_N, of K_T and of slip lengths; infinite if one is unknown."""
+    if [edge.key for edge in before] != [edge.key for edge in after]:
+        return math.inf, math.inf, math.inf
+    changes = [0.0, 0.0, 0.0]
     for old, new in zip(before, after, strict=True):
-        for value, other, scale in zip(old.values, new.values, new.scales, strict=True):
-            change = abs(other - value) / scale if scale > 0 else math.inf
-            changes.append(change if math.isfinite(change) else math.inf)
-    return max(changes)
-
-
-def _key(edge: EdgeValues) -> tuple[str, str, int]:
-    return edge.contact, edge.side, len(edge.slip)
+        for place, (value, other, scale) in enumerate(
+            zip(old.values, new.values, new.scales, strict=True)
+        ):
+            difference = abs(other - value)
+            change = difference / scale if difference else 0.0
+            kind = min(place, 2)
+            changes[kind] = max(changes[kind], change if math.isfinite(change) else math.inf)
+    return changes[0], changes[1], changes[2]
 
 
 def _last_zones(edge: Edge) -> tuple[SlipZone, ...]:
@@ -198,15 +215,16 @@ def _rise(history: ContactHistory, contact: ContactSummary, edge: Edge) -> float
     """Distance in which p = K_N sqrt(s) would rise to the largest pressure on this side.
 
     Half of the half-width for Hertz; about the length of the rounding in contact for a flat and
-    rounded punch. At most the half-width; that of the nodes in contact while K_N is unknown.
+    rounded punch. At most the half-width; that of the closed elements while K_N is unknown.
     """
     pressure = history.traction[-1, :, 0]
     patch = main_patch(history.arc, pressure)
-    inside = slice(patch.first, patch.last + 1)
-    arc, pressure = history.arc[inside], pressure[inside]
     half_width = float(contact.half_width[-1])
     if not np.isfinite(edge.k_n[-1]) or not np.isfinite(half_width):
-        return float(arc[-1] - arc[0]) / 2
+        low, high = max(patch.first - 1, 0), min(patch.last + 1, len(pressure) - 1)
+        return float(history.arc[high] - history.arc[low]) / 2
+    inside = slice(patch.first, patch.last + 1)
+    arc, pressure = history.arc[inside], pressure[inside]
     near = arc <= contact.centre[-1] if edge.side == "left" else arc >= contact.centre[-1]
     return float(min((pressure[near].max() / edge.k_n[-1]) ** 2, half_width))
 

@@ -22,6 +22,7 @@ from fretfe.case import Case
 from fretfe.environment import versions
 from fretfe.errors import OutputError
 from fretfe.evaluate import ContactSummary
+from fretfe.refinement import Refinement
 from fretfe.solution import ContactHistory, Solution
 
 SCHEMA = {"name": "fretfe-results", "version": 1}
@@ -110,6 +111,7 @@ def as_numbers(case: Case, backend: str, result: EdgeHistories) -> dict[str, Any
             "ranks": result.ranks,
             "seconds": result.seconds,
             "case": case.model_dump(mode="json", exclude_unset=True),
+            "refinement": _refinement_numbers(result.refinement),
             "times": history.times,
             "cycle": history.cycle,
             "loads": dict(zip(history.channels, history.values.T, strict=True)),
@@ -147,6 +149,18 @@ def _solution_numbers(solution: Solution | None) -> dict[str, Any]:
             "certificate": solution.certificates,
         },
     }
+
+
+def _refinement_numbers(refinement: Refinement | None) -> dict[str, Any] | None:
+    """All meshes of a run that refined its mesh, and the limits of their values."""
+    if refinement is None:
+        return None
+    numbers = asdict(refinement)
+    numbers["limits"] = [
+        {"contact": edge.contact, "side": edge.side, "values": limits}
+        for edge, limits in refinement.limits
+    ]
+    return numbers
 
 
 def _contact_numbers(contact: ContactSummary) -> dict[str, Any]:

@@ -25,6 +25,8 @@ from fretfe.solution import Solution
 T = TypeVar("T")
 # Called with each finished step: its number, the number of steps, and what to say about it.
 Progress = Callable[[int, int, str], None]
+# Called with what begins or has ended, in words.
+Announce = Callable[[str], None]
 
 
 class BodyArrays(Protocol):
@@ -86,6 +88,10 @@ def silent(number: int, count: int, text: str) -> None:
     """Report no progress."""
 
 
+def mute(text: str) -> None:
+    """Announce nothing."""
+
+
 @dataclass(frozen=True)
 class RunOptions:
     """What a caller may want besides the edge histories.
@@ -95,11 +101,13 @@ class RunOptions:
             fields ignore it.
         progress: called with each finished step, on rank 0.
         history: loads in place of those of the case; None for those.
+        announce: called with what begins or has ended besides steps, on rank 0.
     """
 
     fields: Path | None = None
     progress: Progress = silent
     history: History | None = None
+    announce: Announce = mute
 
 
 DEFAULTS = RunOptions()

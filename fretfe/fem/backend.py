@@ -6,7 +6,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import TypeVar
 
 from fretfe.backends import EdgeHistories, Processes, RunOptions
@@ -65,7 +64,7 @@ class FemBackend:
         comm = MPI.COMM_WORLD
         history = on_root(comm, lambda: options.history or build_history(case))
         assert history is not None
-        solved = _solve(comm, case, history, options.fields, report)
+        solved = _solve(comm, case, history, options, report)
         outcome = solved.outcome
         return EdgeHistories(
             history=_solved_history(comm, outcome),
@@ -81,12 +80,12 @@ class FemBackend:
 
 
 def _solve(
-    comm: MPI.Comm, case: Case, history: History, fields: Path | None, progress: Progress
+    comm: MPI.Comm, case: Case, history: History, options: RunOptions, progress: Progress
 ) -> Evaluated:
     """Solve and evaluate a case on the mesh it asks for. Collective."""
     if case.edges is not None:
-        return refine(comm, case, history, fields, progress)
-    outcome = solve(comm, case, history, fields, progress)
+        return refine(comm, case, history, options.fields, progress, options.announce)
+    outcome = solve(comm, case, history, options.fields, progress)
     start = time.perf_counter()
     contacts = on_root(comm, lambda: evaluate(_solution(outcome)))
     assert contacts is not None

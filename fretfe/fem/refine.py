@@ -12,6 +12,7 @@ from types import ModuleType
 
 import numpy as np
 
+from fretfe.backends.protocol import Announce
 from fretfe.case import Case
 from fretfe.errors import FretfeError, MeshError
 from fretfe.evaluate import ContactSummary, evaluate
@@ -27,8 +28,8 @@ from fretfe.refinement import (
     Interval,
     Pass,
     Refinement,
+    changes_by_kind,
     edge_values,
-    largest_change,
     needed_sizes,
     resolves,
 )
@@ -44,13 +45,13 @@ UNRESOLVED_PASSES = 3
 LARGEST_GROWTH = 0.3
 
 
-def growth_for(tolerance: float) -> float:
-    """Growth of the element size per distance from an edge.
+def growth_for(tolerance: float, degree: int) -> float:
+    """Growth of the element size per distance from an edge, for displacements of a degree.
 
-    Elements g s long at a distance s interpolate √s with the relative error g²/32: a third of
-    the tolerance.
+    Elements g s long at a distance s interpolate √s with the relative error g²/32: a third of the
+    tolerance. Linear displacements need half of that, found by trial.
     """
-    return min(math.sqrt(32 * tolerance / 3), LARGEST_GROWTH)
+    return min(math.sqrt(32 * tolerance / 3), LARGEST_GROWTH) * degree / 2
 
 
 def first_sizes(case: Case, growth: float, gmsh: ModuleType) -> Sizes:
@@ -80,7 +81,12 @@ class Evaluated:
 
 
 def refine(
-    comm: MPI.Comm, case: Case, history: History, fields: Path | None, progress: Progress
+    comm: MPI.Comm,
+    case: Case,
+    history: History,
+    fields: Path | None,
+    progress: Progress,
+    announce: Announce,
 ) -> Evaluated:
     """Solve a case on finer and finer meshes, the whole history on each. Collective.
 
@@ -90,6 +96,7 @@ def refine(
         history: as for `solve`.
         fields: as for `solve`; those of the last pass remain.
         progress: as for `solve`.
+        announce: called on rank 0 with each mesh.
 
     Returns:
         The last pass that was solved to its end.
@@ -98,7 +105,7 @@ def refine(
         FretfeError: for whatever keeps the first pass from being started. A later pass that fails
             ends the refinement, and the one before counts.
     """
-    passes = _Passes(case)
+    passes = _Passes(case, announce)
     result: Evaluated | None = None
     while True:
         try:
@@ -121,11 +128,12 @@ def refine(
 class _Passes:
     """The meshes of a case one after the other, and what they gave; rank 0 only."""
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: Case, announce: Announce) -> None:
         assert case.edges is not None
         self._case = case
+        self._announce = announce
         self._edges = case.edges
-        self._growth = growth_for(case.edges.tolerance)
+        self._growth = growth_for(case.edges.tolerance, case.model.degree)
         self._sources: tuple[Source, ...] = ()
         self._level = 0
         self._passes: tuple[Pass, ...] = ()
@@ -143,6 +151,7 @@ class _Passes:
                 f"{self._case.source}: edges.unknowns: mesh {len(self._passes) + 1} would have "
                 f"{unknowns} unknowns, expected at most {self._edges.unknowns}"
             )
+        self._announce(f"mesh {len(self._passes) + 1}: {unknowns} unknowns")
         return mesh
 
     def _set_sizes(self, gmsh: ModuleType) -> None:
@@ -160,6 +169,7 @@ class _Passes:
         before = self._passes[-1] if self._passes else None
         self._passes += (self._pass(solution, mesh, contacts),)
         last = self._passes[-1]
+        self._announce(f"mesh {len(self._passes)}: {_change_text(before, last)}")
         if before is not None and before.resolved and self._fine_enough(last):
             return contacts, self._refinement("the results no longer change", converged=True)
         if len(self._passes) == MOST_PASSES:
@@ -172,13 +182,14 @@ class _Passes:
 
     def _pass(self, solution: Solution, mesh: Mesh, contacts: tuple[ContactSummary, ...]) -> Pass:
         values = edge_values(solution, contacts)
+        before = self._passes[-1] if self._passes else None
         return Pass(
             unknowns=count_unknowns(mesh, self._case.model.degree),
             smallest_element=min(float(np.diff(c.arc).min()) for c in solution.contacts),
             edges=values,
             resolved=all(math.isfinite(edge.k_n) for edge in values)
             and resolves(solution, needed_sizes(solution, contacts, 0)),
-            change=largest_change(self._passes[-1].edges, values) if self._passes else math.inf,
+            change=max(changes_by_kind(before.edges if before else (), values)),
         )
 
     def _fine_enough(self, last: Pass) -> bool:
@@ -186,6 +197,12 @@ class _Passes:
 
     def _refinement(self, reason: str, *, converged: bool = False) -> Refinement:
         return Refinement(self._edges.tolerance, self._passes, converged, reason)
+
+
+def _change_text(before: Pass | None, last: Pass) -> str:
+    if before is None or not math.isfinite(last.change):
+        return "shows where the contact edges are" if before is None else "no edge factors yet"
+    return f"edge factors and slip zones changed by up to {last.change:.2%}"
 
 
 def _sources(

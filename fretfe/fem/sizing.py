@@ -75,7 +75,7 @@ def apply_sizes(gmsh: ModuleType, sizes: Sizes) -> None:
     places += _corner_places(gmsh, [curves[name] for name in sizes.boundaries], places)
     mirrors = _mirrors(gmsh)
     distances = [
-        (_distance(gmsh, "CurvesList", tags), size) for size, tags in along + _round_curves(gmsh)
+        (_distance(gmsh, "CurvesList", tags), size) for size, tags in along + round_curves(gmsh)
     ]
     for size, points in places:
         tags = _add_points(gmsh, np.vstack([mirror(points) for mirror in mirrors]))
@@ -110,7 +110,7 @@ def length_of(gmsh: ModuleType, curves: Iterable[int]) -> float:
     return float(np.linalg.norm(np.vstack(steps), axis=1).sum())
 
 
-def _round_curves(gmsh: ModuleType) -> list[tuple[float, list[int]]]:
+def round_curves(gmsh: ModuleType) -> list[tuple[float, list[int]]]:
     """Curves that are not straight, by the element size that their smallest radius allows."""
     found: dict[float, list[int]] = {}
     for _, curve in gmsh.model.getEntities(1):
@@ -129,7 +129,7 @@ def _corner_places(
     """Corners of boundaries, with the element size that the nearest fine place asks for there."""
     found = []
     for curves in boundaries if places else ():
-        for corner in _corners(gmsh, curves):
+        for corner in corners_of(gmsh, curves):
             distances = [
                 (np.linalg.norm(points - corner, axis=1).min(), size) for size, points in places
             ]
@@ -138,7 +138,7 @@ def _corner_places(
     return found
 
 
-def _corners(gmsh: ModuleType, curves: Sequence[int]) -> list[Array]:
+def corners_of(gmsh: ModuleType, curves: Sequence[int]) -> list[Array]:
     """Points (2,) where two of the curves meet with a turn or with different curvatures."""
     ends = []
     for curve in curves:

@@ -15,6 +15,7 @@ from rich.table import Table
 from fretfe.backends import Installed
 from fretfe.case import Case
 from fretfe.evaluate import ContactSummary, Edge, SlipZone
+from fretfe.refinement import EdgeValues, Refinement, changes_by_kind
 
 
 def edge_table(case: Case, contacts: tuple[ContactSummary, ...]) -> Table:
@@ -96,6 +97,33 @@ def _steady(contact: ContactSummary) -> str:
     if not math.isfinite(contact.cycle_change):
         return "-"
     return "yes" if contact.steady else "no"
+
+
+def mesh_table(refinement: Refinement) -> Table:
+    """One row per mesh of a run that refined its mesh itself, with the changes from the last."""
+    headers = ("mesh", "unknowns", "smallest element", "K_N", "K_T", "slip zones")
+    table = _table("Changes from mesh to mesh", headers, text=0)
+    before: tuple[EdgeValues, ...] = ()
+    for number, done in enumerate(refinement.passes, start=1):
+        changes = changes_by_kind(before, done.edges)
+        table.add_row(
+            str(number),
+            str(done.unknowns),
+            _number(done.smallest_element, 3),
+            *(f"{change:.2%}" if math.isfinite(change) else "-" for change in changes),
+        )
+        before = done.edges
+    return table
+
+
+def limit_table(refinement: Refinement) -> Table:
+    """What the values at each edge tend to over the sequence of meshes."""
+    headers = ("contact", "edge", "K_N", "K_T", "slip zones")
+    table = _table("Limits that the meshes tend to", headers, text=2)
+    for edge, limits in refinement.limits:
+        slip = " / ".join(_number(limit, 3) for limit in limits[2:])
+        table.add_row(edge.contact, edge.side, *map(_number, limits[:2]), slip or "-")
+    return table
 
 
 def backend_table(backends: tuple[Installed, ...], case: Case | None) -> Table:
