@@ -97,23 +97,23 @@ def _why_apart(facing: Facing, unit: str) -> str:
     first, second = facing.surface1, facing.surface2
     points, partners, normals, opposite = _nearest_places(first, second)
     distance = np.linalg.norm(points - partners, axis=1)
+    chosen = int(np.argmin(distance))
+    cosines = np.sum(normals * opposite, axis=1)
     # Neighbours of the nearest place count too: the normal at the end of a curve is that of its
     # last facet.
-    near = distance <= distance.min() + second.lengths.max()
-    cosines = np.sum(normals * opposite, axis=1)
-    chosen = int(np.flatnonzero(near)[np.argmin(cosines[near])])
+    near = distance <= distance[chosen] + second.lengths.max()
     where = (
         f"{distance[chosen]:.4g} {unit} apart at {place(points[chosen])} and"
         f" {place(partners[chosen])}"
     )
-    if cosines[chosen] >= 0:
+    if cosines[near].min() >= 0:
         return (
             f"face the wrong way: where they are nearest, {where}, the outward normals are"
             f" {place(opposite[chosen], 3)} and {place(normals[chosen], 3)}; expected them to"
             " oppose each other. Is one of the surfaces the back or a side of its body?"
         )
     reach = search_reach(first, second)
-    if distance.min() > reach:
+    if distance[chosen] > reach:
         return (
             f"are too far apart: nearest {where}; expected less than {reach:.4g} {unit}, half the"
             " length of the shorter one. Check the names, and that the bodies are in their working"

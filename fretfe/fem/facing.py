@@ -96,9 +96,10 @@ def _between(surface: Surface) -> Array:
 def shape_deviation(surface: Surface) -> Array:
     """(facets,) distance of each facet from the smooth curve through its nodes.
 
-    A facet of length h turns by the angle θ = h/R. Straight: the sagitta hθ/8 of an arc, to first
-    order in θ. Curved: hθ³/512, the deviation of a parabola through both ends and the middle of
-    an arc at a quarter of its length, to first order in θ⁴ (below 1 % for θ < 30°).
+    A facet of length h turns by the angle θ = h/R. Straight: the sagitta hθ/8 of an arc.
+    Curved: hθ³/512, the deviation of a parabola through both ends and the middle of
+    an arc at a quarter of its length. Both are the first terms of series, wrong by less than
+    7 % for θ < 30°.
     """
     lengths = surface.lengths
     turns = lengths * facet_curvatures(surface)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fretfe.fem.body import rigid_motions
+from fretfe.fem.contact_checks import place
 from fretfe.fem.meshing import BodyMesh, Mesh
 from fretfe.fem.plan import BodyPlan, ModelPlan
 
@@ -97,5 +98,5 @@ def _one_motion(motion: Array, body: BodyMesh) -> str:
         return f"to move along ({direction[0]:.3g}, {direction[1]:.3g})"
     centre, size = _centre_and_size(body)
     # u = (a - c y, b + c x) vanishes at x = -b/c, y = a/c
-    x, y = centre + size * np.array([-motion[1], motion[0]]) / motion[2]
-    return f"to turn about ({x:.4g}, {y:.4g})"
+    fixed = centre + size * np.array([-motion[1], motion[0]]) / motion[2]
+    return f"to turn about {place(fixed, 4)}"

@@ -83,9 +83,7 @@ def _surface_cells(surface: SurfaceQuality) -> list[str]:
 
 def _gap_table(contacts: Sequence[ContactQuality], unit: str) -> Table:
     headers = ("contact", "length", "gap", "overlap", "at", "size ratio")
-    table = _table(
-        f"Contacts before any load acts: smallest gap or largest overlap in {unit}", headers, text=1
-    )
+    table = _table(f"Before any load: smallest gap or largest overlap in {unit}", headers, text=1)
     for contact in contacts:
         table.add_row(
             contact.name,

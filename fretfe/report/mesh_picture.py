@@ -31,7 +31,7 @@ DPI = 160
 TINTS = ("#CFE3F1", "#FBF0D9", "#DDDDDD")
 ELEMENTS: dict[str, Any] = {"color": "#707070"}
 # Line widths of elements of meshes with fewer cells than this, and with more.
-MANY_CELLS, FEW_WIDTH, MANY_WIDTH = 20_000, 0.2, 0.07
+MANY_CELLS, FEW_WIDTH, MANY_WIDTH = 20_000, 0.2, 0.12
 # Okabe and Ito's colours; dark and solid under light and dashed, so that both are seen in grey too.
 SURFACES: tuple[dict[str, Any], ...] = (
     {"color": "#0072B2", "linewidth": 3.4, "linestyle": "-"},
@@ -60,10 +60,10 @@ def write_mesh_picture(path: Path, case: Case, bodies: Mapping[str, BodyArrays])
         case: names the contacts and the unit of length.
         bodies: plane meshes, by body.
     """
-    with mpl.rc_context(STYLE):
-        draw_mesh(case, bodies).savefig(path, dpi=DPI)
+    draw_mesh(case, bodies).savefig(path, dpi=DPI)
 
 
+@mpl.rc_context(STYLE)
 def draw_mesh(case: Case, bodies: Mapping[str, BodyArrays]) -> Figure:
     """The figure of `write_mesh_picture`."""
     columns = -(-len(case.contacts) // ROWS)
@@ -75,7 +75,7 @@ def draw_mesh(case: Case, bodies: Mapping[str, BodyArrays]) -> Figure:
         (len(labels) / 2 + 3) * SPACING,
     )
     bottom = AXIS_HEIGHT + LEGEND_ROW * _legend_rows(bodies)
-    figure = Figure()
+    figure = Figure(dpi=DPI)
     FigureCanvasAgg(figure)
     margins = column_widths(figure, labels)
     width = max(BODIES_WIDTH, BODIES_ASPECT * height) + sum(margins)
