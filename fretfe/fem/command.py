@@ -6,13 +6,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from rich.console import Console
-from rich.table import Table
 
 from fretfe.case import Case, load_case
 from fretfe.environment import blas_libraries, reference_blas_only, versions
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
-from fretfe.fem.mesh_groups import mesh_summary
+from fretfe.fem.held import free_motions
+from fretfe.fem.mesh_report import print_mesh
 from fretfe.fem.mesh_writer import write_mesh
 from fretfe.fem.meshing import Mesh
 from fretfe.fem.model import contact_surfaces, couple_contacts
@@ -20,6 +20,7 @@ from fretfe.fem.parallel import on_root
 from fretfe.fem.plan import plan_model
 from fretfe.fem.run import load_mesh
 from fretfe.loads import History, build_history
+from fretfe.report.mesh_picture import write_mesh_picture
 from fretfe.results import prepare_directory
 
 COMM = MPI.COMM_WORLD
@@ -43,40 +44,26 @@ def _print_check(case: Case, history: History, mesh: Mesh) -> None:
     plan = plan_model(case, mesh)
     pairs = couple_contacts(case, contact_surfaces(plan, mesh))
     console = Console()
-    console.print(_mesh_table(case, mesh))
+    print_mesh(console, case, mesh)
     for body in plan.bodies:
         console.print(f"{body.name}: E = {body.material.young:g}, ν = {body.material.poisson:g}")
         for coordinate in body.coordinates:
             console.print(f"  {coordinate.label}: {coordinate.control}", highlight=False)
     for pair in pairs:
-        gap = pair.coupling.gap / pair.coupling.weights
         console.print(
             f"contact {pair.name}: {pair.body1} (1) on {pair.body2} (2), "
-            f"{len(gap)} multiplier nodes, smallest initial gap {gap.min():.3g} "
-            f"{case.units.length}",
+            f"{len(pair.coupling.weights)} multiplier nodes",
             highlight=False,
         )
+    for name, motion in free_motions(plan, mesh).items():
+        text = f"Note: without contact {name} is free {motion}."
+        console.print(text, highlight=False, markup=False)
     cycle = "no cycle to evaluate"
     if history.cycle is not None:
         first, last = (history.times[state] for state in history.cycle)
         cycle = f"evaluated cycle t = {first:g} to {last:g} {case.units.time}"
     console.print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")
     console.print("The case is valid.")
-
-
-def _mesh_table(case: Case, mesh: Mesh) -> Table:
-    table = Table(title="Bodies", title_justify="left")
-    for header in ("body", "elements", "nodes", "order", "smallest angle [°]"):
-        table.add_column(header, justify="left" if header == "body" else "right")
-    for body in mesh_summary(mesh):
-        table.add_row(
-            body.name,
-            f"{body.elements} {body.cell}",
-            str(body.nodes),
-            str(body.order),
-            f"{body.smallest_angle:.1f}",
-        )
-    return table
 
 
 def write_mesh_file(path: Path, target: Path) -> None:
@@ -90,8 +77,14 @@ def _write_mesh(case: Case, target: Path) -> None:
     mesh = load_mesh(case)
     write_mesh(mesh, target)
     console = Console()
-    console.print(_mesh_table(case, mesh))
+    print_mesh(console, case, mesh)
     console.print(f"Mesh in {target}", highlight=False, soft_wrap=True)
+    if mesh.dimension == 2:
+        picture = target.with_suffix(".png")
+        write_mesh_picture(picture, case, mesh.bodies)
+        console.print(f"Picture in {picture}", highlight=False, soft_wrap=True)
+    else:
+        console.print("Note: a picture is drawn of plane meshes only.")
 
 
 def show_info() -> None:

@@ -67,6 +67,11 @@ class Mesh:
 
     bodies: dict[str, BodyMesh]
 
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates."""
+        return next(iter(self.bodies.values())).points.shape[1]
+
 
 def read_mesh(path: str | os.PathLike[str]) -> Mesh:
     """Read a Gmsh file (.msh, format 2.2 or 4.1) whose physical groups have names.

@@ -81,7 +81,7 @@ def couple(
     on_first = multipliers == "surface1" or (
         multipliers == "finer" and _facet_size(surface1) <= _facet_size(surface2)
     )
-    pairs = _overlap(surface1, surface2)
+    pairs = facing_points(surface1, surface2)
     if not len(pairs["weight"]):
         raise ModelError(
             f"contact {name!r}: surfaces {surface1.name!r} and {surface2.name!r} never face each "
@@ -95,17 +95,25 @@ def _facet_size(surface: Surface) -> float:
     return float(np.median(surface.lengths))
 
 
-def _overlap(surface1: Surface, surface2: Surface) -> dict[str, Array]:
+def facing_points(surface1: Surface, surface2: Surface) -> dict[str, Array]:
+    """Integration points on the surface of body 2 and their projections on that of body 1.
+
+    Empty where no part of the surfaces faces the other within `search_reach`.
+    """
     points, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
-    reach = SEARCH_FRACTION * min(surface1.lengths.sum(), surface2.lengths.sum())
     return _kernels.overlap_points(
         np.ascontiguousarray(surface2.nodes),
         np.ascontiguousarray(contact_normals(surface1, surface2)),
         np.ascontiguousarray(surface1.nodes),
         (points + 1) / 2,
         weights / 2,
-        reach,
+        search_reach(surface1, surface2),
     )
+
+
+def search_reach(surface1: Surface, surface2: Surface) -> float:
+    """Distance beyond which points of two surfaces are never in contact."""
+    return float(SEARCH_FRACTION * min(surface1.lengths.sum(), surface2.lengths.sum()))
 
 
 def contact_normals(surface1: Surface, surface2: Surface) -> Array:

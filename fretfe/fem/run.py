@@ -15,6 +15,7 @@ from fretfe.contact.recorder import Place, Recorder
 from fretfe.errors import CaseError, ConvergenceError, ModelError
 from fretfe.fem._compat import MPI, release
 from fretfe.fem.balance import force_balance
+from fretfe.fem.contact_checks import check_contacts
 from fretfe.fem.extraction import add_integrals
 from fretfe.fem.fields import write_fields
 from fretfe.fem.mesh_groups import check_groups
@@ -57,7 +58,8 @@ def load_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
     Raises:
         CaseError: if the template or its parameters are not valid, a direction does not fit, or the
             geometry has a mesh already and sizes are to be set.
-        MeshError: if there is no valid mesh with all the groups that the case names.
+        MeshError: if there is no valid mesh with all the groups that the case names, or its contact
+            surfaces overlap or do not face each other.
     """
     geometry = case.geometry
     if geometry.template is not None:
@@ -78,7 +80,9 @@ def load_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
             )
         mesh = read_mesh(case.resolve(geometry.file))
     check_groups(mesh, case)
-    check_dimension(case, next(iter(mesh.bodies.values())).points.shape[1])
+    check_dimension(case, mesh.dimension)
+    if mesh.dimension == 2:
+        check_contacts(mesh, case)
     return mesh
 
 

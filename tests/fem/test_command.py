@@ -142,12 +142,26 @@ def test_check_lists_what_would_be_solved(folder: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert "pad (1) on substrate (2)" in done.stdout
     assert "19 steps" in done.stdout
+    assert "pad_contact" in done.stdout and "smallest angle" in done.stdout
+    # The platen that moves the pad holds it.
+    assert "without contact" not in done.stdout
     assert "The case is valid." in done.stdout
+
+
+def test_check_tells_which_body_only_contact_holds(folder: Path, tmp_path: Path) -> None:
+    shutil.copy(folder / "pad.msh", tmp_path)
+    text = CASE.replace('control = "displacement"', 'control = "force"', 1)
+    (tmp_path / "case.toml").write_text(text)
+    done = fretfe("check", tmp_path / "case.toml")
+    assert done.returncode == 0, done.stderr
+    assert "Note: without contact pad is free to move along y." in done.stdout
 
 
 def test_mesh_is_written_and_read_back(folder: Path) -> None:
     done = fretfe("mesh", folder / "case.toml", "-o", folder / "copy.msh")
     assert done.returncode == 0, done.stderr
+    assert str(folder / "copy.png") in done.stdout.replace("\n", "")
+    assert (folder / "copy.png").read_bytes().startswith(b"\x89PNG")
     copy, original = read_mesh(folder / "copy.msh"), load_mesh(load_case(folder / "case.toml"))
     assert list(copy.bodies) == list(original.bodies)
     for name, body in original.bodies.items():
@@ -177,6 +191,7 @@ MISTAKES = {
     "incompressible": (("poisson = 0.3", "poisson = 0.5"), 2, ["bodies.pad.poisson", "0.5"]),
     "missing mesh": (('"pad.msh"', '"none.msh"'), 3, ["none.msh"]),
     "nothing holds the block": (('fix = ["x", "y"]', 'fix = ["x"]'), 4, ["substrate", "holds"]),
+    "wrong side": (('"substrate_contact"', '"substrate_left"'), 3, ["contacts.main", "wrong way"]),
     "surfaces look away": (
         ('surface1 = "pad_contact"', 'surface1 = "pad_top"'),
         2,
