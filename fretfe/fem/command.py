@@ -18,7 +18,7 @@ from fretfe.fem.meshing import Mesh
 from fretfe.fem.model import contact_surfaces, couple_contacts
 from fretfe.fem.parallel import on_root
 from fretfe.fem.plan import plan_model
-from fretfe.fem.run import load_mesh
+from fretfe.fem.refine import starting_mesh
 from fretfe.loads import History, build_history
 from fretfe.report.mesh_picture import write_mesh_picture
 from fretfe.results import prepare_directory
@@ -37,7 +37,7 @@ def check_case(path: Path) -> None:
     case = _load(path)
     history = on_root(COMM, lambda: build_history(case))
     assert history is not None
-    on_root(COMM, lambda: _print_check(case, history, load_mesh(case)))
+    on_root(COMM, lambda: _print_check(case, history, starting_mesh(case)))
 
 
 def _print_check(case: Case, history: History, mesh: Mesh) -> None:
@@ -74,7 +74,7 @@ def write_mesh_file(path: Path, target: Path) -> None:
 
 def _write_mesh(case: Case, target: Path) -> None:
     prepare_directory(target.parent)
-    mesh = load_mesh(case)
+    mesh = starting_mesh(case)
     write_mesh(mesh, target)
     console = Console()
     print_mesh(console, case, mesh)

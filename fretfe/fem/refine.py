@@ -12,7 +12,7 @@ from types import ModuleType
 
 import numpy as np
 
-from fretfe.backends.protocol import Announce
+from fretfe.backends.protocol import Announce, mute
 from fretfe.case import Case
 from fretfe.errors import FretfeError, MeshError
 from fretfe.evaluate import ContactSummary, evaluate
@@ -63,6 +63,15 @@ def first_sizes(case: Case, growth: float, gmsh: ModuleType) -> Sizes:
         lengths = [length_of(gmsh, curves[name]) for name in names]
         sizes |= {name: min(lengths) / FIRST_ELEMENTS for name in names}
     return Sizes(sizes, growth)
+
+
+def starting_mesh(case: Case) -> Mesh:
+    """The mesh of a case, the first one if it refines itself. Serial.
+
+    Raises:
+        FretfeError: as for `load_mesh`.
+    """
+    return load_mesh(case) if case.edges is None else _Passes(case, mute).load()
 
 
 @dataclass(frozen=True)

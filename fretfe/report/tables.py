@@ -110,10 +110,15 @@ def mesh_table(refinement: Refinement) -> Table:
             str(number),
             str(done.unknowns),
             _number(done.smallest_element, 3),
-            *(f"{change:.2%}" if math.isfinite(change) else "-" for change in changes),
+            *(_percent(change) for change in changes[:2]),
+            _percent(changes[2]) if any(edge.slip for edge in done.edges) else "-",
         )
         before = done.edges
     return table
+
+
+def _percent(change: float) -> str:
+    return f"{change:.2%}" if math.isfinite(change) else "-"
 
 
 def limit_table(refinement: Refinement) -> Table:

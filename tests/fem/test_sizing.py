@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from types import ModuleType
 
 import gmsh
@@ -83,7 +84,7 @@ def test_corners_of_the_contact_surface_are_finer_than_their_distance_from_a_sou
 
 
 @pytest.fixture
-def model() -> ModuleType:
+def model() -> Iterator[ModuleType]:
     gmsh.initialize([], readConfigFiles=False, interruptible=False)
     gmsh.option.setNumber("General.Terminal", 0)
     yield gmsh

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Where a mesh must be fine, and when it is fine enough, on half-planes with known answers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from halfplane_problems import HERTZ, LIMIT, LOAD, problem
+
+from fretfe.evaluate import ContactSummary, evaluate
+from fretfe.halfplane import solve_half_planes
+from fretfe.idealise import HalfPlaneProblem
+from fretfe.refinement import (
+    BLIND,
+    PER_RISE,
+    PER_SLIP_ZONE,
+    EdgeValues,
+    Interval,
+    Pass,
+    Refinement,
+    changes_by_kind,
+    edge_values,
+    extrapolate,
+    needed_sizes,
+    resolves,
+)
+from fretfe.solution import Solution
+
+# Amplitude of the shear; the slip zones of the cycle are a (1 - sqrt(1 - Q/(f P))) (Cattaneo and
+# Mindlin) with a = 1.
+SHEAR = 0.2 * LIMIT
+ZONE = 1 - math.sqrt(1 - 0.2)
+
+
+def solved(given: HalfPlaneProblem) -> tuple[Solution, tuple[ContactSummary, ...]]:
+    outcome = solve_half_planes(given)
+    return outcome.solution, evaluate(outcome.solution, outcome.unit_factors)
+
+
+@pytest.fixture(scope="module")
+def cycled() -> tuple[Solution, tuple[ContactSummary, ...]]:
+    shear = SHEAR * np.sin(np.linspace(0, 4 * np.pi, 65)[1:])
+    return solved(problem(np.full(64, LOAD), shear, cycle=32))
+
+
+def at(intervals: tuple[Interval, ...], place: float) -> float:
+    """Smallest size that is asked for within 0.01 of a place."""
+    return min(i.size for i in intervals if i.low - 0.01 <= place <= i.high + 0.01)
+
+
+def test_values_are_those_of_the_edges(
+    cycled: tuple[Solution, tuple[ContactSummary, ...]],
+) -> None:
+    left, right = edge_values(*cycled)
+    assert (left.side, right.side) == ("left", "right")
+    for values in (left, right):
+        # p0 sqrt(2/a); 0.5 % is what 300 elements give
+        assert values.k_n == pytest.approx(math.sqrt(2), rel=5e-3)
+        # 2 Q/(pi sqrt(2 a))
+        assert values.k_t == pytest.approx(2 * SHEAR / (math.pi * math.sqrt(2)), rel=5e-3)
+        assert values.slip == pytest.approx((ZONE, ZONE), rel=0.02)
+        # (p0/K_N)^2 = a/2
+        assert values.rise == pytest.approx(0.5, rel=0.02)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("level", [0, 2])
+def test_edges_and_slip_zones_are_to_be_fine(
+    cycled: tuple[Solution, tuple[ContactSummary, ...]], side: int, level: int
+) -> None:
+    intervals = needed_sizes(*cycled, level)
+    needed = min(0.5 / PER_RISE, ZONE / PER_SLIP_ZONE)
+    assert at(intervals, side * 1.0) == pytest.approx(needed / 2**level, rel=0.05)
+    assert at(intervals, side * (1 - ZONE)) == pytest.approx(needed / 2**level, rel=0.05)
+    # within the zone the level makes no difference: only its ends are refined
+    assert at(intervals, side * (1 - ZONE / 2)) == pytest.approx(ZONE / PER_SLIP_ZONE, rel=0.05)
+    assert not any(i.low < 0 < i.high for i in intervals)
+
+
+def test_the_range_of_a_moving_edge_is_to_be_fine() -> None:
+    normal = LOAD * (1 + 0.3 * np.sin(np.linspace(0, 4 * np.pi, 65)[1:]))
+    intervals = needed_sizes(*solved(problem(normal, cycle=32)), 3)
+    ends = HERTZ.half_width(LOAD * 0.7), HERTZ.half_width(LOAD * 1.3)
+    for sign in (-1, 1):
+        for place in np.linspace(*ends, 9):
+            assert at(intervals, sign * float(place)) <= 1.05 * 0.5 / PER_RISE
+
+
+def test_elements_shrink_where_they_are_too_large_to_tell_k_n(
+    cycled: tuple[Solution, tuple[ContactSummary, ...]],
+) -> None:
+    solution, (contact,) = cycled
+    nan = np.full_like(solution.times, np.nan)
+    left, right = (replace(edge, k_n=nan, position=nan) for edge in contact.edges)
+    unknown = replace(contact, edges=(left, right))
+    intervals = needed_sizes(solution, (unknown,), 0)
+    arc = solution.contacts[0].arc
+    edge = np.searchsorted(arc, 1.0)
+    assert at(intervals, 1.0) == pytest.approx((arc[edge] - arc[edge - 1]) / BLIND, rel=0.5)
+    assert at(intervals, -1.0) == pytest.approx(at(intervals, 1.0), rel=1e-6)
+
+
+def test_an_open_contact_has_no_values(
+    cycled: tuple[Solution, tuple[ContactSummary, ...]],
+) -> None:
+    solution, contacts = cycled
+    (history,) = solution.contacts
+    lifted = replace(history, traction=history.traction * 0)
+    assert edge_values(replace(solution, contacts=(lifted,)), contacts) == ()
+
+
+def test_a_mesh_resolves_what_its_elements_are_small_enough_for(
+    cycled: tuple[Solution, tuple[ContactSummary, ...]],
+) -> None:
+    solution, _ = cycled
+    history = solution.contacts[0]
+    arc = history.arc
+    size = float(np.diff(arc)[np.searchsorted(arc, 0.5) - 1])
+    assert resolves(solution, [Interval(history.name, 0.5, 0.5, size)])
+    assert not resolves(solution, [Interval(history.name, 0.5, 0.5, size / 2)])
+    assert not resolves(solution, [Interval(history.name, 0.0, 1.0, size / 2)])
+
+
+def edge(k_n: float = 10.0, k_t: float = 2.0, *slip: float) -> EdgeValues:
+    return EdgeValues("main", "left", k_n, k_t, slip, rise=1.0, friction=0.5)
+
+
+@pytest.mark.parametrize(
+    ("after", "changes"),
+    [
+        (edge(10.1, 2.0, 0.4), (0.1 / 10.1, 0, 0)),
+        (edge(10.0, 1.9, 0.4), (0, 0.1 / 1.9, 0)),
+        (edge(10.0, 2.0, 0.5), (0, 0, 0.2)),
+        (edge(10.0, 2.0), (math.inf,) * 3),  # the zone is gone
+        (edge(math.nan, 2.0, 0.4), (math.inf, 0, 0)),
+    ],
+)
+def test_changes(after: EdgeValues, changes: tuple[float, float, float]) -> None:
+    assert changes_by_kind([edge(10.0, 2.0, 0.4)], [after]) == pytest.approx(changes)
+
+
+def test_what_is_negligible_need_not_converge() -> None:
+    # slip zones of 1e-5 and 2e-5 of the rise: K_T = f K_N d is as negligible
+    before, after = edge(10.0, 5e-5, 1e-5), edge(10.0, 1e-4, 2e-5)
+    assert max(changes_by_kind([before], [after])) == pytest.approx(0.01)
+    assert changes_by_kind([edge(10.0, 0.0)], [edge(10.0, 0.0)]) == (0, 0, 0)
+
+
+@pytest.mark.parametrize("ratio", [0.5, -0.3])
+def test_extrapolation_is_exact_for_errors_that_shrink_by_a_factor(ratio: float) -> None:
+    values = [3.0 + 0.2 * ratio**n for n in range(4)]
+    assert extrapolate(values) == pytest.approx(3.0, abs=1e-14)
+
+
+@pytest.mark.parametrize("values", [[1.0], [1.0, 2.0], [1.0, 2.0, 3.0], [1.0, 1.1, 1.1]])
+def test_nothing_is_extrapolated_from_changes_that_do_not_shrink(values: list[float]) -> None:
+    assert extrapolate(values) == values[-1]
+
+
+def test_limits_skip_meshes_that_did_not_show_the_edge() -> None:
+    first = Pass(100, 0.1, (edge(math.nan, 0.0),), False, math.inf)
+    passes = tuple(Pass(100, 0.1, (edge(10 + 2.0**-n, 2.0, 0.4),), True, 0.1) for n in range(3))
+    ((found, limits),) = Refinement(0.01, (first, *passes), True, "").limits
+    assert found == passes[-1].edges[0]
+    assert limits == pytest.approx((10.0, 2.0, 0.4))
