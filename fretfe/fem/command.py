@@ -62,6 +62,9 @@ def _print_check(case: Case, history: History, mesh: Mesh) -> None:
     if history.cycle is not None:
         first, last = (history.times[state] for state in history.cycle)
         cycle = f"evaluated cycle t = {first:g} to {last:g} {case.units.time}"
+    if case.edges is not None:
+        text = f"the mesh refines itself to a tolerance of {case.edges.tolerance:g}: first mesh"
+        console.print(text, highlight=False)
     console.print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")
     console.print("The case is valid.")
 
