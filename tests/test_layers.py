@@ -21,7 +21,7 @@ LAYERS = (
     "fretfe.analytic.*",
     "fretfe.case.*",
     "fretfe.loads.*",
-    "fretfe.template_checks",
+    "fretfe.template_checks.*",
     "fretfe.templates",
     "fretfe.idealise.*",
     "fretfe.solution",

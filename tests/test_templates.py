@@ -137,7 +137,7 @@ BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
         {"lower_width": 9},
         "lower_width: expected at most 7.92 ",
     ),
-    ("cylinder", "_zone_is_inside_faces"): (
+    ("cylinder", "zone_is_inside_faces"): (
         {"zone": 6.5},
         "zone: expected at most 6.3 ",
     ),
@@ -145,7 +145,7 @@ BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
         {"upper_height": 4},
         "upper_height: expected at least 4.8",
     ),
-    ("cylinder", "_size_resolves_zone"): (
+    ("cylinder", "size_resolves_zone"): (
         {"size": 0.3},
         "size: expected at most 0.25 ",
     ),
@@ -153,7 +153,7 @@ BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
         {"upper_width": 12},
         "radius: expected at least 11.1111 (the roundings must reach the sides",
     ),
-    ("flat_rounded", "_zone_is_inside_faces"): (
+    ("flat_rounded", "zone_is_inside_faces"): (
         {"lower_width": 1.5},
         "zone: expected at most 1.35 ",
     ),
@@ -173,7 +173,7 @@ BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
         {"edge_size": 0.06},
         "edge_size: expected at most 0.05 (flat_size)",
     ),
-    ("wedge", "_zone_is_inside_faces"): (
+    ("wedge", "zone_is_inside_faces"): (
         {"zone": 7.5},
         "zone: expected at most 7.2 ",
     ),
@@ -181,7 +181,7 @@ BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
         {"angle": 20, "upper_height": 3},
         "upper_height: expected at least 3.71",
     ),
-    ("wedge", "_size_resolves_zone"): (
+    ("wedge", "size_resolves_zone"): (
         {"zone": 0.03},
         "size: expected at most 0.0075 ",
     ),
