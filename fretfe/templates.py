@@ -21,12 +21,16 @@ _BLOCK = re.compile(r"DefineConstant\s*\[(.*?)\n\s*\];", re.DOTALL)
 _PARAMETER = re.compile(
     r"(?P<name>\w+)\s*=\s*\{\s*(?P<default>[^,]+),\s*Min\s+(?P<minimum>[^,]+),"
     r'\s*Max\s+(?P<maximum>[^,]+),\s*Name\s+"Parameters/\d+ (?P<text>[^"\[]+) \[(?P<unit>[^]]+)\]"'
+    r"(?P<whole>,\s*Step\s+1\b)?"
 )
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number that a template takes, with its default and its range (both ends allowed)."""
+    """A number that a template takes, with its default and its range (both ends allowed).
+
+    Only whole numbers are allowed where the script says `Step 1`.
+    """
 
     name: str
     default: float
@@ -34,6 +38,7 @@ class Parameter:
     maximum: float
     description: str
     unit: str
+    whole: bool = False
 
     @property
     def is_mesh_size(self) -> bool:
@@ -119,18 +124,20 @@ def _read_parameters(text: str) -> tuple[Parameter, ...]:
             maximum=float(match["maximum"]),
             description=match["text"],
             unit=match["unit"],
+            whole=match["whole"] is not None,
         )
         for match in _PARAMETER.finditer(block.group(1) if block else "")
     )
 
 
 def _range_problem(parameter: Parameter, value: object) -> str | None:
-    expected = f"expected a number from {parameter.minimum:g} to {parameter.maximum:g}"
+    kind = "whole number" if parameter.whole else "number"
+    expected = f"expected a {kind} from {parameter.minimum:g} to {parameter.maximum:g}"
     if parameter.unit != "-":
         expected += f" {parameter.unit}"
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         return f"{parameter.name}: {expected}, found {value!r}"
-    if not parameter.minimum <= value <= parameter.maximum:
+    if not parameter.minimum <= value <= parameter.maximum or (parameter.whole and value % 1):
         return f"{parameter.name}: {expected}, found {value:g}"
     return None
 

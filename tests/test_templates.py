@@ -15,7 +15,7 @@ from fretfe.errors import CaseError
 from fretfe.template_checks import CROSS_CHECKS
 from fretfe.templates import Parameter, check_parameters, find_template, template_names
 
-NAMES = ("cylinder", "dovetail", "flat_rounded", "wedge")
+NAMES = ("cylinder", "dovetail", "firtree", "flat_rounded", "wedge")
 
 
 def test_all_templates_are_found() -> None:
@@ -81,7 +81,7 @@ def test_refused_values(values: dict[str, Any], message: str) -> None:
 
 # For each template and cross check: parameters that break it, and how the message begins.
 BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
-    ("dovetail", "_contact_ends_on_roundings"): (
+    ("dovetail", "contact_ends_on_roundings"): (
         {"relief_angle": 15, "contact_angle": 12},
         "contact_angle: expected at most 10 ",
     ),
@@ -89,7 +89,7 @@ BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
         {"lower_radius": 15},
         "overhang: expected at least 2.75",
     ),
-    ("dovetail", "_fine_zone_fits"): (
+    ("dovetail", "fine_zone_fits"): (
         {"upper_radius": 1},
         "edge_zone: expected at most 0.157",
     ),
@@ -125,11 +125,11 @@ BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
         {"disc_width": 30},
         "disc_width: expected at least 38",
     ),
-    ("dovetail", "_flank_size_resolves_flat"): (
+    ("dovetail", "flank_size_resolves_flat"): (
         {"flank_size": 1.6},
         "flank_size: expected at most 1.5 ",
     ),
-    ("dovetail", "_edge_size_is_smallest"): (
+    ("dovetail", "edge_size_is_smallest"): (
         {"edge_size": 0.15},
         "edge_size: expected at most 0.1 ",
     ),

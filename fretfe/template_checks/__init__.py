@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fretfe.template_checks import cylinder, dovetail, flat_rounded, wedge
+from fretfe.template_checks import cylinder, dovetail, firtree, flat_rounded, wedge
 from fretfe.template_checks.bounds import Check
 
 CROSS_CHECKS: Mapping[str, tuple[Check, ...]] = {
     "cylinder": cylinder.CHECKS,
     "dovetail": dovetail.CHECKS,
+    "firtree": firtree.CHECKS,
     "flat_rounded": flat_rounded.CHECKS,
     "wedge": wedge.CHECKS,
 }

@@ -8,6 +8,12 @@ from collections.abc import Mapping
 from types import SimpleNamespace
 
 from fretfe.template_checks.bounds import NECK_CLEARANCE, Check, at_least, at_most
+from fretfe.template_checks.flanks import (
+    contact_ends_on_roundings,
+    edge_size_is_smallest,
+    fine_zone_fits,
+    flank_size_resolves_flat,
+)
 
 
 def _dovetail(values: Mapping[str, float]) -> SimpleNamespace:
@@ -34,25 +40,11 @@ def _dovetail(values: Mapping[str, float]) -> SimpleNamespace:
     return d
 
 
-def _contact_ends_on_roundings(values: Mapping[str, float]) -> str | None:
-    limit = min(values["relief_angle"], 90 - values["flank_angle"]) - 5
-    why = "5 degrees less than relief_angle and than 90 - flank_angle"
-    return at_most("contact_angle", values, limit, why)
-
-
 def _disc_flank_covers_contact(values: Mapping[str, float]) -> str | None:
     radius = max(values["upper_radius"], values["lower_radius"])
     reach = radius * math.sin(math.radians(values["contact_angle"])) + values["flank_size"]
     why = "the flat of the disc must cover the candidate contact on the larger rounding"
     return at_least("overhang", values, reach, why)
-
-
-def _fine_zone_fits(values: Mapping[str, float]) -> str | None:
-    radius = min(values["upper_radius"], values["lower_radius"])
-    arc = 0.9 * radius * math.radians(values["contact_angle"])
-    bound = min(arc, 0.45 * values["flank_length"])
-    why = "90 % of the candidate contact on the smaller rounding, 45 % of the flat"
-    return at_most("edge_zone", values, bound, why)
 
 
 def _root_is_high_enough(values: Mapping[str, float]) -> str | None:
@@ -130,19 +122,10 @@ def _disc_is_large_enough(values: Mapping[str, float]) -> str | None:
     ) or at_least("disc_depth", values, depth + d.slot_fillet, "depth of the slot and its fillets")
 
 
-def _flank_size_resolves_flat(values: Mapping[str, float]) -> str | None:
-    return at_most("flank_size", values, values["flank_length"] / 4, "a quarter of the flat")
-
-
-def _edge_size_is_smallest(values: Mapping[str, float]) -> str | None:
-    bound = min(values["flank_size"], values["edge_zone"] / 2)
-    return at_most("edge_size", values, bound, "flank_size, and half of edge_zone")
-
-
 CHECKS: tuple[Check, ...] = (
-    _contact_ends_on_roundings,
+    contact_ends_on_roundings,
     _disc_flank_covers_contact,
-    _fine_zone_fits,
+    fine_zone_fits,
     _root_is_high_enough,
     _slot_is_deep_enough,
     _root_clears_slot_wall,
@@ -151,6 +134,6 @@ CHECKS: tuple[Check, ...] = (
     _corners_fit,
     _shank_rises_above_fillet,
     _disc_is_large_enough,
-    _flank_size_resolves_flat,
-    _edge_size_is_smallest,
+    flank_size_resolves_flat,
+    edge_size_is_smallest,
 )

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+//
+// Firtree: a blade root with 2 to 4 pairs of lobes in a disc sector, plane, symmetric about x = 0.
+// Lengths in mm. Pulling the blade top upwards presses the upper flank of every lobe against the disc.
+//
+//   right half, two of the lobes, not to scale          blade_top
+//                                                    x=0 ________
+//                                                     |          |                ^ shank_height
+//   neck_width / 2 = width from x = 0 to the neck     |  blade   |                v
+//   neck_fillet    = concave radii of the blade       |          | ._____________ (disc top)
+//   relief_angle   = how far the upper rounding       |          | |            | ^ rim_height
+//                    turns before the neck fillet     |          | |            | v
+//   tooth_radius   = convex radii of the disc         |         (  /            |   ^
+//                                                     |          \_ \.upper_    |   |
+//   flank: flat of length flank_length,               |  lobe 1     \. \ radius |   |
+//     flank_angle to the x axis, between              |        flank_ \. \      |   | disc_depth
+//     two roundings; the flat of the disc       ^     |         length \. \     |   | (from the
+//     goes on beyond both ends                  |     |                 \. \    |   |  disc top)
+//                                               |     |      lower_radius )  )  |   |
+//   back of a lobe: parallel to the disc,       |     |             ____-- /    |   |
+//     flank_clearance away from it; how         |     |       __---'___---'     |   |
+//     steep it is follows from pitch          pitch   |      (    / groove_     |   |
+//                                               |     |       \.  \. radius     |   |
+//   wedge_angle = angle of the line from        |     |  lobe 2 \.  \.          |   |
+//     lobe to lobe to the y axis, along         v  __ |           \.  \. disc   |   |
+//     which pitch is measured                   ^     |             )  )        |   |
+//                                   root_height |     |             |  |        |   |
+//   root_corner = lower corners of the blade    |     |             /  |        |   |
+//                                               v  __ |____________'   /        |   |
+//                                                     |_slot_clearance'         |   |
+//                                                     |_________________________|   v
+//                                                     <---- disc_width / 2 ----->
+//
+// At the start the flats touch (gap zero) and the roundings curve away from the disc, so each flank
+// is a flat punch with rounded ends. With lobe_gap > 0 only the flats of lobe 1 touch, those of lobe 2
+// are lobe_gap away along their normal, those of lobe 3 twice that; with lobe_gap < 0 the lowest lobe
+// touches and the gap grows upwards. The candidate contact surfaces are the flat and the first
+// contact_angle of each rounding, and what lies opposite on the disc. The wall of the slot beside the
+// neck and beside the lowest lobe is flank_clearance away from the blade too. root_height counts from
+// the upper end of the lowest flat, groove_radius is also that of the corners of the slot. The blade
+// is mesh side 1, the disc 7 % coarser, so the meshes do not match.
+//
+// Element size: edge_size along the contact edges (from edge_zone before to edge_zone behind the
+// points where flat and rounding meet), flank_size on the rest of the candidate contact surfaces, and
+// from there growing by `growth` per distance. The left half of the mesh mirrors the right half.
+//
+// Groups: blade, disc; blade_top, disc_bottom, disc_side_left, disc_side_right, and for every lobe N,
+//         1 is the uppermost: blade_flank_left_N, blade_flank_right_N, disc_flank_left_N,
+//         disc_flank_right_N.
+
+DefineConstant[
+  lobes           = {3,    Min 2,     Max 4,   Name "Parameters/01 Number of pairs of lobes [-]", Step 1},
+  pitch           = {8,    Min 1,     Max 50,  Name "Parameters/02 Distance from lobe to lobe along the wedge [mm]"},
+  wedge_angle     = {14,   Min 0,     Max 30,  Name "Parameters/03 Angle of the line from lobe to lobe to the y axis [degrees]"},
+  flank_angle     = {45,   Min 30,    Max 65,  Name "Parameters/04 Angle of the flanks to the x axis [degrees]"},
+  flank_length    = {2.5,  Min 0.5,   Max 20,  Name "Parameters/05 Length of the flat of each blade flank [mm]"},
+  upper_radius    = {1.2,  Min 0.2,   Max 20,  Name "Parameters/06 Radius of the rounding at the upper end of each flat [mm]"},
+  lower_radius    = {1.2,  Min 0.2,   Max 20,  Name "Parameters/07 Radius of the rounding at the lower end of each flat [mm]"},
+  contact_angle   = {10,   Min 3,     Max 20,  Name "Parameters/08 Part of each rounding that may touch [degrees]"},
+  relief_angle    = {25,   Min 15,    Max 60,  Name "Parameters/09 Turn of the upper roundings before the neck fillets [degrees]"},
+  neck_width      = {16,   Min 2,     Max 100, Name "Parameters/10 Width of the blade neck above the lobes [mm]"},
+  neck_fillet     = {1.2,  Min 0.2,   Max 20,  Name "Parameters/11 Radius of the fillets of the blade, above each lobe [mm]"},
+  root_height     = {5.5,  Min 0.5,   Max 50,  Name "Parameters/12 Height from the upper end of the lowest flat to the bottom of the blade [mm]"},
+  root_corner     = {1,    Min 0.1,   Max 20,  Name "Parameters/13 Radius of the lower corners of the blade root [mm]"},
+  flank_clearance = {0.3,  Min 0.01,  Max 5,   Name "Parameters/14 Gap between blade and disc at the backs of the lobes and at the walls [mm]"},
+  slot_clearance  = {0.6,  Min 0.02,  Max 20,  Name "Parameters/15 Gap between blade and slot at the bottom [mm]"},
+  lobe_gap        = {0,    Min -0.2,  Max 0.2, Name "Parameters/16 Step of the initial gap from lobe to lobe downwards, negative upwards [mm]"},
+  tooth_radius    = {0.9,  Min 0.1,   Max 20,  Name "Parameters/17 Radius of the tips of the disc teeth [mm]"},
+  groove_radius   = {1.1,  Min 0.1,   Max 20,  Name "Parameters/18 Radius of the grooves of the disc and of the corners of the slot [mm]"},
+  rim_height      = {2,    Min 0.1,   Max 50,  Name "Parameters/19 Height of the straight wall beside the neck [mm]"},
+  shank_height    = {10,   Min 0.5,   Max 100, Name "Parameters/20 Height of the blade top above the disc [mm]"},
+  disc_width      = {44,   Min 4,     Max 500, Name "Parameters/21 Width of the disc sector [mm]"},
+  disc_depth      = {45,   Min 4,     Max 500, Name "Parameters/22 Height of the disc sector [mm]"},
+  edge_size       = {0.006,Min 1e-4,  Max 1,   Name "Parameters/23 Element size at the contact edges [mm]"},
+  edge_zone       = {0.12, Min 1e-3,  Max 5,   Name "Parameters/24 Length of the fine mesh on either side of the ends of the flats [mm]"},
+  flank_size      = {0.1,  Min 1e-3,  Max 2,   Name "Parameters/25 Element size along the flanks [mm]"},
+  growth          = {0.2,  Min 0.02,  Max 0.5, Name "Parameters/26 Growth of the element size per distance from the contact [-]"}
+];
+
+// Directions of the right flanks: (tx, ty) down along them, (nx, ny) out of the blade, at the angle
+// `normal` to the x axis; (ux, uy) at `relieved`, out of the blade where the upper rounding ends.
+degree = Pi / 180;
+normal = (90 - flank_angle) * degree;
+relieved = normal + relief_angle * degree;
+touch = contact_angle * degree;
+nx = Cos(normal); ny = Sin(normal);
+tx = ny; ty = -nx;
+ux = Cos(relieved); uy = Sin(relieved);
+
+// Right half of lobe 1; y = 0 is half way down its flank. The neck fixes x: from the upper end of the
+// flat the rounding turns towards the blade, the fillet turns back to the vertical neck.
+neck = neck_width / 2;
+fillet_x = neck + neck_fillet;
+upper_cx = fillet_x - (upper_radius + neck_fillet) * ux;
+upper_x = upper_cx + upper_radius * nx;
+upper_y = -ty * flank_length / 2;
+upper_cy = upper_y - upper_radius * ny;
+fillet_y = upper_cy + (upper_radius + neck_fillet) * uy;
+lower_x = upper_x + flank_length * tx;
+lower_y = upper_y + flank_length * ty;
+lower_cx = lower_x - lower_radius * nx;
+lower_cy = lower_y - lower_radius * ny;
+
+// Every lobe is the one above it, moved by (step_x, step_y). The back of a lobe is the straight line
+// that touches its lower rounding and the fillet of the next lobe; (mx, my) is its normal.
+step_x = -pitch * Sin(wedge_angle * degree);
+step_y = -pitch * Cos(wedge_angle * degree);
+dx = fillet_x + step_x - lower_cx;
+dy = fillet_y + step_y - lower_cy;
+back = Atan2(dy, dx) + Acos((lower_radius + neck_fillet) / Hypot(dx, dy));
+mx = Cos(back); my = Sin(back);
+
+// Levels and widths at the bottom and the top of the slot.
+down_x = (lobes - 1) * step_x; down_y = (lobes - 1) * step_y;
+root = lower_cx + down_x + lower_radius;
+root_bottom = upper_y + down_y - root_height;
+slot_bottom = root_bottom - slot_clearance;
+slot = root + flank_clearance;
+mouth = neck + flank_clearance;
+If (lobe_gap >= 0)
+  first_gap = 0;
+Else
+  first_gap = -lobe_gap * (lobes - 1);
+EndIf
+// the flat of the disc is a line of given (nx, ny) . (x, y), the wall beside the neck one of given x
+mouth_cy = (upper_x * nx + upper_y * ny + first_gap + tooth_radius - (mouth + tooth_radius) * nx) / ny;
+disc_top = mouth_cy + rim_height;
+disc_base = disc_top - disc_depth;
+blade_top = disc_top + shank_height;
+
+// Points on the axis of symmetry, shared by both halves of a body.
+axis_blade_top = newp; Point(axis_blade_top) = {0, blade_top, 0};
+axis_root = newp; Point(axis_root) = {0, root_bottom, 0};
+axis_slot = newp; Point(axis_slot) = {0, slot_bottom, 0};
+axis_disc = newp; Point(axis_disc) = {0, disc_base, 0};
+blade_axis = newc; Line(blade_axis) = {axis_root, axis_blade_top};
+disc_axis = newc; Line(disc_axis) = {axis_slot, axis_disc};
+
+// Both halves; side is 1 (right) or -1 (left). Curves run from the top to the bottom.
+fine[] = {};
+contact[] = {};
+fillets[] = {};
+teeth[] = {};
+grooves[] = {};
+corners[] = {};
+For side In {1 : -1 : -2}
+  p = newp;
+  Point(p)     = {side * neck, blade_top, 0};
+  Point(p + 1) = {side * mouth, disc_top, 0};
+  Point(p + 2) = {side * disc_width / 2, disc_top, 0};
+  Point(p + 3) = {side * disc_width / 2, disc_base, 0};
+  blade_end = p;
+  disc_end = p + 1;
+  c = newc;
+  Line(c)     = {axis_blade_top, p};
+  Line(c + 1) = {p + 3, p + 2};
+  Line(c + 2) = {p + 2, p + 1};
+  Line(c + 3) = {axis_disc, p + 3};
+  blade[] = {c};
+  disc[] = {c + 3, c + 1, c + 2};
+
+  For i In {0 : lobes - 1}
+    // where lobe i is, its initial gap, and the normals of the blade above and below the lobe
+    ox = i * step_x; oy = i * step_y;
+    gap = first_gap + lobe_gap * i;
+    above = (i == 0) ? 0 : back;
+    below = (i == lobes - 1) ? 0 : back;
+    ax = Cos(above); ay = Sin(above);
+    bx = Cos(below); by = Sin(below);
+
+    p = newp;
+    Point(p)      = {side * (fillet_x + ox - neck_fillet * ax), fillet_y + oy - neck_fillet * ay, 0};
+    Point(p + 1)  = {side * (fillet_x + ox), fillet_y + oy, 0};
+    Point(p + 2)  = {side * (upper_cx + ox + upper_radius * ux), upper_cy + oy + upper_radius * uy, 0};
+    Point(p + 3)  = {side * (upper_cx + ox), upper_cy + oy, 0};
+    angle = normal + touch;
+    Point(p + 4)  = {side * (upper_cx + ox + upper_radius * Cos(angle)), upper_cy + oy + upper_radius * Sin(angle), 0};
+    angle = normal + edge_zone / upper_radius;
+    Point(p + 5)  = {side * (upper_cx + ox + upper_radius * Cos(angle)), upper_cy + oy + upper_radius * Sin(angle), 0};
+    Point(p + 6)  = {side * (upper_x + ox), upper_y + oy, 0};
+    Point(p + 7)  = {side * (upper_x + ox + edge_zone * tx), upper_y + oy + edge_zone * ty, 0};
+    Point(p + 8)  = {side * (lower_x + ox - edge_zone * tx), lower_y + oy - edge_zone * ty, 0};
+    Point(p + 9)  = {side * (lower_x + ox), lower_y + oy, 0};
+    Point(p + 10) = {side * (lower_cx + ox), lower_cy + oy, 0};
+    angle = normal - edge_zone / lower_radius;
+    Point(p + 11) = {side * (lower_cx + ox + lower_radius * Cos(angle)), lower_cy + oy + lower_radius * Sin(angle), 0};
+    angle = normal - touch;
+    Point(p + 12) = {side * (lower_cx + ox + lower_radius * Cos(angle)), lower_cy + oy + lower_radius * Sin(angle), 0};
+    Point(p + 13) = {side * (lower_cx + ox + lower_radius * bx), lower_cy + oy + lower_radius * by, 0};
+    c = newc;
+    Line(c)        = {blade_end, p};           // neck, or back of the lobe above
+    Circle(c + 1)  = {p, p + 1, p + 2};
+    Circle(c + 2)  = {p + 2, p + 3, p + 4};
+    Circle(c + 3)  = {p + 4, p + 3, p + 5};    // contact: upper rounding
+    Circle(c + 4)  = {p + 5, p + 3, p + 6};    //   fine
+    Line(c + 5)    = {p + 6, p + 7};           //   fine
+    Line(c + 6)    = {p + 7, p + 8};           //   flat
+    Line(c + 7)    = {p + 8, p + 9};           //   fine
+    Circle(c + 8)  = {p + 9, p + 10, p + 11};  //   fine
+    Circle(c + 9)  = {p + 11, p + 10, p + 12}; // contact: lower rounding
+    Circle(c + 10) = {p + 12, p + 10, p + 13};
+    blade[] += {c : c + 10};
+    blade_end = p + 13;
+    blade_flank[] = {c + 3 : c + 9};
+    fine[] += {c + 4, c + 5, c + 7, c + 8};
+    fillets[] += {c + 1};
+
+    // The disc: its flat lies at (nx, ny) . (x, y) = level, the line above it (back of the lobe above,
+    // or neck, and the clearance) at (ax, ay) . (x, y) = above, the line below it likewise.
+    level = (upper_x + ox) * nx + (upper_y + oy) * ny + gap;
+    line = (fillet_x + ox) * ax + (fillet_y + oy) * ay - neck_fillet + flank_clearance;
+    u = level + tooth_radius; v = line + tooth_radius; cross = nx * ay - ny * ax;
+    tooth_x = (u * ay - v * ny) / cross; tooth_y = (nx * v - ax * u) / cross;
+    line = (lower_cx + ox) * bx + (lower_cy + oy) * by + lower_radius + flank_clearance;
+    u = level - groove_radius; v = line - groove_radius; cross = nx * by - ny * bx;
+    groove_x = (u * by - v * ny) / cross; groove_y = (nx * v - bx * u) / cross;
+    gx = ox + gap * nx; gy = oy + gap * ny;
+
+    p = newp;
+    Point(p)      = {side * (tooth_x - tooth_radius * ax), tooth_y - tooth_radius * ay, 0};
+    Point(p + 1)  = {side * tooth_x, tooth_y, 0};
+    Point(p + 2)  = {side * (tooth_x - tooth_radius * nx), tooth_y - tooth_radius * ny, 0};
+    reach = upper_radius * Sin(touch);
+    Point(p + 3)  = {side * (upper_x + gx - reach * tx), upper_y + gy - reach * ty, 0};
+    Point(p + 4)  = {side * (upper_x + gx - edge_zone * tx), upper_y + gy - edge_zone * ty, 0};
+    Point(p + 5)  = {side * (upper_x + gx + edge_zone * tx), upper_y + gy + edge_zone * ty, 0};
+    Point(p + 6)  = {side * (lower_x + gx - edge_zone * tx), lower_y + gy - edge_zone * ty, 0};
+    Point(p + 7)  = {side * (lower_x + gx + edge_zone * tx), lower_y + gy + edge_zone * ty, 0};
+    reach = lower_radius * Sin(touch);
+    Point(p + 8)  = {side * (lower_x + gx + reach * tx), lower_y + gy + reach * ty, 0};
+    Point(p + 9)  = {side * (groove_x + groove_radius * nx), groove_y + groove_radius * ny, 0};
+    Point(p + 10) = {side * groove_x, groove_y, 0};
+    Point(p + 11) = {side * (groove_x + groove_radius * bx), groove_y + groove_radius * by, 0};
+    c = newc;
+    Line(c)        = {disc_end, p};            // wall beside the neck, or back of a tooth
+    Circle(c + 1)  = {p, p + 1, p + 2};
+    Line(c + 2)    = {p + 2, p + 3};
+    Line(c + 3)    = {p + 3, p + 4};           // contact: opposite the upper rounding
+    Line(c + 4)    = {p + 4, p + 5};           //   fine
+    Line(c + 5)    = {p + 5, p + 6};           //   opposite the flat
+    Line(c + 6)    = {p + 6, p + 7};           //   fine
+    Line(c + 7)    = {p + 7, p + 8};           // contact: opposite the lower rounding
+    Line(c + 8)    = {p + 8, p + 9};
+    Circle(c + 9)  = {p + 9, p + 10, p + 11};
+    disc[] += {c : c + 9};
+    disc_end = p + 11;
+    disc_flank[] = {c + 3 : c + 7};
+    fine[] += {c + 4, c + 6};
+    contact[] += {blade_flank[], disc_flank[]};
+    teeth[] += {c + 1};
+    grooves[] += {c + 9};
+
+    If (side > 0)
+      Physical Curve(Sprintf("blade_flank_right_%g", i + 1)) = {blade_flank[]};
+      Physical Curve(Sprintf("disc_flank_right_%g", i + 1)) = {disc_flank[]};
+    Else
+      Physical Curve(Sprintf("blade_flank_left_%g", i + 1)) = {blade_flank[]};
+      Physical Curve(Sprintf("disc_flank_left_%g", i + 1)) = {disc_flank[]};
+    EndIf
+  EndFor
+
+  p = newp;
+  Point(p)     = {side * root, root_bottom + root_corner, 0};
+  Point(p + 1) = {side * (root - root_corner), root_bottom + root_corner, 0};
+  Point(p + 2) = {side * (root - root_corner), root_bottom, 0};
+  Point(p + 3) = {side * slot, slot_bottom + groove_radius, 0};
+  Point(p + 4) = {side * (slot - groove_radius), slot_bottom + groove_radius, 0};
+  Point(p + 5) = {side * (slot - groove_radius), slot_bottom, 0};
+  c = newc;
+  Line(c)       = {blade_end, p};
+  Circle(c + 1) = {p, p + 1, p + 2};
+  Line(c + 2)   = {p + 2, axis_root};
+  Line(c + 3)   = {disc_end, p + 3};
+  Circle(c + 4) = {p + 3, p + 4, p + 5};
+  Line(c + 5)   = {p + 5, axis_slot};
+  blade[] += {c : c + 2};
+  disc[] += {c + 3 : c + 5};
+  corners[] += {c + 1};
+  grooves[] += {c + 4};
+
+  If (side > 0)
+    blade_right[] = blade[];
+    disc_right[] = disc[];
+  Else
+    blade_left[] = blade[];
+    disc_left[] = disc[];
+  EndIf
+EndFor
+
+Curve Loop(1) = {blade_right[], blade_axis}; Plane Surface(1) = {1};
+Curve Loop(2) = {blade_left[], blade_axis};  Plane Surface(2) = {2};
+Curve Loop(3) = {disc_right[], disc_axis};   Plane Surface(3) = {3};
+Curve Loop(4) = {disc_left[], disc_axis};    Plane Surface(4) = {4};
+mirror[] = {-1, 0, 0, 0,  0, 1, 0, 0,  0, 0, 1, 0,  0, 0, 0, 1};
+Periodic Surface {2} = {1} Affine {mirror[]};
+Periodic Surface {4} = {3} Affine {mirror[]};
+
+Physical Surface("blade") = {1, 2};
+Physical Surface("disc") = {3, 4};
+Physical Curve("blade_top") = {blade_right[0], blade_left[0]};
+Physical Curve("disc_bottom") = {disc_right[0], disc_left[0]};
+Physical Curve("disc_side_right") = {disc_right[1]};
+Physical Curve("disc_side_left") = {disc_left[1]};
+
+// Element size: the distance is that from the nearer surface, so that both bodies are graded alike.
+// No arc is left with less than about two elements to a quarter of a circle.
+Field[1] = Distance;
+Field[1].CurvesList = {fine[]};
+Field[1].Sampling = 100;
+Field[2] = Distance;
+Field[2].CurvesList = {contact[]};
+Field[2].Sampling = 200;
+Field[3] = Distance;
+Field[3].CurvesList = {fillets[]};
+Field[4] = Distance;
+Field[4].CurvesList = {teeth[]};
+Field[5] = Distance;
+Field[5].CurvesList = {grooves[]};
+Field[6] = Distance;
+Field[6].CurvesList = {corners[]};
+size = Sprintf("Min(Min(%g + %g*F1, %g + %g*F2), Min(Min(%g + %g*F3, %g + %g*F4), Min(%g + %g*F5, %g + %g*F6)))",
+               edge_size, growth, flank_size, growth, 0.7 * neck_fillet, growth,
+               0.7 * tooth_radius, growth, 0.7 * groove_radius, growth, 0.7 * root_corner, growth);
+Field[7] = MathEval;
+Field[7].F = Str(size);
+Field[8] = Restrict;
+Field[8].InField = 7;
+Field[8].SurfacesList = {1, 2};
+Field[9] = MathEval;
+Field[9].F = StrCat("1.07 * ", size);
+Field[10] = Restrict;
+Field[10].InField = 9;
+Field[10].SurfacesList = {3, 4};
+Field[11] = Min;
+Field[11].FieldsList = {8, 10};
+Background Field = 11;
+Mesh.MeshSizeFromPoints = 0;
+Mesh.MeshSizeFromCurvature = 0;
+Mesh.MeshSizeExtendFromBoundary = 0;
+Mesh.Algorithm = 6;
