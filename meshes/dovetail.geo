@@ -221,6 +221,7 @@ Physical Curve("disc_side_left") = {disc_left[14]};
 Physical Curve("disc_bottom") = {disc_right[15], disc_left[15]};
 
 // Element size: the distance is that from the nearer surface, so that both bodies are graded alike.
+// Elements are not larger than the arcs beside them and the walls around them.
 Field[1] = Distance;
 Field[1].CurvesList = {blade_right[{5, 6, 8, 9}], blade_left[{5, 6, 8, 9}],
                        disc_right[{6, 8}], disc_left[{6, 8}]};
@@ -229,19 +230,33 @@ Field[2] = Distance;
 Field[2].CurvesList = {blade_right[{4 : 10}], blade_left[{4 : 10}],
                        disc_right[{5 : 9}], disc_left[{5 : 9}]};
 Field[2].Sampling = 200;
-Field[3] = MathEval;
-Field[3].F = Sprintf("Min(%g + %g*F1, %g + %g*F2)", edge_size, growth, flank_size, growth);
-Field[4] = Restrict;
-Field[4].InField = 3;
-Field[4].SurfacesList = {1, 2};
-Field[5] = MathEval;
-Field[5].F = Sprintf("1.07 * Min(%g + %g*F1, %g + %g*F2)", edge_size, growth, flank_size, growth);
-Field[6] = Restrict;
-Field[6].InField = 5;
-Field[6].SurfacesList = {3, 4};
-Field[7] = Min;
-Field[7].FieldsList = {4, 6};
-Background Field = 7;
+Field[3] = Distance;
+Field[3].CurvesList = {blade_right[2], blade_left[2]};
+Field[4] = Distance;
+Field[4].CurvesList = {blade_right[13], blade_left[13]};
+Field[5] = Distance;
+Field[5].CurvesList = {disc_right[{1, 3}], disc_left[{1, 3}]};
+Field[6] = Distance;
+Field[6].CurvesList = {disc_right[11], disc_left[11]};
+contact_size = Sprintf("Min(%g + %g*F1, %g + %g*F2)", edge_size, growth, flank_size, growth);
+blade_size = Sprintf("Min(Min(%g + %g*F3, %g + %g*F4), %g)",
+                     neck_fillet, growth, root_corner, growth, neck);
+disc_size = Sprintf("Min(Min(%g + %g*F5, %g + %g*F6), %g)",
+                    slot_fillet, growth, mouth_radius, growth,
+                    Min(disc_width / 2 - slot, slot_bottom - disc_base));
+Field[7] = MathEval;
+Field[7].F = StrCat("Min(", contact_size, ",", blade_size, ")");
+Field[8] = Restrict;
+Field[8].InField = 7;
+Field[8].SurfacesList = {1, 2};
+Field[9] = MathEval;
+Field[9].F = StrCat("1.07 * Min(", contact_size, ",", disc_size, ")");
+Field[10] = Restrict;
+Field[10].InField = 9;
+Field[10].SurfacesList = {3, 4};
+Field[11] = Min;
+Field[11].FieldsList = {8, 10};
+Background Field = 11;
 Mesh.MeshSizeFromPoints = 0;
 Mesh.MeshSizeFromCurvature = 0;
 Mesh.MeshSizeExtendFromBoundary = 0;

@@ -303,7 +303,7 @@ Physical Curve("disc_side_right") = {disc_right[1]};
 Physical Curve("disc_side_left") = {disc_left[1]};
 
 // Element size: the distance is that from the nearer surface, so that both bodies are graded alike.
-// No arc is left with less than about two elements to a quarter of a circle.
+// Elements are not larger than the arcs beside them and the walls around them.
 Field[1] = Distance;
 Field[1].CurvesList = {fine[]};
 Field[1].Sampling = 100;
@@ -313,21 +313,24 @@ Field[2].Sampling = 200;
 Field[3] = Distance;
 Field[3].CurvesList = {fillets[]};
 Field[4] = Distance;
-Field[4].CurvesList = {teeth[]};
+Field[4].CurvesList = {corners[]};
 Field[5] = Distance;
 Field[5].CurvesList = {grooves[]};
 Field[6] = Distance;
-Field[6].CurvesList = {corners[]};
-size = Sprintf("Min(Min(%g + %g*F1, %g + %g*F2), Min(Min(%g + %g*F3, %g + %g*F4), Min(%g + %g*F5, %g + %g*F6)))",
-               edge_size, growth, flank_size, growth, 0.7 * neck_fillet, growth,
-               0.7 * tooth_radius, growth, 0.7 * groove_radius, growth, 0.7 * root_corner, growth);
+Field[6].CurvesList = {teeth[]};
+contact_size = Sprintf("Min(%g + %g*F1, %g + %g*F2)", edge_size, growth, flank_size, growth);
+blade_size = Sprintf("Min(Min(%g + %g*F3, %g + %g*F4), %g)",
+                     neck_fillet, growth, root_corner, growth, neck);
+disc_size = Sprintf("Min(Min(%g + %g*F5, %g + %g*F6), %g)",
+                    groove_radius, growth, tooth_radius, growth,
+                    Min(disc_width / 2 - slot, slot_bottom - disc_base));
 Field[7] = MathEval;
-Field[7].F = Str(size);
+Field[7].F = StrCat("Min(", contact_size, ",", blade_size, ")");
 Field[8] = Restrict;
 Field[8].InField = 7;
 Field[8].SurfacesList = {1, 2};
 Field[9] = MathEval;
-Field[9].F = StrCat("1.07 * ", size);
+Field[9].F = StrCat("1.07 * Min(", contact_size, ",", disc_size, ")");
 Field[10] = Restrict;
 Field[10].InField = 9;
 Field[10].SurfacesList = {3, 4};

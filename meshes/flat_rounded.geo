@@ -48,6 +48,7 @@ fine = Max(flat_half_width - (zone - flat_half_width) / 2, flat_half_width / 2);
 // symmetry; up is 1 (upper body) or -1 (lower body), side is 1 (right) or -1 (left).
 halves[] = {};
 axes[] = {};
+walls[] = {};
 For up In {1 : -1 : -2}
   If (up > 0)
     width = upper_width;
@@ -71,6 +72,7 @@ For up In {1 : -1 : -2}
     Point(p + 3) = {side * width, face_y, 0};
     Point(p + 4) = {side * width, up * height, 0};
     c = newc;
+    walls[] += {Min(width, height - face_y)};
     Line(c)      = {axis_face, p};
     Line(c + 1)  = {p, p + 1};
     If (up > 0)
@@ -111,6 +113,7 @@ Physical Curve("lower_right") = {lower_right[4]};
 Physical Curve("lower_left") = {lower_left[4]};
 
 // Element size: the distances are those from the nearer face, so that both bodies are graded alike.
+// Elements are not larger than half of the width of a body and than its sides.
 Field[1] = Distance;
 Field[1].CurvesList = {upper_right[{1, 2}], upper_left[{1, 2}],
                        lower_right[{1, 2}], lower_left[{1, 2}]};
@@ -119,12 +122,14 @@ Field[2] = Distance;
 Field[2].CurvesList = {upper_right[0], upper_left[0], lower_right[0], lower_left[0]};
 Field[2].Sampling = 200;
 Field[3] = MathEval;
-Field[3].F = Sprintf("Min(%g + %g*F1, %g + %g*F2)", edge_size, growth, flat_size, growth);
+Field[3].F = Sprintf("Min(Min(%g + %g*F1, %g + %g*F2), %g)",
+                     edge_size, growth, flat_size, growth, walls[0]);
 Field[4] = Restrict;
 Field[4].InField = 3;
 Field[4].SurfacesList = {1, 2};
 Field[5] = MathEval;
-Field[5].F = Sprintf("1.07 * Min(%g + %g*F1, %g + %g*F2)", edge_size, growth, flat_size, growth);
+Field[5].F = Sprintf("1.07 * Min(Min(%g + %g*F1, %g + %g*F2), %g)",
+                     edge_size, growth, flat_size, growth, walls[2]);
 Field[6] = Restrict;
 Field[6].InField = 5;
 Field[6].SurfacesList = {3, 4};

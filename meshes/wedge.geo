@@ -38,6 +38,7 @@ DefineConstant[
 // symmetry; up is 1 (upper body) or -1 (lower body), side is 1 (right) or -1 (left).
 halves[] = {};
 axes[] = {};
+walls[] = {};
 For up In {1 : -1 : -2}
   If (up > 0)
     slope = Tan(angle * Pi / 180);
@@ -57,6 +58,7 @@ For up In {1 : -1 : -2}
     Point(p + 1) = {side * width, slope * width, 0};
     Point(p + 2) = {side * width, up * height, 0};
     c = newc;
+    walls[] += {Min(width, height - slope * width)};
     Line(c)      = {axis_face, p};
     Line(c + 1)  = {p, p + 1};
     Line(c + 2)  = {p + 1, p + 2};
@@ -88,16 +90,17 @@ Physical Curve("lower_right") = {lower_right[2]};
 Physical Curve("lower_left") = {lower_left[2]};
 
 // Element size: the distance is that from the nearer face, so that both bodies are graded alike.
+// Elements are not larger than half of the width of a body and than its sides.
 Field[1] = Distance;
 Field[1].CurvesList = {upper_right[0], upper_left[0], lower_right[0], lower_left[0]};
 Field[1].Sampling = 400;
 Field[2] = MathEval;
-Field[2].F = Sprintf("%g + %g*F1", size, growth);
+Field[2].F = Sprintf("Min(%g + %g*F1, %g)", size, growth, walls[0]);
 Field[3] = Restrict;
 Field[3].InField = 2;
 Field[3].SurfacesList = {1, 2};
 Field[4] = MathEval;
-Field[4].F = Sprintf("1.07 * (%g + %g*F1)", size, growth);
+Field[4].F = Sprintf("1.07 * Min(%g + %g*F1, %g)", size, growth, walls[2]);
 Field[5] = Restrict;
 Field[5].InField = 4;
 Field[5].SurfacesList = {3, 4};
