@@ -61,6 +61,7 @@ LAYERS = (
     "fretfe.fem.fields",
     "fretfe.fem.full_system",
     "fretfe.fem.monolithic",
+    "fretfe.fem.geometry",
     "fretfe.fem.run",
     "fretfe.fem.refine",
     "fretfe.fem.backend",

@@ -17,10 +17,11 @@ from fretfe.case import Case
 from fretfe.errors import FretfeError, MeshError
 from fretfe.evaluate import ContactSummary, evaluate
 from fretfe.fem._compat import MPI
+from fretfe.fem.geometry import load_mesh
 from fretfe.fem.mesh_groups import count_unknowns
 from fretfe.fem.meshing import Mesh
 from fretfe.fem.parallel import on_root
-from fretfe.fem.run import Outcome, Progress, load_mesh, solve
+from fretfe.fem.run import Outcome, Progress, solve
 from fretfe.fem.sizing import Sizes, Source, apply_sizes, curves_of_groups, length_of
 from fretfe.fem.surface import build_surface
 from fretfe.loads import History

@@ -15,8 +15,8 @@ from fretfe.case import Case, load_case, parse_case
 from fretfe.errors import MeshError
 from fretfe.fem.body_overlap import body_overlaps
 from fretfe.fem.contact_checks import check_contacts
+from fretfe.fem.geometry import load_mesh
 from fretfe.fem.meshing import BodyMesh, Mesh
-from fretfe.fem.run import load_mesh
 
 STEEL = {"young": 2e5, "poisson": 0.3}
 SQUARES_CASE = """
