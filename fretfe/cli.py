@@ -26,6 +26,12 @@ app = typer.Typer(
 )
 
 CaseFile = Annotated[Path, typer.Argument(help="Case file (TOML).", show_default=False)]
+TrustGeo = Annotated[
+    bool,
+    typer.Option(
+        "--trust-geo", help="Run the Gmsh script (.geo) of the case: it can start any program."
+    ),
+]
 
 
 @app.command()
@@ -38,6 +44,7 @@ def run(
         str, typer.Option(help="analytic, halfplane, fem, or one of `fretfe backends`.")
     ] = "fem",
     timings: Annotated[bool, typer.Option(help="Print the wall time of each phase.")] = False,
+    trust_geo: TrustGeo = False,
 ) -> None:
     """Solve a case and write its results.
 
@@ -45,7 +52,7 @@ def run(
     """
     from fretfe.command import run_case
 
-    run_case(case, output, backend, timings=timings)
+    run_case(case, output, backend, timings=timings, trust_geo=trust_geo)
 
 
 @app.command()
@@ -70,6 +77,7 @@ def validate(
     as_json: Annotated[
         bool, typer.Option("--json", help="Print one JSON document in place of the table.")
     ] = False,
+    trust_geo: TrustGeo = False,
 ) -> None:
     """Run a case and its companions: does the edge description hold for this geometry?
 
@@ -77,7 +85,7 @@ def validate(
     """
     from fretfe.validate_command import validate_case
 
-    if not validate_case(case, output, backend, as_json=as_json):
+    if not validate_case(case, output, backend, as_json=as_json, trust_geo=trust_geo):
         raise typer.Exit(1)
 
 
@@ -98,22 +106,23 @@ def verify(
 
 
 @app.command()
-def check(case: CaseFile) -> None:
+def check(case: CaseFile, trust_geo: TrustGeo = False) -> None:
     """Validate a case and its mesh and list what would be solved, without solving it."""
     from fretfe.fem.command import check_case
 
-    check_case(case)
+    check_case(case, trust_geo=trust_geo)
 
 
 @app.command()
 def mesh(
     case: CaseFile,
     output: Annotated[Path, typer.Option("--output", "-o", help="Mesh file to write (.msh).")],
+    trust_geo: TrustGeo = False,
 ) -> None:
     """Make the mesh of a case and write it in Gmsh's format, with its named groups."""
     from fretfe.fem.command import write_mesh_file
 
-    write_mesh_file(case, output)
+    write_mesh_file(case, output, trust_geo=trust_geo)
 
 
 @app.command()

@@ -68,14 +68,14 @@ class OneProcess:
         return work()
 
 
-def run_case(path: Path, directory: Path, name: str, *, timings: bool) -> None:
+def run_case(path: Path, directory: Path, name: str, *, timings: bool, trust_geo: bool) -> None:
     """Solve a case, write everything, print the edges. Collective if the backend is parallel."""
     start = time.perf_counter()
     backend = find_backend(name)
     processes = processes_of(backend)
     if isinstance(processes, OneProcess) and processes.rank > 0:
         return
-    case = processes.on_root(lambda: load_case(path))
+    case = processes.on_root(lambda: load_case(path, trust_geo=trust_geo))
     assert case is not None
     processes.on_root(lambda: require_supported(backend, name, case))
     fields = None if case.output.fields == "none" else directory / FIELDS

@@ -11,10 +11,10 @@ import difflib
 import math
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from fretfe.errors import CaseError
+from fretfe.errors import CaseError, MeshError
 from fretfe.template_checks import CROSS_CHECKS
 
 _BLOCK = re.compile(r"DefineConstant\s*\[(.*?)\n\s*\];", re.DOTALL)
@@ -79,8 +79,27 @@ def find_template(name: str) -> Template:
             f"geometry.template: no template is called '{name}'{did_you_mean(name, names)};"
             f" there are: {', '.join(names)} (in {template_directory()})"
         )
-    path = template_directory() / f"{name}.geo"
-    return Template(name, path, _read_parameters(path.read_text(encoding="utf-8")))
+    return replace(read_template(template_directory() / f"{name}.geo"), name=name)
+
+
+def read_template(path: Path) -> Template:
+    """The Gmsh script in a file, whoever wrote it, with the file as its name.
+
+    Its parameters are those that are defined as in the templates; there may be none.
+
+    Raises:
+        MeshError: The file cannot be read.
+    """
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except OSError as error:
+        raise MeshError(f"{path}: cannot read the Gmsh script: {error.strerror}") from error
+    try:
+        parameters = _read_parameters(text)
+    except ValueError:
+        # numbers written as formulas: the script knows its defaults, nobody else does
+        parameters = ()
+    return Template(str(path), path, parameters)
 
 
 def check_parameters(template: Template, values: Mapping[str, float]) -> dict[str, float]:

@@ -19,7 +19,9 @@ ROWS = "validation.json"
 NARROWEST = 100
 
 
-def validate_case(path: Path, directory: Path | None, name: str, *, as_json: bool) -> bool:
+def validate_case(
+    path: Path, directory: Path | None, name: str, *, as_json: bool, trust_geo: bool
+) -> bool:
     """Validate a case, print the rows, and say whether all is well. Collective like the backend.
 
     Args:
@@ -27,12 +29,13 @@ def validate_case(path: Path, directory: Path | None, name: str, *, as_json: boo
         directory: for results and rows; None writes nothing.
         name: of the backend.
         as_json: print one JSON document in place of the table.
+        trust_geo: whether a .geo file of the case may run.
     """
     backend = find_backend(name)
     processes = processes_of(backend)
     if isinstance(processes, OneProcess) and processes.rank > 0:
         return True
-    case = processes.on_root(lambda: load_case(path))
+    case = processes.on_root(lambda: load_case(path, trust_geo=trust_geo))
     assert case is not None
     processes.on_root(lambda: require_supported(backend, name, case))
     if directory is not None:

@@ -213,8 +213,19 @@ RANGES = {
     ),
     "two-sources": ("geometry__template", "wedge", "'template' and 'file', found both"),
     "no-source": ("geometry", {}, "geometry: expected exactly one of 'template' and 'file'"),
-    "parameters": ("geometry__parameters", {"a": 1}, "expected 'parameters' with a template only"),
-    "order": ("geometry__order", 1, "geometry: expected 'order' with a template only"),
+    "parameters": (
+        "geometry__parameters",
+        {"a": 1},
+        "geometry: 'parameters' cannot be given with 'b1.msh' (Gmsh mesh)",
+    ),
+    "order": ("geometry__order", 1, "geometry: 'order' cannot be given with 'b1.msh' (Gmsh mesh)"),
+    "file": (
+        "geometry__file",
+        "b1.stl",
+        "geometry: expected a file name that ends in one of (Gmsh mesh: .msh; Gmsh script: .geo; "
+        "CAD file: .step, .stp, .brep; XDMF mesh: .xdmf; Abaqus or CalculiX mesh: .inp), found "
+        "'b1.stl'",
+    ),
     "cycle": ("cycle", {"start": 2, "end": 2}, "cycle: expected start < end, found start = 2"),
     "title": ("title", 1, "title: expected text, found 1"),
 }
@@ -239,6 +250,61 @@ def test_incompressible_material_is_explained(value: float) -> None:
 @pytest.mark.parametrize("value", [-0.99, 0.0, 0.4999])
 def test_poisson_in_range_is_accepted(value: float) -> None:
     assert parse_case(edited(bodies__pad__poisson=value)).bodies["pad"].poisson == value
+
+
+ONE = "expected exactly one of 'point', 'points', 'label', 'color', 'tag', 'tags', found"
+SELECTORS: dict[str, tuple[dict[str, Any], str]] = {
+    "none": ({"bodies": {"a": {}}}, f"geometry.bodies.a: {ONE} none"),
+    "two": (
+        {"bodies": {"a": {"point": [0, 1], "label": "A"}}},
+        f"geometry.bodies.a: {ONE} 'point' and 'label'",
+    ),
+    "only-body": ({"boundaries": {"a": {"body": "b"}}}, f"geometry.boundaries.a: {ONE} none"),
+    "point": ({"bodies": {"a": {"point": [0, 1, 2]}}}, "bodies.a.point: expected at most 2"),
+    "points": ({"bodies": {"a": {"points": []}}}, "bodies.a.points: expected at least 1 entry"),
+    "color": (
+        {"bodies": {"a": {"color": "red"}}},
+        "geometry.bodies.a.color: expected a colour as in '#ff0000', found 'red'",
+    ),
+    "tag": ({"bodies": {"a": {"tag": 1.5}}}, "bodies.a.tag: expected a whole number, found 1.5"),
+    "key": (
+        {"bodies": {"a": {"pont": [0, 1]}}},
+        "geometry.bodies.a.pont: unknown key; did you mean 'point' or 'points'?",
+    ),
+    "body": (
+        {"bodies": {"a": {"point": [0, 1], "body": "b"}}},
+        "geometry.bodies.a.body: unknown key",
+    ),
+    "nameless": ({"size": 1}, "geometry: expected a table [geometry.bodies] that names the bodies"),
+    "way": (
+        {"bodies": {"a": {"tag": 1}}},
+        "geometry: bodies.a: expected 'point', 'points', 'label', 'color' for 'a.step' (CAD file), "
+        "found 'tag'",
+    ),
+    "no-points": (
+        {"file": "a.xdmf", "boundaries": {"a": {"point": [0, 1]}}},
+        "boundaries.a: expected 'tag', 'tags' for 'a.xdmf' (XDMF mesh), found 'point'",
+    ),
+    "curves": (
+        {"file": "a.inp", "boundaries": {"a": {"label": "A", "body": "b"}}},
+        "boundaries.a: expected 'body' with a CAD file only",
+    ),
+    "size": ({"file": "a.geo", "size": 1.0}, "'size' cannot be given with 'a.geo' (Gmsh script)"),
+    "facets": ({"facets": "f.xdmf"}, "'facets' cannot be given with 'a.step' (CAD file)"),
+    "template": (
+        {"file": None, "template": "wedge", "size": 1.0},
+        "geometry: expected 'size' with a file only, found together with 'template'",
+    ),
+}
+
+
+@pytest.mark.parametrize(("tables", "expected"), SELECTORS.values(), ids=SELECTORS)
+def test_wrong_tables_of_a_geometry_file(tables: dict[str, Any], expected: str) -> None:
+    geometry = {"file": "a.step", **tables}
+    geometry = {key: value for key, value in geometry.items() if value is not None}
+    text = message(geometry=geometry)
+    assert expected in text
+    assert "\n" not in text  # one mistake, one line
 
 
 SEGMENTS = {
@@ -393,8 +459,22 @@ def test_contradictions_between_tables_are_named(changes: dict[str, Any], expect
         {"loads__other": load(boundary="elsewhere", direction=[1, 1])},
         {"loads__pull": load("traction", boundary="pad_top", direction="normal")},
         {"geometry": {"template": "dovetail", "parameters": {"edge_size": 0.02}, "order": 1}},
+        {"geometry": {"file": "a.STEP", "size": 0.1, "order": 1, "bodies": {"a": {"label": "A"}}}},
+        {"geometry": {"file": "a.geo", "order": 1, "parameters": {"a": 1}}},
+        {"geometry": {"file": "a.inp", "boundaries": {"a": {"label": "B 1"}}}},
+        {"geometry": {"file": "a.xdmf", "facets": "b.xdmf", "bodies": {"a": {"tags": [0, -3]}}}},
     ],
-    ids=["axes", "orthogonal-vectors", "other-platen", "traction-on-platen", "template"],
+    ids=[
+        "axes",
+        "orthogonal-vectors",
+        "other-platen",
+        "traction-on-platen",
+        "template",
+        "cad",
+        "script",
+        "inp",
+        "xdmf",
+    ],
 )
 def test_valid_combinations_are_accepted(changes: dict[str, Any]) -> None:
     assert parse_case(edited(**changes)).title == ""
@@ -506,3 +586,13 @@ def test_the_documented_example_is_valid() -> None:
     wave = case.loads["tension"].history[1]
     assert isinstance(wave, Wave)
     assert wave.phase == -60
+
+
+GEOMETRY_EXAMPLES = re.findall(
+    r"```toml\n(.*?)```", DOCS.with_name("geometry.md").read_text(encoding="utf-8"), re.DOTALL
+)
+
+
+@pytest.mark.parametrize("example", GEOMETRY_EXAMPLES)
+def test_examples_of_geometry_files_are_valid(example: str) -> None:
+    assert parse_case({**edited(), **tomllib.loads(example)}).geometry.file is not None

@@ -39,6 +39,7 @@ LAYERS = (
     "fretfe.fem.gmsh_reader",
     "fretfe.fem.cell_geometry",
     "fretfe.fem.sizing",
+    "fretfe.fem.formats.*",
     "fretfe.fem.meshing",
     "fretfe.fem.mesh_groups",
     "fretfe.fem.mesh_writer",

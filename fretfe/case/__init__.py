@@ -10,6 +10,7 @@ from fretfe.case.histories import CsvPoints, Hold, Points, Ramp, Segment, Wave
 from fretfe.case.messages import complaint
 from fretfe.case.model import Case, case_schema
 from fretfe.case.reading import load_case, parse_case
+from fretfe.case.selectors import BoundarySelector, Selector, file_kind
 from fretfe.case.tables import (
     Body,
     Contact,
@@ -27,6 +28,7 @@ from fretfe.case.tables import (
 
 __all__ = [
     "Body",
+    "BoundarySelector",
     "Case",
     "Contact",
     "CsvPoints",
@@ -44,6 +46,7 @@ __all__ = [
     "Ramp",
     "RotationLoad",
     "Segment",
+    "Selector",
     "Support",
     "TractionLoad",
     "Units",
@@ -52,6 +55,7 @@ __all__ = [
     "check_dimension",
     "complaint",
     "contact_modulus",
+    "file_kind",
     "load_case",
     "parse_case",
     "plane_modulus",

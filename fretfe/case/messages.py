@@ -18,6 +18,7 @@ from fretfe.case.channels import LOADS
 from fretfe.case.checks import Key, Problem
 from fretfe.case.histories import KINDS
 from fretfe.case.model import Case, Contradiction
+from fretfe.case.selectors import BoundarySelector, Selector
 from fretfe.case.tables import Body, Contact, Cycle, Edges, Geometry, Model, Output, Support, Units
 
 SECTIONS: dict[str, type[Table]] = {
@@ -30,6 +31,10 @@ SECTIONS: dict[str, type[Table]] = {
     "cycle": Cycle,
     "edges": Edges,
     "output": Output,
+}
+NESTED: dict[tuple[str | int, ...], type[Table]] = {
+    ("geometry", "bodies"): Selector,
+    ("geometry", "boundaries"): BoundarySelector,
 }
 TAGGED = {f"{TAG}{key}": table for key, table in (LOADS | KINDS).items()}
 
@@ -163,6 +168,8 @@ def _table(location: tuple[str | int, ...]) -> type[Table]:
     tags = [part for part in location if part in TAGGED]
     if tags:
         return TAGGED[str(tags[-1])]
+    if len(location) > 2 and location[:2] in NESTED:
+        return NESTED[location[:2]]
     return SECTIONS[str(location[0])] if len(location) > 1 else Case
 
 

@@ -51,6 +51,7 @@ class Case(Table):
     output: Output = Field(default=Output(), description="What is written besides the results.")
 
     _source: Path = PrivateAttr(default=Path("case.toml"))
+    _trust_geo: bool = PrivateAttr(default=False)
 
     @model_validator(mode="after")
     def _no_contradictions(self) -> Self:
@@ -63,6 +64,11 @@ class Case(Table):
     def source(self) -> Path:
         """The case file; what it names is relative to its folder."""
         return self._source
+
+    @property
+    def trust_geo(self) -> bool:
+        """Whether a .geo file that the case names may run: the caller says so, never the file."""
+        return self._trust_geo
 
     def resolve(self, file: str) -> Path:
         """Path of a file that the case names."""

@@ -20,11 +20,13 @@ from fretfe.case.tables import Body, Contact, Support
 from fretfe.errors import CaseError
 
 
-def load_case(path: Path | str) -> Case:
+def load_case(path: Path | str, *, trust_geo: bool = False) -> Case:
     """Read and validate a case file.
 
     Args:
         path: the TOML file.
+        trust_geo: whether a .geo file that the case names may run. Such a script can do whatever
+            the user can.
 
     Raises:
         CaseError: the file cannot be read, is not TOML, or is not a valid case. The message has one
@@ -36,16 +38,19 @@ def load_case(path: Path | str) -> Case:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise CaseError(f"{source}: {_syntax_problem(str(error), text)}") from None
-    return parse_case(data, source)
+    return parse_case(data, source, trust_geo=trust_geo)
 
 
-def parse_case(data: Mapping[str, Any], source: Path | str = "case.toml") -> Case:
+def parse_case(
+    data: Mapping[str, Any], source: Path | str = "case.toml", *, trust_geo: bool = False
+) -> Case:
     """Validate the contents of a case file.
 
     Args:
         data: tables and values as TOML has them.
         source: name of the case file for messages; files that the case names are relative to its
             folder.
+        trust_geo: as in ``load_case``.
 
     Raises:
         CaseError: as ``load_case``.
@@ -60,6 +65,7 @@ def parse_case(data: Mapping[str, Any], source: Path | str = "case.toml") -> Cas
         lines = [complaint(Path(source), *problem) for problem in problems]
         raise CaseError("\n".join(lines)) from None
     case._source = Path(source)
+    case._trust_geo = trust_geo
     return case
 
 

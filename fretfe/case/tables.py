@@ -8,12 +8,16 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from fretfe.case.base import TAG, Axis, Count, Name, NotNegative, Number, Positive, Table, Text
+from fretfe.case.selectors import BoundarySelector, Selector, file_problem
 
 Plane = Literal["strain", "stress"]
 
 
 class Units(Table):
-    """Labels for the output; numbers are never converted, so use one consistent set."""
+    """Labels for the output; numbers are never converted, so use one consistent set.
+
+    Only the lengths of a STEP file, which states its unit, are converted to that of the label.
+    """
 
     length: Text = Field(default="mm", description="Label of the unit of length.")
     force: Text = Field(default="N", description="Label of the unit of force.")
@@ -50,19 +54,36 @@ class Geometry(Table):
         "and file must be given.",
     )
     parameters: dict[Name, Number] = Field(
-        default={}, description="Parameters of the template that differ from its defaults."
+        default={},
+        description="Parameters of the template, or of a .geo file, that differ from its defaults.",
     )
     order: int = Field(
         default=2,
         strict=True,
         ge=1,
         le=2,
-        description="Order of the mesh made from a template: 1 straight, 2 curved edges. "
-        "A mesh file has its own order.",
+        description="Order of the mesh made from a template, a .geo or a CAD file: 1 straight, "
+        "2 curved edges. A mesh file has its own order.",
     )
     file: Text | None = Field(
         default=None,
-        description="Mesh file with named physical groups, relative to the case file's folder.",
+        description="Geometry or mesh file, relative to the case file's folder: .msh, .geo, .step, "
+        ".stp, .brep, .xdmf or .inp.",
+    )
+    facets: Text | None = Field(
+        default=None,
+        description="XDMF file with the numbers of the facets, where 'file' does not have them.",
+    )
+    size: Positive | None = Field(
+        default=None,
+        description="Element size on the contact surfaces of a CAD file, in length units.",
+    )
+    bodies: dict[Name, Selector] = Field(
+        default={}, description="What the names of bodies stand for in a CAD, XDMF or .inp file."
+    )
+    boundaries: dict[Name, BoundarySelector] = Field(
+        default={},
+        description="What the names of boundaries stand for in a CAD, XDMF or .inp file.",
     )
 
     @model_validator(mode="after")
@@ -70,10 +91,13 @@ class Geometry(Table):
         if (self.template is None) == (self.file is None):
             found = "neither" if self.file is None else "both"
             raise ValueError(f"expected exactly one of 'template' and 'file', found {found}")
-        template_only = sorted({"parameters", "order"} & self.model_fields_set)
-        if self.file is not None and template_only:
-            keys = " and ".join(repr(key) for key in template_only)
-            raise ValueError(f"expected {keys} with a template only, found together with 'file'")
+        given = self.model_fields_set - {"template", "file"}
+        if self.file is not None:
+            if problem := file_problem(self.file, given, self.bodies, self.boundaries):
+                raise ValueError(problem)
+        elif wrong := sorted(given - {"parameters", "order"}):
+            keys = " and ".join(map(repr, wrong))
+            raise ValueError(f"expected {keys} with a file only, found together with 'template'")
         return self
 
 

@@ -26,15 +26,15 @@ from fretfe.results import prepare_directory
 COMM = MPI.COMM_WORLD
 
 
-def _load(path: Path) -> Case:
-    case = on_root(COMM, lambda: load_case(path))
+def _load(path: Path, trust_geo: bool) -> Case:
+    case = on_root(COMM, lambda: load_case(path, trust_geo=trust_geo))
     assert case is not None
     return case
 
 
-def check_case(path: Path) -> None:
+def check_case(path: Path, *, trust_geo: bool) -> None:
     """Print what a case would solve."""
-    case = _load(path)
+    case = _load(path, trust_geo)
     history = on_root(COMM, lambda: build_history(case))
     assert history is not None
     on_root(COMM, lambda: _print_check(case, history, starting_mesh(case)))
@@ -69,9 +69,9 @@ def _print_check(case: Case, history: History, mesh: Mesh) -> None:
     console.print("The case is valid.")
 
 
-def write_mesh_file(path: Path, target: Path) -> None:
+def write_mesh_file(path: Path, target: Path, *, trust_geo: bool) -> None:
     """Write the mesh of a case."""
-    case = _load(path)
+    case = _load(path, trust_geo)
     on_root(COMM, lambda: _write_mesh(case, target))
 
 

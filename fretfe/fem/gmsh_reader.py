@@ -7,7 +7,7 @@ Everything here runs on one process. A Gmsh error becomes a `MeshError` with Gms
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -100,6 +100,21 @@ def gmsh_model(source: Path) -> Iterator[ModuleType]:
             gmsh.model.remove()
             gmsh.model.setCurrent(previous_model)
             gmsh.option.setNumber("General.Terminal", previous_terminal)
+
+
+@contextlib.contextmanager
+def script_model(path: Path, values: Mapping[str, float]) -> Iterator[ModuleType]:
+    """The model that a Gmsh script (.geo) describes, with values of its parameters.
+
+    Gmsh errors inside the block are raised as MeshError.
+    """
+    with gmsh_model(path) as gmsh:
+        # all parameters, defaults too: what an earlier script left in this process does not count
+        for name, value in values.items():
+            gmsh.parser.setNumber(name, [value])
+        # merge, not open: open forgets the numbers set above
+        gmsh.merge(str(path))
+        yield gmsh
 
 
 def raw_mesh(gmsh: ModuleType, source: Path) -> RawMesh:

@@ -126,12 +126,12 @@ def _body_problems(mesh: Mesh, case: Case) -> Iterator[str]:
 
 def _boundary_problems(mesh: Mesh, case: Case) -> Iterator[str]:
     found = _bodies_of_boundaries(mesh)
-    for key, name in _named_boundaries(case):
+    for key, name in named_boundaries(case):
         if name not in found:
             yield f"{key}: no physical curve '{name}'{did_you_mean(name, found)}"
 
 
-def _named_boundaries(case: Case) -> Iterator[tuple[str, str]]:
+def named_boundaries(case: Case) -> Iterator[tuple[str, str]]:
     """Key in the case file and name of every boundary that the case mentions."""
     for name, contact in case.contacts.items():
         yield f"contacts.{name}.surface1", contact.surface1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""From a geometry template or a Gmsh file to one mesh per body, checked.
+"""From a Gmsh model or a mesh file to one mesh per body, checked.
 
 The functions are serial: they are called on one process. Lengths are in the units of the mesh.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
@@ -29,6 +30,7 @@ from fretfe.fem.gmsh_reader import (
     RawMesh,
     gmsh_model,
     raw_mesh,
+    script_model,
 )
 from fretfe.templates import Template, check_parameters
 
@@ -85,7 +87,7 @@ def read_mesh(path: str | os.PathLike[str]) -> Mesh:
     with gmsh_model(path) as gmsh:
         gmsh.merge(str(path))
         raw = raw_mesh(gmsh, path)
-    return _mesh_from_raw(raw, str(path))
+    return mesh_from_raw(raw, str(path))
 
 
 def mesh_template(
@@ -106,19 +108,36 @@ def mesh_template(
         CaseError: A parameter is unknown, out of range or at odds with another.
         MeshError: Gmsh cannot mesh the geometry, or the mesh is not valid.
     """
-    values = check_parameters(template, parameters)
-    with gmsh_model(template.path) as gmsh:
-        # all of them, defaults too: what an earlier script left in this process does not count
-        for name, value in values.items():
-            gmsh.parser.setNumber(name, [value])
-        # merge, not open: open forgets the numbers set above
-        gmsh.merge(str(template.path))
+    model = script_model(template.path, check_parameters(template, parameters))
+    return mesh_model(model, template.path, order, size, f"template '{template.name}'")
+
+
+def mesh_model(
+    model: AbstractContextManager[ModuleType],
+    path: Path,
+    order: int,
+    size: SetSizes | None,
+    source: str,
+) -> Mesh:
+    """Mesh a Gmsh model whose physical groups have names.
+
+    Args:
+        model: Opens and closes the model.
+        path: File that it comes from.
+        order: Polynomial order of the elements.
+        size: Sets element sizes in place of those of the model.
+        source: What the model is called in messages.
+
+    Raises:
+        MeshError: Gmsh cannot mesh the geometry, or the mesh is not valid.
+    """
+    with model as gmsh:
         if size is not None:
             size(gmsh)
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(order)
-        raw = raw_mesh(gmsh, template.path)
-    return _mesh_from_raw(raw, f"template '{template.name}'")
+        raw = raw_mesh(gmsh, path)
+    return mesh_from_raw(raw, source)
 
 
 def _require_gmsh_file(path: Path) -> None:
@@ -144,8 +163,12 @@ class _Cells:
     nodes: NDArray[np.int64]
 
 
-def _mesh_from_raw(raw: RawMesh, source: str) -> Mesh:
-    """Split the model into bodies with their own node numbers and boundaries."""
+def mesh_from_raw(raw: RawMesh, source: str) -> Mesh:
+    """Split a mesh into bodies with their own node numbers and boundaries.
+
+    Raises:
+        MeshError: It is not a set of separate plane bodies with valid elements.
+    """
     cells = {name: _cells(name, blocks, source) for name, blocks in raw.surfaces.items()}
     _require_one_order(raw, cells, source)
     owner = _node_owners(raw, cells, source)

@@ -60,7 +60,7 @@ def make_variants(case: Case, result: EdgeHistories) -> tuple[list[Variant], dic
         reasons[MESH] = "the mesh refined itself: see the changes from mesh to mesh"
     elif coarse is not None:
         variants.append(Variant(MESH, coarse, None))
-    elif case.geometry.template is None:
+    else:
         reasons[MESH] = "a mesh file: compare with a finer mesh of your own"
     if not result.bodies:
         variants = [variant for variant in variants if variant.name != MESH]
@@ -113,15 +113,18 @@ def _continued(history: History, loads: Array, before: Array | None = None) -> H
 
 
 def coarser(case: Case) -> Case | None:
-    """The same case with larger elements; None without a template that has sizes."""
-    if case.geometry.template is None:
-        return None
-    given = case.geometry.parameters
-    sizes = {
-        parameter.name: COARSER * given.get(parameter.name, parameter.default)
-        for parameter in find_template(case.geometry.template).parameters
-        if parameter.name.endswith("size")
-    }
+    """The same case with larger elements; None where the case does not give their sizes."""
     data = case.model_dump(mode="json", exclude_unset=True)
-    data["geometry"]["parameters"] = {**given, **sizes}
-    return parse_case(data, source=case.source)
+    if case.geometry.size is not None:
+        data["geometry"]["size"] = COARSER * case.geometry.size
+    elif case.geometry.template is not None:
+        given = case.geometry.parameters
+        sizes = {
+            parameter.name: COARSER * given.get(parameter.name, parameter.default)
+            for parameter in find_template(case.geometry.template).parameters
+            if parameter.name.endswith("size")
+        }
+        data["geometry"]["parameters"] = {**given, **sizes}
+    else:
+        return None
+    return parse_case(data, source=case.source, trust_geo=case.trust_geo)
