@@ -42,6 +42,7 @@ LAYERS = (
     "fretfe.fem.meshing",
     "fretfe.fem.mesh_groups",
     "fretfe.fem.mesh_writer",
+    "fretfe.fem.solids",
     "fretfe.fem.surface",
     "fretfe.fem.elasticity",
     "fretfe.fem.schur",

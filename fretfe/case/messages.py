@@ -18,7 +18,18 @@ from fretfe.case.channels import LOADS
 from fretfe.case.checks import Key, Problem
 from fretfe.case.histories import KINDS
 from fretfe.case.model import Case, Contradiction
-from fretfe.case.tables import Body, Contact, Cycle, Edges, Geometry, Model, Output, Support, Units
+from fretfe.case.tables import (
+    Body,
+    Contact,
+    Cycle,
+    Edges,
+    Geometry,
+    Model,
+    Output,
+    Solid,
+    Support,
+    Units,
+)
 
 SECTIONS: dict[str, type[Table]] = {
     "units": Units,
@@ -163,6 +174,8 @@ def _table(location: tuple[str | int, ...]) -> type[Table]:
     tags = [part for part in location if part in TAGGED]
     if tags:
         return TAGGED[str(tags[-1])]
+    if location[:-1] == ("geometry", "solid"):
+        return Solid
     return SECTIONS[str(location[0])] if len(location) > 1 else Case
 
 

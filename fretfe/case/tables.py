@@ -41,6 +41,20 @@ class Model(Table):
     )
 
 
+class Solid(Table):
+    """How a plane template is extruded to a solid body."""
+
+    length: Positive = Field(description="Extent in z, in length units; > 0.")
+    skew: Number = Field(
+        default=0.0,
+        gt=-60,
+        lt=60,
+        description="Angle in degrees by which the extrusion leans in x; the direction is "
+        "(tan(skew), 0, 1). -60 < skew < 60.",
+    )
+    layers: Count = Field(description="Number of layers of elements along the length; >= 1.")
+
+
 class Geometry(Table):
     """Where the mesh comes from: a template or a file."""
 
@@ -65,12 +79,18 @@ class Geometry(Table):
         description="Mesh file with named physical groups, relative to the case file's folder.",
     )
 
+    solid: Solid | None = Field(
+        default=None,
+        description="Extrude the template to a solid; for `fretfe mesh` only, contact in three "
+        "dimensions is not solved yet.",
+    )
+
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if (self.template is None) == (self.file is None):
             found = "neither" if self.file is None else "both"
             raise ValueError(f"expected exactly one of 'template' and 'file', found {found}")
-        template_only = sorted({"parameters", "order"} & self.model_fields_set)
+        template_only = sorted({"parameters", "order", "solid"} & self.model_fields_set)
         if self.file is not None and template_only:
             keys = " and ".join(repr(key) for key in template_only)
             raise ValueError(f"expected {keys} with a template only, found together with 'file'")

@@ -185,7 +185,7 @@ def _corners_fit(values: Mapping[str, float]) -> str | None:
         return None
     slot = shape.root + values["flank_clearance"]
     return at_most(
-        "root_corner", values, 0.9 * shape.root, "90 % of half the width of the root"
+        "root_corner", values, 0.7 * shape.root, "70 % of half the width of the root"
     ) or at_most("groove_radius", values, 0.9 * slot, "90 % of half the width of the slot")
 
 
