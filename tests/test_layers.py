@@ -68,6 +68,7 @@ LAYERS = (
     "fretfe.results",
     "fretfe.report.*",
     "fretfe.edges_command",
+    "fretfe.templates_command",
     "fretfe.verify.*",
     "fretfe.validate.*",
     "fretfe.command",
