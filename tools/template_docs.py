@@ -16,24 +16,13 @@ from matplotlib.collections import LineCollection, PolyCollection
 
 from fretfe.fem.cell_geometry import directed_edges, exterior_edges
 from fretfe.fem.meshing import mesh_template
+from fretfe.report.tables import parameter_rows
 from fretfe.templates import Template, find_template, template_names
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "templates.md"
 # What stands between the two marks of a template is written by this script.
 _TABLE = re.compile(r"(<!-- parameters of (\w+) -->\n).*?(<!-- end -->\n)", re.DOTALL)
-
-
-def parameter_rows(template: Template) -> str:
-    """The parameters of a template as a table in Markdown."""
-    lines = ["| parameter | default | range | unit | meaning |", "|---|---|---|---|---|"]
-    for each in template.parameters:
-        limits = f"{each.minimum:g} … {each.maximum:g}" + (", whole" if each.whole else "")
-        unit = "" if each.unit == "-" else each.unit
-        lines.append(
-            f"| `{each.name}` | {each.default:g} | {limits} | {unit} | {each.description} |"
-        )
-    return "\n".join(lines) + "\n"
 
 
 def with_tables(page: str) -> str:

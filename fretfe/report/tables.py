@@ -16,7 +16,7 @@ from fretfe.backends import Installed
 from fretfe.case import Case
 from fretfe.evaluate import ContactSummary, Edge, SlipZone
 from fretfe.refinement import EdgeValues, Refinement, changes_by_kind
-from fretfe.templates import Template
+from fretfe.templates import Parameter, Template
 
 
 def edge_table(case: Case, contacts: tuple[ContactSummary, ...]) -> Table:
@@ -168,11 +168,27 @@ def parameter_table(template: Template) -> Table:
     table.add_column("meaning")
     table.columns[3].justify = "left"
     for each in template.parameters:
-        limits = f"{each.minimum:g} … {each.maximum:g}" + (", whole" if each.whole else "")
-        unit = "" if each.unit == "-" else each.unit
+        limits, unit = _range_and_unit(each)
         table.add_row(each.name, f"{each.default:g}", limits, unit, escape(each.description))
     table.caption, table.caption_justify = escape(template.summary), "left"
     return table
+
+
+def parameter_rows(template: Template) -> str:
+    """The parameters of a template as a table in Markdown."""
+    lines = ["| parameter | default | range | unit | meaning |", "|---|---|---|---|---|"]
+    for each in template.parameters:
+        limits, unit = _range_and_unit(each)
+        lines.append(
+            f"| `{each.name}` | {each.default:g} | {limits} | {unit} | {each.description} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def _range_and_unit(parameter: Parameter) -> tuple[str, str]:
+    limits = f"{parameter.minimum:g} … {parameter.maximum:g}"
+    unit = "" if parameter.unit == "-" else parameter.unit
+    return limits + (", whole" if parameter.whole else ""), unit
 
 
 def timing_table(seconds: Mapping[str, float]) -> Table:

@@ -195,7 +195,8 @@ def test_the_command_mesh_writes_a_solid_and_others_refuse_it(tmp_path: Path) ->
     done = python("-m", "fretfe", "mesh", case, "-o", target)
     assert done.returncode == 0, done.stderr
     assert "upper, extruded:" in done.stdout and target.stat().st_size > 0
-    for command in (["check", case], ["run", case, "-o", tmp_path / "results"]):
+    commands: list[list[str | Path]] = [["check", case], ["run", case, "-o", tmp_path / "results"]]
+    for command in commands:
         done = python("-m", "fretfe", *command)
         assert done.returncode == 4
         assert "geometry.solid: expected a plane case" in done.stderr
