@@ -126,6 +126,16 @@ def mesh(
 
 
 @app.command()
+def templates(
+    name: Annotated[str | None, typer.Argument(help="Template: list its parameters.")] = None,
+) -> None:
+    """List the geometry templates, or the parameters of one of them."""
+    from fretfe.templates_command import show_templates
+
+    show_templates(name)
+
+
+@app.command()
 def edges(
     table: Annotated[Path, typer.Argument(help="CSV file with a header.", show_default=False)],
     friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None,

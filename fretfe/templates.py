@@ -48,10 +48,11 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Template:
-    """A parametric geometry in a .geo file."""
+    """A parametric geometry in a .geo file; the summary is the first sentence of its comment."""
 
     name: str
     path: Path
+    summary: str
     parameters: tuple[Parameter, ...]
 
 
@@ -67,8 +68,12 @@ def template_names() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in template_directory().glob("*.geo")))
 
 
-def find_template(name: str) -> Template:
+def find_template(name: str, where: str = "geometry.template") -> Template:
     """The template of this name.
+
+    Args:
+        name: of the template.
+        where: the name was given, for the message.
 
     Raises:
         CaseError: There is no such template.
@@ -76,7 +81,7 @@ def find_template(name: str) -> Template:
     names = template_names()
     if name not in names:
         raise CaseError(
-            f"geometry.template: no template is called '{name}'{did_you_mean(name, names)};"
+            f"{where}: no template is called '{name}'{did_you_mean(name, names)};"
             f" there are: {', '.join(names)} (in {template_directory()})"
         )
     return replace(read_template(template_directory() / f"{name}.geo"), name=name)
@@ -99,7 +104,7 @@ def read_template(path: Path) -> Template:
     except ValueError:
         # numbers written as formulas: the script knows its defaults, nobody else does
         parameters = ()
-    return Template(str(path), path, parameters)
+    return Template(str(path), path, _read_summary(text), parameters)
 
 
 def check_parameters(template: Template, values: Mapping[str, float]) -> dict[str, float]:
@@ -131,6 +136,13 @@ def check_parameters(template: Template, values: Mapping[str, float]) -> dict[st
         lines = "".join(f"\n  - {problem}" for problem in problems)
         raise CaseError(f"geometry.parameters of template '{template.name}':{lines}")
     return complete
+
+
+def _read_summary(text: str) -> str:
+    """First sentence of the comment below the licence, without the slashes."""
+    _, _, comment = text.partition("\n//\n")
+    words = " ".join(line.removeprefix("//").strip() for line in comment.splitlines())
+    return words.partition(". ")[0]
 
 
 def _read_parameters(text: str) -> tuple[Parameter, ...]:

@@ -320,7 +320,7 @@ Field[6] = Distance;
 Field[6].CurvesList = {teeth[]};
 contact_size = Sprintf("Min(%g + %g*F1, %g + %g*F2)", edge_size, growth, flank_size, growth);
 blade_size = Sprintf("Min(Min(%g + %g*F3, %g + %g*F4), %g)",
-                     neck_fillet, growth, root_corner, growth, neck);
+                     neck_fillet, growth, root_corner, growth, Min(neck, root));
 disc_size = Sprintf("Min(Min(%g + %g*F5, %g + %g*F6), %g)",
                     groove_radius, growth, tooth_radius, growth,
                     Min(disc_width / 2 - slot, slot_bottom - disc_base));

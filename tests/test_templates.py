@@ -4,7 +4,10 @@
 from __future__ import annotations
 
 import math
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +15,7 @@ import pytest
 
 from fretfe import templates
 from fretfe.errors import CaseError
+from fretfe.report.tables import parameter_rows
 from fretfe.template_checks import CROSS_CHECKS
 from fretfe.templates import Parameter, check_parameters, find_template, template_names
 
@@ -77,6 +81,78 @@ def test_given_values_replace_defaults() -> None:
 def test_refused_values(values: dict[str, Any], message: str) -> None:
     with pytest.raises(CaseError, match=rf"parameters of template 'dovetail':\n.*{message}"):
         check_parameters(find_template("dovetail"), values)
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        (2.5, "lobes: expected a whole number from 2 to 4, found 2.5"),
+        (5, "lobes: expected a whole number from 2 to 4, found 5"),
+    ],
+)
+def test_a_number_of_lobes_is_whole(value: float, message: str) -> None:
+    firtree = find_template("firtree")
+    assert [each.name for each in firtree.parameters if each.whole] == ["lobes"]
+    with pytest.raises(CaseError, match=message):
+        check_parameters(firtree, {"lobes": value})
+
+
+@pytest.mark.parametrize(
+    ("relaxed", "radius"),
+    [("tooth_radius", 1.0), ("groove_radius", 1.1)],
+)
+def test_the_bound_in_the_message_is_the_true_one(relaxed: str, radius: float) -> None:
+    firtree = find_template("firtree")
+    with pytest.raises(CaseError) as error:
+        check_parameters(firtree, {relaxed: 3 * radius})
+    found = re.search(rf"{relaxed}: expected at most ([0-9.]+)", str(error.value))
+    assert found is not None
+    bound = float(found[1])
+    # the message has six digits
+    assert check_parameters(firtree, {relaxed: 0.99999 * bound})[relaxed] < bound
+    with pytest.raises(CaseError, match=f"{relaxed}: expected at most"):
+        check_parameters(firtree, {relaxed: 1.00001 * bound})
+
+
+def command(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "fretfe", "templates", *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"COLUMNS": "200"},
+    )
+
+
+def test_the_command_lists_the_templates() -> None:
+    done = command()
+    assert done.returncode == 0, done.stderr
+    rows = [line.split() for line in done.stdout.splitlines()]
+    assert [row[0] for row in rows if row and row[0] in NAMES] == list(NAMES)
+    assert "Firtree: a blade root with 2 to 4 pairs of lobes" in done.stdout
+
+
+def test_the_command_lists_the_parameters_of_a_template() -> None:
+    done = command("firtree")
+    assert done.returncode == 0, done.stderr
+    names = [line.split()[0] for line in done.stdout.splitlines() if " … " in line]
+    assert names == [each.name for each in find_template("firtree").parameters]
+    assert re.search(r"lobes +3 +2 … 4, whole +Number of pairs of lobes", done.stdout)
+    assert re.search(r"flank_angle +45 +30 … 65 +degrees +Angle of the flanks", done.stdout)
+
+
+def test_the_command_refuses_an_unknown_template() -> None:
+    done = command("firtre")
+    assert done.returncode == 2
+    assert "NAME: no template is called 'firtre' (did you mean firtree?)" in done.stderr
+
+
+def test_the_document_has_the_parameters_that_the_templates_have() -> None:
+    page = (Path(__file__).parents[1] / "docs" / "templates.md").read_text("utf-8")
+    for name in NAMES:
+        table = page.partition(f"<!-- parameters of {name} -->\n")[2].partition("<!-- end -->")[0]
+        # tools/template_docs.py writes it anew
+        assert table == parameter_rows(find_template(name))
 
 
 # For each template and cross check: parameters that break it, and how the message begins.
@@ -148,6 +224,74 @@ BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
     ("cylinder", "size_resolves_zone"): (
         {"size": 0.3},
         "size: expected at most 0.25 ",
+    ),
+    ("firtree", "_lobes_fit_pitch"): (
+        {"pitch": 6},
+        "pitch: expected at least 7.143",
+    ),
+    ("firtree", "_backs_are_straight"): (
+        {"groove_radius": 1.17, "pitch": 6.47, "tooth_radius": 2.61, "neck_fillet": 0.84},
+        "pitch: the straight backs of the lobes",
+    ),
+    ("firtree", "_neck_fillets_turn_less_than_half"): (
+        {"relief_angle": 57},
+        "relief_angle: from the back of a lobe",
+    ),
+    ("firtree", "contact_ends_on_roundings"): (
+        {"relief_angle": 16, "contact_angle": 12},
+        "contact_angle: expected at most 11 ",
+    ),
+    ("firtree", "_teeth_leave_room_for_contact"): (
+        {"tooth_radius": 2},
+        "tooth_radius: expected at most 1.386",
+    ),
+    ("firtree", "_grooves_leave_room_for_contact"): (
+        {"groove_radius": 1.5},
+        "groove_radius: expected at most 1.211",
+    ),
+    ("firtree", "fine_zone_fits"): (
+        {"edge_zone": 0.2},
+        "edge_zone: expected at most 0.188",
+    ),
+    ("firtree", "_teeth_clear_neck_fillets"): (
+        {"neck_fillet": 3, "pitch": 12, "tooth_radius": 0.2},
+        "tooth_radius: the tips of the disc teeth",
+    ),
+    ("firtree", "_necks_remain"): (
+        {"pitch": 18},
+        "neck_width: expected at least 20.4",
+    ),
+    ("firtree", "_root_is_high_enough"): (
+        {"root_height": 3.5},
+        "root_height: expected at least 3.716",
+    ),
+    ("firtree", "_slot_is_deep_enough"): (
+        {"root_height": 3.8, "root_corner": 0.3, "slot_clearance": 0.1},
+        "slot_clearance: expected at least 0.274",
+    ),
+    ("firtree", "_root_corner_clears_slot_corner"): (
+        {"root_corner": 0.1, "slot_clearance": 0.3},
+        "root_corner: the corners of the root",
+    ),
+    ("firtree", "_corners_fit"): (
+        {"root_corner": 6, "root_height": 12},
+        "root_corner: expected at most 5.233",
+    ),
+    ("firtree", "_shank_rises_above_fillet"): (
+        {"shank_height": 0.5, "neck_fillet": 3, "rim_height": 0.1, "pitch": 12},
+        "shank_height: expected at least 0.613",
+    ),
+    ("firtree", "_disc_is_large_enough"): (
+        {"disc_width": 20},
+        "disc_width: expected at least 25.5",
+    ),
+    ("firtree", "flank_size_resolves_flat"): (
+        {"flank_size": 0.7},
+        "flank_size: expected at most 0.625",
+    ),
+    ("firtree", "edge_size_is_smallest"): (
+        {"edge_size": 0.09},
+        "edge_size: expected at most 0.06 ",
     ),
     ("flat_rounded", "_roundings_reach_sides"): (
         {"upper_width": 12},

@@ -19,7 +19,18 @@ from fretfe.case.checks import Key, Problem
 from fretfe.case.histories import KINDS
 from fretfe.case.model import Case, Contradiction
 from fretfe.case.selectors import BoundarySelector, Selector
-from fretfe.case.tables import Body, Contact, Cycle, Edges, Geometry, Model, Output, Support, Units
+from fretfe.case.tables import (
+    Body,
+    Contact,
+    Cycle,
+    Edges,
+    Geometry,
+    Model,
+    Output,
+    Solid,
+    Support,
+    Units,
+)
 
 SECTIONS: dict[str, type[Table]] = {
     "units": Units,
@@ -35,6 +46,7 @@ SECTIONS: dict[str, type[Table]] = {
 NESTED: dict[tuple[str | int, ...], type[Table]] = {
     ("geometry", "bodies"): Selector,
     ("geometry", "boundaries"): BoundarySelector,
+    ("geometry", "solid"): Solid,
 }
 TAGGED = {f"{TAG}{key}": table for key, table in (LOADS | KINDS).items()}
 

@@ -45,6 +45,20 @@ class Model(Table):
     )
 
 
+class Solid(Table):
+    """How a plane template is extruded to a solid body."""
+
+    length: Positive = Field(description="Extent in z, in length units; > 0.")
+    skew: Number = Field(
+        default=0.0,
+        gt=-60,
+        lt=60,
+        description="Angle in degrees by which the extrusion leans in x; the direction is "
+        "(tan(skew), 0, 1). -60 < skew < 60.",
+    )
+    layers: Count = Field(description="Number of layers of elements along the length; >= 1.")
+
+
 class Geometry(Table):
     """Where the mesh comes from: a template or a file."""
 
@@ -86,6 +100,12 @@ class Geometry(Table):
         description="What the names of boundaries stand for in a CAD, XDMF or .inp file.",
     )
 
+    solid: Solid | None = Field(
+        default=None,
+        description="Extrude the template to a solid; for `fretfe mesh` only, contact in three "
+        "dimensions is not solved yet.",
+    )
+
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if (self.template is None) == (self.file is None):
@@ -95,7 +115,7 @@ class Geometry(Table):
         if self.file is not None:
             if problem := file_problem(self.file, given, self.bodies, self.boundaries):
                 raise ValueError(problem)
-        elif wrong := sorted(given - {"parameters", "order"}):
+        elif wrong := sorted(given - {"parameters", "order", "solid"}):
             keys = " and ".join(map(repr, wrong))
             raise ValueError(f"expected {keys} with a file only, found together with 'template'")
         return self

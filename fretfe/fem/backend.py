@@ -22,6 +22,10 @@ from fretfe.loads import History, build_history
 from fretfe.solution import Solution
 
 T = TypeVar("T")
+NO_SOLIDS = (
+    "geometry.solid: expected a plane case, found a solid: contact in three dimensions is not "
+    "solved yet; `fretfe mesh` writes the mesh",
+)
 
 
 class MpiProcesses:
@@ -48,8 +52,8 @@ class FemBackend:
         return MpiProcesses()
 
     def supports(self, case: Case) -> tuple[str, ...]:
-        """Every valid case; what is wrong with a mesh is found when it is read."""
-        return ()
+        """Every plane case; what is wrong with a mesh is found when it is read."""
+        return NO_SOLIDS if case.geometry.solid is not None else ()
 
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> EdgeHistories:
         """Edge histories of a case. Collective.

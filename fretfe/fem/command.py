@@ -8,9 +8,11 @@ from pathlib import Path
 from rich.console import Console
 
 from fretfe.case import Case, load_case
+from fretfe.command import require_supported
 from fretfe.environment import blas_libraries, reference_blas_only, versions
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
+from fretfe.fem.backend import BACKEND
 from fretfe.fem.held import free_motions
 from fretfe.fem.mesh_report import print_mesh
 from fretfe.fem.mesh_writer import write_mesh
@@ -19,6 +21,7 @@ from fretfe.fem.model import contact_surfaces, couple_contacts
 from fretfe.fem.parallel import on_root
 from fretfe.fem.plan import plan_model
 from fretfe.fem.refine import starting_mesh
+from fretfe.fem.solids import extrude
 from fretfe.loads import History, build_history
 from fretfe.report.mesh_picture import write_mesh_picture
 from fretfe.results import prepare_directory
@@ -35,6 +38,7 @@ def _load(path: Path, trust_geo: bool) -> Case:
 def check_case(path: Path, *, trust_geo: bool) -> None:
     """Print what a case would solve."""
     case = _load(path, trust_geo)
+    require_supported(BACKEND, "fem", case)
     history = on_root(COMM, lambda: build_history(case))
     assert history is not None
     on_root(COMM, lambda: _print_check(case, history, starting_mesh(case)))
@@ -78,9 +82,13 @@ def write_mesh_file(path: Path, target: Path, *, trust_geo: bool) -> None:
 def _write_mesh(case: Case, target: Path) -> None:
     prepare_directory(target.parent)
     mesh = starting_mesh(case)
-    write_mesh(mesh, target)
     console = Console()
     print_mesh(console, case, mesh)
+    solid = case.geometry.solid
+    if solid is not None:
+        mesh = extrude(mesh, solid)
+        _print_solid(console, mesh)
+    write_mesh(mesh, target)
     console.print(f"Mesh in {target}", highlight=False, soft_wrap=True)
     if mesh.dimension == 2:
         picture = target.with_suffix(".png")
@@ -88,6 +96,13 @@ def _write_mesh(case: Case, target: Path) -> None:
         console.print(f"Picture in {picture}", highlight=False, soft_wrap=True)
     else:
         console.print("Note: a picture is drawn of plane meshes only.")
+
+
+def _print_solid(console: Console, mesh: Mesh) -> None:
+    """What the plane mesh that the table describes became."""
+    for body in mesh.bodies.values():
+        text = f"{body.name}, extruded: {len(body.cells)} tetrahedra, {len(body.points)} nodes"
+        console.print(text, highlight=False)
 
 
 def show_info() -> None:

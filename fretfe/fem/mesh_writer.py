@@ -17,12 +17,15 @@ CELL_NUMBERS = {
     ("triangle", 2): 9,
     ("quadrilateral", 1): 3,
     ("quadrilateral", 2): 10,
+    ("tetrahedron", 1): 4,
+    ("tetrahedron", 2): 11,
 }
-LINE_NUMBERS = {1: 1, 2: 8}
+# by dimension of the mesh and order
+FACET_NUMBERS = {(2, 1): 1, (2, 2): 8, (3, 1): 2, (3, 2): 9}
 
 
 def write_mesh(mesh: Mesh, path: Path) -> None:
-    """Write a `.msh` file that `read_mesh` reads back.
+    """Write a `.msh` file; `read_mesh` reads it back if the mesh is plane.
 
     Raises:
         OutputError: if the file does not end in .msh or cannot be written.
@@ -31,28 +34,32 @@ def write_mesh(mesh: Mesh, path: Path) -> None:
         raise OutputError(f"{path}: expected a mesh file that ends in .msh, found {path.suffix!r}")
     with gmsh_model(path) as gmsh:
         first_node = 1
-        curve = 1
-        for surface, body in enumerate(mesh.bodies.values(), start=1):
-            _add_body(gmsh, body, surface, first_node)
+        facet_dimension, boundary = mesh.dimension - 1, 1
+        for entity, body in enumerate(mesh.bodies.values(), start=1):
+            _add_body(gmsh, body, entity, first_node)
             for name, facets in body.boundaries.items():
-                gmsh.model.addDiscreteEntity(1, curve, [])
+                gmsh.model.addDiscreteEntity(facet_dimension, boundary, [])
                 gmsh.model.mesh.addElementsByType(
-                    curve, LINE_NUMBERS[body.order], [], (facets + first_node).ravel()
+                    boundary,
+                    FACET_NUMBERS[mesh.dimension, body.order],
+                    [],
+                    (facets + first_node).ravel(),
                 )
-                gmsh.model.addPhysicalGroup(1, [curve], name=name)
-                curve += 1
+                gmsh.model.addPhysicalGroup(facet_dimension, [boundary], name=name)
+                boundary += 1
             first_node += len(body.points)
         gmsh.write(str(path))
 
 
-def _add_body(gmsh: Any, body: BodyMesh, surface: int, first_node: int) -> None:
-    """Nodes and cells of one body as a discrete surface with its name."""
-    gmsh.model.addDiscreteEntity(2, surface, [])
+def _add_body(gmsh: Any, body: BodyMesh, entity: int, first_node: int) -> None:
+    """Nodes and cells of one body as a discrete surface or volume with its name."""
+    dimension = body.points.shape[1]
+    gmsh.model.addDiscreteEntity(dimension, entity, [])
     points = np.zeros((len(body.points), 3))
-    points[:, : body.points.shape[1]] = body.points
+    points[:, :dimension] = body.points
     tags = np.arange(first_node, first_node + len(points))
-    gmsh.model.mesh.addNodes(2, surface, tags, points.ravel())
+    gmsh.model.mesh.addNodes(dimension, entity, tags, points.ravel())
     number = CELL_NUMBERS[body.cell, body.order]
     cells = (body.cells + first_node).ravel()
-    gmsh.model.mesh.addElementsByType(surface, number, [], cells)
-    gmsh.model.addPhysicalGroup(2, [surface], name=body.name)
+    gmsh.model.mesh.addElementsByType(entity, number, [], cells)
+    gmsh.model.addPhysicalGroup(dimension, [entity], name=body.name)

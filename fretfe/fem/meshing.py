@@ -47,12 +47,13 @@ class BodyMesh:
 
     Attributes:
         name: Physical surface group.
-        points: (n, 2) coordinates.
+        points: (n, 2) coordinates; (n, 3) of a solid.
         cells: (m, k) node indices, counter-clockwise, in Gmsh node order.
-        cell: "triangle" or "quadrilateral".
+        cell: "triangle" or "quadrilateral"; "tetrahedron" of a solid.
         order: 1, or 2 (6-node triangles, 9-node quadrilaterals; edges may be curved).
         boundaries: Facets (f, order + 1) by physical curve group: end, end[, middle]. The body is
-            on the left of a facet that is walked from its first to its second end.
+            on the left of a facet that is walked from its first to its second end. Of a solid
+            triangles (f, 3 or 6) that run counter-clockwise seen from the outside.
     """
 
     name: str

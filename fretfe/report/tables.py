@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +16,7 @@ from fretfe.backends import Installed
 from fretfe.case import Case
 from fretfe.evaluate import ContactSummary, Edge, SlipZone
 from fretfe.refinement import EdgeValues, Refinement, changes_by_kind
+from fretfe.templates import Parameter, Template
 
 
 def edge_table(case: Case, contacts: tuple[ContactSummary, ...]) -> Table:
@@ -150,6 +151,44 @@ def _usable(installed: Installed, case: Case | None) -> tuple[str, str]:
     except Exception as error:  # one backend must not hide the others
         reasons = (str(error),)
     return ("no", "\n".join(reasons)) if reasons else ("yes", installed.backend.summary)
+
+
+def template_table(templates: Sequence[Template]) -> Table:
+    """One row per geometry template."""
+    table = _table("Templates", ("template",), text=1)
+    table.add_column("geometry")
+    for template in templates:
+        table.add_row(template.name, escape(template.summary))
+    return table
+
+
+def parameter_table(template: Template) -> Table:
+    """One row per parameter of a template."""
+    table = _table(f"Template {template.name}", ("parameter", "default", "range", "unit"), text=1)
+    table.add_column("meaning")
+    table.columns[3].justify = "left"
+    for each in template.parameters:
+        limits, unit = _range_and_unit(each)
+        table.add_row(each.name, f"{each.default:g}", limits, unit, escape(each.description))
+    table.caption, table.caption_justify = escape(template.summary), "left"
+    return table
+
+
+def parameter_rows(template: Template) -> str:
+    """The parameters of a template as a table in Markdown."""
+    lines = ["| parameter | default | range | unit | meaning |", "|---|---|---|---|---|"]
+    for each in template.parameters:
+        limits, unit = _range_and_unit(each)
+        lines.append(
+            f"| `{each.name}` | {each.default:g} | {limits} | {unit} | {each.description} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def _range_and_unit(parameter: Parameter) -> tuple[str, str]:
+    limits = f"{parameter.minimum:g} … {parameter.maximum:g}"
+    unit = "" if parameter.unit == "-" else parameter.unit
+    return limits + (", whole" if parameter.whole else ""), unit
 
 
 def timing_table(seconds: Mapping[str, float]) -> Table:

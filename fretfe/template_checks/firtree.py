@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 
 from fretfe.template_checks.bounds import Check, at_least, at_most
 from fretfe.template_checks.firtree_shape import (
-    STEEPEST_BACK,
+    LOWEST_NORMAL,
     Firtree,
     Lobe,
     along,
@@ -36,7 +36,7 @@ def _shape(values: Mapping[str, float]) -> Firtree | None:
 
 def _lobes_fit_pitch(values: Mapping[str, float]) -> str | None:
     why = (
-        f"the backs of the lobes would turn by more than {STEEPEST_BACK:g} degrees; a smaller"
+        f"the backs of the lobes must slope by {90 - LOWEST_NORMAL:g} degrees or more; a smaller"
         " flank_length, lower_radius, upper_radius or neck_fillet helps too"
     )
     return at_least("pitch", values, smallest_pitch(values), why)
@@ -99,16 +99,14 @@ def _flats_cover_contact(
     """
     normal = math.radians(90 - values["flank_angle"])
     why = "the flat of the disc must cover the candidate contact and an element of flank_size"
-    for other, length in flats:
-        missing = reach + values["flank_size"] - length
-        turn = normal - other
-        bound = values[radius] - missing / math.tan(turn / 2)
-        if missing > 0 and bound > 0:
-            return at_most(radius, values, bound, f"{why}; a larger flank_clearance helps too")
-        if missing > 0:
-            needed = values["flank_clearance"] + missing * math.sin(turn)
-            return at_least("flank_clearance", values, needed, why)
-    return None
+    missing = [(normal - other, reach + values["flank_size"] - length) for other, length in flats]
+    if all(length <= 0 for _, length in missing):
+        return None
+    bound = min(values[radius] - length / math.tan(turn / 2) for turn, length in missing)
+    if bound > 0:
+        return at_most(radius, values, bound, f"{why}; a larger flank_clearance helps too")
+    needed = max(length * math.sin(turn) for turn, length in missing) + values["flank_clearance"]
+    return at_least("flank_clearance", values, needed, why)
 
 
 def _teeth_clear_neck_fillets(values: Mapping[str, float]) -> str | None:
@@ -185,7 +183,7 @@ def _corners_fit(values: Mapping[str, float]) -> str | None:
         return None
     slot = shape.root + values["flank_clearance"]
     return at_most(
-        "root_corner", values, 0.9 * shape.root, "90 % of half the width of the root"
+        "root_corner", values, 0.7 * shape.root, "70 % of half the width of the root"
     ) or at_most("groove_radius", values, 0.9 * slot, "90 % of half the width of the slot")
 
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 Point = tuple[float, float]
 
-# The backs of the lobes slope by at least 90 degrees less this, so that the lobes narrow outwards.
-STEEPEST_BACK = 80.0
+# The normals of the backs of the lobes point down by at most this: the lobes narrow outwards.
+LOWEST_NORMAL = 80.0
 
 
 def direction(angle: float) -> Point:
@@ -113,17 +113,17 @@ class Firtree:
 
 
 def smallest_pitch(values: Mapping[str, float]) -> float:
-    """The pitch at which the backs of the lobes slope as `STEEPEST_BACK` says.
+    """The pitch at which the backs of the lobes have the normal `LOWEST_NORMAL`.
 
     The back touches the circles of the lower rounding (centre L) and of the next fillet (centre F)
     from different sides, so (F - L) . m = sum of their radii, with m its normal; F moves along the
     wedge with the pitch.
     """
-    steepest = math.radians(-STEEPEST_BACK)
+    lowest = math.radians(-LOWEST_NORMAL)
     fillet, lower = _first_lobe(values)
     radii = values["lower_radius"] + values["neck_fillet"]
-    missing = radii - _dot(fillet, steepest) + _dot(lower, steepest)
-    return missing * values["pitch"] / _dot(_step(values), steepest)
+    missing = radii - _dot(fillet, lowest) + _dot(lower, lowest)
+    return missing * values["pitch"] / _dot(_step(values), lowest)
 
 
 def _first_lobe(values: Mapping[str, float]) -> tuple[Point, Point]:

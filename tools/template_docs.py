@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Write the tables of docs/templates.md and the pictures of the templates (needs gmsh).
+
+Run from anywhere: .venv/bin/python tools/template_docs.py
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+
+from fretfe.fem.cell_geometry import directed_edges, exterior_edges
+from fretfe.fem.meshing import mesh_template
+from fretfe.report.tables import parameter_rows
+from fretfe.templates import Template, find_template, template_names
+
+DOCS = Path(__file__).parents[1] / "docs"
+PAGE = DOCS / "templates.md"
+# What stands between the two marks of a template is written by this script.
+_TABLE = re.compile(r"(<!-- parameters of (\w+) -->\n).*?(<!-- end -->\n)", re.DOTALL)
+
+
+def with_tables(page: str) -> str:
+    """The page with all tables as the templates have them."""
+    return _TABLE.sub(
+        lambda match: match[1] + parameter_rows(find_template(match[2])) + match[3], page
+    )
+
+
+def draw(template: Template, path: Path) -> None:
+    """The bodies of the meshed template with the names of their boundaries, contacts in red."""
+    bodies = mesh_template(template, {}, 2).bodies.values()
+    points = np.vstack([body.points for body in bodies])
+    low, high = points.min(axis=0), points.max(axis=0)
+    scale = 5.0 / max(high - low)
+    figure, axes = plt.subplots(figsize=(scale * (high - low)[0] + 3.4, scale * (high - low)[1]))
+    places: dict[tuple[float, float], list[str]] = {}
+    for body, colour in zip(bodies, ("#c9dcee", "#f0dfc0"), strict=True):
+        corners = body.points[body.cells[:, :3]]
+        axes.add_collection(PolyCollection(list(corners), facecolors=colour, edgecolors=colour))
+        outline, _ = exterior_edges(directed_edges(body.cells, body.cell, body.order))
+        lines = list(body.points[outline[:, [0, 2, 1]]])
+        axes.add_collection(LineCollection(lines, colors="0.4", linewidths=0.6))
+        for name, facets in body.boundaries.items():
+            touching = "contact" in name or "flank" in name
+            lines = list(body.points[facets[:, [0, 2, 1]]])
+            colour = "#b01030" if touching else "black"
+            axes.add_collection(LineCollection(lines, colors=colour, linewidths=2))
+            # one label for surfaces that lie on each other
+            ends = body.points[facets[:, :2]].reshape(-1, 2)
+            x, y = ends.mean(axis=0).round(0)
+            if not touching:
+                # beside the lower part of a wall, where no contact has its label
+                x, y = ends[:, 0].mean().round(6), ends[:, 1].min() + 0.2 * np.ptp(ends[:, 1])
+            places.setdefault((float(x), float(y)), []).append(name)
+        on_axis = body.points[np.abs(body.points[:, 0]) < 1e-9, 1]
+        axes.text(0, (on_axis.min() + on_axis.max()) / 2, body.name, ha="center", weight="bold")
+    _label(axes, places, float(low[0]), float(high[0]))
+    axes.set(xlim=1.02 * np.array([low[0], high[0]]), ylim=(low[1], high[1]), aspect="equal")
+    axes.axis("off")
+    figure.savefig(path, dpi=90, bbox_inches="tight")
+    plt.close(figure)
+
+
+def _label(
+    axes: Axes, places: dict[tuple[float, float], list[str]], left: float, right: float
+) -> None:
+    """Names beside the bodies, each with a line to its boundary."""
+    for (x, y), names in places.items():
+        side = left - 0.1 * right if x < 0 else right + 0.1 * right
+        axes.annotate(
+            "\n".join(names),
+            (x, y),
+            (side, y),
+            ha="right" if x < 0 else "left",
+            va="center",
+            fontsize=8,
+            arrowprops={"arrowstyle": "-", "linewidth": 0.5},
+            annotation_clip=False,
+        )
+
+
+def main() -> None:
+    """Write tables and pictures."""
+    PAGE.write_text(with_tables(PAGE.read_text("utf-8")), "utf-8")
+    for name in template_names():
+        draw(find_template(name), DOCS / "images" / f"template_{name}.png")
+
+
+if __name__ == "__main__":
+    main()
