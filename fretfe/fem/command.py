@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
 
-from fretfe.case import Case, load_case
+from fretfe.case import Case
+from fretfe.command import read_case
 from fretfe.environment import blas_libraries, reference_blas_only, versions
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
@@ -26,15 +28,15 @@ from fretfe.results import prepare_directory
 COMM = MPI.COMM_WORLD
 
 
-def _load(path: Path) -> Case:
-    case = on_root(COMM, lambda: load_case(path))
+def _load(path: Path, overrides: Sequence[str]) -> Case:
+    case = on_root(COMM, lambda: read_case(path, overrides))
     assert case is not None
     return case
 
 
-def check_case(path: Path) -> None:
+def check_case(path: Path, overrides: Sequence[str] = ()) -> None:
     """Print what a case would solve."""
-    case = _load(path)
+    case = _load(path, overrides)
     history = on_root(COMM, lambda: build_history(case))
     assert history is not None
     on_root(COMM, lambda: _print_check(case, history, starting_mesh(case)))
@@ -69,9 +71,9 @@ def _print_check(case: Case, history: History, mesh: Mesh) -> None:
     console.print("The case is valid.")
 
 
-def write_mesh_file(path: Path, target: Path) -> None:
+def write_mesh_file(path: Path, target: Path, overrides: Sequence[str] = ()) -> None:
     """Write the mesh of a case."""
-    case = _load(path)
+    case = _load(path, overrides)
     on_root(COMM, lambda: _write_mesh(case, target))
 
 
