@@ -47,7 +47,9 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-CaseFile = Annotated[Path, typer.Argument(help="Case file (TOML).", show_default=False)]
+CaseFile = Annotated[
+    Path, typer.Argument(metavar="CASE", help="Case file (TOML).", show_default=False)
+]
 Overrides = Annotated[
     list[str] | None,
     typer.Option(
@@ -118,7 +120,7 @@ def sweep(
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    """Solve a case with many values of some keys; one table and one picture of all.
+    """Solve a case with many values of some keys: a table, a picture.
 
     Friction and load histories need no new factorisation: they are cheap to vary.
     """
@@ -135,10 +137,11 @@ def sweep(
 )
 def backends(
     case: Annotated[
-        Path | None, typer.Argument(help="Case file: say which backends can solve it.")
+        Path | None,
+        typer.Argument(metavar="CASE", help="Say which backends can solve this one."),
     ] = None,
 ) -> None:
-    """List the installed backends, and why one of them cannot be used."""
+    """List the installed backends, and why one cannot be used."""
     from fretfe.command import show_backends
 
     show_backends(case)
@@ -163,7 +166,7 @@ def validate(
         bool, typer.Option("--json", help="Print one JSON document in place of the table.")
     ] = False,
 ) -> None:
-    """Run a case and its companions: does the edge description hold for this geometry?
+    """Run a case and its companions: can its numbers be trusted?
 
     Exit code 1 if a comparison fails.
     """
@@ -188,7 +191,10 @@ def verify(
         bool, typer.Option("--json", help="Print one JSON document in place of tables.")
     ] = False,
 ) -> None:
-    """Run benchmarks with known answers; exit code 1 if one of them fails."""
+    """Run benchmarks with known answers.
+
+    Exit code 1 if one of them fails.
+    """
     from fretfe.command import verify_backends
 
     if not verify_backends(backend or (), as_json=as_json):
@@ -202,7 +208,7 @@ def verify(
     )
 )
 def check(case: CaseFile, overrides: Overrides = None) -> None:
-    """Validate a case and its mesh and list what would be solved, without solving it."""
+    """Check a case and its mesh, and list what would be solved."""
     from fretfe.fem.command import check_case
 
     check_case(case, overrides or ())
@@ -218,7 +224,10 @@ def mesh(
     output: Annotated[Path, typer.Option("--output", "-o", help="Mesh file to write (.msh).")],
     overrides: Overrides = None,
 ) -> None:
-    """Make the mesh of a case and write it in Gmsh's format, with its named groups."""
+    """Make the mesh of a case and write it for Gmsh.
+
+    With its named groups, and a picture beside it.
+    """
     from fretfe.fem.command import write_mesh_file
 
     write_mesh_file(case, output, overrides or ())
@@ -241,7 +250,7 @@ def edges(
         bool, typer.Option("--json", help="Print one JSON document in place of tables.")
     ] = False,
 ) -> None:
-    """Find edge positions, K_N and slip zones in tractions that any program computed."""
+    """Find edges, K_N and slip zones in tractions of any program."""
     from fretfe.edges_command import Columns, analyse_file
 
     analyse_file(table, Columns(x, p, q, slip), friction, as_json=as_json)

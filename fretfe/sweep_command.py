@@ -20,6 +20,7 @@ from fretfe.verbosity import Verbosity
 
 TABLE, FIGURE = "sweep.csv", "sweep.png"
 NARROWEST = 100
+NO_PICTURE = "it takes one or two keys that vary, and a case that was solved"
 
 
 def sweep_case(
@@ -98,7 +99,7 @@ def _print(
     if quiet:
         return
     console.print(_cost(sweep, seconds), highlight=False)
-    files = f"{TABLE} and {FIGURE}" if drawn else f"{TABLE} (no picture: more than two keys vary)"
+    files = f"{TABLE} and {FIGURE}" if drawn else f"{TABLE} (no picture: {NO_PICTURE})"
     console.print(f"{files} in {directory}", highlight=False, soft_wrap=True)
 
 

@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Values of a case that are set from outside its file: ``loads.shear.amplitude=120``.
 
-A path is the keys joined by dots; items of lists are numbered from 1. A key of a segment may be
-given as if it were one of the load, where only one segment of its history has it.
+A path is the keys joined by dots; items of lists are numbered from 1, ``*`` stands for every key of
+a table or item of a list. A key of a segment may be given as if it were one of the load, where only
+one segment of its history has it.
 """
 
 from __future__ import annotations
 
 import copy
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from fretfe.case.base import TAG
 from fretfe.case.channels import LOADS
@@ -21,7 +22,7 @@ from fretfe.case.messages import complaint
 from fretfe.case.model import Case
 from fretfe.errors import CaseError
 
-T = TypeVar("T")
+EVERY = "*"
 # Tables that may be missing in a file: a value in them makes them.
 MADE = {(name,) for name in Case.model_fields} | {("geometry", "parameters")}
 
@@ -36,17 +37,18 @@ def parse_assignments(texts: Iterable[str], option: str = "--set") -> dict[str, 
     Raises:
         CaseError: a text is not of this form.
     """
-    return dict(split_assignment(text, option, parse_value) for text in texts)
+    pairs = (split_assignment(text, option) for text in texts)
+    return {path: parse_value(value) for path, value in pairs}
 
 
-def split_assignment(text: str, option: str, read: Callable[[str], T]) -> tuple[str, T]:
-    """Path and value of one assignment, the value as `read` makes it from its text."""
+def split_assignment(text: str, option: str) -> tuple[str, str]:
+    """Path, and text of the value, of one assignment."""
     path, equals, value = text.partition("=")
     if not (equals and path.strip() and all(path.strip().split("."))):
         raise CaseError(
             f"{option}: expected KEY=VALUE with a key like contacts.main.friction, found {text!r}"
         )
-    return path.strip(), read(value.strip())
+    return path.strip(), value.strip()
 
 
 def parse_value(text: str) -> Any:
@@ -76,7 +78,8 @@ def with_overrides(
     problems = []
     for path, value in overrides.items():
         try:
-            _set(changed, tuple(path.split(".")), value)
+            for keys in _each(changed, tuple(path.split("."))):
+                _set(changed, keys, copy.deepcopy(value))
         except _NoPlace as error:
             problems.append(complaint(source, tuple(path.split(".")), str(error)))
     if problems:
@@ -86,6 +89,21 @@ def with_overrides(
 
 class _NoPlace(Exception):
     """A path leads nowhere; says why."""
+
+
+def _each(data: Any, path: tuple[str, ...], depth: int = 0) -> Iterator[tuple[str, ...]]:
+    """The paths that a path with stars stands for; `data` is what its first parts lead to."""
+    if EVERY not in path:
+        yield path
+        return
+    if path[depth] != EVERY:
+        yield from _each(data[_index(data, path[depth], path[:depth])], path, depth + 1)
+        return
+    if not (isinstance(data, dict | list) and data):
+        raise _NoPlace(f"expected a table or a list for the {EVERY!r}, found {data!r}")
+    for key in data if isinstance(data, dict) else range(1, len(data) + 1):
+        whole = (*path[:depth], str(key), *path[depth + 1 :])
+        yield from _each(data[_index(data, str(key), path[:depth])], whole, depth + 1)
 
 
 def _set(data: dict[str, Any], path: tuple[str, ...], value: Any) -> None:

@@ -91,7 +91,9 @@ def _draw_lines(
         style: dict[str, Any] = {
             "color": COLOURS[number % len(COLOURS)],
             "marker": MARKERS[number % len(MARKERS)],
-            "markersize": 4 + 2 * (len(edges) - number - 1) / len(edges),
+            # Edges often agree: the first one is seen around those that cover it.
+            "markersize": 4 + 5 * (len(edges) - number - 1) / len(edges),
+            "markerfacecolor": "none",
             "linewidth": 1.2,
         }
         panels[0].plot(x, [each["k_t_range"] for each in own], label=" ".join(edge), **style)
@@ -108,7 +110,7 @@ def _draw_lines(
 def _finish_axis(panel: Axes, key: str, names: list[str], label: str) -> None:
     panel.set_xlabel(key)
     panel.set_ylabel(label)
-    panel.set_ylim(bottom=0)
+    panel.set_ylim(0, 1.05 * panel.get_ylim()[1])
     if names:
         panel.set_xticks(range(len(names)), names)
 

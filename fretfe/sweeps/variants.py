@@ -43,26 +43,26 @@ def parse_ranges(texts: Iterable[str]) -> dict[str, tuple[Any, ...]]:
     """
     ranges: dict[str, tuple[Any, ...]] = {}
     for text in texts:
-        key, values = split_assignment(text, OPTION, _values)
+        key, values = split_assignment(text, OPTION)
         if key in ranges:
             raise CaseError(f"{OPTION}: expected each key once, found {key!r} twice")
-        ranges[key] = values
+        ranges[key] = _values(key, values)
     return ranges
 
 
-def _values(text: str) -> tuple[Any, ...]:
+def _values(key: str, text: str) -> tuple[Any, ...]:
     if ":" in text and not re.search(r"""["'\[{]""", text):
-        return _spaced(text)
+        return _spaced(key, text)
     try:
         found = tuple(tomllib.loads(f"values = [{text}]")["values"])
     except tomllib.TOMLDecodeError:  # bare words
         found = tuple(parse_value(part.strip()) for part in text.split(","))
     if not found or "" in found:
-        raise CaseError(f"{OPTION}: expected values A,B,C or START:STOP:COUNT, found {text!r}")
+        raise CaseError(f"{OPTION} {key}: expected A,B,C or START:STOP:COUNT, found {text!r}")
     return found
 
 
-def _spaced(text: str) -> tuple[Any, ...]:
+def _spaced(key: str, text: str) -> tuple[Any, ...]:
     parts = text.split(":")
     try:
         start, stop, count = float(parts[0]), float(parts[1]), int(parts[2])
@@ -71,8 +71,8 @@ def _spaced(text: str) -> tuple[Any, ...]:
         valid = False
     if not valid:
         raise CaseError(
-            f"{OPTION}: expected START:STOP:COUNT with two numbers and a count of 2 or more, found "
-            f"{text!r}"
+            f"{OPTION} {key}: expected START:STOP:COUNT, two numbers and a count of 2 or more, "
+            f"found {text!r}"
         )
     if count > MOST_VARIANTS:
         raise CaseError(_too_many(count))
