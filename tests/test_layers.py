@@ -76,6 +76,7 @@ LAYERS = (
     "fretfe.command",
     "fretfe.validate_command",
     "fretfe.sweep_command",
+    "fretfe.api",
     "fretfe.fem.mesh_report",
     "fretfe.fem.command",
     "fretfe.cli",

@@ -79,7 +79,7 @@ def with_overrides(
     for path, value in overrides.items():
         try:
             for keys in _each(changed, tuple(path.split("."))):
-                _set(changed, keys, copy.deepcopy(value))
+                _set(changed, keys, plain_value(value))
         except _NoPlace as error:
             problems.append(complaint(source, tuple(path.split(".")), str(error)))
     if problems:
@@ -89,6 +89,11 @@ def with_overrides(
 
 class _NoPlace(Exception):
     """A path leads nowhere; says why."""
+
+
+def plain_value(value: Any) -> Any:
+    """A copy; numbers of NumPy as those of Python."""
+    return value.item() if hasattr(value, "item") else copy.deepcopy(value)
 
 
 def _each(data: Any, path: tuple[str, ...], depth: int = 0) -> Iterator[tuple[str, ...]]:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from fretfe.case import Case, changed
-from fretfe.case.overrides import parse_value, split_assignment
+from fretfe.case.overrides import parse_value, plain_value, split_assignment
 from fretfe.errors import CaseError
 from fretfe.loads import build_history
 
@@ -94,7 +94,7 @@ def make_variants(case: Case, ranges: Mapping[str, Sequence[Any]]) -> tuple[Vari
         CaseError: nothing varies, there are too many combinations, or one of them is not a valid
             case with a valid load history.
     """
-    values = {key: tuple(sequence) for key, sequence in ranges.items()}
+    values = {key: tuple(map(plain_value, sequence)) for key, sequence in ranges.items()}
     if not values or not all(values.values()):
         raise CaseError(f"{case.source}: a sweep needs a key that varies, and a value for each key")
     count = math.prod(len(each) for each in values.values())
