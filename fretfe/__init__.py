@@ -1,2 +1,23 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Fretting contacts: edge factors K_N and K_T and slip zones of two-body contacts."""
+"""Fretting contacts: edge factors K_N and K_T and slip zones of two-body contacts.
+
+``load_case``, ``run``, ``sweep`` and ``Result`` are those of `fretfe.api`, which is imported when
+one of them is used: importing the package alone is quick.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+API = ("Result", "load_case", "run", "sweep")
+
+
+def __getattr__(name: str) -> Any:
+    if name not in API:
+        raise AttributeError(f"module 'fretfe' has no attribute {name!r}")
+    return getattr(importlib.import_module("fretfe.api"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *API])

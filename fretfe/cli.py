@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command line: `fretfe run`, `validate`, `verify`, `backends`, `check` and others.
-
-Exit codes: 0 success, 1 unexpected error, 2 case file or usage, 3 geometry or mesh, 4 model,
-5 no convergence, 6 output, 7 missing dependency.
-"""
+"""The command line: `fretfe run`, `validate`, `verify`, `backends`, `check` and others."""
 
 from __future__ import annotations
 
@@ -17,15 +13,59 @@ import typer
 
 from fretfe.environment import rank_from_environment
 from fretfe.errors import FretfeError
+from fretfe.verbosity import Verbosity
 
+
+def _examples(*lines: str) -> str:
+    """Text below the help of a command; the first character keeps the lines as they are."""
+    return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)
+
+
+HELP = """Fretting contacts by finite elements: edge factors and slip zones of two-body contacts.
+
+\b
+  fretfe check pad.toml           what would be solved
+  fretfe run pad.toml -o pad      solve it
+  fretfe COMMAND --help           options and examples
+"""
+EXIT_CODES = """\b
+Exit codes:
+  0  success
+  1  unexpected error (a bug), or a comparison of validate or verify that fails
+  2  the case file or the command line is wrong
+  3  geometry, mesh or physical groups
+  4  the model: a body that nothing holds, surfaces that never meet
+  5  a load step has no solution; the steps before it are written
+  6  results cannot be written
+  7  a library is missing
+"""
 app = typer.Typer(
-    help="Fretting contacts by finite elements: edge factors and slip zones of two-body contacts.",
+    help=HELP,
+    epilog=EXIT_CODES,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
 
-CaseFile = Annotated[Path, typer.Argument(help="Case file (TOML).", show_default=False)]
+CaseFile = Annotated[
+    Path, typer.Argument(metavar="CASE", help="Case file (TOML).", show_default=False)
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Value in place of that of the case file; can be given several times.",
+        show_default=False,
+    ),
+]
+Backend = Annotated[
+    str, typer.Option(help="analytic, halfplane, fem, or one of `fretfe backends`.")
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
+Verbose = Annotated[
+    bool, typer.Option("--verbose", "-v", help="Print every step, on terminals too, and timings.")
+]
 TrustGeo = Annotated[
     bool,
     typer.Option(
@@ -34,62 +74,149 @@ TrustGeo = Annotated[
 ]
 
 
-@app.command()
+@app.command(
+    epilog=_examples(
+        "fretfe run pad.toml -o pad",
+        "fretfe run pad.toml -o pad70 --set loads.shear.amplitude=70",
+        "fretfe run pad.toml -o half --backend halfplane",
+        "mpirun -n 4 fretfe run pad.toml -o pad",
+    )
+)
 def run(
     case: CaseFile,
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder for the results; made if missing.")
     ],
-    backend: Annotated[
-        str, typer.Option(help="analytic, halfplane, fem, or one of `fretfe backends`.")
-    ] = "fem",
-    timings: Annotated[bool, typer.Option(help="Print the wall time of each phase.")] = False,
+    backend: Backend = "fem",
+    overrides: Overrides = None,
+    timings: Annotated[
+        bool, typer.Option("--timings", help="Print the wall time of each phase.")
+    ] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
     trust_geo: TrustGeo = False,
 ) -> None:
-    """Solve a case and write its results.
-
-    Under MPI: mpirun -n 4 fretfe run CASE -o DIR
-    """
+    """Solve a case and write its results."""
     from fretfe.command import run_case
 
-    run_case(case, output, backend, timings=timings, trust_geo=trust_geo)
+    run_case(
+        case,
+        output,
+        backend,
+        overrides or (),
+        _verbosity(quiet, verbose),
+        timings=timings,
+        trust_geo=trust_geo,
+    )
 
 
-@app.command()
+@app.command(
+    epilog=_examples(
+        "fretfe sweep pad.toml -o mu --vary contacts.main.friction=0.3:0.8:11",
+        "fretfe sweep pad.toml -o map --vary contacts.main.friction=0.4,0.6,0.8 \\",
+        "    --vary loads.shear.amplitude=20:80:4",
+    )
+)
+def sweep(
+    case: CaseFile,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            metavar="KEY=VALUES",
+            help="START:STOP:COUNT or A,B,C; several times for all combinations.",
+            show_default=False,
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for table and picture; made if missing.")
+    ],
+    backend: Backend = "fem",
+    overrides: Overrides = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    trust_geo: TrustGeo = False,
+) -> None:
+    """Solve a case with many values of some keys: a table, a picture.
+
+    Friction and load histories need no new factorisation: they are cheap to vary.
+    """
+    from fretfe.sweep_command import sweep_case
+
+    sweep_case(
+        case,
+        vary,
+        output,
+        backend,
+        overrides or (),
+        _verbosity(quiet, verbose),
+        trust_geo=trust_geo,
+    )
+
+
+@app.command(
+    epilog=_examples(
+        "fretfe backends",
+        "fretfe backends pad.toml",
+    )
+)
 def backends(
     case: Annotated[
-        Path | None, typer.Argument(help="Case file: say which backends can solve it.")
+        Path | None,
+        typer.Argument(metavar="CASE", help="Say which backends can solve this one."),
     ] = None,
 ) -> None:
-    """List the installed backends, and why one of them cannot be used."""
+    """List the installed backends, and why one cannot be used."""
     from fretfe.command import show_backends
 
     show_backends(case)
 
 
-@app.command()
+@app.command(
+    epilog=_examples(
+        "fretfe validate pad.toml",
+        "fretfe validate pad.toml -o pad --json",
+    )
+)
 def validate(
     case: CaseFile,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Folder for the results.")
     ] = None,
-    backend: Annotated[str, typer.Option(help="As for `fretfe run`.")] = "fem",
+    backend: Backend = "fem",
+    overrides: Overrides = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print one JSON document in place of the table.")
     ] = False,
     trust_geo: TrustGeo = False,
 ) -> None:
-    """Run a case and its companions: does the edge description hold for this geometry?
+    """Run a case and its companions: can its numbers be trusted?
 
     Exit code 1 if a comparison fails.
     """
     from fretfe.validate_command import validate_case
 
-    if not validate_case(case, output, backend, as_json=as_json, trust_geo=trust_geo):
+    verbosity = _verbosity(quiet, verbose)
+    passed = validate_case(
+        case,
+        output,
+        backend,
+        overrides or (),
+        verbosity,
+        as_json=as_json,
+        trust_geo=trust_geo,
+    )
+    if not passed:
         raise typer.Exit(1)
 
 
-@app.command()
+@app.command(
+    epilog=_examples(
+        "fretfe verify",
+        "fretfe verify --backend halfplane --backend analytic",
+    )
+)
 def verify(
     backend: Annotated[
         list[str] | None, typer.Option(help="Only this backend; can be given several times.")
@@ -98,34 +225,55 @@ def verify(
         bool, typer.Option("--json", help="Print one JSON document in place of tables.")
     ] = False,
 ) -> None:
-    """Run benchmarks with known answers; exit code 1 if one of them fails."""
+    """Run benchmarks with known answers.
+
+    Exit code 1 if one of them fails.
+    """
     from fretfe.command import verify_backends
 
     if not verify_backends(backend or (), as_json=as_json):
         raise typer.Exit(1)
 
 
-@app.command()
-def check(case: CaseFile, trust_geo: TrustGeo = False) -> None:
-    """Validate a case and its mesh and list what would be solved, without solving it."""
+@app.command(
+    epilog=_examples(
+        "fretfe check pad.toml",
+        "fretfe check pad.toml --set geometry.parameters.size=0.02",
+    )
+)
+def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = False) -> None:
+    """Check a case and its mesh, and list what would be solved."""
     from fretfe.fem.command import check_case
 
-    check_case(case, trust_geo=trust_geo)
+    check_case(case, overrides or (), trust_geo=trust_geo)
 
 
-@app.command()
+@app.command(
+    epilog=_examples(
+        "fretfe mesh pad.toml -o pad.msh",
+    )
+)
 def mesh(
     case: CaseFile,
     output: Annotated[Path, typer.Option("--output", "-o", help="Mesh file to write (.msh).")],
+    overrides: Overrides = None,
     trust_geo: TrustGeo = False,
 ) -> None:
-    """Make the mesh of a case and write it in Gmsh's format, with its named groups."""
+    """Make the mesh of a case and write it for Gmsh.
+
+    With its named groups, and a picture beside it.
+    """
     from fretfe.fem.command import write_mesh_file
 
-    write_mesh_file(case, output, trust_geo=trust_geo)
+    write_mesh_file(case, output, overrides or (), trust_geo=trust_geo)
 
 
-@app.command()
+@app.command(
+    epilog=_examples(
+        "fretfe templates",
+        "fretfe templates dovetail",
+    )
+)
 def templates(
     name: Annotated[str | None, typer.Argument(help="Template: list its parameters.")] = None,
 ) -> None:
@@ -135,7 +283,12 @@ def templates(
     show_templates(name)
 
 
-@app.command()
+@app.command(
+    epilog=_examples(
+        "fretfe edges tractions.csv --friction 0.6",
+        "fretfe edges tractions.csv --x arc --p pressure --q shear --json",
+    )
+)
 def edges(
     table: Annotated[Path, typer.Argument(help="CSV file with a header.", show_default=False)],
     friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None,
@@ -147,7 +300,7 @@ def edges(
         bool, typer.Option("--json", help="Print one JSON document in place of tables.")
     ] = False,
 ) -> None:
-    """Find edge positions, K_N and slip zones in tractions that any program computed."""
+    """Find edges, K_N and slip zones in tractions of any program."""
     from fretfe.edges_command import Columns, analyse_file
 
     analyse_file(table, Columns(x, p, q, slip), friction, as_json=as_json)
@@ -161,12 +314,24 @@ def info() -> None:
     show_info()
 
 
-@app.command()
+@app.command(
+    epilog=_examples(
+        "fretfe schema > case.schema.json",
+    )
+)
 def schema() -> None:
     """Print the JSON schema of case files."""
     from fretfe.case import case_schema
 
     typer.echo(json.dumps(case_schema(), indent=2))
+
+
+def _verbosity(quiet: bool, verbose: bool) -> Verbosity:
+    if quiet and verbose:
+        raise typer.BadParameter("expected --quiet or --verbose, found both")
+    if quiet:
+        return Verbosity.QUIET
+    return Verbosity.VERBOSE if verbose else Verbosity.NORMAL
 
 
 def main() -> None:

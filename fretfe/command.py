@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -31,9 +30,9 @@ from fretfe.backends import (
     find_backend,
     installed_backends,
 )
-from fretfe.case import Case, load_case
+from fretfe.case import Case, as_written, case_text, load_case, parse_assignments
 from fretfe.environment import rank_from_environment
-from fretfe.errors import CaseError, ModelError
+from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.report.figures import write_tractions
 from fretfe.report.tables import (
     backend_table,
@@ -45,6 +44,7 @@ from fretfe.report.tables import (
 )
 from fretfe.results import prepare_directory, write_results
 from fretfe.solution import Solution
+from fretfe.verbosity import Verbosity
 from fretfe.verify.benchmarks import benchmarks
 from fretfe.verify.controls import controls
 from fretfe.verify.model import Row, failed
@@ -68,23 +68,42 @@ class OneProcess:
         return work()
 
 
-def run_case(path: Path, directory: Path, name: str, *, timings: bool, trust_geo: bool) -> None:
-    """Solve a case, write everything, print the edges. Collective if the backend is parallel."""
+def run_case(
+    path: Path,
+    directory: Path,
+    name: str,
+    overrides: Sequence[str] = (),
+    verbosity: Verbosity = Verbosity.NORMAL,
+    *,
+    timings: bool = False,
+    trust_geo: bool = False,
+) -> None:
+    """Solve a case, write everything, print the edges. Collective if the backend is parallel.
+
+    Args:
+        path: of the case file.
+        directory: for the results.
+        name: of the backend.
+        overrides: values in place of those of the file, like ``loads.shear.amplitude=120``.
+        verbosity: how much is printed.
+        timings: whether the wall time of each phase is, too; it always is if verbose.
+        trust_geo: whether a .geo file of the case may run.
+    """
     start = time.perf_counter()
     backend = find_backend(name)
     processes = processes_of(backend)
     if isinstance(processes, OneProcess) and processes.rank > 0:
         return
-    case = processes.on_root(lambda: load_case(path, trust_geo=trust_geo))
+    case = processes.on_root(lambda: read_case(path, overrides, trust_geo=trust_geo))
     assert case is not None
     processes.on_root(lambda: require_supported(backend, name, case))
     fields = None if case.output.fields == "none" else directory / FIELDS
-    processes.on_root(lambda: _prepare(directory, path))
-    with StepReport(processes.rank) as report:
+    processes.on_root(lambda: prepare(directory, case))
+    with StepReport(processes.rank, verbosity) as report:
         result = backend.solve(
             case, RunOptions(fields=fields, progress=report.step, announce=report.announce)
         )
-    processes.on_root(lambda: _finish(case, name, result, directory, start, timings))
+    processes.on_root(lambda: _finish(case, name, result, directory, start, verbosity, timings))
     if result.failure is not None:
         raise result.failure
 
@@ -108,32 +127,63 @@ def require_supported(backend: Backend, name: str, case: Case) -> None:
         )
 
 
-def _prepare(directory: Path, case_file: Path) -> None:
+def read_case(path: Path, overrides: Sequence[str], *, trust_geo: bool = False) -> Case:
+    """Read a case file, with values like ``loads.shear.amplitude=120`` in place of its own."""
+    return load_case(path, parse_assignments(overrides), trust_geo=trust_geo)
+
+
+def prepare(directory: Path, case: Case) -> None:
+    """Make the folder for results and write the case as it is run, so that it can be run again.
+
+    Raises:
+        OutputError: if that is not possible, or another case would be written over the case file.
+    """
     prepare_directory(directory)
     target = directory / CASE_COPY
-    if target.resolve() != case_file.resolve():
-        shutil.copyfile(case_file, target)
+    if target.resolve() != case.source.resolve():
+        target.write_text(case_text(case), encoding="utf-8")
+    elif not as_written(case):
+        raise OutputError(
+            f"{directory}: expected another folder than that of the case file, found {target}, "
+            "which the case with other values would replace"
+        )
 
 
-def _finish(
-    case: Case, backend: str, result: EdgeHistories, directory: Path, start: float, timings: bool
-) -> None:
-    """Write and print; on rank 0."""
-    begin = time.perf_counter()
+def write_all(case: Case, backend: str, result: EdgeHistories, directory: Path) -> None:
+    """Write everything that belongs to a result; on rank 0."""
     write_results(directory, case, backend, result)
     # A figure of an earlier run would not belong to these results.
     (directory / FIGURE).unlink(missing_ok=True)
     if result.solution is not None:
         write_tractions(directory / FIGURE, case, result.solution, result.contacts)
+
+
+def _finish(
+    case: Case,
+    backend: str,
+    result: EdgeHistories,
+    directory: Path,
+    start: float,
+    verbosity: Verbosity,
+    timings: bool,
+) -> None:
+    """Write and print; on rank 0."""
+    begin = time.perf_counter()
+    write_all(case, backend, result, directory)
     writing = time.perf_counter() - begin
+    if verbosity is Verbosity.QUIET:
+        _print_warnings(Console(stderr=True), result)
+        return
     console = Console()
     console.print(contact_table(case, result.history.cycle, result.contacts))
     console.print(edge_table(case, result.contacts))
     if result.refinement is not None:
         console.print(mesh_table(result.refinement))
         console.print(limit_table(result.refinement))
-    _print_remarks(console, result)
-    if timings:
+    for note in result.notes:
+        console.print(f"Note: {note}", highlight=False, markup=False)
+    _print_warnings(console, result)
+    if timings or verbosity is Verbosity.VERBOSE:
         console.print(timing_table({**result.seconds, "writing": writing}))
     steps = _step_text(result.solution)
     text = f"{len(result.history.times) - 1} steps{steps}, {time.perf_counter() - start:.1f} s"
@@ -150,27 +200,34 @@ def _step_text(solution: Solution | None) -> str:
     )
 
 
-def _print_remarks(console: Console, result: EdgeHistories) -> None:
+def _print_warnings(console: Console, result: EdgeHistories) -> None:
     refinement = result.refinement
     if refinement is not None and not refinement.converged:
         text = f"Warning: the mesh is not fine enough for edges.tolerance: {refinement.reason}"
         console.print(text, highlight=False, markup=False)
-    for note in result.notes:
-        console.print(f"Note: {note}", highlight=False, markup=False)
     for contact in result.contacts:
         for warning in contact.warnings:
             console.print(f"Warning: {contact.name}: {warning}", highlight=False, markup=False)
 
 
 class StepReport:
-    """Progress on rank 0: a bar on a terminal, otherwise a line per step, or nothing if quiet."""
+    """Progress on rank 0: a bar on a terminal, elsewhere a line per step; nothing if quiet.
 
-    def __init__(self, rank: int, *, quiet: bool = False) -> None:
-        self._quiet = quiet
+    Args:
+        rank: of this process.
+        verbosity: lines on a terminal too if verbose.
+        steps: whether there are lines for steps if it is not verbose.
+    """
+
+    def __init__(
+        self, rank: int, verbosity: Verbosity = Verbosity.NORMAL, *, steps: bool = True
+    ) -> None:
+        self._quiet = verbosity is Verbosity.QUIET
+        self._lines = verbosity is Verbosity.VERBOSE or (steps and not self._quiet)
         console = Console(stderr=True)
         self._bar: Progress | None = None
         self._task: TaskID | None = None
-        if console.is_terminal and rank == 0:
+        if console.is_terminal and rank == 0 and verbosity is Verbosity.NORMAL:
             columns = (
                 TextColumn("steps"),
                 BarColumn(),
@@ -196,7 +253,7 @@ class StepReport:
         if self._bar is not None and self._task is not None:
             self._bar.update(self._task, completed=number, total=count)
             return
-        if not self._quiet:
+        if self._lines:
             print(f"step {number}/{count}: {text}", flush=True)
 
     def announce(self, text: str) -> None:

@@ -4,23 +4,37 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
 
 from fretfe.backends import RunOptions, find_backend
-from fretfe.case import load_case
-from fretfe.command import OneProcess, StepReport, processes_of, require_supported
+from fretfe.command import (
+    OneProcess,
+    StepReport,
+    processes_of,
+    read_case,
+    require_supported,
+)
 from fretfe.results import prepare_directory, write_results
 from fretfe.validate import Validation, validate
 from fretfe.validate.report import as_numbers, print_validation
+from fretfe.verbosity import Verbosity
 
 ROWS = "validation.json"
 NARROWEST = 100
 
 
 def validate_case(
-    path: Path, directory: Path | None, name: str, *, as_json: bool, trust_geo: bool
+    path: Path,
+    directory: Path | None,
+    name: str,
+    overrides: Sequence[str] = (),
+    verbosity: Verbosity = Verbosity.NORMAL,
+    *,
+    as_json: bool,
+    trust_geo: bool = False,
 ) -> bool:
     """Validate a case, print the rows, and say whether all is well. Collective like the backend.
 
@@ -28,6 +42,9 @@ def validate_case(
         path: of the case file.
         directory: for results and rows; None writes nothing.
         name: of the backend.
+        overrides: values in place of those of the file, like ``loads.shear.amplitude=120``.
+        verbosity: if quiet, nothing is printed unless a comparison fails; if verbose, every step
+            of every run too.
         as_json: print one JSON document in place of the table.
         trust_geo: whether a .geo file of the case may run.
     """
@@ -35,13 +52,14 @@ def validate_case(
     processes = processes_of(backend)
     if isinstance(processes, OneProcess) and processes.rank > 0:
         return True
-    case = processes.on_root(lambda: load_case(path, trust_geo=trust_geo))
+    case = processes.on_root(lambda: read_case(path, overrides, trust_geo=trust_geo))
     assert case is not None
     processes.on_root(lambda: require_supported(backend, name, case))
     if directory is not None:
         processes.on_root(lambda: prepare_directory(directory))
-    shown = Console(stderr=True, quiet=processes.rank > 0)
-    with StepReport(processes.rank, quiet=True) as report:
+    quiet = processes.rank > 0 or verbosity is Verbosity.QUIET
+    shown = Console(stderr=True, quiet=quiet)
+    with StepReport(processes.rank, verbosity, steps=False) as report:
         validation = validate(
             case,
             backend,
@@ -53,7 +71,8 @@ def validate_case(
             write_results(directory, case, name, validation.result)
             text = json.dumps(as_numbers(validation), indent=1, allow_nan=False)
             (directory / ROWS).write_text(text + "\n", encoding="utf-8")
-        _print(validation, as_json)
+        if as_json or not (verbosity is Verbosity.QUIET and validation.passed):
+            _print(validation, as_json)
     return validation.passed
 
 

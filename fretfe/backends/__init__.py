@@ -11,6 +11,8 @@ from fretfe.backends.protocol import (
     Processes,
     Progress,
     RunOptions,
+    Session,
+    SharingBackend,
 )
 from fretfe.backends.registry import (
     Installed,
@@ -28,6 +30,8 @@ __all__ = [
     "Processes",
     "Progress",
     "RunOptions",
+    "Session",
+    "SharingBackend",
     "backend_names",
     "find_backend",
     "installed_backends",

@@ -151,3 +151,24 @@ class ParallelBackend(Backend, Protocol):
     @property
     def processes(self) -> Processes:
         """All processes, each of which has to call `solve`."""
+
+
+class Session(Protocol):
+    """Cases that are solved one after the other and share what can be shared."""
+
+    def group(self, case: Case) -> str:
+        """Equal for cases that share the most; they are best solved in a row."""
+
+    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> EdgeHistories:
+        """As `Backend.solve`."""
+
+    def close(self) -> None:
+        """Give back what is kept."""
+
+
+@runtime_checkable
+class SharingBackend(Backend, Protocol):
+    """A backend that needs less than the sum of their times for several cases."""
+
+    def session(self) -> Session:
+        """A session that has nothing yet."""

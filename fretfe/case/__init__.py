@@ -9,7 +9,8 @@ from fretfe.case.dimension import check_dimension
 from fretfe.case.histories import CsvPoints, Hold, Points, Ramp, Segment, Wave
 from fretfe.case.messages import complaint
 from fretfe.case.model import Case, case_schema
-from fretfe.case.reading import load_case, parse_case
+from fretfe.case.overrides import parse_assignments
+from fretfe.case.reading import changed, load_case, parse_case
 from fretfe.case.selectors import BoundarySelector, Selector, file_kind
 from fretfe.case.tables import (
     Body,
@@ -26,6 +27,7 @@ from fretfe.case.tables import (
     contact_modulus,
     plane_modulus,
 )
+from fretfe.case.writing import as_written, case_text
 
 __all__ = [
     "Body",
@@ -53,12 +55,16 @@ __all__ = [
     "TractionLoad",
     "Units",
     "Wave",
+    "as_written",
     "case_schema",
+    "case_text",
+    "changed",
     "check_dimension",
     "complaint",
     "contact_modulus",
     "file_kind",
     "load_case",
+    "parse_assignments",
     "parse_case",
     "plane_modulus",
     "unit_vector",

@@ -93,7 +93,7 @@ KINDS: dict[str, type[Table]] = {
 }
 
 
-def _kind(segment: Any) -> str | None:
+def segment_kind(segment: Any) -> str | None:
     """Tag of a raw segment: the key that only this kind of segment has."""
     if isinstance(segment, Table):
         return next(f"{TAG}{key}" for key, kind in KINDS.items() if isinstance(segment, kind))
@@ -108,5 +108,5 @@ Segment = Annotated[
     | Annotated[Wave, Tag(f"{TAG}wave")]
     | Annotated[Points, Tag(f"{TAG}times")]
     | Annotated[CsvPoints, Tag(f"{TAG}csv")],
-    Discriminator(_kind),
+    Discriminator(segment_kind),
 ]

@@ -16,15 +16,22 @@ from fretfe.case.channels import AnyLoad, Load
 from fretfe.case.checks import Problem, cross_problems
 from fretfe.case.messages import complaint, field_problems
 from fretfe.case.model import Case
+from fretfe.case.overrides import with_overrides
 from fretfe.case.tables import Body, Contact, Support
 from fretfe.errors import CaseError
 
 
-def load_case(path: Path | str, *, trust_geo: bool = False) -> Case:
+def load_case(
+    path: Path | str,
+    overrides: Mapping[str, Any] | None = None,
+    *,
+    trust_geo: bool = False,
+) -> Case:
     """Read and validate a case file.
 
     Args:
         path: the TOML file.
+        overrides: values in place of those of the file, by paths like ``contacts.main.friction``.
         trust_geo: whether a .geo file that the case names may run. Such a script can do whatever
             the user can.
 
@@ -38,7 +45,23 @@ def load_case(path: Path | str, *, trust_geo: bool = False) -> Case:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise CaseError(f"{source}: {_syntax_problem(str(error), text)}") from None
-    return parse_case(data, source, trust_geo=trust_geo)
+    return parse_case(with_overrides(data, overrides or {}, source), source, trust_geo=trust_geo)
+
+
+def changed(case: Case, overrides: Mapping[str, Any]) -> Case:
+    """A case with other values.
+
+    Args:
+        case: the case; not changed.
+        overrides: as in ``load_case``.
+
+    Raises:
+        CaseError: as ``load_case``.
+    """
+    data = case.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+    return parse_case(
+        with_overrides(data, overrides, case.source), case.source, trust_geo=case.trust_geo
+    )
 
 
 def parse_case(

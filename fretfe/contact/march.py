@@ -53,11 +53,16 @@ class StepResult:
 
 
 class March:
-    """Advances the contact state step by step; history is committed when a step is accepted."""
+    """Advances the contact state step by step; history is committed when a step is accepted.
 
-    def __init__(self, interface: Interface) -> None:
+    Args:
+        interface: the interface problem.
+        memory: as for `Newton`.
+    """
+
+    def __init__(self, interface: Interface, memory: int = 0) -> None:
         self.interface = interface
-        self.newton = Newton(interface)
+        self.newton = Newton(interface, memory)
 
     def run(self, steps: list[StepLoads]) -> Iterator[StepResult]:
         """Solve steps one after the other.

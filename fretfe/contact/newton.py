@@ -94,11 +94,18 @@ class _Solution:
 
 
 class Newton:
-    """Solver of load steps; keeps the stuck operator from one step to the next."""
+    """Solver of load steps; keeps the stuck operator from one step to the next.
 
-    def __init__(self, interface: Interface) -> None:
+    Args:
+        interface: the interface problem.
+        memory: bytes for stuck operators of other contact areas, which the next history that is
+            solved meets again.
+    """
+
+    def __init__(self, interface: Interface, memory: int = 0) -> None:
         self.interface = interface
-        self._operator: StuckOperator | None = None
+        self._memory = memory
+        self._operators: list[StuckOperator] = []  # the one used last stands last
         n, d = interface.size, interface.components
         self._penalty = 1 / np.diagonal(interface.compliance).reshape(n, d)[:, 1:].mean(axis=1)
 
@@ -141,14 +148,19 @@ class Newton:
         """The stuck operator on the closed nodes and those most likely to close next."""
         nodes = np.flatnonzero(closed)
         margin = int(SMALLEST_MARGIN + MARGIN * len(nodes))
-        current = self._operator
-        if current is not None and len(current.nodes) - len(nodes) <= 2 * margin:
-            if np.isin(nodes, current.nodes).all():
-                return current
-        spare = np.flatnonzero(~closed)
-        nearest = spare[np.argsort(gap[spare], kind="stable")[:margin]]
-        self._operator = StuckOperator(self.interface, np.sort(np.concatenate([nodes, nearest])))
-        return self._operator
+        for operator in reversed(self._operators):
+            spare = len(operator.nodes) - len(nodes)
+            if 0 <= spare <= 2 * margin and np.isin(nodes, operator.nodes).all():
+                self._operators.remove(operator)
+                self._operators.append(operator)
+                return operator
+        others = np.flatnonzero(~closed)
+        nearest = others[np.argsort(gap[others], kind="stable")[:margin]]
+        operator = StuckOperator(self.interface, np.sort(np.concatenate([nodes, nearest])))
+        self._operators.append(operator)
+        while sum(kept.bytes for kept in self._operators[:-1]) > self._memory:
+            self._operators.pop(0)
+        return operator
 
     def _linear_solution(
         self, loads: StepLoads, reference: Array, guess: Guess, iteration: int

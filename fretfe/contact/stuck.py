@@ -54,3 +54,8 @@ class StuckOperator:
         self.inverse *= units[:, None]
         #: (N*d, n + m) effect of the operator's unknowns on w at every node.
         self.effect = np.hstack([interface.compliance[:, self.rows], interface.motion])
+
+    @property
+    def bytes(self) -> int:
+        """Memory that the operator takes."""
+        return int(self.inverse.nbytes + self.effect.nbytes)

@@ -6,15 +6,18 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from pathlib import Path
 from typing import TypeVar
 
-from fretfe.backends import EdgeHistories, Processes, RunOptions
+from fretfe.backends import EdgeHistories, Processes, RunOptions, Session
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case
 from fretfe.contact.march import StepResult
 from fretfe.evaluate import evaluate
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
+from fretfe.fem.kept import KeptModel, model_key
 from fretfe.fem.parallel import on_root
 from fretfe.fem.refine import Evaluated, refine
 from fretfe.fem.run import Outcome, Progress, solve
@@ -26,6 +29,7 @@ NO_SOLIDS = (
     "geometry.solid: expected a plane case, found a solid: contact in three dimensions is not "
     "solved yet; `fretfe mesh` writes the mesh",
 )
+SolveCase = Callable[[Case, History, Path | None, Progress], Outcome]
 
 
 class MpiProcesses:
@@ -61,35 +65,61 @@ class FemBackend:
         Raises:
             FretfeError: for whatever keeps the history from being started, on all ranks.
         """
+        return _solve(case, options, partial(solve, MPI.COMM_WORLD))
 
-        def report(number: int, count: int, result: StepResult) -> None:
-            options.progress(number, count, result.summary)
-
-        comm = MPI.COMM_WORLD
-        history = on_root(comm, lambda: options.history or build_history(case))
-        assert history is not None
-        solved = _solve(comm, case, history, options, report)
-        outcome = solved.outcome
-        return EdgeHistories(
-            history=_solved_history(comm, outcome),
-            contacts=solved.contacts,
-            failure=outcome.failure,
-            solution=outcome.solution,
-            bodies=outcome.mesh.bodies if outcome.mesh else {},
-            versions=_compat.versions(),
-            seconds=outcome.seconds,
-            ranks=comm.size,
-            refinement=solved.refinement,
-        )
+    def session(self) -> Session:
+        """Solves cases one after the other, with one model as long as it fits."""
+        return FemSession()
 
 
-def _solve(
-    comm: MPI.Comm, case: Case, history: History, options: RunOptions, progress: Progress
-) -> Evaluated:
-    """Solve and evaluate a case on the mesh it asks for. Collective."""
+class FemSession:
+    """Cases that share a model: it is built once for those that follow each other."""
+
+    def __init__(self) -> None:
+        self._kept = KeptModel(MPI.COMM_WORLD)
+
+    def group(self, case: Case) -> str:
+        """Equal for cases that share a model."""
+        return model_key(case)
+
+    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> EdgeHistories:
+        """As `FemBackend.solve`. Collective."""
+        return _solve(case, options, self._kept.solve)
+
+    def close(self) -> None:
+        """Give the model back. Collective."""
+        self._kept.drop()
+
+
+def _solve(case: Case, options: RunOptions, solve_case: SolveCase) -> EdgeHistories:
+    """Solve and evaluate a case, on one mesh by `solve_case`. Collective."""
+
+    def report(number: int, count: int, result: StepResult) -> None:
+        options.progress(number, count, result.summary)
+
+    comm = MPI.COMM_WORLD
+    history = on_root(comm, lambda: options.history or build_history(case))
+    assert history is not None
     if case.edges is not None:
-        return refine(comm, case, history, options.fields, progress, options.announce)
-    outcome = solve(comm, case, history, options.fields, progress)
+        solved = refine(comm, case, history, options.fields, report, options.announce)
+    else:
+        solved = _evaluated(comm, solve_case(case, history, options.fields, report))
+    outcome = solved.outcome
+    return EdgeHistories(
+        history=_solved_history(comm, outcome),
+        contacts=solved.contacts,
+        failure=outcome.failure,
+        solution=outcome.solution,
+        bodies=outcome.mesh.bodies if outcome.mesh else {},
+        versions=_compat.versions(),
+        seconds=outcome.seconds,
+        ranks=comm.size,
+        refinement=solved.refinement,
+    )
+
+
+def _evaluated(comm: MPI.Comm, outcome: Outcome) -> Evaluated:
+    """Evaluate a solved case. Collective."""
     start = time.perf_counter()
     contacts = on_root(comm, lambda: evaluate(_solution(outcome)))
     assert contacts is not None

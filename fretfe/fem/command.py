@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
 
-from fretfe.case import Case, load_case
-from fretfe.command import require_supported
+from fretfe.case import Case
+from fretfe.command import read_case, require_supported
 from fretfe.environment import blas_libraries, reference_blas_only, versions
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
@@ -29,15 +30,15 @@ from fretfe.results import prepare_directory
 COMM = MPI.COMM_WORLD
 
 
-def _load(path: Path, trust_geo: bool) -> Case:
-    case = on_root(COMM, lambda: load_case(path, trust_geo=trust_geo))
+def _load(path: Path, overrides: Sequence[str], trust_geo: bool) -> Case:
+    case = on_root(COMM, lambda: read_case(path, overrides, trust_geo=trust_geo))
     assert case is not None
     return case
 
 
-def check_case(path: Path, *, trust_geo: bool) -> None:
+def check_case(path: Path, overrides: Sequence[str] = (), *, trust_geo: bool = False) -> None:
     """Print what a case would solve."""
-    case = _load(path, trust_geo)
+    case = _load(path, overrides, trust_geo)
     require_supported(BACKEND, "fem", case)
     history = on_root(COMM, lambda: build_history(case))
     assert history is not None
@@ -73,9 +74,11 @@ def _print_check(case: Case, history: History, mesh: Mesh) -> None:
     console.print("The case is valid.")
 
 
-def write_mesh_file(path: Path, target: Path, *, trust_geo: bool) -> None:
+def write_mesh_file(
+    path: Path, target: Path, overrides: Sequence[str] = (), *, trust_geo: bool = False
+) -> None:
     """Write the mesh of a case."""
-    case = _load(path, trust_geo)
+    case = _load(path, overrides, trust_geo)
     on_root(COMM, lambda: _write_mesh(case, target))
 
 

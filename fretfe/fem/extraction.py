@@ -265,16 +265,11 @@ def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
     # Areas that differ by a node or two have the same factors but for that difference.
     count = AREAS if np.ptp(sizes) > SAME_AREA * sizes.max() else 1
     chosen = order[np.unique(np.linspace(0, len(order) - 1, count).round().astype(int))]
-    positions = np.array([_edges(contact, int(state)) for state in states[firsts[chosen]]])
-    last = _edges(contact, int(states[-1]))
-    if not (np.isfinite(positions).all() and np.isfinite(last).all()):
+    pressure = contact.traction[[*states[firsts[chosen]], states[-1]], :, 0]
+    edges = np.stack([fit_edge(contact.arc, pressure, side).position for side in SIDES], axis=1)
+    if not np.isfinite(edges).all():
         return None
-    return _Areas(numbers[chosen], positions, last, _reaches(contact, last))
-
-
-def _edges(contact: ContactHistory, state: int) -> Array:
-    pressure = contact.traction[state, :, 0]
-    return np.array([float(fit_edge(contact.arc, pressure, side).position) for side in SIDES])
+    return _Areas(numbers[chosen], edges[:-1], edges[-1], _reaches(contact, edges[-1]))
 
 
 def _reaches(contact: ContactHistory, edges: Array) -> Array:

@@ -46,6 +46,49 @@ class Outcome:
     seconds: dict[str, float]
 
 
+@dataclass(frozen=True)
+class Prepared:
+    """A mesh, its model, and what marches through load histories on it.
+
+    Attributes:
+        mesh: on rank 0, None elsewhere.
+        model: the condensed bodies.
+        march: on rank 0, None elsewhere.
+    """
+
+    mesh: Mesh | None
+    model: Model
+    march: March | None
+
+    @property
+    def meshes(self) -> list[Any]:
+        """DOLFINx's meshes of the bodies."""
+        return [body.elastic.mesh for body in self.model.bodies.values()]
+
+
+def prepare(
+    comm: MPI.Comm, case: Case, clock: Clock, load: LoadMesh | None = None, memory: int = 0
+) -> Prepared:
+    """Mesh and model of a case. Collective.
+
+    Args:
+        comm: communicator.
+        case: validated case, the same on all ranks.
+        clock: for timings.
+        load: gives the mesh, called on rank 0; None for `load_mesh`.
+        memory: bytes for operators that other histories need again.
+
+    Raises:
+        FretfeError: if there is no mesh or no model for the case.
+    """
+    with clock("mesh"):
+        mesh = on_root(comm, load or partial(load_mesh, case), share=False)
+    model = Model(comm, case, mesh, clock)
+    reduction = model.reduction
+    march = March(reduction.interface, memory) if reduction is not None else None
+    return Prepared(mesh, model, march)
+
+
 def solve(
     comm: MPI.Comm,
     case: Case,
@@ -68,8 +111,7 @@ def solve(
         FretfeError: for whatever keeps the history from being started; see `Outcome.failure` for
             a history that was not finished.
     """
-    own = load or partial(load_mesh, case)
-    outcome, meshes = _solve(comm, case, history, fields, progress, own)
+    outcome, meshes = _solve(comm, case, history, fields, progress, load)
     release(meshes)
     return outcome
 
@@ -80,26 +122,48 @@ def _solve(
     history: History,
     fields: Path | None,
     progress: Progress,
-    load: LoadMesh,
+    load: LoadMesh | None,
 ) -> tuple[Outcome, list[Any]]:
     """Outcome, and the meshes whose models nobody refers to any more."""
     clock = Clock()
-    with clock("mesh"):
-        mesh = on_root(comm, load, share=False)
-    model = Model(comm, case, mesh, clock)
+    prepared = prepare(comm, case, clock, load)
+    return solve_prepared(prepared, case, history, fields, progress, clock), prepared.meshes
+
+
+def solve_prepared(
+    prepared: Prepared,
+    case: Case,
+    history: History,
+    fields: Path | None,
+    progress: Progress,
+    clock: Clock,
+) -> Outcome:
+    """Solve the load history of a case. Collective.
+
+    Args:
+        prepared: mesh and model of a case that differs in friction and load histories at most.
+        case: as for `solve`.
+        history: as for `solve`.
+        fields: as for `solve`.
+        progress: as for `solve`.
+        clock: for timings, of the preparation too if that belongs to this case.
+
+    Raises:
+        FretfeError: as for `solve`.
+    """
+    model = prepared.model
+    comm = model.comm
     with clock("steps"):
-        marched = on_root(comm, lambda: _march(model, case, history, progress), share=False)
+        marched = on_root(comm, lambda: _march(prepared, case, history, progress), share=False)
     failure = comm.bcast(marched.failure if marched else None)
+    recorder = marched.recorder if marched else None
     if fields is not None:
         with clock("fields"):
-            recorder = marched.recorder if marched else None
             _write_fields(model, case, history, recorder, fields)
     solution = _solution(model, history, marched.recorder) if marched else None
     with clock("edge integrals"):
-        recorder, march = (marched.recorder, marched.march) if marched else (None, None)
-        solution = add_integrals(model, case, recorder, march, solution)
-    meshes = [body.elastic.mesh for body in model.bodies.values()]
-    return Outcome(solution, mesh, failure, clock.seconds), meshes
+        solution = add_integrals(model, case, recorder, prepared.march, solution)
+    return Outcome(solution, prepared.mesh, failure, clock.seconds)
 
 
 def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
@@ -110,19 +174,18 @@ def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
 
 @dataclass(frozen=True)
 class _Marched:
-    """The accepted steps, what solved them, and why there are not more of them."""
+    """The accepted steps, and why there are not more of them."""
 
-    march: March
     recorder: Recorder
     failure: ConvergenceError | None
 
 
-def _march(model: Model, case: Case, history: History, progress: Progress) -> _Marched:
+def _march(prepared: Prepared, case: Case, history: History, progress: Progress) -> _Marched:
     """Solve all steps; one that fails ends the history and keeps what was computed."""
-    reduction = model.reduction
+    reduction, march = prepared.model.reduction, prepared.march
     assert reduction is not None
+    assert march is not None
     steps = step_loads(case, history, reduction.interface, reduction.plan)
-    march = March(reduction.interface)
     places = [Place(p.name, p.body1, p.body2, p.coupling) for p in reduction.pairs]
     channels = [load.channel for load in reduction.plan.loads]
     recorder = Recorder(march, places, steps, channels, case.model.degree)
@@ -131,9 +194,9 @@ def _march(model: Model, case: Case, history: History, progress: Progress) -> _M
             recorder.add(result)
             progress(number, len(steps) - 1, result)
     except ConvergenceError as failure:
-        return _Marched(march, recorder, failure)
+        return _Marched(recorder, failure)
     _require_contact(recorder)
-    return _Marched(march, recorder, None)
+    return _Marched(recorder, None)
 
 
 def _require_contact(recorder: Recorder) -> None:

@@ -26,18 +26,25 @@ STYLE: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": Fal
 def write_tractions(
     path: Path, case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]
 ) -> None:
+    """Write the figure of the tractions."""
+    with mpl.rc_context(STYLE):
+        figure = draw_tractions(case, solution, contacts)
+        FigureCanvasAgg(figure)
+        figure.savefig(path, dpi=150)
+
+
+def draw_tractions(case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]) -> Figure:
     """Draw p, f p and q along every contact at the two load extremes, one panel per contact."""
     with mpl.rc_context(STYLE):
         columns = min(2, len(contacts))
         rows = -(-len(contacts) // columns)
         figure = Figure(figsize=(6.4 * columns, 4.2 * rows), layout="constrained")
-        FigureCanvasAgg(figure)
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
         for panel, history, summary in zip(panels, solution.contacts, contacts, strict=False):
             _draw_contact(panel, case, solution, history, summary)
         for panel in panels[len(contacts) :]:
             panel.set_axis_off()
-        figure.savefig(path, dpi=150)
+    return figure
 
 
 def extremes(solution: Solution, summary: ContactSummary) -> list[int]:

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A model that is kept from case to case, until a case needs another one. Collective.
+
+Friction, load histories and the evaluated cycle do not enter the model: mesh, stiffness,
+factorisations and condensed bodies stay, and so do the inverses for contact areas that were met.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from fretfe.case import Case
+from fretfe.fem._compat import MPI, release
+from fretfe.fem.run import Outcome, Prepared, Progress, prepare, solve_prepared
+from fretfe.fem.timing import Clock
+from fretfe.loads import History
+
+# Bytes for the inverses.
+MEMORY = 2**30
+# Keys of a case that do not enter its model.
+FREE: dict[str, Any] = {
+    "title": True,
+    "units": True,
+    "cycle": True,
+    "output": True,
+    "contacts": {"__all__": {"friction", "friction_from"}},
+    "loads": {"__all__": {"history"}},
+}
+
+
+def model_key(case: Case) -> str:
+    """What two cases have in common that can be solved with one model."""
+    file = case.geometry.file
+    place = str(case.resolve(file).absolute()) if file is not None else ""
+    return place + repr(case.model_dump(mode="json", exclude=FREE))
+
+
+class KeptModel:
+    """Solves cases one after the other; builds a model only if the one that it has does not fit."""
+
+    def __init__(self, comm: MPI.Comm) -> None:
+        self._comm = comm
+        self._key = ""
+        self._prepared: Prepared | None = None
+
+    def solve(
+        self, case: Case, history: History, fields: Path | None, progress: Progress
+    ) -> Outcome:
+        """Solve the load history of a case; arguments and errors as `fretfe.fem.run.solve`."""
+        clock, key = Clock(), model_key(case)
+        if self._prepared is None or key != self._key:
+            self.drop()
+            self._prepared = prepare(self._comm, case, clock, memory=MEMORY)
+            self._key = key
+        return solve_prepared(self._prepared, case, history, fields, progress, clock)
+
+    def drop(self) -> None:
+        """Give the model back."""
+        meshes = self._prepared.meshes if self._prepared is not None else []
+        self._prepared = None
+        release(meshes)

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Solve the cases of a sweep one after the other, sharing what the backend can share."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from fretfe.backends import Backend, EdgeHistories, RunOptions, SharingBackend
+from fretfe.case import Case, Units
+from fretfe.errors import FretfeError
+from fretfe.records import edge_records
+from fretfe.sweeps.variants import Variant
+
+Solve = Callable[[Case, RunOptions], EdgeHistories]
+Group = Callable[[Case], str]
+
+
+@dataclass(frozen=True)
+class Solved:
+    """One case of a sweep.
+
+    Attributes:
+        values: that distinguish it, by key.
+        edges: a record for each contact edge (`fretfe.records.edge_records`); none if it failed.
+        failure: why it could not be solved; empty if it was.
+        notes: what the backend assumed.
+        seconds: wall time.
+    """
+
+    values: Mapping[str, Any]
+    edges: tuple[Mapping[str, Any], ...]
+    failure: str
+    notes: tuple[str, ...]
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """All cases, the last key varying fastest.
+
+    Attributes:
+        keys: that vary.
+        units: labels, from the case.
+        variants: the cases.
+    """
+
+    keys: tuple[str, ...]
+    units: Units
+    variants: tuple[Solved, ...]
+
+    @property
+    def failures(self) -> tuple[Solved, ...]:
+        """Cases that could not be solved."""
+        return tuple(each for each in self.variants if each.failure)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """All that the backend assumed, each once."""
+        return tuple(dict.fromkeys(note for each in self.variants for note in each.notes))
+
+    def records(self) -> list[dict[str, Any]]:
+        """A flat record for each case and edge; one without numbers for a case that failed."""
+        return [
+            {**each.values, **edge, "seconds": each.seconds, "failure": each.failure}
+            for each in self.variants
+            for edge in each.edges or ({},)
+        ]
+
+
+def run_sweep(variants: Sequence[Variant], backend: Backend, options: RunOptions) -> Sweep:
+    """Solve all cases. Collective if the backend is.
+
+    Cases that share the most are solved in a row. One that cannot be solved does not keep the
+    others from it.
+
+    Args:
+        variants: at least one.
+        backend: solves them.
+        options: progress for the steps of each case; each case is announced when it is solved.
+    """
+    solved: dict[int, Solved] = {}
+    with _session(backend) as (solve, group):
+        for number in _in_groups([group(variant.case) for variant in variants]):
+            solved[number] = _solve(variants[number], backend, solve, options)
+            options.announce(_told(len(solved), len(variants), solved[number]))
+    first = variants[0]
+    in_order = tuple(solved[number] for number in range(len(variants)))
+    return Sweep(tuple(first.values), first.case.units, in_order)
+
+
+@contextmanager
+def _session(backend: Backend) -> Iterator[tuple[Solve, Group]]:
+    if not isinstance(backend, SharingBackend):
+        yield backend.solve, lambda _: ""
+        return
+    session = backend.session()
+    try:
+        yield session.solve, session.group
+    finally:
+        session.close()
+
+
+def _in_groups(groups: Sequence[str]) -> list[int]:
+    """Numbers of all entries: equal ones in a row, in the order of their first ones."""
+    place = {group: number for number, group in reversed(list(enumerate(groups)))}
+    return sorted(range(len(groups)), key=lambda number: place[groups[number]])
+
+
+def _solve(variant: Variant, backend: Backend, solve: Solve, options: RunOptions) -> Solved:
+    start = time.perf_counter()
+    edges: tuple[Mapping[str, Any], ...] = ()
+    notes: tuple[str, ...] = ()
+    try:
+        failure = "; ".join(backend.supports(variant.case))
+        if not failure:
+            result = solve(variant.case, options)
+            failure, notes = str(result.failure or ""), result.notes
+            edges = () if failure else tuple(edge_records(result))
+    except FretfeError as error:
+        failure = str(error)
+    return Solved(variant.values, edges, failure, notes, time.perf_counter() - start)
+
+
+def _told(number: int, count: int, solved: Solved) -> str:
+    values = ", ".join(f"{key} = {value}" for key, value in solved.values.items())
+    outcome = f"failed: {solved.failure}" if solved.failure else f"{solved.seconds:.1f} s"
+    return f"{number}/{count}: {values}: {outcome}"

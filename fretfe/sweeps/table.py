@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A sweep as a CSV file and as a table for the terminal."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from fretfe.sweeps.engine import Sweep
+
+LAST_COLUMNS = ("seconds", "failure")
+# Longer tables are for the file.
+MOST_ROWS = 60
+
+
+def write_table(path: Path, sweep: Sweep) -> None:
+    """Write a row for each case and edge; numbers that do not exist are empty."""
+    records = sweep.records()
+    columns = list(dict.fromkeys(name for record in records for name in record))
+    columns = [name for name in columns if name not in LAST_COLUMNS] + list(LAST_COLUMNS)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, columns)
+        writer.writeheader()
+        for record in records:
+            writer.writerow({name: _plain(value) for name, value in record.items()})
+
+
+def _plain(value: Any) -> Any:
+    return "" if isinstance(value, float) and math.isnan(value) else value
+
+
+def sweep_table(sweep: Sweep) -> Table:
+    """The first rows: K_N, ΔK_T, slip zones as computed and as predicted, wall time."""
+    units = sweep.units
+    title = (
+        f"Sweep: slip zones in {units.length}, K_N in {units.stress}/√{units.length}, "
+        f"ΔK_T in {units.stress}·√{units.length}"
+    )
+    table = Table(title=title, title_justify="left", box=box.SIMPLE, title_style="bold")
+    table.pad_edge = False
+    table.padding = (0, 1, 0, 0)
+    for name in (*sweep.keys, "contact", "edge"):
+        table.add_column(escape(name), overflow="fold")
+    for name in ("K_N", "ΔK_T", "slip zones", "predicted"):
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("steady")
+    table.add_column("s", justify="right", no_wrap=True)
+    for record in sweep.records()[:MOST_ROWS]:
+        table.add_row(*(escape(cell) for cell in _cells(sweep.keys, record)))
+    return table
+
+
+def _cells(keys: tuple[str, ...], record: Mapping[str, Any]) -> list[str]:
+    values = [_shown(record[key]) for key in keys]
+    seconds = f"{record['seconds']:.1f}"
+    if record["failure"]:
+        return [*values, "failed", *[""] * 6, seconds]
+    slip = "gross" if record["gross"] else _pair(record, "slip")
+    return [
+        *values,
+        record["contact"],
+        record["edge"],
+        _number(record["k_n"]),
+        _number(record["k_t_range"]),
+        slip if record["resolved"] else f"~{slip}",
+        _pair(record, "predicted"),
+        "yes" if record["steady"] else "no",
+        seconds,
+    ]
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _pair(record: Mapping[str, Any], name: str) -> str:
+    values = [record[f"{name}_{number}"] for number in (1, 2)]
+    return " / ".join(_number(value, 3) for value in values if math.isfinite(value)) or "-"
+
+
+def _number(value: float, digits: int = 4) -> str:
+    return f"{value:.{digits}g}" if math.isfinite(value) else "-"
