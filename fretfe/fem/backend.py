@@ -3,16 +3,13 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TypeVar
 
 from fretfe.backends import EdgeHistories, Processes, RunOptions
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case
 from fretfe.contact.march import StepResult
-from fretfe.evaluate import evaluate
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
 from fretfe.fem.parallel import on_root
@@ -68,7 +65,7 @@ class FemBackend:
         outcome = solved.outcome
         return EdgeHistories(
             history=_solved_history(comm, outcome),
-            contacts=solved.contacts,
+            contacts=outcome.contacts,
             failure=outcome.failure,
             solution=outcome.solution,
             bodies=outcome.mesh.bodies if outcome.mesh else {},
@@ -85,12 +82,7 @@ def _solve(
     """Solve and evaluate a case on the mesh it asks for. Collective."""
     if case.edges is not None:
         return refine(comm, case, history, options.fields, progress, options.announce)
-    outcome = solve(comm, case, history, options.fields, progress)
-    start = time.perf_counter()
-    contacts = on_root(comm, lambda: evaluate(_solution(outcome)))
-    assert contacts is not None
-    seconds = {**outcome.seconds, "evaluation": time.perf_counter() - start}
-    return Evaluated(replace(outcome, seconds=seconds), contacts)
+    return Evaluated(solve(comm, case, history, options.fields, progress))
 
 
 def _solved_history(comm: MPI.Comm, outcome: Outcome) -> History:
