@@ -35,6 +35,7 @@ from fretfe.case import Case, load_case
 from fretfe.environment import rank_from_environment
 from fretfe.errors import CaseError, ModelError
 from fretfe.report.figures import write_tractions
+from fretfe.report.pictures import make_pictures, remove_pictures
 from fretfe.report.tables import (
     backend_table,
     contact_table,
@@ -43,7 +44,7 @@ from fretfe.report.tables import (
     mesh_table,
     timing_table,
 )
-from fretfe.results import prepare_directory, write_results
+from fretfe.results import FIELDS, prepare_directory, remove_fields, write_results
 from fretfe.solution import Solution
 from fretfe.verify.benchmarks import benchmarks
 from fretfe.verify.controls import controls
@@ -52,7 +53,7 @@ from fretfe.verify.report import as_numbers, print_rows, print_summary
 from fretfe.verify.run import run_benchmark
 
 T = TypeVar("T")
-FIELDS, FIGURE, CASE_COPY = "fields", "tractions.png", "case.toml"
+FIGURE, CASE_COPY = "tractions.png", "case.toml"
 
 
 class OneProcess:
@@ -110,6 +111,9 @@ def require_supported(backend: Backend, name: str, case: Case) -> None:
 
 def _prepare(directory: Path, case_file: Path) -> None:
     prepare_directory(directory)
+    # What an earlier run left would not belong to these results.
+    remove_pictures(directory)
+    remove_fields(directory)
     target = directory / CASE_COPY
     if target.resolve() != case_file.resolve():
         shutil.copyfile(case_file, target)
@@ -133,12 +137,25 @@ def _finish(
         console.print(mesh_table(result.refinement))
         console.print(limit_table(result.refinement))
     _print_remarks(console, result)
+    pictures = _draw(console, directory)
     if timings:
-        console.print(timing_table({**result.seconds, "writing": writing}))
+        seconds = {**result.seconds, "writing": writing, "pictures": pictures}
+        console.print(timing_table(seconds))
     steps = _step_text(result.solution)
     text = f"{len(result.history.times) - 1} steps{steps}, {time.perf_counter() - start:.1f} s"
     console.print(text, highlight=False)
     console.print(f"Results in {directory}", highlight=False, soft_wrap=True)
+
+
+def _draw(console: Console, directory: Path) -> float:
+    """Draw pictures of the results; seconds. A run does not fail if there are none."""
+    begin = time.perf_counter()
+    try:
+        make_pictures(directory)
+    except Exception as error:
+        text = f"Warning: no pictures: {error}"
+        console.print(text, highlight=False, markup=False)
+    return time.perf_counter() - begin
 
 
 def _step_text(solution: Solution | None) -> str:
