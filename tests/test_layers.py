@@ -66,6 +66,7 @@ LAYERS = (
     "fretfe.fem.backend",
     "fretfe.results",
     "fretfe.report.*",
+    "fretfe.picture_command",
     "fretfe.edges_command",
     "fretfe.verify.*",
     "fretfe.validate.*",

@@ -26,6 +26,8 @@ Pixels = npt.NDArray[np.uint8]
 
 STYLE: Any = {"font.size": 9, "axes.linewidth": 0.6, "axes.formatter.useoffset": False}
 DPI = 150
+# Panels that are this part of the largest ones will do.
+SLIGHTLY = 0.9
 # Tones of a colour map and of grey in a file: finer ones are not seen, and it is much smaller.
 TONES, GREYS = 216, 40
 
@@ -67,7 +69,14 @@ class Grid:
         return left, self.size[1] - top - round(TITLE * DPI) - self.panel[1]
 
 
-def largest_grid(count: int, aspect: float, *, bar: bool = False, only: int | None = None) -> Grid:
+def largest_grid(
+    count: int,
+    aspect: float,
+    *,
+    bar: bool = False,
+    only: int | None = None,
+    most: float = WIDTH,
+) -> Grid:
     """The grid for some panels of an aspect in which these are largest.
 
     Args:
@@ -75,16 +84,20 @@ def largest_grid(count: int, aspect: float, *, bar: bool = False, only: int | No
         aspect: height of a panel over its width.
         bar: whether there is a colour bar.
         only: the number of columns, if there is no choice.
+        most: width of the picture in inches.
     """
     grids = []
     for columns in range(1, count + 1) if only is None else (only,):
         rows = -(-count // columns)
         around = LEFT + RIGHT + (BAR_GAP + BAR_WIDTH + BAR_TEXT if bar else 0.0)
-        width = (WIDTH - around - (columns - 1) * GAP) / columns
+        width = (most - around - (columns - 1) * GAP) / columns
         height = (HIGHEST - HEADING) / rows - TITLE - BELOW
         width = min(width, height / aspect)
         grids.append(Grid(columns, rows, (round(width * DPI), round(width * aspect * DPI)), bar))
-    return max(grids, key=lambda grid: grid.panel[0])
+    largest = max(grid.panel[0] for grid in grids)
+    # A low picture is better than a slightly larger panel.
+    good = [grid for grid in grids if grid.panel[0] > SLIGHTLY * largest]
+    return min(good, key=lambda grid: grid.size[1])
 
 
 def panels(grid: Grid, count: int, heading: str) -> tuple[Figure, list[Axes]]:

@@ -17,7 +17,7 @@ T = TypeVar("T")
 # Where pictures are in a results folder, and what lists them there.
 FOLDER, LIST = "pictures", "pictures.json"
 # Panels in one picture.
-MOST_EDGES, MOST_CONTACTS = 6, 4
+MOST_EDGES, MOST_CONTACTS = 4, 4
 
 Kind = Literal["bodies", "edges", "status"]
 

@@ -8,6 +8,7 @@ lines upon it, by Matplotlib.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -52,18 +53,7 @@ class Scene:
         Returns:
             (height, width, 3) red, green and blue.
         """
-        self._plotter.clear_actors()
-        for body in bodies:
-            self._plotter.add_mesh(
-                surface(body, scale),
-                scalars="stress",
-                cmap=COLOURS,
-                clim=(0.0, self._limit),
-                interpolate_before_map=True,
-                lighting=False,
-                show_scalar_bar=False,
-                copy_mesh=False,
-            )
+        self._add(bodies, scale, smooth=True)
         distance = 10 * float(view.half_size.max())
         camera = self._plotter.camera
         camera.focal_point = (*view.centre, 0.0)
@@ -74,6 +64,28 @@ class Scene:
         self._plotter.window_size = pixels
         self._plotter.render()
         return np.array(self._plotter.screenshot(return_img=True)[..., :3])
+
+    def export(self, bodies: Sequence[BodyField], scale: float, path: Path) -> None:
+        """Write bodies in their deformed shape as a glTF file with colours at the nodes."""
+        self._add(bodies, scale, smooth=False)
+        self._plotter.export_gltf(path)
+
+    def _add(self, bodies: Sequence[BodyField], scale: float, *, smooth: bool) -> None:
+        """Have these bodies and no others; smooth: colours follow stresses between nodes."""
+        self._plotter.clear_actors()
+        for body in bodies:
+            actor = self._plotter.add_mesh(
+                surface(body, scale),
+                scalars="stress",
+                cmap=COLOURS,
+                clim=(0.0, self._limit),
+                interpolate_before_map=smooth,
+                lighting=False,
+                show_scalar_bar=False,
+                copy_mesh=False,
+            )
+            # Viewers of glTF multiply the colours by this one.
+            actor.prop.color = "white"
 
     def close(self) -> None:
         """Give the memory back."""

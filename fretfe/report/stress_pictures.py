@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib as mpl
@@ -14,6 +15,7 @@ from matplotlib.figure import Figure
 from fretfe.report.field_files import EDGES, BodyField
 from fretfe.report.picture_frames import (
     STYLE,
+    WIDTH,
     draw_bar,
     draw_lines,
     largest_grid,
@@ -37,38 +39,68 @@ from fretfe.report.scene import COLOURS, Scene
 from fretfe.report.view import View
 
 # Of the area that is shown, per cent that stay below the last colour.
-BODIES_PERCENTAGE, EDGES_PERCENTAGE = 99.5, 98.0
+BODIES_PERCENTAGE, EDGES_PERCENTAGE = 99.8, 98.0
 
 OUTLINE: dict[str, Any] = {"colors": "#202020", "linewidths": 0.7}
 UNDEFORMED: dict[str, Any] = {"colors": "#808080", "linewidths": 0.6, "linestyles": "dotted"}
 ELEMENTS: dict[str, Any] = {"colors": "#8A8A8A", "linewidths": 0.35}
 
 
-@mpl.rc_context(STYLE)
-def draw_bodies(source: Source, states: Sequence[int]) -> tuple[Figure, str]:
-    """All bodies at some states, with the caption."""
-    shown = {state: source.bodies(state) for state in states}
-    fields = [body for bodies in shown.values() for body in bodies]
+@dataclass(frozen=True)
+class Look:
+    """How bodies are drawn, the same at several states.
+
+    Attributes:
+        scale: of the displacements.
+        limit: stress of the last colour.
+        largest: stress in any element.
+        view: what is seen.
+    """
+
+    scale: float
+    limit: float
+    largest: float
+    view: View
+
+
+def find_look(source: Source, states: Sequence[int]) -> Look:
+    """The look that suits some states."""
+    fields = [body for state in states for body in source.bodies(state)]
     scale = deformation_scale(fields, list(source.arrays.contacts.values()), states)
     limit, largest = colour_limit([(body, None) for body in fields], BODIES_PERCENTAGE)
     view = surroundings([body.deformed(factor) for body in fields for factor in (0.0, scale)])
-    grid = largest_grid(len(states), _aspect(view), bar=True)
-    figure, axes = panels(grid, len(states), f"Von Mises stress, displacements × {scale:g}")
-    scene = Scene(limit)
-    for panel, (state, bodies) in zip(axes, shown.items(), strict=True):
+    return Look(scale, limit, largest, view)
+
+
+@mpl.rc_context(STYLE)
+def draw_bodies(
+    source: Source, states: Sequence[int], look: Look, scene: Scene, width: float = WIDTH
+) -> Figure:
+    """All bodies at some states, one panel each; the picture is `width` inches wide at most."""
+    view = look.view
+    aspect = float(view.half_size[1] / view.half_size[0])
+    grid = largest_grid(len(states), aspect, bar=True, most=width)
+    heading = f"Von Mises stress, displacements × {look.scale:g}"
+    figure, axes = panels(grid, len(states), heading)
+    for panel, state in zip(axes, states, strict=True):
+        bodies = source.bodies(state)
         set_limits(panel, view.origin, view.half_size)
-        show_image(panel, scene.image(bodies, scale, view, grid.panel))
+        show_image(panel, scene.image(bodies, look.scale, view, grid.panel))
         draw_lines(panel, [body.points[body.outline] for body in bodies], **UNDEFORMED)
-        draw_lines(panel, [body.deformed(scale)[body.outline] for body in bodies], **OUTLINE)
+        draw_lines(panel, [body.deformed(look.scale)[body.outline] for body in bodies], **OUTLINE)
         name_axes(panel, "x", "y", source.numbers["units"]["length"])
         set_title(panel, source.when(state), load_text(source.numbers, state))
-    scene.close()
-    draw_bar(figure, grid, COLOURS, limit, _bar_label(source))
+    draw_bar(figure, grid, COLOURS, look.limit, _bar_label(source))
+    return figure
+
+
+def bodies_caption(source: Source, states: Sequence[int], look: Look) -> str:
+    """What the picture of `draw_bodies` shows."""
     times = " and ".join(source.when(state) for state in states)
-    deformed = f"displacements drawn {scale:g} times" if scale > 1 else "displacements as they are"
-    return figure, (
-        f"Von Mises equivalent stress of the bodies at {times}; {deformed}, dotted: before "
-        f"deformation. {_colour_text(source, limit, largest, BODIES_PERCENTAGE)}"
+    drawn = f"drawn {look.scale:g} times as large" if look.scale > 1 else "as they are"
+    return (
+        f"Von Mises equivalent stress of the bodies at {times}; displacements {drawn}, dotted: "
+        f"before deformation. {_colour_text(source, look.limit, look.largest, BODIES_PERCENTAGE)}"
     )
 
 
@@ -82,7 +114,8 @@ def draw_edges(source: Source, state: int, edges: Sequence[EdgePlace]) -> tuple[
     grid = largest_grid(len(edges), EDGE_ASPECT, bar=True)
     heading = f"Von Mises stress at the contact edges, {source.when(state)}"
     figure, axes = panels(grid, len(edges), heading)
-    scene, unit = Scene(limit), source.numbers["units"]["length"]
+    unit = source.numbers["units"]["length"]
+    scene = Scene(limit)
     for panel, edge, view in zip(axes, edges, views, strict=True):
         set_limits(panel, view.origin, view.half_size)
         show_image(panel, scene.image(bodies, 1.0, view, grid.panel))
@@ -109,10 +142,6 @@ def _draw_elements(panel: Axes, body: BodyField, view: View) -> None:
     draw_lines(panel, [edges.reshape(-1, *edges.shape[2:])], **ELEMENTS)
     outline = body.outline[view.overlaps(body.deformed(1.0)[body.outline])]
     draw_lines(panel, [points[outline]], **OUTLINE)
-
-
-def _aspect(view: View) -> float:
-    return float(view.half_size[1] / view.half_size[0])
 
 
 def _bar_label(source: Source) -> str:
