@@ -21,8 +21,8 @@ CRASHES = (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGILL)
 
 NO_PYVISTA = "PyVista is not installed; `pip install pyvista` installs it"
 NO_OPENGL = (
-    "there is no OpenGL without a display: the process that draws ended with {}. On Debian and "
-    "Ubuntu install libegl1 and libgl1-mesa-dri (VTK 9.4 and later), or xvfb"
+    "the process that draws ended with {}, as it does where OpenGL does not work without a "
+    "display. On Debian and Ubuntu install libegl1 and libgl1-mesa-dri (VTK 9.4 and later), or xvfb"
 )
 NOT_IMPORTED = (
     "PyVista cannot be imported ({}). On Debian and Ubuntu VTK needs libgl1 and libxrender1"

@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -107,11 +108,15 @@ def surroundings(points: Sequence[Array]) -> View:
     return view_of_box(low - border, high + border)
 
 
-def edge_view(contact: StoredContact, edge: EdgePlace, bodies: Sequence[BodyField]) -> View:
-    """The surroundings of an edge at its displaced place, body 2 below.
+def edge_view(
+    contact: StoredContact, edge: EdgePlace, bodies: Mapping[str, BodyField]
+) -> tuple[View, dict[str, BodyField]]:
+    """The surroundings of an edge at its displaced place, body 2 below, and the bodies there.
 
     Wide enough for its slip zone, or for a part of the contact where nothing slips; never so narrow
-    that single elements are all that is seen.
+    that single elements are all that is seen. The two bodies are moved along x so that the places
+    of the edge on both of them are in the middle: contact is between places that are opposite to
+    each other before deformation (small sliding), and a body that slid as a whole would hide that.
     """
     number = int(np.abs(contact.arc - edge.position).argmin())
     point = np.array([np.interp(edge.position, contact.arc, x) for x in contact.points.T])
@@ -119,18 +124,18 @@ def edge_view(contact: StoredContact, edge: EdgePlace, bodies: Sequence[BodyFiel
     most = LARGEST_VIEW * edge.half_width
     wanted = SLIP_ZONES * edge.slip if edge.slip > 0 else most
     half = max(min(wanted, most), FEWEST_ELEMENTS * element)
-    return View(
-        centre=point + _displacement_at(point, bodies),
-        half_size=np.array([half, EDGE_ASPECT * half]),
-        normal=contact.frames[number, 0],
-    )
+    normal = contact.frames[number, 0]
+    lower = bodies[contact.body2]
+    height = (lower.deformed(1.0)[nearest_node(point, lower)] - point) @ normal
+    view = View(point + height * normal, np.array([half, EDGE_ASPECT * half]), normal)
+    moved = dict(bodies)
+    for name in (contact.body1, contact.body2):
+        body = bodies[name]
+        along = body.displacement[nearest_node(point, body)] @ view.tangent
+        moved[name] = replace(body, displacement=body.displacement - along * view.tangent)
+    return view, moved
 
 
-def _displacement_at(point: Array, bodies: Sequence[BodyField]) -> Array:
-    """(2,) displacement of the node next to a place (2,) before deformation."""
-    nearest = []
-    for body in bodies:
-        distances = np.linalg.norm(body.points - point, axis=1)
-        node = int(distances.argmin())
-        nearest.append((float(distances[node]), body.displacement[node]))
-    return min(nearest, key=lambda each: each[0])[1]
+def nearest_node(point: Array, body: BodyField) -> int:
+    """The node next to a place (2,) before deformation."""
+    return int(np.linalg.norm(body.points - point, axis=1).argmin())

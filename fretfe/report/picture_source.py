@@ -34,21 +34,21 @@ class Source:
     numbers: Mapping[str, Any]
     arrays: StoredArrays
     times: Array
-    _read: dict[int, list[BodyField]] = field(default_factory=dict)
+    _read: dict[int, dict[str, BodyField]] = field(default_factory=dict)
 
     def available(self, states: Sequence[int]) -> list[int]:
         """Those of the states whose fields are there."""
         return [state for state in states if self._number(state) is not None]
 
-    def bodies(self, state: int) -> list[BodyField]:
+    def bodies(self, state: int) -> dict[str, BodyField]:
         """Fields of all bodies at a state, which must be there."""
         if state not in self._read:
             number = self._number(state)
             assert number is not None
-            self._read[state] = [
-                read_body(self.folder / FIELDS, name, number, self._poisson(name))
+            self._read[state] = {
+                name: read_body(self.folder / FIELDS, name, number, self._poisson(name))
                 for name in self.arrays.bodies
-            ]
+            }
         return self._read[state]
 
     def forget(self) -> None:

@@ -104,7 +104,7 @@ def export_scene(directory: Path, files: list[str]) -> None:
         return
     look = find_look(source, states[-1:])
     scene = Scene(look.limit)
-    scene.export(source.bodies(states[-1]), look.scale, Path(files[0]))
+    scene.export(list(source.bodies(states[-1]).values()), look.scale, Path(files[0]))
     print(json.dumps({"file": files[0], "scale": look.scale, "limit": look.limit}), flush=True)
 
 

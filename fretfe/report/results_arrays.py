@@ -30,8 +30,10 @@ class StoredBody:
 
 @dataclass(frozen=True)
 class StoredContact:
-    """A contact; see `ContactHistory` for arrays of the same name."""
+    """A contact; see `ContactHistory` for attributes of the same name."""
 
+    body1: str
+    body2: str
     arc: Array
     points: Array
     frames: Array
@@ -76,4 +78,5 @@ def _read_body(group: h5py.Group) -> StoredBody:
 
 def _read_contact(group: h5py.Group) -> StoredContact:
     names = ("arc", "points", "frames", "weights", "gap", "status")
-    return StoredContact(**{name: group[name][:] for name in names})
+    arrays = {name: group[name][:] for name in names}
+    return StoredContact(str(group.attrs["body1"]), str(group.attrs["body2"]), **arrays)

@@ -65,7 +65,7 @@ class Look:
 
 def find_look(source: Source, states: Sequence[int]) -> Look:
     """The look that suits some states."""
-    fields = [body for state in states for body in source.bodies(state)]
+    fields = [body for state in states for body in source.bodies(state).values()]
     scale = deformation_scale(fields, list(source.arrays.contacts.values()), states)
     limit, largest = colour_limit([(body, None) for body in fields], BODIES_PERCENTAGE)
     view = surroundings([body.deformed(factor) for body in fields for factor in (0.0, scale)])
@@ -83,7 +83,7 @@ def draw_bodies(
     heading = f"Von Mises stress, displacements × {look.scale:g}"
     figure, axes = panels(grid, len(states), heading)
     for panel, state in zip(axes, states, strict=True):
-        bodies = source.bodies(state)
+        bodies = list(source.bodies(state).values())
         set_limits(panel, view.origin, view.half_size)
         show_image(panel, scene.image(bodies, look.scale, view, grid.panel))
         draw_lines(panel, [body.points[body.outline] for body in bodies], **UNDEFORMED)
@@ -109,17 +109,17 @@ def draw_edges(source: Source, state: int, edges: Sequence[EdgePlace]) -> tuple[
     """The surroundings of some contact edges with their elements, and the caption."""
     bodies = source.bodies(state)
     views = [edge_view(source.arrays.contacts[edge.contact], edge, bodies) for edge in edges]
-    shown = [(body, view) for view in views for body in bodies]
+    shown = [(body, view) for view, moved in views for body in moved.values()]
     limit, largest = colour_limit(shown, EDGES_PERCENTAGE)
     grid = largest_grid(len(edges), EDGE_ASPECT, bar=True)
     heading = f"Von Mises stress at the contact edges, {source.when(state)}"
     figure, axes = panels(grid, len(edges), heading)
     unit = source.numbers["units"]["length"]
     scene = Scene(limit)
-    for panel, edge, view in zip(axes, edges, views, strict=True):
+    for panel, edge, (view, moved) in zip(axes, edges, views, strict=True):
         set_limits(panel, view.origin, view.half_size)
-        show_image(panel, scene.image(bodies, 1.0, view, grid.panel))
-        for body in bodies:
+        show_image(panel, scene.image(list(moved.values()), 1.0, view, grid.panel))
+        for body in moved.values():
             _draw_elements(panel, body, view)
         name_axes(panel, "distance from the edge along x", "along y", unit)
         slip = f"longest slip zone {rounded(edge.slip)} {unit}" if edge.slip > 0 else "no slip zone"
@@ -129,7 +129,8 @@ def draw_edges(source: Source, state: int, edges: Sequence[EdgePlace]) -> tuple[
     return figure, (
         f"Von Mises equivalent stress and elements around the contact edges at "
         f"{source.when(state)}, displacements as they are. Each panel is turned into the frame of "
-        "its contact, body 2 below; its origin is the edge. "
+        "its contact, body 2 below; its origin is the edge, on both bodies: a sliding of a whole "
+        "body along x is left out. "
         f"{_colour_text(source, limit, largest, EDGES_PERCENTAGE)}"
     )
 
