@@ -72,6 +72,9 @@ TrustGeo = Annotated[
         "--trust-geo", help="Run the Gmsh script (.geo) of the case: it can start any program."
     ),
 ]
+Results = Annotated[
+    Path, typer.Argument(metavar="DIR", help="Folder with results.", show_default=False)
+]
 
 
 @app.command(
@@ -304,6 +307,28 @@ def edges(
     from fretfe.edges_command import Columns, analyse_file
 
     analyse_file(table, Columns(x, p, q, slip), friction, as_json=as_json)
+
+
+@app.command()
+def animate(
+    results: Results,
+    output: Annotated[Path, typer.Option("--output", "-o", help="File to write (.gif).")],
+) -> None:
+    """Draw the evaluated cycle of a run that has the fields of all steps."""
+    from fretfe.picture_command import animate
+
+    animate(results, output)
+
+
+@app.command()
+def scene(
+    results: Results,
+    output: Annotated[Path, typer.Option("--output", "-o", help="File to write (.gltf).")],
+) -> None:
+    """Write the bodies and their stress at the last state as a glTF scene."""
+    from fretfe.picture_command import export
+
+    export(results, output)
 
 
 @app.command()

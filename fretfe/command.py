@@ -34,6 +34,7 @@ from fretfe.case import Case, as_written, case_text, load_case, parse_assignment
 from fretfe.environment import rank_from_environment
 from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.report.figures import write_tractions
+from fretfe.report.pictures import make_pictures, remove_pictures
 from fretfe.report.tables import (
     backend_table,
     contact_table,
@@ -42,7 +43,7 @@ from fretfe.report.tables import (
     mesh_table,
     timing_table,
 )
-from fretfe.results import prepare_directory, write_results
+from fretfe.results import FIELDS, prepare_directory, remove_fields, write_results
 from fretfe.solution import Solution
 from fretfe.verbosity import Verbosity
 from fretfe.verify.benchmarks import benchmarks
@@ -52,7 +53,7 @@ from fretfe.verify.report import as_numbers, print_rows, print_summary
 from fretfe.verify.run import run_benchmark
 
 T = TypeVar("T")
-FIELDS, FIGURE, CASE_COPY = "fields", "tractions.png", "case.toml"
+FIGURE, CASE_COPY = "tractions.png", "case.toml"
 
 
 class OneProcess:
@@ -139,6 +140,9 @@ def prepare(directory: Path, case: Case) -> None:
         OutputError: if that is not possible, or another case would be written over the case file.
     """
     prepare_directory(directory)
+    # What an earlier run left would not belong to these results.
+    remove_pictures(directory)
+    remove_fields(directory)
     target = directory / CASE_COPY
     if target.resolve() != case.source.resolve():
         target.write_text(case_text(case), encoding="utf-8")
@@ -171,10 +175,12 @@ def _finish(
     begin = time.perf_counter()
     write_all(case, backend, result, directory)
     writing = time.perf_counter() - begin
-    if verbosity is Verbosity.QUIET:
-        _print_warnings(Console(stderr=True), result)
+    quiet = verbosity is Verbosity.QUIET
+    console = Console(stderr=quiet)
+    pictures = _draw(console, directory)
+    if quiet:
+        _print_warnings(console, result)
         return
-    console = Console()
     console.print(contact_table(case, result.history.cycle, result.contacts))
     console.print(edge_table(case, result.contacts))
     if result.refinement is not None:
@@ -184,11 +190,23 @@ def _finish(
         console.print(f"Note: {note}", highlight=False, markup=False)
     _print_warnings(console, result)
     if timings or verbosity is Verbosity.VERBOSE:
-        console.print(timing_table({**result.seconds, "writing": writing}))
+        seconds = {**result.seconds, "writing": writing, "pictures": pictures}
+        console.print(timing_table(seconds))
     steps = _step_text(result.solution)
     text = f"{len(result.history.times) - 1} steps{steps}, {time.perf_counter() - start:.1f} s"
     console.print(text, highlight=False)
     console.print(f"Results in {directory}", highlight=False, soft_wrap=True)
+
+
+def _draw(console: Console, directory: Path) -> float:
+    """Draw pictures of the results; seconds. A run does not fail if there are none."""
+    begin = time.perf_counter()
+    try:
+        make_pictures(directory)
+    except Exception as error:
+        text = f"Warning: no pictures: {error}"
+        console.print(text, highlight=False, markup=False)
+    return time.perf_counter() - begin
 
 
 def _step_text(solution: Solution | None) -> str:

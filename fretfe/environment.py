@@ -6,6 +6,7 @@ from __future__ import annotations
 import importlib.metadata
 import os
 import platform
+from collections.abc import Mapping
 from pathlib import Path
 
 PACKAGES = ("fretfe", "numpy", "scipy", "pydantic", "h5py", "gmsh", "matplotlib", "pyvista")
@@ -39,6 +40,15 @@ def reference_blas_only(libraries: list[str]) -> bool:
     return bool(libraries) and not any(
         name in str(Path(library).resolve()).lower() for library in libraries for name in optimised
     )
+
+
+def without_launcher(environment: Mapping[str, str]) -> dict[str, str]:
+    """Environment variables without those by which an MPI launcher speaks to its processes."""
+    return {
+        name: value
+        for name, value in environment.items()
+        if not name.startswith(("PMI_", "PMIX_", "OMPI_", "MPI_", "HYDI_"))
+    }
 
 
 def rank_from_environment() -> int:

@@ -26,7 +26,7 @@ from fretfe.refinement import Refinement
 from fretfe.solution import ContactHistory, Solution
 
 SCHEMA = {"name": "fretfe-results", "version": 1}
-NUMBERS, ARRAYS = "results.json", "results.h5"
+NUMBERS, ARRAYS, FIELDS = "results.json", "results.h5", "fields"
 
 
 def prepare_directory(directory: Path) -> None:
@@ -44,6 +44,20 @@ def prepare_directory(directory: Path) -> None:
         raise OutputError(
             f"{directory}: expected a folder that files can be written to, found: {error.strerror}"
         ) from error
+
+
+def remove_fields(directory: Path) -> None:
+    """Remove the fields of an earlier run; other files stay.
+
+    Raises:
+        OutputError: if that fails.
+    """
+    try:
+        for ending in ("pvd", "pvtu", "vtu"):
+            for path in (directory / FIELDS).glob(f"*.{ending}"):
+                path.unlink()
+    except OSError as error:
+        raise OutputError(f"{directory / FIELDS}: cannot remove old fields: {error}") from error
 
 
 def write_results(directory: Path, case: Case, backend: str, result: EdgeHistories) -> None:

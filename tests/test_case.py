@@ -99,7 +99,7 @@ def test_values_are_read_with_their_defaults(tmp_path: Path) -> None:
     assert case.supports["base"].fix == ("x", "y")
     assert isinstance(case.loads["press"], PlatenLoad)
     assert case.cycle is None
-    assert case.output.fields == "last"
+    assert case.output.fields == "extremes"
 
 
 def test_case_as_run_can_be_read_again() -> None:

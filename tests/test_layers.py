@@ -71,6 +71,7 @@ LAYERS = (
     "fretfe.records",
     "fretfe.results",
     "fretfe.report.*",
+    "fretfe.picture_command",
     "fretfe.edges_command",
     "fretfe.templates_command",
     "fretfe.verify.*",

@@ -218,11 +218,12 @@ class Output(Table):
     """What is written besides the results file."""
 
     fields: Annotated[
-        Annotated[Literal["last", "none", "all"], Tag(f"{TAG}name")]
+        Annotated[Literal["extremes", "last", "none", "all"], Tag(f"{TAG}name")]
         | Annotated[tuple[NotNegative, ...], Tag(f"{TAG}times")],
         Discriminator(_named_or_listed),
     ] = Field(
-        default="last",
-        description='Steps whose fields are written for ParaView: "last", "none", "all" or a list '
-        "of times, each the time of a step.",
+        default="extremes",
+        description="Steps whose fields are written, for pictures and ParaView: "
+        '"extremes" (the two load extremes of the evaluated cycle, and the last step), "last", '
+        '"none", "all" or a list of times, each the time of a step.',
     )

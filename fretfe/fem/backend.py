@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TypeVar
@@ -14,7 +12,6 @@ from fretfe.backends import EdgeHistories, Processes, RunOptions, Session
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case
 from fretfe.contact.march import StepResult
-from fretfe.evaluate import evaluate
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
 from fretfe.fem.kept import KeptModel, model_key
@@ -103,11 +100,11 @@ def _solve(case: Case, options: RunOptions, solve_case: SolveCase) -> EdgeHistor
     if case.edges is not None:
         solved = refine(comm, case, history, options.fields, report, options.announce)
     else:
-        solved = _evaluated(comm, solve_case(case, history, options.fields, report))
+        solved = Evaluated(solve_case(case, history, options.fields, report))
     outcome = solved.outcome
     return EdgeHistories(
         history=_solved_history(comm, outcome),
-        contacts=solved.contacts,
+        contacts=outcome.contacts,
         failure=outcome.failure,
         solution=outcome.solution,
         bodies=outcome.mesh.bodies if outcome.mesh else {},
@@ -116,15 +113,6 @@ def _solve(case: Case, options: RunOptions, solve_case: SolveCase) -> EdgeHistor
         ranks=comm.size,
         refinement=solved.refinement,
     )
-
-
-def _evaluated(comm: MPI.Comm, outcome: Outcome) -> Evaluated:
-    """Evaluate a solved case. Collective."""
-    start = time.perf_counter()
-    contacts = on_root(comm, lambda: evaluate(_solution(outcome)))
-    assert contacts is not None
-    seconds = {**outcome.seconds, "evaluation": time.perf_counter() - start}
-    return Evaluated(replace(outcome, seconds=seconds), contacts)
 
 
 def _solved_history(comm: MPI.Comm, outcome: Outcome) -> History:

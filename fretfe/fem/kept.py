@@ -21,7 +21,6 @@ MEMORY = 2**30
 # Keys of a case that do not enter its model.
 FREE: dict[str, Any] = {
     "title": True,
-    "units": True,
     "cycle": True,
     "output": True,
     "contacts": {"__all__": {"friction", "friction_from"}},

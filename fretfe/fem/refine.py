@@ -15,7 +15,7 @@ import numpy as np
 from fretfe.backends.protocol import Announce, mute
 from fretfe.case import Case
 from fretfe.errors import FretfeError, MeshError
-from fretfe.evaluate import ContactSummary, evaluate
+from fretfe.evaluate import ContactSummary
 from fretfe.fem._compat import MPI
 from fretfe.fem.geometry import load_mesh
 from fretfe.fem.mesh_groups import count_unknowns
@@ -81,12 +81,10 @@ class Evaluated:
 
     Attributes:
         outcome: what solving it produced.
-        contacts: its evaluation.
         refinement: the meshes that led to it, None if there was one mesh only.
     """
 
     outcome: Outcome
-    contacts: tuple[ContactSummary, ...]
     refinement: Refinement | None = None
 
 
@@ -127,10 +125,9 @@ def refine(
                 raise
             ended = replace(result.refinement, reason=str(error))
             return replace(result, refinement=ended)
-        judged = on_root(comm, partial(passes.judge, outcome))
-        assert judged is not None
-        contacts, refinement = judged
-        result = Evaluated(outcome, contacts, refinement)
+        refinement = on_root(comm, partial(passes.judge, outcome))
+        assert refinement is not None
+        result = Evaluated(outcome, refinement)
         if refinement.reason:
             return result
 
@@ -168,27 +165,27 @@ class _Passes:
         even = first_sizes(self._case, self._growth, gmsh)
         apply_sizes(gmsh, replace(even, sources=self._sources))
 
-    def judge(self, outcome: Outcome) -> tuple[tuple[ContactSummary, ...], Refinement]:
-        """Evaluation of a pass, and all passes so far; without a reason to end there is another."""
+    def judge(self, outcome: Outcome) -> Refinement:
+        """All passes so far, this one included; without a reason to end there is another."""
         solution, mesh = outcome.solution, outcome.mesh
         assert solution is not None
         assert mesh is not None
-        contacts = evaluate(solution)
+        contacts = outcome.contacts
         if outcome.failure is not None:
-            return contacts, self._refinement(reason=str(outcome.failure))
+            return self._refinement(reason=str(outcome.failure))
         before = self._passes[-1] if self._passes else None
         self._passes += (self._pass(solution, mesh, contacts),)
         last = self._passes[-1]
         self._announce(f"mesh {len(self._passes)}: {_change_text(before, last)}")
         if before is not None and before.resolved and self._fine_enough(last):
-            return contacts, self._refinement("the results no longer change", converged=True)
+            return self._refinement("the results no longer change", converged=True)
         if len(self._passes) == MOST_PASSES:
-            return contacts, self._refinement(f"{MOST_PASSES} meshes were not enough")
+            return self._refinement(f"{MOST_PASSES} meshes were not enough")
         # A mesh that still does not show all of a slip zone must not keep the others waiting.
         self._level += last.resolved or len(self._passes) > UNRESOLVED_PASSES
         intervals = needed_sizes(solution, contacts, self._level)
         self._sources = tuple(_sources(self._case, mesh, solution, intervals))
-        return contacts, self._refinement("")
+        return self._refinement("")
 
     def _pass(self, solution: Solution, mesh: Mesh, contacts: tuple[ContactSummary, ...]) -> Pass:
         values = edge_values(solution, contacts)

@@ -13,6 +13,8 @@ from fretfe.case import Case
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.recorder import Place, Recorder
 from fretfe.errors import ConvergenceError, ModelError
+from fretfe.evaluate import ContactSummary, evaluate
+from fretfe.evaluate.extremes import load_extremes
 from fretfe.fem._compat import MPI, release
 from fretfe.fem.balance import force_balance
 from fretfe.fem.extraction import add_integrals
@@ -35,12 +37,14 @@ class Outcome:
 
     Attributes:
         solution: all accepted steps; rank 0 only.
+        contacts: its evaluation.
         mesh: the bodies' meshes; rank 0 only.
         failure: why the history was not finished, or None.
         seconds: wall time of each phase on this rank.
     """
 
     solution: Solution | None
+    contacts: tuple[ContactSummary, ...]
     mesh: Mesh | None
     failure: ConvergenceError | None
     seconds: dict[str, float]
@@ -97,7 +101,7 @@ def solve(
     progress: Progress,
     load: LoadMesh | None = None,
 ) -> Outcome:
-    """Solve the load history of a case. Collective.
+    """Solve the load history of a case and evaluate it. Collective.
 
     Args:
         comm: communicator.
@@ -157,13 +161,17 @@ def solve_prepared(
         marched = on_root(comm, lambda: _march(prepared, case, history, progress), share=False)
     failure = comm.bcast(marched.failure if marched else None)
     recorder = marched.recorder if marched else None
-    if fields is not None:
-        with clock("fields"):
-            _write_fields(model, case, history, recorder, fields)
     solution = _solution(model, history, marched.recorder) if marched else None
     with clock("edge integrals"):
         solution = add_integrals(model, case, recorder, prepared.march, solution)
-    return Outcome(solution, prepared.mesh, failure, clock.seconds)
+    with clock("evaluation"):
+        contacts = on_root(comm, lambda: evaluate(solution) if solution else ())
+        assert contacts is not None
+    if fields is not None:
+        with clock("fields"):
+            chosen = _field_states(case, history, solution, contacts) if solution else None
+            _write_fields(model, history, recorder, chosen, fields)
+    return Outcome(solution, contacts, prepared.mesh, failure, clock.seconds)
 
 
 def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
@@ -215,19 +223,25 @@ def _require_contact(recorder: Recorder) -> None:
 
 
 def _write_fields(
-    model: Model, case: Case, history: History, recorder: Recorder | None, directory: Path
+    model: Model,
+    history: History,
+    recorder: Recorder | None,
+    chosen: list[int] | None,
+    directory: Path,
 ) -> None:
-    """Write displacement and stress of the states that the case asks for. Collective."""
-    chosen = model.comm.bcast(_field_states(case, history, recorder) if recorder else None)
-    if not chosen:
+    """Write displacement and stress of the chosen states, which rank 0 has. Collective."""
+    states = model.comm.bcast(chosen)
+    if not states:
         return
-    requests = recorder.requests(chosen) if recorder else None
-    write_fields(model, model.recover(requests), history.times[chosen], directory)
+    requests = recorder.requests(states) if recorder else None
+    write_fields(model, model.recover(requests), history.times[states], directory)
 
 
-def _field_states(case: Case, history: History, recorder: Recorder) -> list[int]:
-    """Solved states whose fields are written."""
-    solved = range(1, len(recorder.states))
+def _field_states(
+    case: Case, history: History, solution: Solution, contacts: tuple[ContactSummary, ...]
+) -> list[int]:
+    """Solved states whose fields the case asks for."""
+    solved = range(1, len(solution.times))
     wanted = case.output.fields
     if wanted == "none":
         return []
@@ -235,4 +249,8 @@ def _field_states(case: Case, history: History, recorder: Recorder) -> list[int]
         return list(solved)
     if wanted == "last":
         return list(solved[-1:])
+    if wanted == "extremes":
+        edges = [edge for contact in contacts for edge in contact.edges]
+        states = load_extremes([e.k_t for e in edges], [e.k_i for e in edges], solution.cycle)
+        return sorted({*states, *solved[-1:]} & set(solved))
     return [state for state in (history.step(time) for time in wanted) if state in solved]

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 
 from fretfe.case import Case
 from fretfe.evaluate import ContactSummary
+from fretfe.evaluate.extremes import load_extremes
 from fretfe.solution import ContactHistory, Solution
 
 # Two colours that stay apart for colour-blind readers and in grey (Okabe and Ito).
@@ -47,19 +48,13 @@ def draw_tractions(case: Case, solution: Solution, contacts: tuple[ContactSummar
     return figure
 
 
-def extremes(solution: Solution, summary: ContactSummary) -> list[int]:
-    """States of the largest and smallest shear factor in the evaluated cycle (or overall)."""
-    first, last = solution.cycle or (0, len(solution.times) - 1)
-    k_t = summary.edges[0].k_t[first : last + 1]
-    states = [first + int(np.argmax(k_t)), first + int(np.argmin(k_t))]
-    return sorted(set(states)) if np.ptp(k_t) > 0 else [last]
-
-
 def _draw_contact(
     panel: Axes, case: Case, solution: Solution, history: ContactHistory, summary: ContactSummary
 ) -> None:
     stress, length = case.units.stress, case.units.length
-    for state, colour in zip(extremes(solution, summary), EXTREME_COLOURS, strict=False):
+    edges = summary.edges
+    states = load_extremes([e.k_t for e in edges], [e.k_i for e in edges], solution.cycle)
+    for state, colour in zip(states, EXTREME_COLOURS, strict=False):
         time = f"t = {solution.times[state]:g} {case.units.time}"
         shown = _around_contact(history, state)
         x = history.arc[shown]

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Draws the pictures that need OpenGL: `python -m fretfe.report.render TASK DIR FILE ...`.
+
+A process of its own: where OpenGL does not work VTK does not raise errors but ends the process.
+Each file is reported on standard output, as a line of JSON, once it is written.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from fretfe.report.picture_frames import pixels, save_png
+from fretfe.report.picture_plan import FOLDER, Wanted, plan_pictures, shown_states
+from fretfe.report.picture_source import Source, open_source
+from fretfe.report.picture_texts import time_text
+from fretfe.report.scene import COLOURS, Scene
+from fretfe.report.stress_pictures import bodies_caption, draw_bodies, draw_edges, find_look
+
+# Of an animation: its width in inches, and how long a cycle takes in milliseconds.
+FRAME_WIDTH, DURATION = 6.4, 4000
+
+
+def draw_pictures(directory: Path, files: list[str]) -> None:
+    """Draw some of the pictures of a results folder.
+
+    Args:
+        directory: results folder.
+        files: names of the pictures.
+    """
+    source = open_source(directory)
+    for wanted in plan_pictures(source.numbers):
+        if wanted.file in files:
+            print(json.dumps({"file": wanted.file, **_draw(source, wanted)}), flush=True)
+
+
+def _draw(source: Source, wanted: Wanted) -> dict[str, Any]:
+    """Caption and size, and why states are missing."""
+    states = source.available(wanted.states)
+    absent = [time_text(source.numbers, each) for each in wanted.states if each not in states]
+    report: dict[str, Any] = {}
+    if absent:
+        report["reason"] = f"no fields of {' and '.join(absent)} in fields"
+    if not states:
+        return report
+    if wanted.kind == "bodies":
+        look = find_look(source, states)
+        scene = Scene(look.limit)
+        figure, caption = (
+            draw_bodies(source, states, look, scene),
+            bodies_caption(source, states, look),
+        )
+        scene.close()
+    else:
+        figure, caption = draw_edges(source, states[-1], wanted.edges)
+    width, height = save_png(figure, source.folder / FOLDER / wanted.file, COLOURS)
+    return {**report, "caption": caption, "width": width, "height": height}
+
+
+def draw_animation(directory: Path, files: list[str]) -> None:
+    """Draw the evaluated cycle as a GIF file.
+
+    Args:
+        directory: results folder.
+        files: the one to write.
+    """
+    source = open_source(directory)
+    first, last = source.numbers["cycle"] or (1, len(source.numbers["times"]) - 1)
+    # The last state of a cycle looks like the first one.
+    states = range(first, last) if source.numbers["cycle"] else range(first, last + 1)
+    found = len(source.available(states))
+    if found < len(states):
+        reason = (
+            f"expected fields of all {len(states)} states of the cycle, found {found}: run the "
+            "case with 'fields = \"all\"' in its table [output]"
+        )
+        print(json.dumps({"file": files[0], "reason": reason}), flush=True)
+        return
+    look = find_look(source, shown_states(source.numbers))
+    scene = Scene(look.limit)
+    frames = []
+    for state in states:
+        frames.append(pixels(draw_bodies(source, [state], look, scene, FRAME_WIDTH), COLOURS))
+        source.forget()
+    scene.close()
+    duration = round(DURATION / len(frames))
+    frames[0].save(files[0], save_all=True, append_images=frames[1:], duration=duration, loop=0)
+    print(json.dumps({"file": files[0]}), flush=True)
+
+
+def export_scene(directory: Path, files: list[str]) -> None:
+    """Write the bodies at the last state as a glTF file.
+
+    Args:
+        directory: results folder.
+        files: the one to write.
+    """
+    source = open_source(directory)
+    states = source.available(range(len(source.numbers["times"])))
+    if not states:
+        print(json.dumps({"file": files[0], "reason": "there are no fields"}), flush=True)
+        return
+    look = find_look(source, states[-1:])
+    scene = Scene(look.limit)
+    scene.export(list(source.bodies(states[-1]).values()), look.scale, Path(files[0]))
+    print(json.dumps({"file": files[0], "scale": look.scale, "limit": look.limit}), flush=True)
+
+
+TASKS = {"pictures": draw_pictures, "animation": draw_animation, "scene": export_scene}
+
+if __name__ == "__main__":
+    TASKS[sys.argv[1]](Path(sys.argv[2]), sys.argv[3:])

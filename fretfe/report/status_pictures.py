@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Pictures of where contacts stick, slip and are open. They need no fields and no OpenGL."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from fretfe.report.outlines import cell_outlines
+from fretfe.report.picture_frames import (
+    STYLE,
+    largest_grid,
+    name_axes,
+    panels,
+    set_limits,
+    set_title,
+)
+from fretfe.report.picture_texts import load_text, time_text
+from fretfe.report.results_arrays import StoredArrays, StoredBody, StoredContact
+from fretfe.report.view import View
+from fretfe.solution import OPEN, SLIP, STICK
+
+Array = npt.NDArray[np.float64]
+
+# Height of a panel over its width.
+ASPECT = 0.36
+# Around the part of the surfaces that is closed in any of the states, as a fraction of it.
+BORDER = 0.06
+BODIES = ("#E4E4E4", "#F0F0F0")
+# Okabe and Ito's colours; width and darkness tell them apart in grey.
+STATUS: dict[int, dict[str, Any]] = {
+    OPEN: {"color": "#606060", "linewidth": 0.9, "linestyle": (0, (1.0, 1.5))},
+    STICK: {"color": "#0072B2", "linewidth": 2.2},
+    SLIP: {"color": "#E69F00", "linewidth": 6.5},
+}
+NAMES = {SLIP: "slip", STICK: "stick", OPEN: "open"}
+
+
+@mpl.rc_context(STYLE)
+def draw_status(
+    numbers: Mapping[str, Any],
+    arrays: StoredArrays,
+    contacts: Sequence[str],
+    states: Sequence[int],
+) -> tuple[Figure, str]:
+    """One row of panels for each contact, a column for each state, and the caption.
+
+    Args:
+        numbers: contents of `results.json`.
+        arrays: of `results.h5`.
+        contacts: names.
+        states: that are shown.
+    """
+    columns = len(states)
+    grid = largest_grid(columns * len(contacts), ASPECT, only=columns)
+    figure, axes = panels(grid, columns * len(contacts), "Where the contacts stick and slip")
+    _add_legend(figure)
+    for row, name in enumerate(contacts):
+        contact = arrays.contacts[name]
+        view = contact_view(contact, states)
+        for panel, state in zip(axes[row * columns :], states, strict=False):
+            set_limits(panel, view.origin, view.half_size)
+            _draw_bodies(panel, arrays.bodies.values(), view)
+            _draw_contact(panel, contact, state, view)
+            name_axes(panel, "along x", "along y", numbers["units"]["length"])
+            loads = load_text(numbers, state)
+            title = f"{name}, {time_text(numbers, state)}{': ' if loads else ''}{loads}"
+            set_title(panel, title, shares_text(contact, state))
+    times = " and ".join(time_text(numbers, state) for state in states)
+    return figure, (
+        f"Status of the contacts in the steps that end at {times}, drawn on the bodies before "
+        "deformation: wide and light where they slip, narrow and dark where they stick, dotted "
+        "where they are open. Each panel is turned into the frame of its contact, body 2 below."
+    )
+
+
+def contact_view(contact: StoredContact, states: Sequence[int]) -> View:
+    """The part of a contact that is closed in any of the states, or all of it if none is."""
+    closed = (contact.status[list(states)] != OPEN).any(axis=0)
+    points = contact.points[closed] if closed.any() else contact.points
+    middle = len(points) // 2
+    normal = (contact.frames[closed] if closed.any() else contact.frames)[middle, 0]
+    upright = View(points[middle], np.ones(2), normal)
+    local = upright.local(points)
+    low, high = local.min(axis=0), local.max(axis=0)
+    size = (high - low) * (1 + 2 * BORDER)
+    half = max(size[0], size[1] / ASPECT, np.ptp(contact.arc) * 1e-3) / 2
+    shift = (low + high) / 2
+    centre = points[middle] + shift @ np.stack([upright.tangent, normal])
+    # The axis has the numbers of the arc, as the results have.
+    arc = (contact.arc[closed] if closed.any() else contact.arc)[middle]
+    origin = np.array([arc + shift[0], 0.0])
+    return View(centre, np.array([half, ASPECT * half]), normal, origin)
+
+
+def shares_text(contact: StoredContact, state: int) -> str:
+    """How much of the contact sticks and slips."""
+    lengths = {kind: contact.weights[contact.status[state] == kind].sum() for kind in (STICK, SLIP)}
+    total = sum(lengths.values())
+    if total == 0:
+        return "open"
+    return ", ".join(f"{NAMES[kind]} {length / total:.1%}" for kind, length in lengths.items())
+
+
+def _draw_bodies(panel: Axes, bodies: Iterable[StoredBody], view: View) -> None:
+    """Light grey, one a little darker than the other."""
+    for number, body in enumerate(bodies):
+        colour = BODIES[number % len(BODIES)]
+        for part in cell_outlines(body)[0]:
+            cells = list(view.local(part[view.overlaps(part)]))
+            # Lines of the same colour close the seams between the elements.
+            panel.add_collection(
+                PolyCollection(cells, facecolors=colour, edgecolors=colour, linewidths=0.3),
+                autolim=False,
+            )
+
+
+def _draw_contact(panel: Axes, contact: StoredContact, state: int, view: View) -> None:
+    """The contact line, in pieces around the nodes that have the same status."""
+    points = view.local(contact.points)
+    middles = (points[1:] + points[:-1]) / 2
+    starts = np.concatenate([points[:1], middles])
+    ends = np.concatenate([middles, points[-1:]])
+    # Narrow lines end upon wide ones.
+    for order, (kind, style) in enumerate(sorted(STATUS.items(), key=lambda s: -s[0])):
+        chosen = contact.status[state] == kind
+        pieces = [
+            np.concatenate([starts[run[:1]], points[run], ends[run[-1:]]])
+            for run in np.split(np.arange(len(points)), np.flatnonzero(np.diff(chosen)) + 1)
+            if chosen[run[0]]
+        ]
+        lines = LineCollection(
+            pieces, capstyle="butt", zorder=2 + order, **{f"{k}s": v for k, v in style.items()}
+        )
+        panel.add_collection(lines, autolim=False)
+
+
+def _add_legend(figure: Figure) -> None:
+    handles = [Line2D([], [], label=NAMES[kind], **STATUS[kind]) for kind in NAMES]
+    figure.legend(
+        handles=handles,
+        loc="upper right",
+        bbox_to_anchor=(0.98, 1 - 0.1 / figure.get_figheight()),
+        ncols=len(handles),
+        frameon=False,
+        fontsize=9,
+        handlelength=3.5,
+        borderaxespad=0.0,
+    )
