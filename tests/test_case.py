@@ -17,6 +17,7 @@ from fretfe.case import (
     Body,
     PlatenLoad,
     RotationLoad,
+    Solid,
     Wave,
     case_schema,
     check_dimension,
@@ -305,6 +306,40 @@ def test_wrong_tables_of_a_geometry_file(tables: dict[str, Any], expected: str) 
     text = message(geometry=geometry)
     assert expected in text
     assert "\n" not in text  # one mistake, one line
+
+
+SOLIDS = {
+    "length": ({"length": 0, "layers": 1}, "geometry.solid.length: expected a number > 0, found 0"),
+    "skew": (
+        {"length": 1, "layers": 1, "skew": 60},
+        "geometry.solid.skew: expected a number < 60, found 60",
+    ),
+    "lean": (
+        {"length": 1, "layers": 1, "skew": -60},
+        "geometry.solid.skew: expected a number > -60, found -60",
+    ),
+    "layers": (
+        {"length": 1, "layers": 0},
+        "geometry.solid.layers: expected a number >= 1, found 0",
+    ),
+    "missing": ({"length": 1}, "geometry.solid.layers: expected a value"),
+    "key": (
+        {"length": 1, "layers": 1, "skw": 5},
+        "geometry.solid.skw: unknown key; did you mean 'skew'?",
+    ),
+}
+
+
+@pytest.mark.parametrize(("solid", "expected"), SOLIDS.values(), ids=SOLIDS)
+def test_a_wrong_solid_is_named(solid: dict[str, Any], expected: str) -> None:
+    assert expected in message(geometry={"template": "wedge", "solid": solid})
+
+
+def test_a_solid_needs_a_template() -> None:
+    solid = {"length": 10, "layers": 2}
+    case = parse_case(edited(geometry={"template": "wedge", "solid": solid}))
+    assert case.geometry.solid == Solid(length=10.0, skew=0.0, layers=2)
+    assert "'solid'" in message(geometry={"file": "b1.msh", "solid": solid})
 
 
 SEGMENTS = {

@@ -76,6 +76,8 @@ def geometry_obstacles(case: Case) -> Iterator[str]:
         found = f"a mesh file, {case.geometry.file!r}" if template is None else repr(template)
         yield f"geometry: expected one of the templates {', '.join(PROFILES)}, found {found}"
         return
+    if case.geometry.solid is not None:
+        yield "geometry.solid: expected a plane case, found a solid"
     if len(case.contacts) > 1:
         yield f"contacts: expected one contact, found {', '.join(case.contacts)}"
     for name, contact in case.contacts.items():

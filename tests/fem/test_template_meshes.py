@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Mapping
+from typing import Any
 
 import gmsh
 import numpy as np
@@ -13,13 +14,16 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fretfe.errors import CaseError
+from fretfe.errors import CaseError, MeshError
+from fretfe.fem.cell_geometry import directed_edges, exterior_edges
 from fretfe.fem.mesh_groups import BodySummary, facet_lengths, mesh_summary
 from fretfe.fem.meshing import BodyMesh, Mesh, mesh_template
-from fretfe.templates import check_parameters, find_template
+from fretfe.template_checks import CROSS_CHECKS
+from fretfe.templates import Template, check_parameters, find_template
 
 COARSE = {"edge_size": 0.05, "edge_zone": 0.15, "flank_size": 0.3, "growth": 0.3}
 COARSE_CYLINDER = COARSE_WEDGE = {"size": 0.05, "growth": 0.3}
+COARSE_FIRTREE = {"edge_size": 0.03, "flank_size": 0.2, "growth": 0.3}
 COARSE_PUNCH = {"edge_size": 0.02, "flat_size": 0.1, "growth": 0.3}
 PUNCH_GROUPS = {
     "upper": {"upper_contact", "upper_top"},
@@ -37,6 +41,12 @@ GROUPS = {
         },
     },
     "cylinder": PUNCH_GROUPS,
+    "firtree": {
+        "blade": {"blade_top"}
+        | {f"blade_flank_{side}_{n}" for side in ("left", "right") for n in (1, 2, 3)},
+        "disc": {"disc_bottom", "disc_side_left", "disc_side_right"}
+        | {f"disc_flank_{side}_{n}" for side in ("left", "right") for n in (1, 2, 3)},
+    },
     "flat_rounded": PUNCH_GROUPS,
     "wedge": PUNCH_GROUPS,
 }
@@ -52,6 +62,10 @@ def cylinder(order: int = 2, **parameters: float) -> Mesh:
 
 def flat_rounded(order: int = 2, **parameters: float) -> Mesh:
     return mesh_template(find_template("flat_rounded"), COARSE_PUNCH | parameters, order)
+
+
+def firtree(order: int = 2, **parameters: float) -> Mesh:
+    return mesh_template(find_template("firtree"), COARSE_FIRTREE | parameters, order)
 
 
 def wedge(order: int = 2, **parameters: float) -> Mesh:
@@ -97,6 +111,7 @@ def test_groups(name: str, order: int) -> None:
     meshers = {
         "dovetail": dovetail,
         "cylinder": cylinder,
+        "firtree": firtree,
         "flat_rounded": flat_rounded,
         "wedge": wedge,
     }
@@ -107,7 +122,13 @@ def test_groups(name: str, order: int) -> None:
 
 @pytest.mark.parametrize(
     ("name", "largest"),
-    [("dovetail", 30_000), ("cylinder", 20_000), ("flat_rounded", 30_000), ("wedge", 20_000)],
+    [
+        ("dovetail", 30_000),
+        ("cylinder", 20_000),
+        ("firtree", 70_000),
+        ("flat_rounded", 30_000),
+        ("wedge", 20_000),
+    ],
 )
 def test_default_size(name: str, largest: int) -> None:
     summary = mesh_summary(mesh_template(find_template(name), {}, 2))
@@ -236,40 +257,137 @@ def test_cylinders_touch_in_the_origin() -> None:
     assert upper[:, 1].min() == lower[:, 1].max() == 0.0
 
 
-def random_parameters(name: str, fixed: Mapping[str, float], seed: int) -> dict[str, float]:
-    """Valid parameters between 0.6 and 1.7 times the defaults, other than the fixed ones."""
+# How far random parameters go from the defaults, as a factor either way; coarse for speed.
+SPREAD = {"cylinder": 4.0, "dovetail": 3.0, "firtree": 2.0, "flat_rounded": 3.0, "wedge": 4.0}
+COARSER = {"edge_size": 4.0, "size": 4.0, "flank_size": 1.5}
+
+
+def drawn(template: Template, generator: random.Random) -> dict[str, float]:
+    """Random parameters within their ranges, valid or not; angles between half and twice."""
+    values: dict[str, float] = {}
+    for each in template.parameters:
+        spread = 2.0 if each.unit == "degrees" else SPREAD[template.name]
+        value = each.default * COARSER.get(each.name, 1.0) * spread ** generator.uniform(-1, 1)
+        if each.whole:
+            value = generator.randint(round(each.minimum), round(each.maximum))
+        if each.name == "lobe_gap":
+            value = generator.uniform(-0.02, 0.02)
+        if each.name == "lower_radius" and each.minimum == 0 and generator.random() < 0.5:
+            value = 0.0
+        values[each.name] = min(max(value, each.minimum), each.maximum)
+    return values
+
+
+def random_parameters(
+    name: str, seed: int, fixed: Mapping[str, float] | None = None
+) -> dict[str, float]:
+    """Random parameters that pass the checks."""
     generator = random.Random(seed)
     template = find_template(name)
     while True:
-        values = dict(fixed) | {
-            each.name: each.default * generator.uniform(0.6, 1.7)
-            for each in template.parameters
-            if each.name not in fixed
-        }
+        values = drawn(template, generator) | dict(fixed or {})
         try:
             return check_parameters(template, values)
         except CaseError:
             continue
 
 
-@pytest.mark.parametrize("seed", range(10))
-@pytest.mark.parametrize(
-    ("name", "fixed"),
-    [
-        ("dovetail", COARSE),
-        ("cylinder", COARSE_CYLINDER),
-        ("flat_rounded", COARSE_PUNCH),
-        ("wedge", COARSE_WEDGE),
-    ],
-    ids=GROUPS,
-)
-def test_valid_parameters_give_good_meshes(
-    name: str, fixed: Mapping[str, float], seed: int
-) -> None:
+SEEDS = [
+    *range(5),
+    *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(5, 50)),
+]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("name", GROUPS)
+def test_valid_parameters_give_good_symmetric_meshes(name: str, seed: int) -> None:
     # that no element is inverted and none overlap is checked by mesh_template itself
+    values = random_parameters(name, seed)
+    mesh = mesh_template(find_template(name), values, 2)
+    assert min(body.smallest_angle for body in mesh_summary(mesh)) > 15
+    for body in mesh.bodies.values():
+        for group in (name for name in body.boundaries if "left" not in name):
+            other = group.replace("right", "left")
+            facets, mirrored = (body.points[body.boundaries[each]] for each in (group, other))
+            distance, _ = cKDTree(mirrored.mean(axis=1) * [-1, 1]).query(facets.mean(axis=1))
+            # Gmsh finds the mirror images of nodes on arcs to about 1e-6 of their radius
+            assert len(facets) == len(mirrored)
+            assert distance.max() < 1e-6 * max(10.0, np.abs(body.points).max())
+
+
+@pytest.mark.parametrize("name", GROUPS)
+def test_refused_parameters_are_named(name: str) -> None:
     template = find_template(name)
-    summary = mesh_summary(mesh_template(template, random_parameters(name, fixed, seed), 2))
-    assert min(body.smallest_angle for body in summary) > 15
+    known = [each.name for each in template.parameters]
+    generator = random.Random(1)
+    refused = 0
+    while refused < 50:
+        try:
+            check_parameters(template, drawn(template, generator))
+        except CaseError as error:
+            lines = str(error).splitlines()[1:]
+            assert lines and all(line.removeprefix("  - ").split(":")[0] in known for line in lines)
+            refused += 1
+
+
+# Parameters that a check refuses, and how the geometry is bad: the bodies cross, or one crosses
+# itself, so that it cannot be meshed.
+BAD: dict[str, tuple[str, str, dict[str, float]]] = {
+    "dovetail neck": ("dovetail", "_neck_passes_mouth", {"overhang": 5, "slot_clearance": 4}),
+    "dovetail wall": (
+        "dovetail",
+        "_root_clears_slot_wall",
+        {"lower_radius": 9, "slot_fillet": 0.5},
+    ),
+    "firtree teeth": (
+        "firtree",
+        "_teeth_clear_neck_fillets",
+        {"neck_fillet": 3, "pitch": 12, "tooth_radius": 0.2},
+    ),
+    "firtree necks": ("firtree", "_necks_remain", {"pitch": 24, "disc_depth": 80}),
+    "firtree corner": (
+        "firtree",
+        "_root_corner_clears_slot_corner",
+        {"root_corner": 0.1, "slot_clearance": 0.05, "flank_clearance": 0.2, "groove_radius": 1.3},
+    ),
+    "firtree grooves": ("firtree", "_grooves_leave_room_for_contact", {"groove_radius": 4}),
+    "wedge height": ("wedge", "_bodies_are_higher_than_wedge", {"angle": 20, "upper_height": 2}),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_refused_geometry_is_bad(case: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    name, check, parameters = BAD[case]
+    template = find_template(name)
+    defaults = {each.name: each.default for each in template.parameters}
+    values = {**defaults, **parameters}
+    assert check in [each.__name__ for each in CROSS_CHECKS[name] if each(values)]
+    monkeypatch.setattr("fretfe.fem.meshing.check_parameters", lambda *_: values)
+    try:
+        mesh = mesh_template(template, {}, 1)
+    except MeshError:
+        return
+    first, second = mesh.bodies.values()
+    crossing = points_inside(first, second) or points_inside(second, first)
+    assert crossing or min(body.smallest_angle for body in mesh_summary(mesh)) < 5
+
+
+def points_inside(body: BodyMesh, other: BodyMesh) -> bool:
+    """Whether nodes of the outline of a body are well inside a triangle of another."""
+    edges, _ = exterior_edges(directed_edges(body.cells, body.cell, body.order))
+    points = body.points[np.unique(edges)]
+    corners = other.points[other.cells[:, :3]]
+    tree = cKDTree(corners.mean(axis=1))
+    _, near = tree.query(points, k=12)
+    a, b, c = (corners[near][:, :, k] for k in range(3))
+
+    def area(p: NDArray[np.float64], q: NDArray[np.float64], r: NDArray[np.float64]) -> Any:
+        u, v = q - p, r - p
+        return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+
+    x = points[:, None]
+    parts = np.stack([area(x, a, b), area(x, b, c), area(x, c, a)]) / area(a, b, c)
+    return bool((parts.min(axis=0) > 1e-3).any())
 
 
 def flat_rounded_gap(values: Mapping[str, float], x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -296,7 +414,7 @@ PROFILES = {
 @pytest.mark.parametrize("name", PROFILES)
 def test_random_punch_has_its_gap_and_is_symmetric(name: str, seed: int) -> None:
     fixed, gap = PROFILES[name]
-    values = random_parameters(name, fixed, seed)
+    values = random_parameters(name, seed, fixed)
     bodies = mesh_template(find_template(name), values, 2).bodies
     assert {body: set(mesh.boundaries) for body, mesh in bodies.items()} == PUNCH_GROUPS
     x, y = facet_nodes(bodies["upper"], "upper_contact").T
@@ -335,6 +453,69 @@ def test_punch_is_graded_smoothly_from_the_flat_to_a_tiny_rounding() -> None:
         assert lengths[np.abs(x).argmin()] == pytest.approx(0.08 * coarser, rel=0.15)
         # a size that grows by 0.2 per distance makes each element 1.2 times its neighbour
         assert np.abs(np.diff(np.log(lengths))).max() < math.log(1.3)
+
+
+@pytest.fixture(scope="module")
+def stepped_firtree() -> Mesh:
+    return firtree(lobes=4, lobe_gap=0.02, groove_radius=1.0, disc_depth=55.0)
+
+
+def lobe_frame(points: NDArray[np.float64], lobe: int, side: int) -> NDArray[np.float64]:
+    """Position along the flank of a lobe, downwards from its middle, and height above its flat."""
+    default = {each.name: each.default for each in find_template("firtree").parameters}
+    angle, relief, wedge_angle = (
+        math.radians(default[f"{name}_angle"]) for name in ("flank", "relief", "wedge")
+    )
+    radius, fillet = default["upper_radius"], default["neck_fillet"]
+    # from the neck: the fillet turns to the relieved direction, the rounding back to the flank
+    x = default["neck_width"] / 2 + fillet + radius * math.sin(angle)
+    x -= (radius + fillet) * math.sin(angle - relief)
+    x += default["flank_length"] / 2 * math.cos(angle)
+    down = (lobe - 1) * default["pitch"]
+    middle = np.array([x - down * math.sin(wedge_angle), -down * math.cos(wedge_angle)])
+    tangent, normal = (math.cos(angle), -math.sin(angle)), (math.sin(angle), math.cos(angle))
+    return (points * [side, 1] - middle) @ np.array([tangent, normal]).T
+
+
+@pytest.mark.parametrize("side", [-1, 1], ids=["left", "right"])
+@pytest.mark.parametrize("lobe", [1, 2, 3, 4])
+def test_firtree_flanks(stepped_firtree: Mesh, lobe: int, side: int) -> None:
+    name = f"flank_{'left' if side < 0 else 'right'}_{lobe}"
+    blade = facet_nodes(stepped_firtree.bodies["blade"], f"blade_{name}")
+    disc = facet_nodes(stepped_firtree.bodies["disc"], f"disc_{name}")
+    s, height = lobe_frame(blade, lobe, side).T
+    beyond = np.maximum(np.abs(s) - 1.25, 0)
+    # flat and circles of radius 1.2; Gmsh's tolerance on curves
+    np.testing.assert_allclose(height, np.sqrt(1.44 - beyond**2) - 1.2, atol=1e-9)
+    reach = 1.25 + 1.2 * math.sin(math.radians(10))
+    along, gap = lobe_frame(disc, lobe, side).T
+    np.testing.assert_allclose(gap, 0.02 * (lobe - 1), atol=1e-12)
+    for ends in (s, along):
+        np.testing.assert_allclose([ends.min(), ends.max()], [-reach, reach], atol=1e-9)
+
+
+@pytest.mark.parametrize(("gap", "lowest"), [(0.01, 0.02), (-0.01, 0.0)])
+def test_lobes_engage_from_the_top_or_from_the_bottom(gap: float, lowest: float) -> None:
+    mesh = firtree(lobe_gap=gap)
+    disc = facet_nodes(mesh.bodies["disc"], "disc_flank_right_3")
+    np.testing.assert_allclose(lobe_frame(disc, 3, 1)[:, 1], lowest, atol=1e-12)
+
+
+def test_backs_and_walls_of_the_firtree_keep_their_clearance(stepped_firtree: Mesh) -> None:
+    outlines = []
+    for body in stepped_firtree.bodies.values():
+        edges, _ = exterior_edges(directed_edges(body.cells, body.cell, body.order))
+        contact = [f for name, f in body.boundaries.items() if "flank" in name]
+        inner = np.unique(np.concatenate(contact))
+        outlines.append(np.setdiff1d(np.unique(edges), inner))
+    blade, disc = stepped_firtree.bodies.values()
+    distance, _ = cKDTree(disc.points[outlines[1]]).query(blade.points[outlines[0]])
+    # just behind the contact the rounding is 1.2 (1 - cos 10°) = .018 away
+    assert distance.min() > 0.018
+    y = blade.points[outlines[0], 1]
+    wall = (y > 2.5) & (y < 4.0)  # the neck beside the rim
+    assert wall.any()
+    np.testing.assert_allclose(distance[wall], 0.3, rtol=0.2)  # node to node, not to line
 
 
 def test_summary_counts_and_measures() -> None:
