@@ -197,7 +197,11 @@ RANGES = {
     "load-number": ("loads__press", 5, "loads.press: expected a table, found 5"),
     "history-empty": ("loads__press__history", [], "press.history: expected at least 1 entry"),
     "history-number": ("loads__press__history", 1, "press.history: expected a list, found 1"),
-    "fields": ("output__fields", "lst", "output.fields: expected 'last', 'none' or 'all'"),
+    "fields": (
+        "output__fields",
+        "lst",
+        "output.fields: expected 'extremes', 'last', 'none' or 'all'",
+    ),
     "fields-time": ("output__fields", [-1.0], "output.fields[item 1]: expected a number >= 0"),
     "body-name": (
         "bodies__my pad",
