@@ -121,6 +121,10 @@ def test_boundaries_are_complete_and_outside(name: str, order: int, solid: Solid
 @pytest.mark.parametrize("name", ["dovetail", "firtree"])
 def test_left_and_right_mirror_each_other(name: str, order: int) -> None:
     for body in extrude(plane(name, order), SOLID).bodies.values():
+        # so do the tetrahedra: their means tell the ways to divide a prism apart
+        cells = body.points[body.cells].mean(axis=1)
+        distance, _ = cKDTree(cells * [-1, 1, 1]).query(cells)
+        assert distance.max() < 1e-5
         flanks = [group for group in body.boundaries if "flank_left" in group]
         assert len(flanks) == {"dovetail": 1, "firtree": 3}[name]
         for group in flanks:

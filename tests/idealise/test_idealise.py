@@ -114,6 +114,10 @@ REASONS: dict[str, tuple[dict[str, Any], str]] = {
         {"geometry": {"template": "dovetail"}},
         "geometry: expected one of the templates cylinder, wedge, flat_rounded, found 'dovetail'",
     ),
+    "solid": (
+        {"geometry": {"template": "cylinder", "solid": {"length": 5.0, "layers": 2}}},
+        "geometry.solid: expected a plane case",
+    ),
     "mesh file": ({"geometry": {"file": "mine.msh"}}, "found a mesh file, 'mine.msh'"),
     "surfaces": (
         {"contacts": {"main": {**MAIN, "surface1": "lower_contact", "surface2": "upper_contact"}}},
