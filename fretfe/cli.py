@@ -38,6 +38,9 @@ def run(
         str, typer.Option(help="analytic, halfplane, fem, or one of `fretfe backends`.")
     ] = "fem",
     timings: Annotated[bool, typer.Option(help="Print the wall time of each phase.")] = False,
+    report: Annotated[
+        bool, typer.Option("--report/--no-report", help="Make report.html in the folder.")
+    ] = True,
 ) -> None:
     """Solve a case and write its results.
 
@@ -45,7 +48,20 @@ def run(
     """
     from fretfe.command import run_case
 
-    run_case(case, output, backend, timings=timings)
+    run_case(case, output, backend, timings=timings, report=report)
+
+
+@app.command("report")
+def make_report(
+    directory: Annotated[
+        Path, typer.Argument(help="Folder with the results of a run.", show_default=False)
+    ],
+) -> None:
+    """Make report.html from the results in a folder, as `fretfe run` does at its end."""
+    from fretfe.report.page import write_report
+
+    if rank_from_environment() == 0:
+        typer.echo(f"Report in {write_report(directory)}")
 
 
 @app.command()

@@ -34,7 +34,7 @@ from fretfe.backends import (
 from fretfe.case import Case, load_case
 from fretfe.environment import rank_from_environment
 from fretfe.errors import CaseError, ModelError
-from fretfe.report.figures import write_tractions
+from fretfe.report.page import REPORT, write_report
 from fretfe.report.tables import (
     backend_table,
     contact_table,
@@ -52,7 +52,7 @@ from fretfe.verify.report import as_numbers, print_rows, print_summary
 from fretfe.verify.run import run_benchmark
 
 T = TypeVar("T")
-FIELDS, FIGURE, CASE_COPY = "fields", "tractions.png", "case.toml"
+FIELDS, CASE_COPY = "fields", "case.toml"
 
 
 class OneProcess:
@@ -68,7 +68,7 @@ class OneProcess:
         return work()
 
 
-def run_case(path: Path, directory: Path, name: str, *, timings: bool) -> None:
+def run_case(path: Path, directory: Path, name: str, *, timings: bool, report: bool) -> None:
     """Solve a case, write everything, print the edges. Collective if the backend is parallel."""
     start = time.perf_counter()
     backend = find_backend(name)
@@ -80,11 +80,11 @@ def run_case(path: Path, directory: Path, name: str, *, timings: bool) -> None:
     processes.on_root(lambda: require_supported(backend, name, case))
     fields = None if case.output.fields == "none" else directory / FIELDS
     processes.on_root(lambda: _prepare(directory, path))
-    with StepReport(processes.rank) as report:
+    with StepReport(processes.rank) as shown:
         result = backend.solve(
-            case, RunOptions(fields=fields, progress=report.step, announce=report.announce)
+            case, RunOptions(fields=fields, progress=shown.step, announce=shown.announce)
         )
-    processes.on_root(lambda: _finish(case, name, result, directory, start, timings))
+    processes.on_root(lambda: _finish(case, name, result, directory, start, timings, report))
     if result.failure is not None:
         raise result.failure
 
@@ -116,15 +116,20 @@ def _prepare(directory: Path, case_file: Path) -> None:
 
 
 def _finish(
-    case: Case, backend: str, result: EdgeHistories, directory: Path, start: float, timings: bool
+    case: Case,
+    backend: str,
+    result: EdgeHistories,
+    directory: Path,
+    start: float,
+    timings: bool,
+    report: bool,
 ) -> None:
     """Write and print; on rank 0."""
     begin = time.perf_counter()
+    # A report of an earlier run would not belong to these results.
+    (directory / REPORT).unlink(missing_ok=True)
     write_results(directory, case, backend, result)
-    # A figure of an earlier run would not belong to these results.
-    (directory / FIGURE).unlink(missing_ok=True)
-    if result.solution is not None:
-        write_tractions(directory / FIGURE, case, result.solution, result.contacts)
+    failure = _make_report(directory) if report else ""
     writing = time.perf_counter() - begin
     console = Console()
     console.print(contact_table(case, result.history.cycle, result.contacts))
@@ -133,12 +138,23 @@ def _finish(
         console.print(mesh_table(result.refinement))
         console.print(limit_table(result.refinement))
     _print_remarks(console, result)
+    if failure:
+        console.print(f"Warning: no report: {failure}", highlight=False, markup=False)
     if timings:
         console.print(timing_table({**result.seconds, "writing": writing}))
     steps = _step_text(result.solution)
     text = f"{len(result.history.times) - 1} steps{steps}, {time.perf_counter() - start:.1f} s"
     console.print(text, highlight=False)
     console.print(f"Results in {directory}", highlight=False, soft_wrap=True)
+
+
+def _make_report(directory: Path) -> str:
+    """Make the report; why there is none, or nothing. The results are there in any case."""
+    try:
+        write_report(directory)
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+    return ""
 
 
 def _step_text(solution: Solution | None) -> str:

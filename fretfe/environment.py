@@ -8,7 +8,17 @@ import os
 import platform
 from pathlib import Path
 
-PACKAGES = ("fretfe", "numpy", "scipy", "pydantic", "h5py", "gmsh", "matplotlib", "pyvista")
+PACKAGES = (
+    "fretfe",
+    "numpy",
+    "scipy",
+    "pydantic",
+    "h5py",
+    "gmsh",
+    "jinja2",
+    "matplotlib",
+    "pyvista",
+)
 
 
 def versions() -> dict[str, str]:
