@@ -150,7 +150,7 @@ def run(
         options = RunOptions(progress=progress, fields=fields)
     result = solver.solve(case, options)
     if output is not None:
-        _write(processes, lambda: write_all(case, backend, result, directory))
+        _write(processes, lambda: write_all(case, backend, result, directory, report=True))
     if result.failure is not None:
         raise result.failure
     return Result(case, backend, result)

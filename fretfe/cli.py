@@ -95,6 +95,9 @@ def run(
     timings: Annotated[
         bool, typer.Option("--timings", help="Print the wall time of each phase.")
     ] = False,
+    report: Annotated[
+        bool, typer.Option("--report/--no-report", help="Make report.html in the folder.")
+    ] = True,
     quiet: Quiet = False,
     verbose: Verbose = False,
     trust_geo: TrustGeo = False,
@@ -109,8 +112,25 @@ def run(
         overrides or (),
         _verbosity(quiet, verbose),
         timings=timings,
+        report=report,
         trust_geo=trust_geo,
     )
+
+
+@app.command(
+    "report",
+    epilog=_examples(
+        "fretfe report pad",
+    ),
+)
+def make_report(
+    directory: Results,
+) -> None:
+    """Make report.html from the results in a folder, as `fretfe run` does at its end."""
+    from fretfe.report.page import write_report
+
+    if rank_from_environment() == 0:
+        typer.echo(f"Report in {write_report(directory)}")
 
 
 @app.command(

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
@@ -33,7 +34,7 @@ from fretfe.backends import (
 from fretfe.case import Case, as_written, case_text, load_case, parse_assignments
 from fretfe.environment import rank_from_environment
 from fretfe.errors import CaseError, ModelError, OutputError
-from fretfe.report.figures import write_tractions
+from fretfe.report.page import REPORT, write_report
 from fretfe.report.pictures import make_pictures, remove_pictures
 from fretfe.report.tables import (
     backend_table,
@@ -53,7 +54,7 @@ from fretfe.verify.report import as_numbers, print_rows, print_summary
 from fretfe.verify.run import run_benchmark
 
 T = TypeVar("T")
-FIGURE, CASE_COPY = "tractions.png", "case.toml"
+CASE_COPY = "case.toml"
 
 
 class OneProcess:
@@ -77,6 +78,7 @@ def run_case(
     verbosity: Verbosity = Verbosity.NORMAL,
     *,
     timings: bool = False,
+    report: bool = True,
     trust_geo: bool = False,
 ) -> None:
     """Solve a case, write everything, print the edges. Collective if the backend is parallel.
@@ -88,6 +90,7 @@ def run_case(
         overrides: values in place of those of the file, like ``loads.shear.amplitude=120``.
         verbosity: how much is printed.
         timings: whether the wall time of each phase is, too; it always is if verbose.
+        report: whether report.html is made, with its pictures.
         trust_geo: whether a .geo file of the case may run.
     """
     start = time.perf_counter()
@@ -100,11 +103,13 @@ def run_case(
     processes.on_root(lambda: require_supported(backend, name, case))
     fields = None if case.output.fields == "none" else directory / FIELDS
     processes.on_root(lambda: prepare(directory, case))
-    with StepReport(processes.rank, verbosity) as report:
+    with StepReport(processes.rank, verbosity) as shown:
         result = backend.solve(
-            case, RunOptions(fields=fields, progress=report.step, announce=report.announce)
+            case, RunOptions(fields=fields, progress=shown.step, announce=shown.announce)
         )
-    processes.on_root(lambda: _finish(case, name, result, directory, start, verbosity, timings))
+    processes.on_root(
+        lambda: _finish(case, name, result, directory, start, verbosity, timings, report)
+    )
     if result.failure is not None:
         raise result.failure
 
@@ -153,13 +158,40 @@ def prepare(directory: Path, case: Case) -> None:
         )
 
 
-def write_all(case: Case, backend: str, result: EdgeHistories, directory: Path) -> None:
-    """Write everything that belongs to a result; on rank 0."""
+@dataclass(frozen=True)
+class Written:
+    """How writing went.
+
+    Attributes:
+        seconds: wall time of each phase.
+        problems: what is missing and why, in words.
+    """
+
+    seconds: dict[str, float]
+    problems: tuple[str, ...]
+
+
+def write_all(
+    case: Case, backend: str, result: EdgeHistories, directory: Path, *, report: bool
+) -> Written:
+    """Write everything that belongs to a result, with a report if wanted; on rank 0.
+
+    A report or pictures that cannot be made take nothing away from the results.
+    """
+    # A report of an earlier run would not belong to these results.
+    (directory / REPORT).unlink(missing_ok=True)
+    begin = time.perf_counter()
     write_results(directory, case, backend, result)
-    # A figure of an earlier run would not belong to these results.
-    (directory / FIGURE).unlink(missing_ok=True)
-    if result.solution is not None:
-        write_tractions(directory / FIGURE, case, result.solution, result.contacts)
+    seconds, problems = {"writing": time.perf_counter() - begin}, []
+    extras = {"pictures": make_pictures, "report": write_report} if report else {}
+    for phase, make in extras.items():
+        begin = time.perf_counter()
+        try:
+            make(directory)
+        except Exception as error:
+            problems.append(f"no {phase}: {type(error).__name__}: {error}")
+        seconds[phase] = time.perf_counter() - begin
+    return Written(seconds, tuple(problems))
 
 
 def _finish(
@@ -170,16 +202,14 @@ def _finish(
     start: float,
     verbosity: Verbosity,
     timings: bool,
+    report: bool,
 ) -> None:
     """Write and print; on rank 0."""
-    begin = time.perf_counter()
-    write_all(case, backend, result, directory)
-    writing = time.perf_counter() - begin
+    written = write_all(case, backend, result, directory, report=report)
     quiet = verbosity is Verbosity.QUIET
     console = Console(stderr=quiet)
-    pictures = _draw(console, directory)
     if quiet:
-        _print_warnings(console, result)
+        _print_warnings(console, result, written)
         return
     console.print(contact_table(case, result.history.cycle, result.contacts))
     console.print(edge_table(case, result.contacts))
@@ -188,25 +218,13 @@ def _finish(
         console.print(limit_table(result.refinement))
     for note in result.notes:
         console.print(f"Note: {note}", highlight=False, markup=False)
-    _print_warnings(console, result)
+    _print_warnings(console, result, written)
     if timings or verbosity is Verbosity.VERBOSE:
-        seconds = {**result.seconds, "writing": writing, "pictures": pictures}
-        console.print(timing_table(seconds))
+        console.print(timing_table({**result.seconds, **written.seconds}))
     steps = _step_text(result.solution)
     text = f"{len(result.history.times) - 1} steps{steps}, {time.perf_counter() - start:.1f} s"
     console.print(text, highlight=False)
     console.print(f"Results in {directory}", highlight=False, soft_wrap=True)
-
-
-def _draw(console: Console, directory: Path) -> float:
-    """Draw pictures of the results; seconds. A run does not fail if there are none."""
-    begin = time.perf_counter()
-    try:
-        make_pictures(directory)
-    except Exception as error:
-        text = f"Warning: no pictures: {error}"
-        console.print(text, highlight=False, markup=False)
-    return time.perf_counter() - begin
 
 
 def _step_text(solution: Solution | None) -> str:
@@ -218,7 +236,7 @@ def _step_text(solution: Solution | None) -> str:
     )
 
 
-def _print_warnings(console: Console, result: EdgeHistories) -> None:
+def _print_warnings(console: Console, result: EdgeHistories, written: Written) -> None:
     refinement = result.refinement
     if refinement is not None and not refinement.converged:
         text = f"Warning: the mesh is not fine enough for edges.tolerance: {refinement.reason}"
@@ -226,6 +244,8 @@ def _print_warnings(console: Console, result: EdgeHistories) -> None:
     for contact in result.contacts:
         for warning in contact.warnings:
             console.print(f"Warning: {contact.name}: {warning}", highlight=False, markup=False)
+    for problem in written.problems:
+        console.print(f"Warning: {problem}", highlight=False, markup=False)
 
 
 class StepReport:

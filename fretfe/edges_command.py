@@ -16,6 +16,7 @@ from rich.table import Table
 from fretfe.edges import EdgeAnalysis, Estimate, TractionAnalysis, analyse_tractions
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_table
+from fretfe.report.numbers import MISSING, with_error
 
 ROWS = {
     "position": "position",
@@ -88,17 +89,10 @@ def _edge_table(analysis: TractionAnalysis) -> Table:
 
 
 def _with_error(estimate: Estimate) -> str:
-    """Value and error, with two digits of the error: 0.5749 ± 0.0012; - if it is not known."""
+    """Value and error; - if it is not known, ~ before it if there is a remark."""
     if not estimate.known:
-        return "-"
-    mark = "~" if estimate.remark else ""
-    if not (math.isfinite(estimate.spread) and estimate.spread > 0.0):
-        return f"{mark}{estimate.value:.6g}"
-    digits = 1 - math.floor(math.log10(estimate.spread))
-    decimals = min(max(digits, 0), 12)
-    if digits < -3 or digits > 9:  # numbers with an exponent
-        return f"{mark}{estimate.value:.6g} ± {estimate.spread:.2g}"
-    return f"{mark}{estimate.value:.{decimals}f} ± {estimate.spread:.{decimals}f}"
+        return MISSING
+    return ("~" if estimate.remark else "") + with_error(estimate.value, estimate.spread)
 
 
 def _resultant_text(analysis: TractionAnalysis) -> str:

@@ -9,7 +9,17 @@ import platform
 from collections.abc import Mapping
 from pathlib import Path
 
-PACKAGES = ("fretfe", "numpy", "scipy", "pydantic", "h5py", "gmsh", "matplotlib", "pyvista")
+PACKAGES = (
+    "fretfe",
+    "numpy",
+    "scipy",
+    "pydantic",
+    "h5py",
+    "gmsh",
+    "jinja2",
+    "matplotlib",
+    "pyvista",
+)
 
 
 def versions() -> dict[str, str]:

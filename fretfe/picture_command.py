@@ -8,8 +8,8 @@ from pathlib import Path
 from rich.console import Console
 
 from fretfe.errors import CaseError, OutputError
+from fretfe.reading import read_numbers
 from fretfe.report.child import draw_in_child
-from fretfe.results import read_numbers
 
 
 def animate(directory: Path, output: Path) -> None:

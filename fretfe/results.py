@@ -83,22 +83,6 @@ def write_results(directory: Path, case: Case, backend: str, result: EdgeHistori
         raise OutputError(f"{directory}: cannot write the results: {error}") from error
 
 
-def read_numbers(directory: Path) -> dict[str, Any]:
-    """Read `results.json` of a run.
-
-    Raises:
-        OutputError: if it is missing or not of this schema.
-    """
-    path = directory / NUMBERS
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise OutputError(f"{path}: expected the results of a run, found: {error}") from error
-    if data.get("schema") != SCHEMA:
-        raise OutputError(f"{path}: expected schema {SCHEMA}, found {data.get('schema')}")
-    return dict(data)
-
-
 def _write_arrays(path: Path, result: EdgeHistories, solution: Solution) -> None:
     with h5py.File(path, "w") as file:
         file.attrs.update({"schema": SCHEMA["name"], "version": SCHEMA["version"]})

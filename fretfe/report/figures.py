@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Figures of tractions, drawn off screen."""
+"""Figures of tractions."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from fretfe.case import Case
@@ -22,16 +20,6 @@ from fretfe.solution import ContactHistory, Solution
 EXTREME_COLOURS = ("#0072B2", "#D55E00")
 PRESSURE_COLOUR = "#555555"
 STYLE: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
-
-
-def write_tractions(
-    path: Path, case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]
-) -> None:
-    """Write the figure of the tractions."""
-    with mpl.rc_context(STYLE):
-        figure = draw_tractions(case, solution, contacts)
-        FigureCanvasAgg(figure)
-        figure.savefig(path, dpi=150)
 
 
 def draw_tractions(case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]) -> Figure:

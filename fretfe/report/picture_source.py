@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from fretfe.reading import read_numbers
 from fretfe.report.field_files import BodyField, field_times, find_time, read_body
 from fretfe.report.picture_texts import time_text
 from fretfe.report.results_arrays import StoredArrays, read_arrays
-from fretfe.results import FIELDS, read_numbers
+from fretfe.results import FIELDS
 
 Array = npt.NDArray[np.float64]
 

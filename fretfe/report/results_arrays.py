@@ -11,21 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from fretfe.errors import OutputError
+from fretfe.reading import StoredBody, read_body
 from fretfe.results import ARRAYS
 
 Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class StoredBody:
-    """The mesh of a body; see `BodyArrays`."""
-
-    points: Array
-    cells: Indices
-    cell: str
-    order: int
-    boundaries: dict[str, Indices]
 
 
 @dataclass(frozen=True)
@@ -59,21 +48,11 @@ def read_arrays(directory: Path) -> StoredArrays:
     path = directory / ARRAYS
     try:
         with h5py.File(path) as file:
-            bodies = {name: _read_body(group) for name, group in file.get("mesh", {}).items()}
+            bodies = {name: read_body(group) for name, group in file.get("mesh", {}).items()}
             contacts = {name: _read_contact(group) for name, group in file["contacts"].items()}
     except (OSError, KeyError) as error:
         raise OutputError(f"{path}: expected the arrays of a run, found: {error}") from error
     return StoredArrays(bodies, contacts)
-
-
-def _read_body(group: h5py.Group) -> StoredBody:
-    return StoredBody(
-        points=group["points"][:],
-        cells=group["cells"][:],
-        cell=str(group.attrs["cell"]),
-        order=int(group.attrs["order"]),
-        boundaries={name: facets[:] for name, facets in group.get("boundaries", {}).items()},
-    )
 
 
 def _read_contact(group: h5py.Group) -> StoredContact:

@@ -16,6 +16,8 @@ from fretfe.backends import Installed
 from fretfe.case import Case
 from fretfe.evaluate import ContactSummary, Edge, SlipZone
 from fretfe.refinement import EdgeValues, Refinement, changes_by_kind
+from fretfe.report.numbers import MISSING, number, percent
+from fretfe.report.states import prediction
 from fretfe.templates import Parameter, Template
 
 
@@ -42,21 +44,20 @@ def _table(title: str, headers: tuple[str, ...], text: int) -> Table:
     table = Table(title=title, title_justify="left", box=box.SIMPLE, title_style="bold")
     table.pad_edge = False
     table.padding = (0, 1, 0, 0)
-    for number, header in enumerate(headers):
-        table.add_column(header, justify="left" if number < text else "right", no_wrap=True)
+    for place, header in enumerate(headers):
+        table.add_column(header, justify="left" if place < text else "right", no_wrap=True)
     return table
 
 
 def _edge_cells(edge: Edge) -> list[str]:
     zones = edge.slip_zones[-2:]
     measured = [_zone_length(zone) for zone in zones]
-    loops = [z.predicted_loop if math.isfinite(z.predicted_loop) else z.predicted for z in zones]
     return [
-        _number(edge.position[-1]),
-        ("~" if edge.uncertain else "") + _number(edge.k_n[-1]),
-        _number(edge.k_t_range),
-        " / ".join(measured) or "-",
-        " / ".join(_number(loop, 3) for loop in loops) or "-",
+        number(edge.position[-1]),
+        ("~" if edge.uncertain else "") + number(edge.k_n[-1]),
+        number(edge.k_t_range),
+        " / ".join(measured) or MISSING,
+        " / ".join(number(prediction(zone), 3) for zone in zones) or MISSING,
     ]
 
 
@@ -64,7 +65,7 @@ def _zone_length(zone: SlipZone) -> str:
     """Length of a slip zone; ~ marks one that the mesh does not resolve."""
     if zone.gross:
         return "gross"
-    return ("" if zone.resolved else "~") + _number(zone.length, 3)
+    return ("" if zone.resolved else "~") + number(zone.length, 3)
 
 
 def contact_table(
@@ -87,16 +88,16 @@ def contact_table(
             contact.name,
             _range(contact.normal_force[cycle]),
             _range(contact.shear_force[cycle]),
-            _number(contact.half_width[-1]),
+            number(contact.half_width[-1]),
             _steady(contact),
-            _number(contact.cycle_change),
+            number(contact.cycle_change),
         )
     return table
 
 
 def _steady(contact: ContactSummary) -> str:
     if not math.isfinite(contact.cycle_change):
-        return "-"
+        return MISSING
     return "yes" if contact.steady else "no"
 
 
@@ -105,21 +106,17 @@ def mesh_table(refinement: Refinement) -> Table:
     headers = ("mesh", "unknowns", "smallest element", "K_N", "K_T", "slip zones")
     table = _table("Changes from mesh to mesh", headers, text=0)
     before: tuple[EdgeValues, ...] = ()
-    for number, done in enumerate(refinement.passes, start=1):
+    for place, done in enumerate(refinement.passes, start=1):
         changes = changes_by_kind(before, done.edges)
         table.add_row(
-            str(number),
+            str(place),
             str(done.unknowns),
-            _number(done.smallest_element, 3),
-            *(_percent(change) for change in changes[:2]),
-            _percent(changes[2]) if any(edge.slip for edge in done.edges) else "-",
+            number(done.smallest_element, 3),
+            *(percent(change) for change in changes[:2]),
+            percent(changes[2]) if any(edge.slip for edge in done.edges) else MISSING,
         )
         before = done.edges
     return table
-
-
-def _percent(change: float) -> str:
-    return f"{change:.2%}" if math.isfinite(change) else "-"
 
 
 def limit_table(refinement: Refinement) -> Table:
@@ -127,8 +124,8 @@ def limit_table(refinement: Refinement) -> Table:
     headers = ("contact", "edge", "K_N", "K_T", "slip zones")
     table = _table("Limits that the meshes tend to", headers, text=2)
     for edge, limits in refinement.limits:
-        slip = " / ".join(_number(limit, 3) for limit in limits[2:])
-        table.add_row(edge.contact, edge.side, *map(_number, limits[:2]), slip or "-")
+        slip = " / ".join(number(limit, 3) for limit in limits[2:])
+        table.add_row(edge.contact, edge.side, *map(number, limits[:2]), slip or MISSING)
     return table
 
 
@@ -201,8 +198,4 @@ def timing_table(seconds: Mapping[str, float]) -> Table:
 
 
 def _range(values: npt.NDArray[np.float64]) -> str:
-    return f"{_number(values.min())} … {_number(values.max())}"
-
-
-def _number(value: float, digits: int = 4) -> str:
-    return f"{value:.{digits}g}" if math.isfinite(value) else "-"
+    return f"{number(values.min())} … {number(values.max())}"

@@ -112,7 +112,7 @@ def test_results_tell_the_case_as_it_was_run(results: Path, folder: Path) -> Non
     assert copy == original
 
 
-@pytest.mark.parametrize("name", ["tractions.png", "fields/pad.pvd", "fields/substrate.pvd"])
+@pytest.mark.parametrize("name", ["report.html", "fields/pad.pvd", "fields/substrate.pvd"])
 def test_run_writes_pictures_and_fields(results: Path, name: str) -> None:
     assert (results / name).stat().st_size > 0
 
@@ -247,3 +247,4 @@ def test_what_was_computed_before_a_failure_is_kept(folder: Path, tmp_path: Path
     data = json.loads((tmp_path / "out" / "results.json").read_text())
     assert data["complete"] is False and data["failure"] in done.stderr.replace("\n", " ")
     assert 4 <= len(data["times"]) < 20
+    assert "Not all load steps were solved" in (tmp_path / "out" / "report.html").read_text("utf-8")

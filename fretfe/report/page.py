@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The report of a run: one HTML file that needs nothing else."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+from rich.table import Table
+
+from fretfe.errors import OutputError
+from fretfe.reading import Results, read_results
+from fretfe.report.answer import edge_answers, summary
+from fretfe.report.numbers import number
+from fretfe.report.picture_list import read_pictures
+from fretfe.report.sections import plot_sections, solver_plots
+from fretfe.report.tables import contact_table, limit_table, mesh_table, timing_table
+from fretfe.solution import Solution
+from fretfe.validate.single import own_rows
+
+REPORT = "report.html"
+TEMPLATE, STYLE = "report.html.j2", "report.css"
+# Parts of a certificate, in the order of the page, with what they are a violation of.
+CERTIFICATE = {
+    "penetration": ("largest penetration", "length"),
+    "closed_gap": ("largest gap of a node in contact", "length"),
+    "stuck_drift": ("largest movement of a node that sticks", "length"),
+    "slip_with_traction": ("largest slip along the shear, or across it", "length"),
+    "adhesion": ("largest tension", "stress"),
+    "open_traction": ("largest traction at an open node", "stress"),
+    "cone": ("largest excess of the shear over f p", "stress"),
+    "force_imbalance": ("largest sum of all forces on a body", "force"),
+}
+
+
+def write_report(directory: Path) -> Path:
+    """Make the report from the results in a folder, and return its file.
+
+    Raises:
+        OutputError: if the folder has no complete set of results, or the file cannot be written.
+    """
+    html = render(directory)
+    path = directory / REPORT
+    try:
+        path.write_text(html, encoding="utf-8")
+    except OSError as error:
+        raise OutputError(f"{path}: cannot write the report: {error.strerror}") from error
+    return path
+
+
+def render(directory: Path) -> str:
+    """The report of the results in a folder, as HTML.
+
+    Raises:
+        OutputError: if the folder has no complete set of results.
+    """
+    results, pictures = read_results(directory), read_pictures(directory)
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters.update(svg=Markup, number=number, grid=_grid)
+    package = files("fretfe.report")
+    template = environment.from_string(package.joinpath(TEMPLATE).read_text(encoding="utf-8"))
+    answers = edge_answers(results)
+    result = results.result
+    return template.render(
+        style=Markup(package.joinpath(STYLE).read_text(encoding="utf-8")),
+        results=results,
+        result=result,
+        case=results.case,
+        units=results.case.units,
+        answers=answers,
+        summary=summary(results, answers),
+        contacts=contact_table(results.case, result.history.cycle, result.contacts),
+        works=[
+            f"{contact.name} {number(contact.dissipation)}"
+            for contact in result.contacts
+            if math.isfinite(contact.dissipation)
+        ],
+        pictures=pictures,
+        sections=plot_sections(results),
+        solver_plots=solver_plots(results),
+        certificate=_certificate_rows(results),
+        checks=tuple(own_rows(result)) if _solved(result.solution) else (),
+        meshes=_mesh_tables(results),
+        timings=timing_table(result.seconds),
+        entries=tuple(_flattened(results.case.model_dump(mode="json", exclude_unset=True))),
+    )
+
+
+def _solved(solution: Solution | None) -> bool:
+    """Whether there is a state besides the unloaded one; true without tractions."""
+    return solution is None or len(solution.times) > 1
+
+
+def _certificate_rows(results: Results) -> list[tuple[str, str, str]]:
+    """What is violated, by how much at most in any step, and over its scale."""
+    solution, units = results.result.solution, results.case.units
+    if solution is None or not _solved(solution):
+        return []
+    labels = {
+        "length": units.length,
+        "stress": units.stress,
+        "force": f"{units.force}/{units.length}",
+    }
+    parts = solution.certificates
+    scales = {
+        "length": parts["gap_scale"],
+        "stress": parts["pressure_scale"],
+        "force": parts["force_scale"],
+    }
+    rows = []
+    for name, (text, kind) in CERTIFICATE.items():
+        scale = scales[kind].max()
+        relative = parts[name].max() / scale if scale > 0 else math.nan
+        value = f"{number(float(parts[name].max()), 2)} {labels[kind]}"
+        rows.append((text, value, number(float(relative), 2)))
+    return rows
+
+
+def _mesh_tables(results: Results) -> list[Table]:
+    refinement = results.result.refinement
+    return [] if refinement is None else [mesh_table(refinement), limit_table(refinement)]
+
+
+def _grid(table: Table) -> dict[str, Any]:
+    """Title, headers with their alignment, and rows of a table for the terminal."""
+    return {
+        "title": str(table.title),
+        "headers": [(str(column.header), column.justify == "right") for column in table.columns],
+        "rows": list(zip(*(column.cells for column in table.columns), strict=True)),
+    }
+
+
+def _flattened(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, str]]:
+    """Keys with dots and values of nested tables; lists of tables entry by entry."""
+    for key, value in table.items():
+        name = f"{before}{key}"
+        if isinstance(value, Mapping):
+            yield from _flattened(value, f"{name}.")
+        elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+            for place, entry in enumerate(value, start=1):
+                yield f"{name}[{place}]", ", ".join(f"{k} = {_text(v)}" for k, v in entry.items())
+        else:
+            yield name, _text(value)
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.12g}"
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The plots of the page in their order, with the reasons where there are none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from fretfe.reading import Results
+from fretfe.report import plots_edges, plots_loops, plots_slip, plots_tractions
+from fretfe.report.drawing import Plot
+from fretfe.report.plots_edges import edge_plot
+from fretfe.report.plots_history import (
+    FACTORS_INTRO,
+    LOADS_INTRO,
+    factor_plot,
+    load_plot,
+    path_plot,
+)
+from fretfe.report.plots_loops import slip_loop_plot, work_loop_plots
+from fretfe.report.plots_slip import slip_plot
+from fretfe.report.plots_solver import certificate_plot, iteration_plot, refinement_plot
+from fretfe.report.plots_tractions import traction_plot
+from fretfe.report.states import Shown
+
+
+@dataclass(frozen=True)
+class Section:
+    """Some plots below a heading.
+
+    Attributes:
+        anchor: of the heading.
+        title: the heading.
+        intro: how to read the plots, or why there are none.
+        plots: the plots.
+    """
+
+    anchor: str
+    title: str
+    intro: str
+    plots: tuple[Plot, ...]
+
+
+def plot_sections(results: Results) -> tuple[Section, ...]:
+    """Everything that is drawn from the results, section by section."""
+    if len(results.result.history.times) < 2:
+        return ()
+    none = f"The backend {results.backend} gives no tractions along the contact."
+    shown = _shown(results)
+    no_range = "No edge has a range of K_T to compare with." if shown else none
+    edges = (edge_plot(each, edge) for each in shown for edge in each.summary.edges)
+    return (
+        _section(
+            "tractions",
+            "Along the contacts",
+            plots_tractions.INTRO,
+            none,
+            map(traction_plot, shown),
+        ),
+        _section("edges", "Next to the edges", plots_edges.INTRO, no_range, edges),
+        _section("slip", "Stick and slip", plots_slip.INTRO, none, map(slip_plot, shown)),
+        _section("factors", "Edge factors", FACTORS_INTRO, "", _factors(results)),
+        _section("loads", "Loads", LOADS_INTRO, "", _loads(results)),
+        _section("loops", "Hysteresis", plots_loops.INTRO, none, _loops(results, shown)),
+    )
+
+
+def solver_plots(results: Results) -> tuple[Plot, ...]:
+    """How the steps were solved, and the meshes."""
+    result = results.result
+    plots: list[Plot | None] = []
+    if result.solution is not None and len(result.history.times) > 1:
+        plots += [iteration_plot(result.solution), certificate_plot(result.solution)]
+    if result.refinement is not None:
+        plots.append(refinement_plot(result.refinement))
+    return tuple(plot for plot in plots if plot is not None)
+
+
+def _shown(results: Results) -> list[Shown]:
+    solution = results.result.solution
+    if solution is None:
+        return []
+    pairs = zip(results.result.contacts, solution.contacts, strict=True)
+    return [
+        Shown(results, summary, history, f"contact{number}")
+        for number, (summary, history) in enumerate(pairs)
+    ]
+
+
+def _factors(results: Results) -> Iterable[Plot]:
+    for place, contact in enumerate(results.result.contacts):
+        yield factor_plot(results, contact, f"contact{place}")
+
+
+def _loads(results: Results) -> Iterable[Plot | None]:
+    yield load_plot(results)
+    for place, contact in enumerate(results.result.contacts):
+        yield path_plot(results, contact, f"contact{place}")
+
+
+def _loops(results: Results, shown: list[Shown]) -> Iterable[Plot | None]:
+    yield from map(slip_loop_plot, shown)
+    yield from work_loop_plots(results)
+
+
+def _section(
+    anchor: str, title: str, intro: str, reason: str, plots: Iterable[Plot | None]
+) -> Section:
+    there = tuple(plot for plot in plots if plot is not None)
+    return Section(anchor, title, intro if there else reason, there)

@@ -1,0 +1,336 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The report is one file that loads nothing, takes no markup from users, says what was found."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import subprocess
+import sys
+from dataclasses import dataclass, field, replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from pad_cases import pad
+from stored_runs import REASON, RUNS, edit_numbers, solved, write_many_contacts, write_run
+
+from fretfe.case import parse_case
+from fretfe.errors import OutputError
+from fretfe.refinement import EdgeValues, Pass, Refinement
+from fretfe.report.page import REPORT, render, write_report
+from fretfe.results import write_results
+
+SCRIPT = "<script>alert(1)</script>"
+# A name of the SVG and XLink languages is no address that is loaded.
+NAMESPACE = re.compile(r'xmlns(:\w+)?="[^"]*"')
+PIXEL = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGNgAAAAAgABSK+kcQAAAABJRU5ErkJggg=="
+)
+
+
+@dataclass
+class Page(HTMLParser):
+    """What is in a page: tags, ids, references, and the text of its cells and headings."""
+
+    text: str
+    tags: list[str] = field(default_factory=list)
+    ids: list[str] = field(default_factory=list)
+    references: list[str] = field(default_factory=list)
+    words: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        super().__init__()
+        self.feed(self.text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        for name, value in attrs:
+            assert not name.startswith("on"), (tag, name)
+            if name == "id":
+                self.ids.append(value or "")
+            if name in ("src", "href", "xlink:href", "srcset", "data", "action", "poster"):
+                self.references.append(value or "")
+            self.references += re.findall(r"url\(([^)]*)\)", value or "")
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data.strip())
+
+    def rows(self, heading: str) -> list[list[str]]:
+        """Cells of the table below a heading; spans fill the rows that they reach."""
+        table = self.text.split(f"<h3>{heading}")[-1].split("<tbody>")[1].split("</tbody>")[0]
+        rows: list[list[str]] = []
+        above: list[str] = []
+        for row in table.split("<tr>")[1:]:
+            cells = [re.sub("<[^>]*>", "", cell) for cell in re.findall("<t[dh].*?</t[dh]>", row)]
+            cells = above[: len(above) - len(cells)] + cells if above else cells
+            rows.append(cells)
+            above = cells
+        return rows
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """The report of each run."""
+    folder = tmp_path_factory.mktemp("runs")
+    return {name: render(write_run(folder / name, name)) for name in RUNS}
+
+
+def check_alone(text: str) -> Page:
+    """Nothing is loaded from anywhere, nothing runs, all ids are there once."""
+    page = Page(text)
+    assert not {"script", "iframe", "object", "embed"} & set(page.tags)
+    assert "@import" not in text and "http" not in NAMESPACE.sub("", text)
+    assert len(page.ids) == len(set(page.ids))
+    anchors = {f"#{name}" for name in page.ids}
+    assert all(each.startswith("data:") or each in anchors for each in page.references)
+    return page
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_page_is_one_file_that_loads_nothing(pages: dict[str, str], name: str) -> None:
+    page = check_alone(pages[name])
+    assert len(pages[name]) < 1.5e6
+    # Tractions, 2 edges, slip map, factors, loads, path, loops, iterations, certificate.
+    arrays = solved(name)[2].solution is not None
+    assert page.tags.count("svg") >= (9 if arrays else 3)
+    assert page.tags.count("table") >= 5
+    assert ("gives no tractions along the contact" in pages[name]) == (not arrays)
+    assert ("Not all load steps were solved" in pages[name]) == (name == "incomplete")
+
+
+def test_same_results_give_the_same_page(pages: dict[str, str], tmp_path: Path) -> None:
+    folder = write_run(tmp_path, "halfplane")
+    # Times of the run are part of the results.
+    assert write_report(folder) == folder / REPORT
+    assert (folder / REPORT).read_text("utf-8") == pages["halfplane"]
+
+
+def test_answer_comes_first_with_numbers_and_verdicts(pages: dict[str, str]) -> None:
+    (contact,) = solved("halfplane")[2].contacts
+    text = pages["halfplane"]
+    assert text.index('id="answer"') < text.index("<svg")
+    rows = Page(text).rows("Contact edges")
+    assert [row[:2] for row in rows] == [["main", side] for side in ("left",) * 2 + ("right",) * 2]
+    zones = [(edge, zone) for edge in contact.edges for zone in edge.slip_zones[-2:]]
+    for row, (edge, zone) in zip(rows, zones, strict=True):
+        # All digits but the last ones.
+        assert float(row[3].split("±")[0]) == pytest.approx(edge.k_n[-1], rel=1e-3)
+        assert float(row[4]) == pytest.approx(edge.k_t_range, rel=1e-4)
+        assert float(row[6]) == pytest.approx(zone.length, rel=1e-2)
+        assert float(row[7]) == pytest.approx(zone.predicted, rel=1e-2)
+        assert float(row[8]) == pytest.approx(zone.predicted / zone.length, rel=1e-2)
+        # The formula is short by d/(2a) = 7 %.
+        assert row[9] == "agrees"
+    assert "In 4 of the last 4 half cycles" in text and "The evaluated cycle is steady." in text
+
+
+def test_without_a_cycle_first_loading_is_compared(pages: dict[str, str]) -> None:
+    for name in ("no cycle", "no cycle, analytic"):
+        rows = Page(pages[name]).rows("Contact edges")
+        assert [(row[4], row[9]) for row in rows] == [("-", "agrees")] * 2
+        assert "There is no evaluated cycle" in pages[name]
+
+
+# Changes of the last slip zone in results.json, and the verdict.
+VERDICTS = {
+    "agrees": {},
+    "differs": {"predicted": 0.04, "predicted_loop": None},
+    "gross": {"length": None, "gross": True},
+    "not resolved": {"resolved": False},
+    "no verdict": {"predicted": None, "predicted_loop": None},
+}
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_verdicts(tmp_path: Path, verdict: str) -> None:
+    folder = write_run(tmp_path, "analytic")
+    edit_numbers(
+        folder,
+        lambda n: n["contacts"]["main"]["edges"][1]["slip_zones"][-1].update(VERDICTS[verdict]),
+    )
+    rows = Page(render(folder)).rows("Contact edges")
+    assert [row[9] for row in rows] == ["agrees"] * 3 + [verdict]
+
+
+def test_large_expected_error_excuses_nothing(tmp_path: Path) -> None:
+    """A formula that expects an error of 40 % does not agree with a length that is 40 % off."""
+    folder = write_run(tmp_path, "analytic")
+
+    def edit(numbers: dict) -> None:
+        edge = numbers["contacts"]["main"]["edges"][0]
+        zone = edge["slip_zones"][-1]
+        edge["stiffening"] = 0.8 / zone["length"]
+        zone.update(predicted=0.6 * zone["length"], predicted_loop=None)
+
+    edit_numbers(folder, edit)
+    assert Page(render(folder)).rows("Contact edges")[1][9] == "outside"
+
+
+def test_what_a_user_wrote_is_text(tmp_path: Path) -> None:
+    case = parse_case(
+        pad(
+            title=SCRIPT,
+            units={"length": f"m{SCRIPT}$x_1$", "stress": "&<b>'\"", "time": "{{ 1 }}"},
+        )
+    )
+    page = check_alone(render(write_run(tmp_path, "halfplane", case)))
+    assert "b" not in page.tags
+    assert page.words.count(SCRIPT) >= 2  # heading and case
+    assert any("{{ 1 }}" in words for words in page.words)
+
+
+def test_failure_is_told_as_text(pages: dict[str, str]) -> None:
+    page = Page(pages["incomplete"])
+    assert any(REASON in words for words in page.words)
+    assert "All 11 load steps are solved" not in pages["incomplete"]
+
+
+def test_many_contacts(tmp_path: Path) -> None:
+    text = render(write_many_contacts(tmp_path, 3))
+    page = check_alone(text)
+    assert len(page.rows("Contact edges")) == 3 * 2 * 2
+    # For each contact: tractions, edges, slip map, factors, path, loop; for all: loads, one
+    # boundary that works, iterations, certificate.
+    assert page.tags.count("svg") == 3 * 7 + 4
+    assert len(text) < 4e6
+
+
+def test_notes_and_warnings_are_shown(tmp_path: Path) -> None:
+    folder = write_run(tmp_path, "analytic")
+    edit_numbers(folder, lambda n: n["contacts"]["main"]["warnings"].append("mind <the> gap"))
+    page = Page(render(folder))
+    assert any("mind <the> gap" in words for words in page.words)
+    assert any("the platen does not turn" in words for words in page.words)
+
+
+def write_pictures(folder: Path, listed: object) -> None:
+    (folder / "pictures").mkdir()
+    (folder / "pictures" / "a.png").write_bytes(PIXEL)
+    (folder / "pictures" / "pictures.json").write_text(json.dumps(listed), "utf-8")
+
+
+PICTURE = {"file": "a.png", "title": "T <i>", "caption": "C & c", "width": 1, "height": 1}
+MISSING = {"title": "Stress", "reason": "pip install 'fretfe[report]'"}
+
+
+def test_pictures_are_in_the_page_and_missing_ones_are_named(tmp_path: Path) -> None:
+    folder = write_run(tmp_path, "analytic")
+    assert "Pictures" not in render(folder)
+    write_pictures(folder, {"pictures": [PICTURE, PICTURE], "missing": [MISSING]})
+    page = check_alone(render(folder))
+    assert page.tags.count("img") == 2
+    (source,) = {each for each in page.references if each.startswith("data:image")}
+    assert base64.b64decode(source.split(",")[1]) == PIXEL
+    assert "T <i>" in page.words and "C & c" in page.words
+    assert any("Stress" in words and MISSING["reason"] in words for words in page.words)
+
+
+@pytest.mark.parametrize(
+    "listed",
+    [
+        [],
+        {"pictures": [], "missing": [1]},
+        {"pictures": [{**PICTURE, "file": "b.png"}], "missing": []},
+        {"pictures": [{"file": "a.png"}], "missing": []},
+    ],
+    ids=["a list", "no table", "no such picture", "no title"],
+)
+def test_bad_list_of_pictures_gets_a_clear_message(tmp_path: Path, listed: object) -> None:
+    folder = write_run(tmp_path, "analytic")
+    write_pictures(folder, listed)
+    with pytest.raises(OutputError, match="pictures"):
+        render(folder)
+
+
+def test_picture_outside_the_folder_is_not_read(tmp_path: Path) -> None:
+    folder = write_run(tmp_path, "analytic")
+    (tmp_path / "secret").write_bytes(b"secret")
+    write_pictures(folder, {"pictures": [{**PICTURE, "file": "../secret"}], "missing": []})
+    with pytest.raises(OutputError, match="pictures"):
+        render(folder)
+
+
+def test_page_that_cannot_be_written(tmp_path: Path) -> None:
+    folder = write_run(tmp_path, "analytic")
+    (folder / REPORT).mkdir()
+    with pytest.raises(OutputError, match=r"report\.html"):
+        write_report(folder)
+
+
+def test_history_that_ended_before_its_first_step(tmp_path: Path) -> None:
+    """Nothing but the unloaded state: no plot, no check, no crash."""
+    folder = write_run(tmp_path, "analytic")
+
+    def cut(value: object, states: int) -> object:
+        if isinstance(value, dict):
+            return {key: cut(each, states) for key, each in value.items()}
+        if isinstance(value, list) and len(value) == states:
+            return [cut(each, states) for each in value[:1]]
+        return [cut(each, states) for each in value] if isinstance(value, list) else value
+
+    def edit(numbers: dict) -> None:
+        whole = cut({**numbers, "case": None}, len(numbers["times"]))
+        assert isinstance(whole, dict)
+        numbers.update({**whole, "case": numbers["case"], "cycle": None, "complete": False})
+        for edge in numbers["contacts"]["main"]["edges"]:
+            edge["slip_zones"] = []
+
+    edit_numbers(folder, edit)
+    page = check_alone(render(folder))
+    assert "svg" not in page.tags
+    assert [row[-1] for row in page.rows("Contact edges")] == ["no slip zone"] * 2
+
+
+WITHOUT = """
+import sys
+blocked = {"basix", "dolfinx", "gmsh", "mpi4py", "petsc4py", "ufl", "pyvista", "vtk", "vtkmodules"}
+class Block:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in blocked or name == "fretfe.fem":
+            raise ImportError(f"{name} is blocked in this test")
+sys.meta_path.insert(0, Block())
+from pathlib import Path
+from fretfe.report.page import write_report
+print(write_report(Path(sys.argv[1])))
+"""
+
+
+def test_report_needs_neither_pyvista_nor_dolfinx(tmp_path: Path) -> None:
+    folder = write_run(tmp_path, "halfplane")
+    command = [sys.executable, "-c", WITHOUT, str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == str(folder / REPORT)
+
+
+def test_frictionless_contact_has_a_report(tmp_path: Path) -> None:
+    """No slip zones, no K_T: what is left is drawn."""
+    folder = write_run(tmp_path, "halfplane")
+
+    def edit(numbers: dict) -> None:
+        for edge in numbers["contacts"]["main"]["edges"]:
+            edge.update(slip_zones=[], k_t=[0.0] * len(edge["k_t"]), k_t_range=0.0)
+
+    edit_numbers(folder, edit)
+    text = render(folder)
+    check_alone(text)
+    assert "2 contact edges, no slip zones." in text
+    assert "No edge has a range of K_T to compare with." in text
+
+
+def test_refinement_is_shown(tmp_path: Path) -> None:
+
+    def done(unknowns: int, k_n: float) -> Pass:
+        edge = EdgeValues("main", "left", k_n, 35.6, (0.077, 0.076), 0.3, 0.4)
+        return Pass(unknowns, 0.01, (edge,), True, 0.1)
+
+    case, backend, result = solved("analytic")
+    refinement = Refinement(0.01, (done(1000, 1200.0), done(2000, 1236.0)), False, "too <large>")
+    write_results(tmp_path, case, backend, replace(result, refinement=refinement))
+    page = check_alone(render(tmp_path))
+    assert [row[:4] for row in page.rows("Changes from mesh to mesh")][1][
+        3
+    ] == "2.91%"  # of the newer value
+    assert any("not fine enough" in words and "too <large>" in words for words in page.words)
