@@ -73,7 +73,7 @@ def plan_pictures(numbers: Mapping[str, Any]) -> list[Wanted]:
     bodies = Wanted("stress.png", "Stress in the bodies at the load extremes", "bodies", states)
     edges = [
         Wanted(f"edges{mark}.png", f"Stress at the contact edges{part}", "edges", (last,), chunk)
-        for mark, part, chunk in _chunks(_edge_places(numbers), MOST_EDGES)
+        for mark, part, chunk in _chunks(_edge_places(numbers), MOST_EDGES) or [("", "", ())]
     ]
     status = [
         Wanted(

@@ -34,14 +34,15 @@ def make_pictures(directory: Path) -> None:
     remove_pictures(directory)
     numbers = read_numbers(directory)
     wanted = plan_pictures(numbers)
-    reports = {each.file: {"reason": reason} for each in wanted if (reason := _lacks(numbers))}
-    if not reports:
-        try:
-            (directory / FOLDER).mkdir(exist_ok=True)
-            reports = _draw(directory, numbers, wanted)
-        except OSError as error:
-            raise OutputError(f"{directory / FOLDER}: cannot write pictures: {error}") from error
-    _write_list(directory, wanted, reports)
+    reports = {
+        each.file: {"reason": reason} for each in wanted if (reason := _lacks(numbers, each))
+    }
+    try:
+        (directory / FOLDER).mkdir(exist_ok=True)
+        reports |= _draw(directory, numbers, [each for each in wanted if each.file not in reports])
+        _write_list(directory, wanted, reports)
+    except OSError as error:
+        raise OutputError(f"{directory / FOLDER}: cannot write pictures: {error}") from error
 
 
 def remove_pictures(directory: Path) -> None:
@@ -51,10 +52,12 @@ def remove_pictures(directory: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def _lacks(numbers: Mapping[str, Any]) -> str:
-    """Why there cannot be any pictures; empty if there can."""
+def _lacks(numbers: Mapping[str, Any], wanted: Wanted) -> str:
+    """Why there cannot be a picture; empty if there can."""
     if not numbers["mesh"]:
         return f"the backend {numbers['backend']!r} has no bodies to draw"
+    if wanted.kind == "edges" and not wanted.edges:
+        return "the last state has no contact edges, or too few nodes in contact to find them"
     return ""
 
 
@@ -62,6 +65,8 @@ def _draw(
     directory: Path, numbers: Mapping[str, Any], wanted: Sequence[Wanted]
 ) -> dict[str, dict[str, Any]]:
     """Caption and size of each picture, or why there is none."""
+    if not wanted:
+        return {}
     arrays = read_arrays(directory)
     reports = {
         each.file: _draw_status(directory, numbers, arrays, each)
@@ -97,5 +102,4 @@ def _write_list(
         if report:
             pictures.append({"file": each.file, "title": each.title, **report})
     text = json.dumps({"pictures": pictures, "missing": missing}, indent=1, ensure_ascii=False)
-    (directory / FOLDER).mkdir(exist_ok=True)
     (directory / FOLDER / LIST).write_text(text + "\n", encoding="utf-8")

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Fields that a run writes, and pictures of them, on one process and on two."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from launch import python
+from pad_cases import pad
+
+from fretfe.case import parse_case
+from fretfe.fem._compat import MPI
+from fretfe.fem.run import solve
+from fretfe.loads import build_history
+
+COARSE = {
+    "template": "cylinder",
+    "parameters": {
+        "upper_radius": 50.0,
+        "upper_width": 12.0,
+        "lower_radius": 0.0,
+        "lower_width": 12.0,
+        "size": 0.05,
+    },
+}
+CASE = """
+[geometry]
+template = "cylinder"
+[geometry.parameters]
+upper_radius = 50
+upper_width = 12
+lower_radius = 0
+lower_width = 12
+size = 0.05
+[bodies]
+upper = { young = 210e3, poisson = 0.3 }
+lower = { young = 210e3, poisson = 0.3 }
+[contacts.main]
+surface1 = "upper_contact"
+surface2 = "lower_contact"
+friction = 0.4
+[supports]
+base = { boundary = "lower_bottom", fix = ["x", "y"] }
+[loads.press]
+type = "platen"
+boundary = "upper_top"
+direction = "y"
+control = "force"
+history = [{ ramp = -600, until = 1, steps = 2 }]
+[loads.shear]
+type = "platen"
+boundary = "upper_top"
+direction = "x"
+control = "force"
+history = [
+  { hold = true, until = 1 },
+  { wave = "sine", amplitude = 60, period = 1, cycles = 1, steps_per_cycle = 8 },
+]
+"""
+
+
+def times_of(path: Path) -> list[float]:
+    return [float(each.attrib["timestep"]) for each in ET.parse(path).iter("DataSet")]
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(
+    ("fields", "expected"),
+    [
+        ("extremes", [2.25, 2.75, 3.0]),
+        ("last", [3.0]),
+        ([1.0, 2.25], [1.0, 2.25]),
+    ],
+    ids=["extremes", "last", "times"],
+)
+def test_states_that_are_written(shared_path: Path, fields: Any, expected: list[float]) -> None:
+    """K_T swings with the shear force, which is largest at 2.25 and smallest at 2.75."""
+    case = parse_case(pad(geometry=COARSE, output={"fields": fields}))
+    outcome = solve(
+        MPI.COMM_WORLD, case, build_history(case), shared_path / "fields", lambda *_: None
+    )
+    MPI.COMM_WORLD.barrier()
+    if MPI.COMM_WORLD.rank > 0:
+        return
+    for name in ("upper", "lower"):
+        assert times_of(shared_path / "fields" / f"{name}.pvd") == pytest.approx(expected)
+    pyvista = pytest.importorskip("pyvista")
+    del pyvista
+    from fretfe.report.field_files import read_body
+
+    assert outcome.mesh is not None
+    for name, mesh in outcome.mesh.bodies.items():
+        body = read_body(shared_path / "fields", name, 0, 0.3)
+        # Each element once, whichever rank has it.
+        assert len(body.cells) == len(mesh.cells)
+        corners = np.sort(np.round(body.points[body.cells[:, :3]].mean(axis=1), 9), axis=0)
+        places = np.sort(np.round(mesh.points[mesh.cells[:, :3]].mean(axis=1), 9), axis=0)
+        # DOLFINx and Gmsh have the same coordinates to round-off.
+        assert np.allclose(corners, places, rtol=0, atol=2e-9)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_run_draws_pictures_once(tmp_path: Path, ranks: int) -> None:
+    pytest.importorskip("pyvista")
+    (tmp_path / "case.toml").write_text(CASE)
+    out = tmp_path / "out"
+    for stale in ("fields/old.pvd", "fields/old_p3_000000.vtu", "pictures/old.png"):
+        (out / stale).parent.mkdir(parents=True, exist_ok=True)
+        (out / stale).write_text("of an earlier run")
+    done = python("-m", "fretfe", "run", tmp_path / "case.toml", "-o", out, ranks=ranks)
+    assert done.returncode == 0, done.stderr
+    assert "no pictures" not in done.stdout and done.stdout.count("Results in") == 1
+    content = json.loads((out / "pictures" / "pictures.json").read_text())
+    if any("OpenGL" in each["reason"] for each in content["missing"]):
+        pytest.skip(content["missing"][0]["reason"])
+    assert content["missing"] == []
+    names = {each["file"] for each in content["pictures"]}
+    assert names == {"stress.png", "edges.png", "status.png"}
+    assert {path.name for path in (out / "pictures").iterdir()} == {*names, "pictures.json"}
+    assert not list((out / "fields").glob("old*"))
+    assert "Colours end at" in content["pictures"][1]["caption"]

@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Pictures of a results folder: what is listed is there, and what cannot be drawn has a reason."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import shutil
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from drawn import fields, write_folder
+from matplotlib import colormaps
+from matplotlib.colors import to_rgb
+from matplotlib.image import imread
+
+from fretfe.report.child import _run
+from fretfe.report.picture_frames import largest_grid
+from fretfe.report.picture_plan import FOLDER, LIST, MOST_EDGES, plan_pictures
+from fretfe.report.picture_source import open_source
+from fretfe.report.pictures import make_pictures
+from fretfe.report.status_pictures import STATUS
+from fretfe.report.stress_pictures import find_look
+from fretfe.results import FIELDS, NUMBERS, remove_fields
+from fretfe.solution import SLIP, STICK
+
+# Load extremes and end of the last cycle, from t = 2 to t = 3.
+EXTREMES = (2.25, 2.75, 3.0)
+STRESS = ["Stress in the bodies at the load extremes", "Stress at the contact edges"]
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_folder(tmp_path_factory.mktemp("pictures") / "results", EXTREMES)
+
+
+@pytest.fixture(scope="module")
+def drawn(source: Path) -> Path:
+    """The folder with its pictures, if they can be drawn here."""
+    if importlib.util.find_spec("pyvista") is None:
+        pytest.skip("PyVista is not installed")
+    make_pictures(source)
+    missing = listed(source)["missing"]
+    if missing and "OpenGL" in missing[0]["reason"]:
+        pytest.skip(missing[0]["reason"])
+    return source
+
+
+@pytest.fixture
+def folder(source: Path, tmp_path: Path) -> Path:
+    """A copy to change."""
+    return shutil.copytree(source, tmp_path / "copy", ignore=shutil.ignore_patterns(FOLDER))
+
+
+def listed(folder: Path) -> dict[str, Any]:
+    return dict(json.loads((folder / FOLDER / LIST).read_text("utf-8")))
+
+
+def reasons(folder: Path) -> dict[str, str]:
+    make_pictures(folder)
+    return {each["title"]: each["reason"] for each in listed(folder)["missing"]}
+
+
+def test_every_picture_is_there_and_as_large_as_the_list_says(drawn: Path) -> None:
+    content = listed(drawn)
+    assert content["missing"] == []
+    names = [each["file"] for each in content["pictures"]]
+    assert names == ["stress.png", "edges.png", "status.png"]
+    assert sorted(path.name for path in (drawn / FOLDER).iterdir()) == sorted([*names, LIST])
+    for each in content["pictures"]:
+        height, width = imread(drawn / FOLDER / each["file"]).shape[:2]
+        assert (each["width"], each["height"]) == (width, height)
+        assert width <= 1600
+    assert sum((drawn / FOLDER / name).stat().st_size for name in names) < 3e6
+
+
+def test_captions_tell_states_scale_and_where_colours_end(drawn: Path) -> None:
+    bodies, edges, status = (each["caption"] for each in listed(drawn)["pictures"])
+    assert "t = 2.25 s and t = 2.75 s" in bodies and "t = 3 s" in edges
+    # The initial gap at the edges, a²/2R = 3.3e-3 mm, may overlap by 0.3 % of 6 mm: 6.4 times.
+    assert "displacements drawn 5 times as large" in bodies
+    # √(1 − ν + ν²) (100 + 10 · 3 · 2.75) MPa = 162.2 MPa at x = 3 mm
+    assert "The largest stress is 162 MPa" in bodies
+    assert "t = 2.25 s and t = 2.75 s" in status
+    assert not any(mark in text for text in (bodies, edges, status) for mark in "<>*_`")
+
+
+def test_colours_are_where_the_stress_is(drawn: Path) -> None:
+    """Pixels of the picture against the colour map at the stress of these places."""
+    image = imread(drawn / "pictures" / "stress.png")[..., :3]
+    look = find_look(open_source(drawn), [7, 9])
+    aspect = look.view.half_size[1] / look.view.half_size[0]
+    grid = largest_grid(2, aspect, bar=True)
+    assert grid.size == (image.shape[1], image.shape[0])
+    for number, time in enumerate((2.25, 2.75)):
+        for place in np.array([(-1.5, 1.2), (1.5, 1.2), (-2.3, -1.2), (2.3, -0.7)]):
+            displacement, stress = fields(place[None], time)
+            seen = look.view.local(place + look.scale * displacement[0]) - look.view.origin
+            part = (seen / look.view.half_size + 1) / 2
+            left, low = grid.corner(number)
+            column = left + part[0] * grid.panel[0]
+            row = image.shape[0] - (low + part[1] * grid.panel[1])
+            von_mises = np.sqrt(1 - 0.3 + 0.09) * stress[0, 0]
+            expected = colormaps["viridis"](von_mises / look.limit)[:3]
+            # The palette has 216 tones, which are up to 0.01 apart.
+            assert image[int(row), int(column)] == pytest.approx(expected, abs=0.02)
+
+
+def test_status_has_its_colours(drawn: Path) -> None:
+    pixels = imread(drawn / FOLDER / "status.png")[..., :3].reshape(-1, 3)
+    for kind in (STICK, SLIP):
+        # Anti-aliased lines have pure pixels inside; 8 bits are exact to 1/510.
+        same = np.abs(pixels - to_rgb(STATUS[kind]["color"])).max(axis=1) < 0.003
+        assert same.any()
+
+
+def test_without_fields_stress_is_missing(folder: Path) -> None:
+    remove_fields(folder)
+    found = reasons(folder)
+    assert list(found) == STRESS
+    assert all('"extremes"' in reason for reason in found.values())
+    assert [each["file"] for each in listed(folder)["pictures"]] == ["status.png"]
+
+
+def test_states_without_fields_are_named(drawn: Path, tmp_path: Path) -> None:
+    folder = write_folder(tmp_path / "last", EXTREMES[2:])
+    found = reasons(folder)
+    assert found == {STRESS[0]: "no fields of t = 2.25 s and t = 2.75 s in fields"}
+    assert [each["file"] for each in listed(folder)["pictures"]] == ["edges.png", "status.png"]
+
+
+def test_backends_without_bodies_have_no_pictures(folder: Path) -> None:
+    numbers = json.loads((folder / NUMBERS).read_text())
+    (folder / NUMBERS).write_text(json.dumps({**numbers, "mesh": {}, "backend": "halfplane"}))
+    found = reasons(folder)
+    assert set(found.values()) == {"the backend 'halfplane' has no bodies to draw"}
+    assert listed(folder)["pictures"] == []
+
+
+def test_contacts_without_edges_are_told_apart(folder: Path) -> None:
+    remove_fields(folder)
+    numbers = json.loads((folder / NUMBERS).read_text())
+    for edge in numbers["contacts"]["main"]["edges"]:
+        edge["position"][-1] = None
+    (folder / NUMBERS).write_text(json.dumps(numbers))
+    found = reasons(folder)
+    assert list(found) == STRESS
+    assert "no contact edges" in found[STRESS[1]] and "fields" in found[STRESS[0]]
+
+
+BROKEN = {
+    "no PyVista": ("raise ModuleNotFoundError(\"No module named 'pyvista'\")", "pip install pyv"),
+    "a library is missing": ("raise ImportError('libXrender.so.1: not found')", "libXrender.so.1"),
+    "crash": ("import os\nos.abort()", "libegl1"),
+    "crash of OpenGL": ("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)", "xvfb"),
+    "killed": ("import os, signal\nos.kill(os.getpid(), signal.SIGKILL)", "ended with SIGKILL"),
+}
+
+
+@pytest.mark.parametrize("kind", list(BROKEN))
+def test_what_cannot_be_drawn_has_a_reason(
+    folder: Path, kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    code, expected = BROKEN[kind]
+    (tmp_path / "pyvista.py").write_text(code + "\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    found = reasons(folder)
+    assert list(found) == STRESS
+    assert all(expected in reason for reason in found.values())
+    assert [each["file"] for each in listed(folder)["pictures"]] == ["status.png"]
+
+
+def test_without_opengl_there_is_a_reason(
+    drawn: Path, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """VTK itself, told to use a window that does not exist, and no display to be had."""
+    monkeypatch.setattr(shutil, "which", lambda _: None)
+    monkeypatch.setenv("VTK_DEFAULT_OPENGL_WINDOW", "none")
+    monkeypatch.setenv("MESA_GL_VERSION_OVERRIDE", "1.0")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    found = reasons(folder)
+    assert list(found) == STRESS
+    assert all("OpenGL" in reason for reason in found.values())
+
+
+def test_what_was_drawn_before_a_crash_counts() -> None:
+    code = """print('{"file": "a", "width": 3}', flush=True); print("x"); import os; os.abort()"""
+    reports, reason = _run([sys.executable, "-c", code], 60)
+    assert reports == {"a": {"width": 3}}
+    assert "SIGABRT" in reason
+
+
+def test_drawing_ends_after_its_time() -> None:
+    code = "import time; time.sleep(60)"
+    assert _run([sys.executable, "-c", code], 0.5) == ({}, "drawing took more than 0.5 s")
+
+
+def test_a_drawing_process_knows_nothing_of_mpi(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("PMI_RANK", "PMIX_RANK", "OMPI_COMM_WORLD_SIZE", "MPI_LOCALNRANKS", "HYDI_X"):
+        monkeypatch.setenv(name, "1")
+    code = "import json, os; print(json.dumps({'file': 'names', 'all': list(os.environ)}))"
+    reports, _ = _run([sys.executable, "-c", code], 60)
+    assert "PATH" in reports["names"]["all"] or "PATH" not in os.environ
+    prefixes = ("PMI", "OMPI", "MPI_", "HYDI")
+    assert not [name for name in reports["names"]["all"] if name.startswith(prefixes)]
+
+
+def test_an_earlier_run_leaves_nothing(folder: Path) -> None:
+    (folder / FOLDER).mkdir()
+    for path in (FOLDER + "/old.png", FOLDER + "/mine.txt", FIELDS + "/mine.txt"):
+        (folder / path).write_text("")
+    remove_fields(folder)
+    make_pictures(folder)
+    assert sorted(path.name for path in (folder / FIELDS).iterdir()) == ["mine.txt"]
+    kept = sorted(path.name for path in (folder / FOLDER).iterdir())
+    assert kept == ["mine.txt", LIST, "status.png"]
+
+
+def test_many_contacts_share_pictures(source: Path) -> None:
+    """Six contacts with twelve edges, each edge and contact once, in eight pictures at most."""
+    numbers = json.loads((source / NUMBERS).read_text())
+    names = [f"tooth {i}" for i in range(6)]
+    wanted = plan_pictures({**numbers, "contacts": {n: numbers["contacts"]["main"] for n in names}})
+    assert len(wanted) <= 8 and len({each.file for each in wanted}) == len(wanted)
+    edges = [(edge.contact, edge.side) for each in wanted for edge in each.edges]
+    assert edges == [(name, side) for name in names for side in ("left", "right")]
+    assert max(len(each.edges) for each in wanted) <= MOST_EDGES
+    assert [name for each in wanted for name in each.contacts] == names

@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What pictures of stress show: places, colours and scales against other ways to find them."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from drawn import BODIES, fields, pad_case, write_fields, write_folder
+from launch import python
+from numpy.typing import NDArray
+from PIL import Image
+
+from fretfe.errors import CaseError, FretfeError, OutputError
+from fretfe.evaluate.extremes import load_extremes
+from fretfe.picture_command import animate, export
+from fretfe.report.field_files import BodyField, field_times, find_time, read_body
+from fretfe.report.picture_plan import EdgePlace
+from fretfe.report.picture_scale import (
+    colour_limit,
+    deformation_scale,
+    edge_view,
+    round_down,
+    round_up,
+)
+from fretfe.report.results_arrays import StoredContact
+from fretfe.report.view import View
+
+Array = NDArray[np.float64]
+needs_pyvista = pytest.mark.skipif(
+    importlib.util.find_spec("pyvista") is None, reason="PyVista is not installed"
+)
+
+
+def square(size: float = 1.0, poisson: float | None = 0.3, **arrays: Array) -> BodyField:
+    """Two triangles of order 1 with nodes of their own."""
+    corners = size * np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    points = corners[[0, 1, 2, 0, 2, 3]]
+    values = {"displacement": np.zeros((6, 2)), "stress": np.zeros((6, 3)), **arrays}
+    return BodyField(points, np.arange(6).reshape(2, 3), poisson=poisson, **values)
+
+
+@pytest.mark.parametrize("poisson", [0.3, None], ids=["strain", "stress"])
+def test_von_mises_is_that_of_the_whole_tensor(poisson: float | None) -> None:
+    """√(3/2) times the norm of the deviator of the tensor in space."""
+    random = np.random.default_rng(1)
+    stress = random.normal(size=(6, 3))
+    tensor = np.zeros((6, 3, 3))
+    tensor[:, 0, 0], tensor[:, 1, 1] = stress[:, 0], stress[:, 1]
+    tensor[:, 0, 1] = tensor[:, 1, 0] = stress[:, 2]
+    tensor[:, 2, 2] = (poisson or 0.0) * (stress[:, 0] + stress[:, 1])
+    deviator = tensor - np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
+    expected = np.sqrt(1.5) * np.linalg.norm(deviator, axis=(1, 2))
+    found = square(poisson=poisson, stress=stress).von_mises
+    assert found == pytest.approx(expected, rel=1e-12)  # round-off
+
+
+@needs_pyvista
+@pytest.mark.parametrize("pieces", [1, 2, 3])
+def test_fields_are_read_from_all_pieces_once(tmp_path: Path, pieces: int) -> None:
+    times = [1 / 3, 2.0]
+    write_fields(tmp_path, "upper", times, pieces)
+    assert find_time(field_times(tmp_path, ["upper"]), 2.0) == 1
+    assert field_times(tmp_path, ["upper"])[0] == times[0]
+    assert find_time(field_times(tmp_path, ["upper"]), 1.9) is None
+    body = read_body(tmp_path, "upper", 1, 0.3)
+    assert len(body.cells) == len(BODIES["upper"].cells)
+    displacement, stress = fields(body.points, 2.0)
+    assert np.array_equal(body.displacement, displacement)
+    assert np.array_equal(body.stress, stress)
+    # The rectangle's four sides have 16 edges each, whoever holds the elements next to them.
+    middles = body.points[body.outline[:, 1]]
+    assert len(middles) == 4 * 16
+    distances = np.abs(np.abs(middles - [0, 1]) - [2, 1]).min(axis=1)
+    assert distances.max() < 1e-12  # round-off
+
+
+def test_views_are_turned() -> None:
+    """Body 2 faces left: up in the picture is −x, right is +y."""
+    view = View(np.array([5.0, 1.0]), np.array([2.0, 1.0]), np.array([-1.0, 0.0]), np.ones(2))
+    assert view.local(np.array([4.0, 3.0])) == pytest.approx([1 + 2, 1 + 1])
+    box = np.array([[(4.5, 2.9), (4.4, 2.8)], [(4.5, 3.1), (4.4, 3.2)], [(6.1, 1.0), (6.2, 1.0)]])
+    assert view.overlaps(box).tolist() == [True, False, False]
+
+
+@pytest.mark.parametrize(
+    ("value", "down", "up"),
+    [(1.0, 1, 1), (1.99, 1, 2), (4.3, 2, 4.3), (7e3, 5e3, 7e3), (0.0612, 0.05, 0.062)],
+)
+def test_round_numbers(value: float, down: float, up: float) -> None:
+    assert round_down(value) == pytest.approx(down)
+    assert round_up(value) == pytest.approx(up)
+
+
+def contact(gap: list[list[float]], **changes: Any) -> StoredContact:
+    count = len(gap[0])
+    arc = np.linspace(0.0, 1.0, count)
+    values: dict[str, Any] = {
+        "arc": arc,
+        "points": np.stack([arc, 0 * arc], axis=1),
+        "frames": np.tile(np.array([[0.0, 1.0], [1.0, 0.0]]), (count, 1, 1)),
+        "weights": np.ones(count),
+        "gap": np.array(gap),
+        "status": np.zeros((len(gap), count), dtype=np.int8),
+        **changes,
+    }
+    return StoredContact("upper", "lower", **values)
+
+
+def test_drawn_displacements_are_seen_and_overlap_little() -> None:
+    body = square(10.0, displacement=np.full((6, 2), [0.003, 0.0]))
+    # 4 % of 10 over 0.003 is 133.
+    assert deformation_scale([body], [], [1]) == 100
+    # g0 − s (g0 − g) ≥ −0.03 for g0 = 0.002, g = 0: s ≤ 16; opening elsewhere does not count.
+    closing = contact([[0.002, 0.0], [0.0, 0.5]])
+    assert deformation_scale([body], [closing], [1]) == 10
+    assert deformation_scale([body], [closing], [0]) == 100
+    # Displacements that are large already are drawn as they are.
+    assert deformation_scale([square(1.0, displacement=np.ones((6, 2)))], [], [1]) == 1
+
+
+def test_small_elements_do_not_set_the_colours() -> None:
+    """A hundred elements of a thousandth of the area have a huge stress: colours end below it."""
+    high = [square(0.003, stress=np.full((6, 3), [9e9, 0, 0])) for _ in range(100)]
+    low = square(1.0, stress=np.full((6, 3), [100.0, 0, 0]), poisson=None)
+    limit, largest = colour_limit([(body, None) for body in [low, *high]], 99.8)
+    assert limit == pytest.approx(100.0)
+    assert largest > 1e9
+    assert colour_limit([(square(), None)], 99.8) == (1.0, 0.0)
+
+
+def test_edges_are_at_the_origin_on_both_bodies() -> None:
+    """Body 1 slid by 0.3 and both went down by 0.1: neither shows, the gap does."""
+    bodies = {
+        "upper": square(displacement=np.full((6, 2), [0.3, -0.1])),
+        "lower": square(displacement=np.full((6, 2), [0.01, -0.1])),
+    }
+    place = EdgePlace("main", "left", position=1.0, slip=0.02, half_width=5.0)
+    view, moved = edge_view(contact([[0.0] * 101] * 2), place, bodies)
+    for body in moved.values():
+        assert view.local(body.deformed(1.0)[1]) == pytest.approx([0.0, 0.0], abs=1e-15)
+    # Ten elements of 0.01 are more than three slip zones.
+    assert view.half_size == pytest.approx([0.1, 0.08])
+    wide, _ = edge_view(contact([[0.0] * 101] * 2), EdgePlace("m", "left", 1.0, 0.0, 5.0), bodies)
+    assert wide.half_size[0] == pytest.approx(0.3 * 5.0)
+
+
+WAVE = np.sin(np.linspace(0, 2 * np.pi, 9))
+
+
+@pytest.mark.parametrize(
+    ("k_t", "k_i", "cycle", "expected"),
+    [
+        ([WAVE], [0 * WAVE], (0, 8), [2, 6]),
+        ([-WAVE], [0 * WAVE], (0, 8), [2, 6]),
+        ([0.1 * WAVE, np.roll(WAVE, 1)], [0 * WAVE] * 2, (0, 8), [3, 7]),
+        ([1e-9 * np.roll(WAVE, 1)], [WAVE], (0, 8), [2, 6]),
+        ([WAVE], [0 * WAVE], (4, 8), [4, 6]),
+        ([np.append(np.nan, WAVE[1:])], [0 * WAVE], None, [2, 6]),
+        ([0 * WAVE], [0 * WAVE], (0, 8), [8]),
+        ([np.zeros(1)], [np.zeros(1)], None, [0]),
+    ],
+    ids="wave,other sign,largest edge,no shear,part,no cycle,constant,no steps".split(","),
+)
+def test_load_extremes(
+    k_t: list[Array], k_i: list[Array], cycle: tuple[int, int] | None, expected: list[int]
+) -> None:
+    assert load_extremes(k_t, k_i, cycle) == expected
+
+
+@pytest.fixture(scope="module")
+def cycle(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the fields of all steps."""
+    times = [0.5, 1.0, *(1 + np.arange(1, 9) / 4).tolist()]
+    return write_folder(tmp_path_factory.mktemp("cycle") / "results", times)
+
+
+@needs_pyvista
+def test_the_cycle_is_animated(cycle: Path) -> None:
+    done = python("-m", "fretfe", "animate", cycle, "-o", cycle / "cycle.gif")
+    if "OpenGL" in done.stderr:
+        pytest.skip(done.stderr)
+    assert done.returncode == 0, done.stderr
+    with Image.open(cycle / "cycle.gif") as image:
+        # Four steps to a cycle; 1000 px are wide enough for a page.
+        assert image.n_frames == 4 and image.width < 1000  # type: ignore[attr-defined]
+
+
+@needs_pyvista
+def test_an_animation_needs_all_states(tmp_path: Path) -> None:
+    folder = write_folder(tmp_path / "extremes", [2.25, 2.75, 3.0])
+    with pytest.raises(OutputError, match=r"all 4 states .* found 2: .*fields = \"all\""):
+        animate(folder, tmp_path / "cycle.gif")
+    assert not (tmp_path / "cycle.gif").exists()
+
+
+@needs_pyvista
+def test_the_bodies_are_a_scene(cycle: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    export(cycle, cycle / "scene.gltf")
+    assert "displacements × 5" in capsys.readouterr().out.replace("\n", " ")
+    scene = json.loads((cycle / "scene.gltf").read_text())
+    assert len(scene["meshes"]) == len(BODIES)
+    assert all("COLOR_0" in mesh["primitives"][0]["attributes"] for mesh in scene["meshes"])
+    colours = [m["pbrMetallicRoughness"]["baseColorFactor"] for m in scene["materials"]]
+    assert colours == [[1.0] * 4] * len(BODIES)
+
+
+@pytest.mark.parametrize(
+    ("make", "name", "expected", "words"),
+    [
+        (animate, "cycle.mp4", CaseError, r"ends in \.gif"),
+        (export, "scene.obj", CaseError, r"ends in \.gltf"),
+        (animate, "nowhere/cycle.gif", OutputError, "existing folder"),
+        (export, "scene.gltf", OutputError, "results of a run"),
+    ],
+    ids=["not a GIF", "not glTF", "no folder", "no results"],
+)
+def test_files_that_cannot_be_made(
+    tmp_path: Path,
+    make: Callable[[Path, Path], None],
+    name: str,
+    expected: type[FretfeError],
+    words: str,
+) -> None:
+    with pytest.raises(expected, match=words):
+        make(tmp_path, tmp_path / name)
+
+
+def test_fields_are_those_of_the_extremes_by_default() -> None:
+    assert pad_case().output.fields == "extremes"
+    assert pad_case(fields="last").output.fields == "last"
