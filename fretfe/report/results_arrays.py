@@ -28,6 +28,7 @@ class StoredContact:
     frames: Array
     weights: Array
     gap: Array
+    slip: Array
     status: npt.NDArray[np.int8]
 
 
@@ -56,6 +57,6 @@ def read_arrays(directory: Path) -> StoredArrays:
 
 
 def _read_contact(group: h5py.Group) -> StoredContact:
-    names = ("arc", "points", "frames", "weights", "gap", "status")
+    names = ("arc", "points", "frames", "weights", "gap", "slip", "status")
     arrays = {name: group[name][:] for name in names}
     return StoredContact(str(group.attrs["body1"]), str(group.attrs["body2"]), **arrays)

@@ -41,6 +41,8 @@ STATUS: dict[int, dict[str, Any]] = {
     STICK: {"color": "#0072B2", "linewidth": 2.2},
     SLIP: {"color": "#E69F00", "linewidth": 6.5},
 }
+# Slip in a step, over the largest slip in the history, that is round-off.
+ROUND_OFF = 1e-9
 NAMES = {SLIP: "slip", STICK: "stick", OPEN: "open"}
 
 
@@ -101,9 +103,21 @@ def contact_view(contact: StoredContact, states: Sequence[int]) -> View:
     return View(centre, np.array([half, ASPECT * half]), normal, origin)
 
 
+def visible_status(contact: StoredContact, state: int) -> npt.NDArray[np.int8]:
+    """(N,) status at a state; nodes at the limit of friction that do not move count as sticking.
+
+    Which of them count as slipping in the solution is a matter of round-off.
+    """
+    status, slip = contact.status[state].copy(), contact.slip
+    moved = np.abs(slip[state] - slip[max(state - 1, 0)]).max(axis=-1)
+    status[(status == SLIP) & (moved <= ROUND_OFF * np.abs(slip).max())] = STICK
+    return status
+
+
 def shares_text(contact: StoredContact, state: int) -> str:
     """How much of the contact sticks and slips."""
-    lengths = {kind: contact.weights[contact.status[state] == kind].sum() for kind in (STICK, SLIP)}
+    status = visible_status(contact, state)
+    lengths = {kind: contact.weights[status == kind].sum() for kind in (STICK, SLIP)}
     total = sum(lengths.values())
     if total == 0:
         return "open"
@@ -129,9 +143,10 @@ def _draw_contact(panel: Axes, contact: StoredContact, state: int, view: View) -
     middles = (points[1:] + points[:-1]) / 2
     starts = np.concatenate([points[:1], middles])
     ends = np.concatenate([middles, points[-1:]])
+    status = visible_status(contact, state)
     # Narrow lines end upon wide ones.
     for order, (kind, style) in enumerate(sorted(STATUS.items(), key=lambda s: -s[0])):
-        chosen = contact.status[state] == kind
+        chosen = status == kind
         pieces = [
             np.concatenate([starts[run[:1]], points[run], ends[run[-1:]]])
             for run in np.split(np.arange(len(points)), np.flatnonzero(np.diff(chosen)) + 1)

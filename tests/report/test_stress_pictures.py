@@ -29,7 +29,9 @@ from fretfe.report.picture_scale import (
     round_up,
 )
 from fretfe.report.results_arrays import StoredContact
+from fretfe.report.status_pictures import shares_text, visible_status
 from fretfe.report.view import View
+from fretfe.solution import OPEN, SLIP, STICK
 
 Array = NDArray[np.float64]
 needs_pyvista = pytest.mark.skipif(
@@ -106,6 +108,7 @@ def contact(gap: list[list[float]], **changes: Any) -> StoredContact:
         "frames": np.tile(np.array([[0.0, 1.0], [1.0, 0.0]]), (count, 1, 1)),
         "weights": np.ones(count),
         "gap": np.array(gap),
+        "slip": np.zeros((len(gap), count, 1)),
         "status": np.zeros((len(gap), count), dtype=np.int8),
         **changes,
     }
@@ -148,6 +151,19 @@ def test_edges_are_at_the_origin_on_both_bodies() -> None:
     assert view.half_size == pytest.approx([0.1, 0.08])
     wide, _ = edge_view(contact([[0.0] * 101] * 2), EdgePlace("m", "left", 1.0, 0.0, 5.0), bodies)
     assert wide.half_size[0] == pytest.approx(0.3 * 5.0)
+
+
+def test_nodes_at_the_limit_that_do_not_move_stick() -> None:
+    """Slip of 1e-15 after sliding by 0.01 is round-off; of 1e-6 it is not."""
+    slip = np.array([[0, 0, 0, 0], [0.01, 0.01, 0.01, 0.01], [0.01 + 1e-15, 0.01, 0.010001, 0.01]])
+    status = np.array([[OPEN] * 4, [SLIP] * 4, [SLIP, STICK, SLIP, OPEN]], dtype=np.int8)
+    surface = contact([[0.0] * 4] * 3, slip=slip[..., None], status=status)
+    assert visible_status(surface, 2).tolist() == [STICK, STICK, SLIP, OPEN]
+    assert visible_status(surface, 1).tolist() == [SLIP] * 4
+    assert visible_status(surface, 0).tolist() == [OPEN] * 4
+    surface = contact([[0.0] * 4] * 3, slip=-slip[..., None], status=status, weights=np.arange(4.0))
+    assert shares_text(surface, 2) == "stick 33.3%, slip 66.7%"
+    assert shares_text(surface, 0) == "open"
 
 
 WAVE = np.sin(np.linspace(0, 2 * np.pi, 9))
