@@ -14,7 +14,7 @@ from launch import python
 from pad_cases import pad
 
 from fretfe.case import parse_case
-from fretfe.fem._compat import MPI
+from fretfe.fem._compat import MPI, dolfinx, vtk_file
 from fretfe.fem.run import solve
 from fretfe.loads import build_history
 
@@ -73,10 +73,9 @@ def times_of(path: Path) -> list[float]:
     ("fields", "expected"),
     [
         ("extremes", [2.25, 2.75, 3.0]),
-        ("last", [3.0]),
         ([1.0, 2.25], [1.0, 2.25]),
     ],
-    ids=["extremes", "last", "times"],
+    ids=["extremes", "times"],
 )
 def test_states_that_are_written(shared_path: Path, fields: Any, expected: list[float]) -> None:
     """K_T swings with the shear force, which is largest at 2.25 and smallest at 2.75."""
@@ -102,6 +101,40 @@ def test_states_that_are_written(shared_path: Path, fields: Any, expected: list[
         places = np.sort(np.round(mesh.points[mesh.cells[:, :3]].mean(axis=1), 9), axis=0)
         # DOLFINx and Gmsh have the same coordinates to round-off.
         assert np.allclose(corners, places, rtol=0, atol=2e-9)
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_quadrilaterals_are_read_in_the_order_they_are_written(tmp_path: Path, degree: int) -> None:
+    """A rectangle of 4 × 3 elements: pieces fill it, middles of edges are where they belong."""
+    pytest.importorskip("pyvista")
+    from fretfe.report.field_files import EDGES, PIECES, read_body
+    from fretfe.report.picture_scale import polygon_areas
+
+    kind = dolfinx.mesh.CellType.quadrilateral
+    mesh = dolfinx.mesh.create_rectangle(MPI.COMM_SELF, [[0, 0], [2, 1]], [4, 3], kind)
+    functions = []
+    for name, shape in (("displacement", (2,)), ("stress", (2, 2))):
+        space = dolfinx.fem.functionspace(mesh, ("DG", degree, shape))
+        functions.append(dolfinx.fem.Function(space, name=name))
+    functions[0].interpolate(lambda x: x[:2])
+    functions[1].interpolate(lambda x: np.stack([x[0], x[1], x[1], 0 * x[0]]))
+    with vtk_file(MPI.COMM_SELF, tmp_path / "body.pvd") as file:
+        file.write_function(functions, 0.5)
+    body = read_body(tmp_path, "body", 0, None)
+    assert np.array_equal(body.displacement, body.points)
+    assert np.array_equal(
+        body.stress, np.stack([*body.points.T * [[1], [0]], body.points[:, 1]], 1)
+    )
+    corners = body.points[body.cells]
+    count = corners.shape[1]
+    pieces = corners[:, np.array(PIECES[count])]
+    assert polygon_areas(pieces.reshape(-1, 4, 2)).sum() == pytest.approx(2.0)
+    assert np.allclose(polygon_areas(corners[:, :4]), 2.0 / 12)
+    for edge in EDGES[count]:
+        if degree == 2:
+            ends = corners[:, [edge[0], edge[2]]]
+            assert np.allclose(corners[:, edge[1]], ends.mean(axis=1))
+    assert len(body.outline) == 14
 
 
 @pytest.mark.parametrize("ranks", [1, 2])

@@ -174,6 +174,20 @@ def test_what_cannot_be_drawn_has_a_reason(
     assert [each["file"] for each in listed(folder)["pictures"]] == ["status.png"]
 
 
+def test_a_display_is_made_where_there_is_none(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first process crashes; the second one, with a display, goes on to another error."""
+    code = "import os\nif 'MADE' not in os.environ:\n    os.abort()\nraise ValueError('seen')\n"
+    (tmp_path / "pyvista.py").write_text(code)
+    launcher = tmp_path / "xvfb-run"
+    launcher.write_text('#!/bin/sh\n[ "$1" = -a ] && shift\nexec env MADE=1 "$@"\n')
+    launcher.chmod(0o755)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setattr(shutil, "which", lambda _: str(launcher))
+    assert set(reasons(folder).values()) == {"ValueError: seen"}
+
+
 def test_without_opengl_there_is_a_reason(
     drawn: Path, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
