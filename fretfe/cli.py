@@ -329,7 +329,7 @@ def edges(
     analyse_file(table, Columns(x, p, q, slip), friction, as_json=as_json)
 
 
-@app.command()
+@app.command(epilog=_examples("fretfe animate pad -o cycle.gif"))
 def animate(
     results: Results,
     output: Annotated[Path, typer.Option("--output", "-o", help="File to write (.gif).")],
@@ -340,7 +340,7 @@ def animate(
     animate(results, output)
 
 
-@app.command()
+@app.command(epilog=_examples("fretfe scene pad -o pad.gltf"))
 def scene(
     results: Results,
     output: Annotated[Path, typer.Option("--output", "-o", help="File to write (.gltf).")],
