@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fretfe.errors import OutputError
-
-FOLDER, LIST = "pictures", "pictures.json"
+from fretfe.report.picture_plan import FOLDER, LIST
 
 
 @dataclass(frozen=True)
