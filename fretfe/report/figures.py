@@ -30,15 +30,18 @@ def draw_tractions(case: Case, solution: Solution, contacts: tuple[ContactSummar
         figure = Figure(figsize=(6.4 * columns, 4.2 * rows), layout="constrained")
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
         for panel, history, summary in zip(panels, solution.contacts, contacts, strict=False):
-            _draw_contact(panel, case, solution, history, summary)
+            draw_contact(panel, case, solution, history, summary)
+            panel.set_title(f"{summary.name}: {history.body1} on {history.body2}")
+            panel.legend(frameon=False, fontsize=8)
         for panel in panels[len(contacts) :]:
             panel.set_axis_off()
     return figure
 
 
-def _draw_contact(
+def draw_contact(
     panel: Axes, case: Case, solution: Solution, history: ContactHistory, summary: ContactSummary
 ) -> None:
+    """Draw p, f p and q along a contact at the two load extremes, without title and legend."""
     stress, length = case.units.stress, case.units.length
     edges = summary.edges
     states = load_extremes([e.k_t for e in edges], [e.k_i for e in edges], solution.cycle)
@@ -54,10 +57,8 @@ def _draw_contact(
         panel.plot(x, -bound, color=colour, lw=0.8, ls="--")
         panel.plot(x, shear, color=colour, lw=1.6, label=f"q, {time}")
     panel.axhline(0, color=PRESSURE_COLOUR, lw=0.6)
-    panel.set_title(f"{summary.name}: {history.body1} on {history.body2}")
     panel.set_xlabel(f"x along the contact [{length}]")
     panel.set_ylabel(f"p, q [{stress}]")
-    panel.legend(frameon=False, fontsize=8)
 
 
 def _around_contact(history: ContactHistory, state: int) -> npt.NDArray[np.bool_]:

@@ -21,11 +21,16 @@ def draw_loads(case: Case, history: History) -> Figure:
     """One panel for each load, in the units of its history; the evaluated cycle is shaded."""
     with mpl.rc_context(STYLE):
         figure, panels = _panels(len(history.channels))
-        for number, (name, panel) in enumerate(zip(history.channels, panels, strict=True)):
-            panel.plot(history.times, history.values[:, number], color=COLOURS[0], marker=".")
-            panel.set_ylabel(f"{name} [{_unit(case, name)}]")
-        _finish(case, history, panels)
+        fill_loads(panels, case, history)
     return figure
+
+
+def fill_loads(panels: list[Axes], case: Case, history: History) -> None:
+    """Draw each load into a panel of its own."""
+    for number, (name, panel) in enumerate(zip(history.channels, panels, strict=True)):
+        panel.plot(history.times, history.values[:, number], color=COLOURS[0], marker=".", ms=4)
+        panel.set_ylabel(f"{name} [{_unit(case, name)}]")
+    _finish(case, history, panels)
 
 
 def draw_factors(case: Case, history: History, contacts: tuple[ContactSummary, ...]) -> Figure:

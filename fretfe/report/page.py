@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Iterator, Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import tomli_w
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 from rich.table import Table
@@ -90,7 +89,7 @@ def render(directory: Path) -> str:
         checks=tuple(own_rows(result)) if _solved(result.solution) else (),
         meshes=_mesh_tables(results),
         timings=timing_table(result.seconds),
-        entries=tuple(_flattened(results.case.model_dump(mode="json", exclude_unset=True))),
+        case_text=_case_text(results),
     )
 
 
@@ -124,6 +123,13 @@ def _certificate_rows(results: Results) -> list[tuple[str, str, str]]:
     return rows
 
 
+def _case_text(results: Results) -> str:
+    """The case as it was understood, as TOML."""
+    return tomli_w.dumps(
+        results.case.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+    )
+
+
 def _mesh_tables(results: Results) -> list[Table]:
     refinement = results.result.refinement
     return [] if refinement is None else [mesh_table(refinement), limit_table(refinement)]
@@ -136,22 +142,3 @@ def _grid(table: Table) -> dict[str, Any]:
         "headers": [(str(column.header), column.justify == "right") for column in table.columns],
         "rows": list(zip(*(column.cells for column in table.columns), strict=True)),
     }
-
-
-def _flattened(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, str]]:
-    """Keys with dots and values of nested tables; lists of tables entry by entry."""
-    for key, value in table.items():
-        name = f"{before}{key}"
-        if isinstance(value, Mapping):
-            yield from _flattened(value, f"{name}.")
-        elif isinstance(value, list) and value and isinstance(value[0], Mapping):
-            for place, entry in enumerate(value, start=1):
-                yield f"{name}[{place}]", ", ".join(f"{k} = {_text(v)}" for k, v in entry.items())
-        else:
-            yield name, _text(value)
-
-
-def _text(value: Any) -> str:
-    if isinstance(value, float):
-        return f"{value:.12g}"
-    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)

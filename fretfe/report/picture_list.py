@@ -33,9 +33,9 @@ class Picture:
 
 @dataclass(frozen=True)
 class Missing:
-    """A picture that could not be made, and why."""
+    """Pictures that could not be made, and why."""
 
-    title: str
+    titles: tuple[str, ...]
     reason: str
 
 
@@ -69,7 +69,10 @@ def read_pictures(directory: Path) -> Pictures:
             )
             for each in listed["pictures"]
         )
-        missing = tuple(Missing(each["title"], each["reason"]) for each in listed["missing"])
+        reasons: dict[str, list[str]] = {}
+        for each in listed["missing"]:
+            reasons.setdefault(each["reason"], []).append(each["title"])
+        missing = tuple(Missing(tuple(titles), reason) for reason, titles in reasons.items())
     except (OSError, AttributeError, KeyError, TypeError, ValueError) as error:
         found = f"no key {error}" if isinstance(error, KeyError) else str(error)
         raise OutputError(f"{path}: expected a list of pictures, found: {found}") from error

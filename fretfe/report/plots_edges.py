@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fretfe.evaluate import Edge
+from fretfe.evaluate.extremes import load_extremes
 from fretfe.report.drawing import (
     BLUE,
     GREEN,
@@ -26,7 +27,7 @@ from fretfe.report.drawing import (
     log_axis,
     make_plot,
 )
-from fretfe.report.states import Shown, edge_extremes, prediction, time_text
+from fretfe.report.states import Shown, prediction, time_text
 from fretfe.solution import Solution
 
 Array = npt.NDArray[np.float64]
@@ -94,7 +95,7 @@ def _near(shown: Shown, edge: Edge) -> _Near | None:
         friction = np.flatnonzero(shown.history.friction > 0)
         states = [int(friction[0]) - 1, len(edge.k_t) - 1] if len(friction) else []
     else:
-        states = edge_extremes(result, edge)
+        states = load_extremes([edge.k_t], [edge.k_i], result.history.cycle)
     if len(states) < 2 or not np.isfinite([edge.position[states[1]], edge.k_n[states[1]]]).all():
         return None
     change = float(edge.k_t[states[1]] - edge.k_t[states[0]])

@@ -8,7 +8,6 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fretfe.case import Case
 from fretfe.evaluate import ContactSummary
 from fretfe.reading import Results
 from fretfe.report.drawing import (
@@ -21,6 +20,7 @@ from fretfe.report.drawing import (
     legend_above,
     make_plot,
 )
+from fretfe.report.histories import fill_loads
 from fretfe.report.states import span
 
 Array = npt.NDArray[np.float64]
@@ -59,24 +59,9 @@ def load_plot(results: Results) -> Plot | None:
 
 
 def _draw_loads(figure: Figure, results: Results) -> None:
-    history, case = results.result.history, results.case
+    history = results.result.history
     panels = figure.subplots(len(history.channels), 1, sharex=True, squeeze=False)[:, 0]
-    for axes, name, values in zip(panels, history.channels, history.values.T, strict=True):
-        _over_time(axes, results)
-        axes.plot(history.times, values, ".-", ms=3, lw=1.0, color=BLUE)
-        axes.set_ylabel(f"{name} [{_load_unit(case, name)}]")
-    panels[-1].set_xlabel(f"time [{case.units.time}]")
-
-
-def _load_unit(case: Case, name: str) -> str:
-    load, units = case.loads[name], case.units
-    if load.type == "platen":
-        return units.force if load.control == "force" else units.length
-    return {
-        "traction": units.stress,
-        "displacement": units.length,
-        "rotation": f"rad/{units.time}",
-    }[load.type]
+    fill_loads(list(panels), results.case, history)
 
 
 def _over_time(axes: Axes, results: Results) -> None:

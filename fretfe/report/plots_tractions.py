@@ -5,15 +5,15 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from fretfe.report.drawing import BLUE, GREY, VERMILLION, Plot, legend_above, make_plot
-from fretfe.report.states import Shown, around_contact, edge_extremes, time_text
+from fretfe.report.drawing import Plot, legend_above, make_plot
+from fretfe.report.figures import draw_contact
+from fretfe.report.states import Shown
 
 INTRO = (
     "Means around each node. Dotted: pressure p; dashed, shaded between: friction bound ±f p; "
     "full: shear q on body 2. Where the full line lies on the dashed one the contact slips or has "
-    "just slipped. The two states are those in which K_T of the left edge is largest and smallest "
-    "in the evaluated cycle; without a cycle the one in which it is largest in magnitude, and the "
-    "last."
+    "just slipped. The two states are the extremes of the load: largest and smallest K_T, at the "
+    "edge where it varies most, in the evaluated cycle or in the whole history without one."
 )
 
 
@@ -26,20 +26,7 @@ def traction_plot(shown: Shown) -> Plot:
 
 def _draw(figure: Figure, shown: Shown) -> None:
     axes = figure.subplots()
-    units, history = shown.results.case.units, shown.history
-    states = edge_extremes(shown.results.result, shown.summary.edges[0])
-    for state, colour in zip(states, (BLUE, VERMILLION), strict=False):
-        time = time_text(shown.results, state)
-        nodes = around_contact(history, state)
-        x = history.arc[nodes]
-        pressure, shear = history.mean_traction[state, nodes, :2].T
-        bound = history.friction[state] * pressure
-        axes.plot(x, pressure, color=colour, lw=1.0, ls=":", label=f"p, {time}")
-        axes.fill_between(x, -bound, bound, color=colour, alpha=0.1, lw=0)
-        axes.plot(x, bound, color=colour, lw=0.8, ls="--", label=f"±f p, {time}")
-        axes.plot(x, -bound, color=colour, lw=0.8, ls="--")
-        axes.plot(x, shear, color=colour, lw=1.7, label=f"q, {time}")
-    axes.axhline(0, color=GREY, lw=0.6)
-    axes.set_xlabel(f"x along the contact [{units.length}]")
-    axes.set_ylabel(f"p, q [{units.stress}]")
+    results = shown.results
+    assert results.result.solution is not None
+    draw_contact(axes, results.case, results.result.solution, shown.history, shown.summary)
     legend_above(axes, columns=2)

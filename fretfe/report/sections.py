@@ -45,24 +45,25 @@ def plot_sections(results: Results) -> tuple[Section, ...]:
     """Everything that is drawn from the results, section by section."""
     if len(results.result.history.times) < 2:
         return ()
-    none = f"The backend {results.backend} gives no tractions along the contact."
     shown = _shown(results)
-    no_range = "No edge has a range of K_T to compare with." if shown else none
-    edges = (edge_plot(each, edge) for each in shown for edge in each.summary.edges)
-    return (
-        _section(
-            "tractions",
-            "Along the contacts",
-            plots_tractions.INTRO,
-            none,
-            map(traction_plot, shown),
-        ),
-        _section("edges", "Next to the edges", plots_edges.INTRO, no_range, edges),
-        _section("slip", "Stick and slip", plots_slip.INTRO, none, map(slip_plot, shown)),
-        _section("factors", "Edge factors", FACTORS_INTRO, "", _factors(results)),
-        _section("loads", "Loads", LOADS_INTRO, "", _loads(results)),
-        _section("loops", "Hysteresis", plots_loops.INTRO, none, _loops(results, shown)),
+    histories = (
+        _section("factors", "Edge factors", FACTORS_INTRO, _factors(results)),
+        _section("loads", "Loads", LOADS_INTRO, _loads(results)),
     )
+    if not shown:
+        none = f"The backend {results.backend} gives no tractions along the contact."
+        return (Section("tractions", "Along the contacts", none, ()), *histories)
+    edges = (edge_plot(each, edge) for each in shown for edge in each.summary.edges)
+    sections = (
+        _section(
+            "tractions", "Along the contacts", plots_tractions.INTRO, map(traction_plot, shown)
+        ),
+        _section("edges", "Next to the edges", plots_edges.INTRO, edges),
+        _section("slip", "Stick and slip", plots_slip.INTRO, map(slip_plot, shown)),
+        *histories,
+        _section("loops", "Hysteresis", plots_loops.INTRO, _loops(results, shown)),
+    )
+    return tuple(section for section in sections if section.plots)
 
 
 def solver_plots(results: Results) -> tuple[Plot, ...]:
@@ -103,8 +104,5 @@ def _loops(results: Results, shown: list[Shown]) -> Iterable[Plot | None]:
     yield from work_loop_plots(results)
 
 
-def _section(
-    anchor: str, title: str, intro: str, reason: str, plots: Iterable[Plot | None]
-) -> Section:
-    there = tuple(plot for plot in plots if plot is not None)
-    return Section(anchor, title, intro if there else reason, there)
+def _section(anchor: str, title: str, intro: str, plots: Iterable[Plot | None]) -> Section:
+    return Section(anchor, title, intro, tuple(plot for plot in plots if plot is not None))

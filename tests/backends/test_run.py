@@ -63,8 +63,8 @@ def described(section: str) -> set[str]:
 @pytest.mark.parametrize(
     ("backend", "files"),
     [
-        ("analytic", {"results.json", "report.html", "case.toml"}),
-        ("halfplane", {"results.json", "results.h5", "report.html", "case.toml"}),
+        ("analytic", {"results.json", "report.html", "pictures", "case.toml"}),
+        ("halfplane", {"results.json", "results.h5", "report.html", "pictures", "case.toml"}),
     ],
 )
 def test_files(folder: Path, backend: str, files: set[str]) -> None:

@@ -20,7 +20,7 @@ from fretfe.report.plots_edges import _near, _stuck_change
 from fretfe.report.plots_history import _tension_varies
 from fretfe.report.plots_loops import loop_area, without_slope, work_loop_plots
 from fretfe.report.plots_slip import slip_plot
-from fretfe.report.states import Shown, edge_extremes
+from fretfe.report.states import Shown
 
 P, Q, FRICTION = 600.0, 60.0, 0.4
 PROFILE = Hertz(50.0, composite_modulus(210e3, 0.3, 210e3, 0.3))
@@ -57,9 +57,10 @@ def test_change_of_the_stuck_contact_is_that_of_the_closed_form(shown: Shown, si
 
 
 def test_states_that_are_compared_are_the_reversals(shown: Shown) -> None:
-    result = shown.results.result
-    first, last = result.history.cycle or (0, 0)
-    states = edge_extremes(result, shown.summary.edges[0])
+    first, last = shown.results.result.history.cycle or (0, 0)
+    near = _near(shown, shown.summary.edges[0])
+    assert near is not None
+    states = [near.earlier, near.later]
     shear = shown.summary.shear_force
     assert first <= states[0] < states[1] <= last
     np.testing.assert_allclose(shear[states], [Q, -Q], rtol=1e-6)
@@ -74,7 +75,6 @@ def test_without_a_cycle_first_loading_is_compared(tmp_path: Path) -> None:
     times = results.result.history.times
     # Friction begins at 1, where the shear begins too.
     assert (times[near.earlier], times[near.later]) == (1.0, 2.0)
-    assert edge_extremes(results.result, shown.summary.edges[0]) == [len(times) - 1]
     assert work_loop_plots(results) == []
 
 

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""`fretfe run` ends with a report and `fretfe report` makes it again; neither takes results away."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import launch
+import pytest
+from pads import HERTZ
+from stored_runs import write_run
+from typer.testing import CliRunner
+
+import fretfe.command
+from fretfe.cli import app
+from fretfe.command import run_case
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    path = tmp_path / "pad.toml"
+    path.write_text(HERTZ)
+    return path
+
+
+def test_run_ends_with_the_report_that_the_command_makes_again(case: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    run_case(case, out, "analytic")
+    report = out / "report.html"
+    text = report.read_text("utf-8")
+    report.unlink()
+    done = CliRunner().invoke(app, ["report", str(out)])
+    assert done.exit_code == 0 and str(report) in done.stdout.replace("\n", "")
+    assert report.read_text("utf-8") == text
+
+
+def test_run_without_a_report_leaves_none_of_an_earlier_run(case: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "report.html").write_text("of another run")
+    run_case(case, out, "analytic", report=False)
+    assert (out / "results.json").exists() and not (out / "report.html").exists()
+
+
+def test_report_that_fails_is_a_warning(
+    case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fail(directory: Path) -> Path:
+        raise ZeroDivisionError("no [red]plot[/red]")
+
+    monkeypatch.setattr(fretfe.command, "write_report", fail)
+    run_case(case, tmp_path / "out", "analytic")
+    printed = capsys.readouterr().out
+    assert "Warning: no report: ZeroDivisionError: no [red]plot[/red]" in printed
+    assert (tmp_path / "out" / "results.json").exists()
+
+
+@pytest.mark.parametrize("damage", ["empty", "arrays missing"])
+def test_folder_without_results_gets_a_message_and_its_code(tmp_path: Path, damage: str) -> None:
+    if damage == "arrays missing":
+        (write_run(tmp_path, "halfplane") / "results.h5").unlink()
+    done = launch.python("-m", "fretfe", "report", tmp_path)
+    assert done.returncode == 6
+    assert done.stderr.startswith("fretfe: error:") and "Traceback" not in done.stderr
+    assert str(tmp_path) in done.stderr and not (tmp_path / "report.html").exists()
