@@ -21,6 +21,7 @@ MEMORY = 2**30
 # Keys of a case that do not enter its model.
 FREE: dict[str, Any] = {
     "title": True,
+    "units": True,
     "cycle": True,
     "output": True,
     "contacts": {"__all__": {"friction", "friction_from"}},
@@ -31,7 +32,8 @@ FREE: dict[str, Any] = {
 def model_key(case: Case) -> str:
     """What two cases have in common that can be solved with one model."""
     file = case.geometry.file
-    place = str(case.resolve(file).absolute()) if file is not None else ""
+    # The label of the unit of length decides how a STEP file is read.
+    place = f"{case.resolve(file).absolute()} {case.units.length} " if file is not None else ""
     return place + repr(case.model_dump(mode="json", exclude=FREE))
 
 
