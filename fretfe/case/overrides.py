@@ -18,7 +18,6 @@ from typing import Any
 from fretfe.case.base import TAG
 from fretfe.case.channels import LOADS
 from fretfe.case.histories import KINDS, segment_kind
-from fretfe.case.messages import complaint
 from fretfe.case.model import Case
 from fretfe.errors import CaseError
 
@@ -81,7 +80,7 @@ def with_overrides(
             for keys in _each(changed, tuple(path.split("."))):
                 _set(changed, keys, plain_value(value))
         except _NoPlace as error:
-            problems.append(complaint(source, tuple(path.split(".")), str(error)))
+            problems.append(f"{source}: {path}: {error}")
     if problems:
         raise CaseError("\n".join(problems))
     return changed

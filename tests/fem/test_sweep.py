@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Sweeps with finite elements: the rows of single runs, from bodies that are condensed once."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from launch import python
+from pad_cases import pad, press, shear
+
+from fretfe.backends import RunOptions
+from fretfe.backends.protocol import DEFAULTS
+from fretfe.case import Case, changed, parse_case
+from fretfe.errors import MeshError
+from fretfe.fem import backend, body
+from fretfe.fem.backend import BACKEND
+from fretfe.records import edge_records
+from fretfe.sweeps import Sweep, make_variants, run_sweep
+
+FRICTION, AMPLITUDE = "contacts.main.friction", "loads.shear.amplitude"
+RADIUS = "geometry.parameters.upper_radius"
+# Another operator may have been kept for a contact area: round-off, which the fits of the edges
+# and of the slip zones multiply by some hundred.
+ROUND_OFF = 1e-10
+
+
+def case(**tables: Any) -> Case:
+    """About 30 nodes in contact."""
+    parameters = {**pad()["geometry"]["parameters"], "size": 0.04, "growth": 0.3}
+    geometry = {"template": "cylinder", "parameters": parameters, "order": 1}
+    loads = {"press": press(), "shear": shear(60.0, steps=8)}
+    return parse_case(pad(geometry=geometry, model={"degree": 1}, loads=loads) | tables)
+
+
+@pytest.fixture
+def factorised(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Grows by one number with each body that is factorised."""
+    sizes: list[int] = []
+    original = body.SchurFactorization
+
+    def counted(matrix: Any, retained: Any) -> Any:
+        sizes.append(len(retained))
+        return original(matrix, retained)
+
+    monkeypatch.setattr(body, "SchurFactorization", counted)
+    return sizes
+
+
+def swept(start: Case, ranges: Mapping[str, Any], options: RunOptions = DEFAULTS) -> Sweep:
+    return run_sweep(make_variants(start, ranges), BACKEND, options)
+
+
+@cache
+def single(**values: float) -> list[dict[str, Any]]:
+    named = {"friction": FRICTION, "amplitude": AMPLITUDE, "radius": RADIUS}
+    other = changed(case(), {named[name]: value for name, value in values.items()})
+    return edge_records(BACKEND.solve(other))
+
+
+def compare(found: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
+    for name, value in expected.items():
+        if isinstance(value, float):
+            # what is zero by symmetry or balance is compared with the half-width
+            scale = max(abs(value), 1e-3 * expected["half_width"])
+            assert np.isclose(found[name], value, rtol=0, atol=ROUND_OFF * scale, equal_nan=True), (
+                name
+            )
+        else:
+            assert found[name] == value
+
+
+@pytest.mark.mpi
+def test_rows_are_those_of_single_runs_and_bodies_are_factorised_once(
+    factorised: list[int],
+) -> None:
+    sweep = swept(case(), {FRICTION: (0.4, 0.7), AMPLITUDE: (60.0, 30.0)})
+    assert len(factorised) == 2
+    assert [each.failure for each in sweep.variants] == [""] * 4
+    for each in sweep.variants:
+        expected = single(friction=each.values[FRICTION], amplitude=each.values[AMPLITUDE])
+        for edge, reference in zip(each.edges, expected, strict=True):
+            compare(edge, reference)
+
+
+def test_other_bodies_are_factorised_again_once_each(factorised: list[int]) -> None:
+    sweep = swept(case(), {FRICTION: (0.4, 0.7), RADIUS: (50.0, 40.0)})
+    assert len(factorised) == 4
+    last = sweep.variants[-1]
+    assert last.values == {FRICTION: 0.7, RADIUS: 40.0}
+    for edge, reference in zip(last.edges, single(friction=0.7, radius=40.0), strict=True):
+        compare(edge, reference)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "count"),
+    [
+        ("loads.shear.history.1.until", 1.0, 2),
+        ("output.fields", "none", 2),
+        ("units.length", "m", 2),
+        ("contacts.main.friction_from", 0.0, 2),
+        ("contacts.main.multipliers", "surface2", 4),
+        ("bodies.upper.young", 200e3, 4),
+        ("model.thickness", 2.0, 4),
+        ("supports.side", {"boundary": "lower_left", "fix": ["x"]}, 4),
+        ("loads.shear.control", "displacement", 4),
+        ("geometry.order", 2, 4),
+    ],
+)
+def test_what_needs_another_model(factorised: list[int], key: str, value: Any, count: int) -> None:
+    short = {"press": press(), "shear": shear(0.01, steps=4, cycles=1)}
+    start = case(loads=short, contacts={"main": {**pad()["contacts"]["main"], "friction": 0.9}})
+    session = BACKEND.session()
+    session.solve(start)
+    session.solve(changed(start, {key: value}))
+    assert len(factorised) == count
+    session.close()
+
+
+@pytest.mark.mpi
+def test_a_case_without_a_solution_does_not_spoil_the_others() -> None:
+    """A shear force of 300 is more than f P = 240."""
+    sweep = swept(case(), {AMPLITUDE: (300.0, 60.0)})
+    first, second = sweep.variants
+    assert "did not converge" in first.failure or "slides" in first.failure
+    assert not first.edges
+    for edge, reference in zip(second.edges, single(friction=0.4, amplitude=60.0), strict=True):
+        compare(edge, reference)
+
+
+def test_meshes_that_refine_themselves_do_so_for_each_case(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    refined = []
+
+    def recorded(comm: Any, case: Case, *_: Any) -> Any:
+        refined.append(case.contacts["main"].friction)
+        raise MeshError("recorded")
+
+    monkeypatch.setattr(backend, "refine", recorded)
+    parameters = pad()["geometry"]["parameters"]
+    geometry = {"template": "cylinder", "parameters": parameters}
+    sweep = swept(case(geometry=geometry, edges={"tolerance": 0.05}), {FRICTION: (0.4, 0.8)})
+    assert refined == [0.4, 0.8]
+    assert [each.failure for each in sweep.variants] == ["recorded"] * 2
+
+
+TEXT = """
+geometry = { template = "cylinder", order = 1, parameters = { upper_radius = 50, upper_width = 12, \
+lower_radius = 0, lower_width = 12, size = 0.04, growth = 0.3 } }
+model = { degree = 1 }
+[bodies]
+upper = { young = 210e3, poisson = 0.3 }
+lower = { young = 210e3, poisson = 0.3 }
+[contacts]
+main = { surface1 = "upper_contact", surface2 = "lower_contact", friction = 0.4, friction_from = 1 }
+[supports]
+base = { boundary = "lower_bottom", fix = ["x", "y"] }
+[loads.press]
+type = "platen"
+boundary = "upper_top"
+direction = "y"
+control = "force"
+history = [{ ramp = -600, until = 1, steps = 2 }]
+"""
+
+
+def test_two_processes_write_one_table(tmp_path: Path) -> None:
+    (tmp_path / "pad.toml").write_text(TEXT)
+    arguments = ("sweep", tmp_path / "pad.toml", "--vary", "loads.press.ramp=-600,-300,100")
+    for ranks in (1, 2):
+        done = python("-m", "fretfe", *arguments, "-o", tmp_path / str(ranks), ranks=ranks)
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.count("3/3: loads.press.ramp = 100: failed: ") == 1
+        assert done.stdout.count("3 variants, 1 failed") == 1
+        assert (tmp_path / str(ranks) / "sweep.png").exists()
+    one, two = (rows(tmp_path / name / "sweep.csv") for name in ("1", "2"))
+    assert len(one) == len(two) == 5
+    for row, other in zip(one, two, strict=True):
+        assert row["failure"] == other["failure"]
+        if row["k_n"]:
+            assert float(row["k_n"]) == pytest.approx(float(other["k_n"]), rel=1e-8)
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
