@@ -20,7 +20,15 @@ from matplotlib.figure import Figure
 from fretfe.backends import EdgeHistories, Processes, RunOptions, find_backend
 from fretfe.backends.protocol import Announce, Progress, mute, silent
 from fretfe.case import Case, load_case
-from fretfe.command import FIELDS, OneProcess, prepare, processes_of, require_supported, write_all
+from fretfe.command import (
+    FIELDS,
+    OneProcess,
+    prepare,
+    processes_of,
+    require_supported,
+    write_all,
+    write_case,
+)
 from fretfe.errors import CaseError, OutputError
 from fretfe.records import edge_records
 from fretfe.report.figures import draw_tractions
@@ -183,7 +191,7 @@ def sweep(
     variants = processes.on_root(lambda: make_variants(case, vary))
     assert variants is not None
     if output is not None:
-        _write(processes, lambda: prepare(Path(output), case))
+        _write(processes, lambda: write_case(Path(output), case))
     told = announce if processes.rank == 0 else mute
     result = run_sweep(variants, solver, RunOptions(announce=told))
     if output is not None:

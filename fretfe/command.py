@@ -139,15 +139,24 @@ def read_case(path: Path, overrides: Sequence[str], *, trust_geo: bool = False) 
 
 
 def prepare(directory: Path, case: Case) -> None:
-    """Make the folder for results and write the case as it is run, so that it can be run again.
+    """Make the folder for results, without pictures and fields of an earlier run.
+
+    Raises:
+        OutputError: as for `write_case`.
+    """
+    write_case(directory, case)
+    # They would not belong to these results.
+    remove_pictures(directory)
+    remove_fields(directory)
+
+
+def write_case(directory: Path, case: Case) -> None:
+    """Write the case as it is run into a folder, so that it can be run again; make the folder.
 
     Raises:
         OutputError: if that is not possible, or another case would be written over the case file.
     """
     prepare_directory(directory)
-    # What an earlier run left would not belong to these results.
-    remove_pictures(directory)
-    remove_fields(directory)
     target = directory / CASE_COPY
     if target.resolve() != case.source.resolve():
         target.write_text(case_text(case), encoding="utf-8")

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from fretfe.backends import RunOptions, find_backend
 from fretfe.backends.protocol import mute
-from fretfe.command import OneProcess, StepReport, prepare, processes_of, read_case
+from fretfe.command import OneProcess, StepReport, processes_of, read_case, write_case
 from fretfe.errors import ConvergenceError, OutputError
 from fretfe.report.sweep_figure import write_sweep
 from fretfe.sweeps import Sweep, make_variants, parse_ranges, run_sweep
@@ -56,7 +56,7 @@ def sweep_case(
     assert case is not None
     variants = processes.on_root(lambda: make_variants(case, parse_ranges(vary)))
     assert variants is not None
-    processes.on_root(lambda: prepare(directory, case))
+    processes.on_root(lambda: write_case(directory, case))
     with StepReport(processes.rank, verbosity, steps=False) as report:
         announce = report.announce if processes.rank == 0 else mute
         sweep = run_sweep(variants, backend, RunOptions(progress=report.step, announce=announce))

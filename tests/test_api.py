@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The Python interface: what `fretfe.run` and `fretfe.sweep` return, draw and write."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from launch import python
+from matplotlib.figure import Figure
+from pads import HERTZ
+
+import fretfe
+from fretfe.api import Result
+from fretfe.case import changed
+from fretfe.command import run_case
+from fretfe.errors import CaseError, ModelError, OutputError
+
+FRICTION = "contacts.main.friction"
+
+
+@pytest.fixture(scope="module")
+def pad(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("api") / "pad.toml"
+    path.write_text(HERTZ)
+    return path
+
+
+@pytest.fixture(scope="module")
+def solved(pad: Path) -> Result:
+    result = fretfe.run(fretfe.load_case(pad), backend="halfplane")
+    assert isinstance(result, Result)
+    return result
+
+
+LIGHT = """
+import sys
+import fretfe
+heavy = {"numpy", "matplotlib", "pydantic", "typer", "dolfinx", "fretfe.api"}
+print(sorted(heavy & set(sys.modules)), "run" in dir(fretfe), callable(fretfe.run))
+try:
+    fretfe.rum
+except AttributeError as error:
+    print(error)
+"""
+
+
+def test_the_package_alone_is_light() -> None:
+    done = python("-c", LIGHT)
+    assert done.stdout.splitlines() == [
+        "[] True True",
+        "module 'fretfe' has no attribute 'rum'",
+    ], done.stderr
+
+
+WITHOUT_DOLFINX = """
+import sys
+class Block:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in {"dolfinx", "dolfinx_solver", "mpi4py", "petsc4py", "gmsh"}:
+            raise ImportError(f"{name} is blocked in this test")
+sys.meta_path.insert(0, Block())
+import fretfe
+case = fretfe.load_case(sys.argv[1], {"loads.shear.amplitude": 30})
+print(len(fretfe.run(case, backend="halfplane").edges()))
+print(len(fretfe.sweep(case, {"contacts.main.friction": [0.3, 0.4]}, "analytic").records()))
+try:
+    fretfe.run(case)
+except Exception as error:
+    print(type(error).__name__)
+"""
+
+
+def test_works_without_dolfinx(pad: Path) -> None:
+    done = python("-c", WITHOUT_DOLFINX, pad)
+    assert done.stdout.split() == ["2", "4", "DependencyError"], done.stderr
+
+
+def test_edges_are_flat_records(solved: Result) -> None:
+    records = solved.edges()
+    assert [(each["contact"], each["edge"]) for each in records] == [
+        ("main", "left"),
+        ("main", "right"),
+    ]
+    contact = solved.histories.contacts[0]
+    for record, edge in zip(records, contact.edges, strict=True):
+        assert {type(value) for value in record.values()} <= {str, float, bool}
+        assert record["k_n"] == edge.k_n[-1]
+        assert record["k_t_range"] == edge.k_t_range
+        assert record["half_width"] == contact.half_width[-1]
+        assert record["slip_2"] == edge.slip_zones[-1].length
+        assert record["slip_1"] == edge.slip_zones[-2].length
+        assert record["predicted_2"] == edge.slip_zones[-1].predicted_loop
+        assert record["steady"] is True
+
+
+def test_history_of_an_edge(solved: Result) -> None:
+    history = solved.history("main", "right")
+    assert list(history) == [
+        "time", "loads.press", "loads.shear", "k_n", "k_t", "k_i", "position"
+    ]  # fmt: skip
+    assert {value.shape for value in history.values()} == {(21,)}
+    assert history["loads.press"][-1] == -600
+    assert np.array_equal(history["k_t"], solved.histories.contacts[0].edges[1].k_t)
+
+
+def test_history_of_an_edge_that_is_not_there(solved: Result) -> None:
+    with pytest.raises(CaseError, match="edges main left, main right, found main middle"):
+        solved.history("main", "middle")
+
+
+@pytest.mark.parametrize(
+    ("name", "panels"), [("plot_tractions", 1), ("plot_factors", 2), ("plot_loads", 2)]
+)
+def test_figures(solved: Result, name: str, panels: int) -> None:
+    figure = getattr(solved, name)()
+    assert isinstance(figure, Figure)
+    assert len(figure.axes) == panels
+    assert all(panel.get_ylabel() for panel in figure.axes)
+
+
+def test_loads_have_the_units_of_their_histories(pad: Path) -> None:
+    overrides = {
+        "loads.pull": {
+            "type": "traction",
+            "boundary": "lower_right",
+            "direction": "normal",
+            "history": [{"hold": True, "until": 1.0}],
+        },
+        "supports": {
+            "base": {"boundary": "lower_bottom", "fix": ["y"]},
+            "side": {"boundary": "lower_left", "fix": ["x"]},
+        },
+        "units.force": "kN",
+    }
+    figure = fretfe.run(fretfe.load_case(pad, overrides), "analytic").plot_loads()
+    labels = [panel.get_ylabel() for panel in figure.axes]
+    assert labels == ["press [kN]", "shear [kN]", "pull [MPa]"]
+
+
+def test_no_figure_without_tractions(pad: Path) -> None:
+    result = fretfe.run(fretfe.load_case(pad), backend="analytic")
+    with pytest.raises(OutputError, match="'analytic' has none"):
+        result.plot_tractions()
+
+
+def test_notebooks_show_a_table_in_which_nothing_is_markup(pad: Path) -> None:
+    case = fretfe.load_case(pad, {"title": "<b>P & Q</b>"})
+    text = fretfe.run(case, backend="analytic")._repr_html_()
+    assert "<b>" not in text and "&lt;b&gt;P &amp; Q&lt;/b&gt; (analytic)" in text
+    assert text.count("<tr>") == 3 and text.count("<td>main</td>") == 2
+
+
+def test_output_is_that_of_the_command(pad: Path, tmp_path: Path) -> None:
+    case = fretfe.load_case(pad, {"loads.shear.amplitude": 30})
+    fretfe.run(case, backend="halfplane", output=tmp_path / "api")
+    run_case(pad, tmp_path / "command", "halfplane", ["loads.shear.amplitude=30"])
+    names = [{path.name for path in (tmp_path / name).iterdir()} for name in ("api", "command")]
+    assert names[0] == names[1]
+    one, two = (
+        json.loads((tmp_path / name / "results.json").read_text()) for name in ("api", "command")
+    )
+    del one["seconds"], two["seconds"]
+    assert one == two
+    texts = [(tmp_path / name / "case.toml").read_text() for name in ("api", "command")]
+    assert texts[0] == texts[1]
+
+
+def test_sweep(pad: Path, tmp_path: Path) -> None:
+    case, told = fretfe.load_case(pad), list[str]()
+    frictions = np.linspace(0.3, 0.5, 3)
+    sweep = fretfe.sweep(
+        case, {FRICTION: frictions}, "analytic", output=tmp_path, announce=told.append
+    )
+    records = sweep.records()
+    assert [record[FRICTION] for record in records] == [0.3, 0.3, 0.4, 0.4, 0.5, 0.5]
+    assert {type(record[FRICTION]) for record in records} == {float}
+    expected: list[dict[str, Any]] = []
+    for friction in frictions:
+        expected += fretfe.run(changed(case, {FRICTION: friction}), "analytic").edges()
+    assert [{name: record[name] for name in expected[0]} for record in records] == expected
+    assert len(told) == 3
+    assert {path.name for path in tmp_path.iterdir()} == {"case.toml", "sweep.csv", "sweep.png"}
+    with (tmp_path / "sweep.csv").open(newline="") as file:
+        assert len(list(csv.DictReader(file))) == 6
+
+
+def test_mistakes(pad: Path) -> None:
+    case = fretfe.load_case(pad, {"loads.shear.amplitude": 300})
+    with pytest.raises(ModelError, match="the backend 'analytic' cannot solve this case"):
+        fretfe.run(case, "analytic")
+    with pytest.raises(CaseError, match="no backend is called 'halfplain'"):
+        fretfe.run(case, "halfplain")
+    with pytest.raises(CaseError, match="there is no 'mian' in contacts"):
+        fretfe.sweep(case, {"contacts.mian.friction": [0.4]}, "analytic")
