@@ -205,7 +205,7 @@ def fretfe(*arguments: str | Path) -> Any:
 
 
 def run(case: Path, out: Path, *options: str) -> dict[str, Any]:
-    done = fretfe("run", case, "-o", out, "--backend", "analytic", *options)
+    done = fretfe("run", "--no-report", case, "-o", out, "--backend", "analytic", *options)
     assert done.returncode == 0, done.stderr
     return dict(json.loads((out / "results.json").read_text()))
 
@@ -229,7 +229,7 @@ def test_a_changed_case_does_not_replace_its_own_file(tmp_path: Path) -> None:
     case = tmp_path / "case.toml"
     case.write_text(HERTZ)
     options = ("--backend", "analytic", "--set", "loads.shear.amplitude=30")
-    done = fretfe("run", case, "-o", tmp_path, *options)
+    done = fretfe("run", "--no-report", case, "-o", tmp_path, *options)
     assert done.returncode == 6
     assert "expected another folder" in done.stderr and "Traceback" not in done.stderr
     assert case.read_text() == HERTZ

@@ -83,7 +83,7 @@ def test_installed_backend_is_listed() -> None:
 @pytest.mark.usefixtures("plugin")
 def test_installed_backend_solves_a_case(tmp_path: Path) -> None:
     for name in ("two_terms", "analytic"):
-        done = fretfe("run", "case.toml", "--backend", name, "-o", name)
+        done = fretfe("run", "--no-report", "case.toml", "--backend", name, "-o", name)
         assert done.returncode == 0, done.stderr
     formula, exact = (
         json.loads((tmp_path / name / "results.json").read_text())
@@ -116,7 +116,7 @@ def test_installed_backend_says_what_it_cannot_solve(
 ) -> None:
     assert old in HERTZ
     (tmp_path / "case.toml").write_text(HERTZ.replace(old, new))
-    done = fretfe("run", "case.toml", "--backend", "two_terms", "-o", "out")
+    done = fretfe("run", "--no-report", "case.toml", "--backend", "two_terms", "-o", "out")
     assert done.returncode == 4
     assert words in done.stderr and not (tmp_path / "out").exists()
 
@@ -170,14 +170,14 @@ def test_broken_backends_are_listed_with_the_reason() -> None:
 
 @pytest.mark.usefixtures("broken")
 def test_broken_backend_does_not_disturb_the_others() -> None:
-    done = fretfe("run", "case.toml", "--backend", "analytic", "-o", "out")
+    done = fretfe("run", "--no-report", "case.toml", "--backend", "analytic", "-o", "out")
     assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.usefixtures("broken")
 @pytest.mark.parametrize("name", ["raises", "incomplete"])
 def test_broken_backend_cannot_be_chosen(tmp_path: Path, name: str) -> None:
-    done = fretfe("run", "case.toml", "--backend", name, "-o", "out")
+    done = fretfe("run", "--no-report", "case.toml", "--backend", name, "-o", "out")
     assert done.returncode == 7
     assert "Traceback" not in done.stderr
     assert all(word in done.stderr for word in (repr(name), *BROKEN[name][-1])), done.stderr
@@ -185,14 +185,16 @@ def test_broken_backend_cannot_be_chosen(tmp_path: Path, name: str) -> None:
 
 
 def test_unknown_backend_is_answered_with_the_names(tmp_path: Path) -> None:
-    done = fretfe("run", "case.toml", "--backend", "halfplan", "-o", "out")
+    done = fretfe("run", "--no-report", "case.toml", "--backend", "halfplan", "-o", "out")
     assert done.returncode == 2
     assert "'halfplan'" in done.stderr and "analytic, halfplane, fem" in done.stderr
     assert not (tmp_path / "out").exists()
 
 
 def test_case_that_is_no_half_plane_problem(tmp_path: Path) -> None:
-    done = fretfe("run", DEMOS / "dovetail.toml", "--backend", "halfplane", "-o", "out")
+    done = fretfe(
+        "run", "--no-report", DEMOS / "dovetail.toml", "--backend", "halfplane", "-o", "out"
+    )
     assert done.returncode == 4
     assert all(word in done.stderr for word in ("'halfplane'", "cylinder", "found 'dovetail'"))
     assert not (tmp_path / "out").exists()
@@ -216,7 +218,7 @@ def test_without_dolfinx_fem_says_why_it_cannot_be_used(tmp_path: Path) -> None:
     assert [row[0] for row in rows.values()] == ["yes", "yes", "no"]
     reason = rows["fem"][-1]
     assert "needs DOLFINx" in reason and "pip install" in reason
-    done = without_dolfinx("run", "case.toml", "--backend", "fem", "-o", "out")
+    done = without_dolfinx("run", "--no-report", "case.toml", "--backend", "fem", "-o", "out")
     assert done.returncode == 7
     assert reason in done.stderr and "Traceback" not in done.stderr
     assert not (tmp_path / "out").exists()
@@ -224,6 +226,6 @@ def test_without_dolfinx_fem_says_why_it_cannot_be_used(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["analytic", "halfplane"])
 def test_without_dolfinx_half_planes_are_solved(tmp_path: Path, name: str) -> None:
-    done = without_dolfinx("run", "case.toml", "--backend", name, "-o", "out")
+    done = without_dolfinx("run", "--no-report", "case.toml", "--backend", name, "-o", "out")
     assert done.returncode == 0, done.stderr
     assert json.loads((tmp_path / "out" / "results.json").read_text())["backend"] == name

@@ -212,7 +212,7 @@ def test_mistake_gets_a_clear_message(folder: Path, tmp_path: Path, mistake: str
     assert old in CASE
     shutil.copy(folder / "pad.msh", tmp_path)
     (tmp_path / "case.toml").write_text(CASE.replace(old, new, 1))
-    done = fretfe("run", tmp_path / "case.toml", "-o", tmp_path / "out")
+    done = fretfe("run", "--no-report", tmp_path / "case.toml", "-o", tmp_path / "out")
     assert done.returncode == code, done.stdout + done.stderr
     assert "Traceback" not in done.stderr
     assert all(word in done.stderr for word in words), done.stderr
@@ -228,7 +228,7 @@ def test_output_folder_that_cannot_be_written(folder: Path, tmp_path: Path) -> N
 def test_error_on_two_processes_is_one_message(folder: Path, tmp_path: Path) -> None:
     shutil.copy(folder / "pad.msh", tmp_path)
     (tmp_path / "case.toml").write_text(CASE.replace('fix = ["x", "y"]', 'fix = ["x"]'))
-    done = fretfe("run", tmp_path / "case.toml", "-o", tmp_path / "out", ranks=2)
+    done = fretfe("run", "--no-report", tmp_path / "case.toml", "-o", tmp_path / "out", ranks=2)
     assert done.returncode == 4
     assert done.stderr.count("fretfe: error:") == 1
 

@@ -14,7 +14,15 @@ from pads import HERTZ
 @pytest.mark.parametrize("backend", ["analytic", "halfplane"])
 def test_two_processes_make_one_run(tmp_path: Path, backend: str) -> None:
     (tmp_path / "case.toml").write_text(HERTZ)
-    arguments = ("run", tmp_path / "case.toml", "-o", tmp_path / "out", "--backend", backend)
+    arguments = (
+        "run",
+        tmp_path / "case.toml",
+        "-o",
+        tmp_path / "out",
+        "--no-report",
+        "--backend",
+        backend,
+    )
     done = python("-m", "fretfe", *arguments, ranks=2)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("step 20/20") == done.stdout.count("Results in") == 1
@@ -23,7 +31,15 @@ def test_two_processes_make_one_run(tmp_path: Path, backend: str) -> None:
 
 def test_two_processes_report_an_error_once(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(HERTZ.replace("amplitude = 60", "amplitude = 300"))
-    arguments = ("run", tmp_path / "case.toml", "-o", tmp_path / "out", "--backend", "halfplane")
+    arguments = (
+        "run",
+        tmp_path / "case.toml",
+        "-o",
+        tmp_path / "out",
+        "--no-report",
+        "--backend",
+        "halfplane",
+    )
     done = python("-m", "fretfe", *arguments, ranks=2)
     assert done.returncode == 4
     assert done.stderr.count("fretfe: error:") == 1
