@@ -104,7 +104,7 @@ def test_other_bodies_are_factorised_again_once_each(factorised: list[int]) -> N
     [
         ("loads.shear.history.1.until", 1.0, 2),
         ("output.fields", "none", 2),
-        ("units.length", "m", 2),
+        ("title", "Another", 2),
         ("contacts.main.friction_from", 1.0, 2),
         ("contacts.main.multipliers", "surface2", 4),
         ("bodies.upper.young", 200e3, 4),
@@ -192,3 +192,27 @@ def test_two_processes_write_one_table(tmp_path: Path) -> None:
 def rows(path: Path) -> list[dict[str, str]]:
     with path.open(newline="") as file:
         return list(csv.DictReader(file))
+
+
+SCRIPT = """
+import sys
+import fretfe
+from fretfe.fem._compat import MPI
+from pathlib import Path
+folder = Path(sys.argv[1])
+case = fretfe.load_case(folder / "pad.toml", {"output.fields": "none"})
+result = fretfe.run(case, output=folder / "run")
+sweep = fretfe.sweep(case, {"loads.press.ramp": [-600.0, -300.0]}, output=folder / "sweep")
+gathered = MPI.COMM_WORLD.gather(repr((result.edges(), sweep.records()[0]["k_n"])))
+if MPI.COMM_WORLD.rank == 0:
+    print(len(gathered), gathered[0] == gathered[-1], result.histories.solution is not None)
+"""
+
+
+def test_scripts_on_two_processes(tmp_path: Path) -> None:
+    (tmp_path / "pad.toml").write_text(TEXT)
+    done = python("-c", SCRIPT, tmp_path, ranks=2)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == ["2", "True", "True"]
+    assert (tmp_path / "run" / "results.json").exists()
+    assert (tmp_path / "sweep" / "sweep.csv").exists()
