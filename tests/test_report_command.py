@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""`fretfe run` ends with a report, `fretfe report` makes it again; neither takes results away."""
+"""`fretfe run` ends with a report, `fretfe report` makes it again; results stay in any case."""
 
 from __future__ import annotations
 
