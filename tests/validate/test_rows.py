@@ -68,6 +68,29 @@ def test_a_good_run_passes() -> None:
     assert verdicts(rows, "half cycle") == verdicts(rows, "moving edge") == {"pass"}
 
 
+def test_what_does_not_exist_is_no_failure() -> None:
+    """No cycle or friction to be steady in; no second load that tells a formula's error."""
+    result = halfplane(0.15)
+    (contact,) = result.contacts
+    left, right = (replace(edge, stiffening=math.nan) for edge in contact.edges)
+    edited = replace(contact, edges=(left, right), cycle_change=math.nan)
+    rows = list(own_rows(replace(result, contacts=(edited,))))
+    assert verdicts(rows, "change of q") == verdicts(rows, "d and (11)") == {"-"}
+
+
+def test_large_expected_error_does_not_excuse_a_large_difference() -> None:
+    """A prediction of half the length that was found, where an error of 200 % is expected."""
+    result = halfplane(0.15)
+    (contact,) = result.contacts
+    zones = [zone for zone in contact.edges[0].slip_zones if math.isfinite(zone.predicted_loop)]
+    longer = tuple(replace(zone, predicted_loop=zone.length / 2) for zone in zones)
+    stiffening = 4.0 / longer[0].length
+    edges = tuple(replace(edge, slip_zones=longer, stiffening=stiffening) for edge in contact.edges)
+    edited = replace(contact, edges=(edges[0], edges[1]))
+    rows = list(own_rows(replace(result, contacts=(edited,))))
+    assert verdicts(rows, "d and (11)") == {"outside"}
+
+
 @pytest.mark.parametrize("ratio", [0.1, 0.2, 0.4])
 def test_expected_error_of_the_asymptote(ratio: float) -> None:
     for edge in halfplane(ratio).contacts[0].edges:
