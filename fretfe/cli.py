@@ -117,12 +117,7 @@ def run(
     )
 
 
-@app.command(
-    "report",
-    epilog=_examples(
-        "fretfe report pad",
-    ),
-)
+@app.command("report", epilog=_examples("fretfe report pad"))
 def make_report(
     directory: Results,
 ) -> None:
@@ -176,12 +171,7 @@ def sweep(
     )
 
 
-@app.command(
-    epilog=_examples(
-        "fretfe backends",
-        "fretfe backends pad.toml",
-    )
-)
+@app.command(epilog=_examples("fretfe backends", "fretfe backends pad.toml"))
 def backends(
     case: Annotated[
         Path | None,
@@ -194,12 +184,7 @@ def backends(
     show_backends(case)
 
 
-@app.command(
-    epilog=_examples(
-        "fretfe validate pad.toml",
-        "fretfe validate pad.toml -o pad --json",
-    )
-)
+@app.command(epilog=_examples("fretfe validate pad.toml", "fretfe validate pad.toml -o pad --json"))
 def validate(
     case: CaseFile,
     output: Annotated[
@@ -235,10 +220,7 @@ def validate(
 
 
 @app.command(
-    epilog=_examples(
-        "fretfe verify",
-        "fretfe verify --backend halfplane --backend analytic",
-    )
+    epilog=_examples("fretfe verify", "fretfe verify --backend halfplane --backend analytic")
 )
 def verify(
     backend: Annotated[
@@ -260,8 +242,7 @@ def verify(
 
 @app.command(
     epilog=_examples(
-        "fretfe check pad.toml",
-        "fretfe check pad.toml --set geometry.parameters.size=0.02",
+        "fretfe check pad.toml", "fretfe check pad.toml --set geometry.parameters.size=0.02"
     )
 )
 def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = False) -> None:
@@ -271,11 +252,7 @@ def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = Fal
     check_case(case, overrides or (), trust_geo=trust_geo)
 
 
-@app.command(
-    epilog=_examples(
-        "fretfe mesh pad.toml -o pad.msh",
-    )
-)
+@app.command(epilog=_examples("fretfe mesh pad.toml -o pad.msh"))
 def mesh(
     case: CaseFile,
     output: Annotated[Path, typer.Option("--output", "-o", help="Mesh file to write (.msh).")],
@@ -291,12 +268,7 @@ def mesh(
     write_mesh_file(case, output, overrides or (), trust_geo=trust_geo)
 
 
-@app.command(
-    epilog=_examples(
-        "fretfe templates",
-        "fretfe templates dovetail",
-    )
-)
+@app.command(epilog=_examples("fretfe templates", "fretfe templates dovetail"))
 def templates(
     name: Annotated[str | None, typer.Argument(help="Template: list its parameters.")] = None,
 ) -> None:
@@ -359,11 +331,7 @@ def info() -> None:
     show_info()
 
 
-@app.command(
-    epilog=_examples(
-        "fretfe schema > case.schema.json",
-    )
-)
+@app.command(epilog=_examples("fretfe schema > case.schema.json"))
 def schema() -> None:
     """Print the JSON schema of case files."""
     from fretfe.case import case_schema
