@@ -323,7 +323,7 @@ def scene(
     export(results, output)
 
 
-@app.command()
+@app.command(epilog=_examples("fretfe info", "mpirun -n 2 fretfe info"))
 def info() -> None:
     """Show versions, MPI and the linear-algebra library in use."""
     from fretfe.fem.command import show_info
