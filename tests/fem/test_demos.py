@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The demos end with computed against expected values: none of them may be off."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from launch import python
+
+DEMOS = Path(__file__).parents[2] / "demos"
+SCRIPTS = sorted(path for path in DEMOS.glob("*.py") if path.stem != "compare")
+
+
+def test_there_are_demos() -> None:
+    assert len(SCRIPTS) >= 7
+
+
+def test_a_value_that_is_off_makes_a_demo_fail() -> None:
+    text = "from compare import Row, finish; finish([Row('a', 1.02, 1.0, 0.01)])"
+    done = python("-c", f"import sys; sys.path.insert(0, {str(DEMOS)!r}); {text}")
+    assert done.returncode == 1
+    assert "<-- off" in done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("script", SCRIPTS, ids=[path.stem for path in SCRIPTS])
+def test_demo(script: Path) -> None:
+    done = python(script, timeout=600)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "computed" in done.stdout
