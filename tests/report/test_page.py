@@ -100,13 +100,6 @@ def test_page_is_one_file_that_loads_nothing(pages: dict[str, str], name: str) -
     assert ("Not all load steps were solved" in pages[name]) == (name == "incomplete")
 
 
-def test_same_results_give_the_same_page(pages: dict[str, str], tmp_path: Path) -> None:
-    folder = write_run(tmp_path, "halfplane")
-    # Times of the run are part of the results.
-    assert write_report(folder) == folder / REPORT
-    assert (folder / REPORT).read_text("utf-8") == pages["halfplane"]
-
-
 def test_answer_comes_first_with_numbers_and_verdicts(pages: dict[str, str]) -> None:
     (contact,) = solved("halfplane")[2].contacts
     text = pages["halfplane"]
@@ -175,7 +168,7 @@ def test_what_a_user_wrote_is_text(tmp_path: Path) -> None:
             units={"length": f"m{SCRIPT}$x_1$", "stress": "&<b>'\"", "time": "{{ 1 }}"},
         )
     )
-    page = check_alone(render(write_run(tmp_path, "halfplane", case)))
+    page = check_alone(render(write_run(tmp_path, "no cycle", case)))
     assert "b" not in page.tags
     assert page.words.count(SCRIPT) >= 2  # heading and case
     assert any("{{ 1 }}" in words for words in page.words)
@@ -188,12 +181,12 @@ def test_failure_is_told_as_text(pages: dict[str, str]) -> None:
 
 
 def test_many_contacts(tmp_path: Path) -> None:
-    text = render(write_many_contacts(tmp_path, 3))
+    text = render(write_many_contacts(tmp_path, 2))
     page = check_alone(text)
-    assert len(page.rows("Contact edges")) == 3 * 2 * 2
+    assert len(page.rows("Contact edges")) == 2 * 2 * 2
     # For each contact: tractions, edges, slip map, factors, path, loop; for all: loads, one
     # boundary that works, iterations, certificate.
-    assert page.tags.count("svg") == 3 * 7 + 4
+    assert page.tags.count("svg") == 2 * 7 + 4
     assert len(text) < 4e6
 
 
@@ -299,12 +292,15 @@ print(write_report(Path(sys.argv[1])))
 """
 
 
-def test_report_needs_neither_pyvista_nor_dolfinx(tmp_path: Path) -> None:
+def test_report_needs_neither_pyvista_nor_dolfinx_and_is_always_the_same(
+    pages: dict[str, str], tmp_path: Path
+) -> None:
     folder = write_run(tmp_path, "halfplane")
     command = [sys.executable, "-c", WITHOUT, str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == str(folder / REPORT)
+    assert (folder / REPORT).read_text("utf-8") == pages["halfplane"]
 
 
 def test_frictionless_contact_has_a_report(tmp_path: Path) -> None:
