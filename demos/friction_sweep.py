@@ -6,8 +6,7 @@ the flanks do not slide as a whole in the cycle; the slip zones become shorter w
 and the edge formulas follow them. The bodies are condensed once for all cases: only the load steps
 are solved five times. The same from the command line:
 
-    fretfe sweep demos/dovetail.toml --set geometry.parameters.edge_size=0.003 \\
-        --vary "contacts.*.friction=0.4:0.8:5" -o results/friction
+    fretfe sweep demos/dovetail.toml --vary "contacts.*.friction=0.4:0.8:5" -o results/friction
 
 Run it with: python demos/friction_sweep.py
 """

@@ -13,7 +13,7 @@ SCRIPTS = sorted(path for path in DEMOS.glob("*.py") if path.stem != "compare")
 
 
 def test_there_are_demos() -> None:
-    assert len(SCRIPTS) >= 7
+    assert len(SCRIPTS) >= 8
 
 
 def test_a_value_that_is_off_makes_a_demo_fail() -> None:
