@@ -34,9 +34,7 @@ def _elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 
 def run(case: Path, backend: str, out: Path, *options: str) -> subprocess.CompletedProcess[str]:
-    return launch.python(
-        "-m", "fretfe", "run", "--no-report", case, "--backend", backend, "-o", out, *options
-    )
+    return launch.python("-m", "fretfe", "run", case, "--backend", backend, "-o", out, *options)
 
 
 @pytest.fixture(scope="module")
