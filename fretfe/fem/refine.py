@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import shutil
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -102,7 +103,7 @@ def refine(
         comm: communicator.
         case: validated case that asks for an accuracy.
         history: as for `solve`.
-        fields: as for `solve`; those of the last pass remain.
+        fields: as for `solve`; those of the pass that counts.
         progress: as for `solve`.
         announce: called on rank 0 with each mesh.
 
@@ -115,21 +116,37 @@ def refine(
     """
     passes = _Passes(case, announce)
     result: Evaluated | None = None
+    # Fields of a pass take the place of those of the one before only when it counts.
+    staged = fields.with_name(f"{fields.name}-of-next-mesh") if fields is not None else None
     while True:
         try:
-            outcome = solve(comm, case, history, fields, progress, passes.load)
+            outcome = solve(comm, case, history, staged, progress, passes.load)
             if outcome.failure is not None and result is not None:
                 raise outcome.failure
         except FretfeError as error:
             if result is None or result.refinement is None:
                 raise
+            on_root(comm, partial(_drop, staged))
             ended = replace(result.refinement, reason=str(error))
             return replace(result, refinement=ended)
+        on_root(comm, partial(_keep, staged, fields))
         refinement = on_root(comm, partial(passes.judge, outcome))
         assert refinement is not None
         result = Evaluated(outcome, refinement)
         if refinement.reason:
             return result
+
+
+def _drop(folder: Path | None) -> None:
+    if folder is not None:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _keep(staged: Path | None, fields: Path | None) -> None:
+    """Put the fields that a pass has written, if any, in their place."""
+    if staged is not None and fields is not None and staged.is_dir():
+        _drop(fields)
+        staged.rename(fields)
 
 
 class _Passes:

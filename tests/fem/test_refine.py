@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -162,7 +163,7 @@ def test_too_many_unknowns_end_the_refinement_and_keep_what_there_is() -> None:
 
 
 def test_a_later_pass_that_fails_does_not_take_the_others_away(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     solve, calls = refine_module.solve, []
 
@@ -173,11 +174,19 @@ def test_a_later_pass_that_fails_does_not_take_the_others_away(
         return replace(outcome, failure=failure) if len(calls) == 3 else outcome
 
     monkeypatch.setattr(refine_module, "solve", failing)
-    result = BACKEND.solve(parse_case(hertz(0.005, 9.6)))
+    fields = tmp_path / "fields"
+    case = {**hertz(0.005, 9.6), "output": {"fields": "last"}}
+    result = BACKEND.solve(parse_case(case), RunOptions(fields=fields))
     assert result.failure is None
     assert result.refinement is not None
     assert result.refinement.reason == "step 7 failed"
     assert len(result.refinement.passes) == 2
+    # the fields are those of the second mesh, too
+    assert [folder.name for folder in tmp_path.iterdir()] == ["fields"]
+    (piece,) = fields.glob("upper*.vtu")
+    cells = re.search(r'NumberOfCells="(\d+)"', piece.read_text())
+    assert cells is not None
+    assert int(cells[1]) == len(result.bodies["upper"].cells)
 
 
 def test_the_first_mesh_may_have_too_many_unknowns() -> None:
