@@ -82,7 +82,8 @@ class _Solution:
 
     Attributes:
         traction: (N, d) y.
-        relative: (N, d) gap and increment Δ.
+        relative: (N, d) gap and increment Δ; where they are released or stuck as the linearised
+            conditions have it, not as the bodies' displacements give it.
         coordinates: (m,) c.
         motion: largest of the displacements (lengths, not weighted) that add up to `relative`.
     """
@@ -91,6 +92,37 @@ class _Solution:
     relative: Array
     coordinates: Array
     motion: float
+
+
+class _Step:
+    """What stays the same in all iterations of a step.
+
+    Attributes:
+        loads: loads at the end of the step.
+        free: (N, d) gap and increment Δ without tractions and coordinates.
+    """
+
+    def __init__(self, interface: Interface, loads: StepLoads, reference: Array) -> None:
+        self._interface = interface
+        self._operator: StuckOperator | None = None
+        self._held = np.empty(0)
+        self.loads = loads
+        self.free = (interface.gap + interface.loads @ loads.amplitudes).reshape(len(reference), -1)
+        self.free[:, 1:] -= reference
+
+    def held(self, operator: StuckOperator) -> Array:
+        """(n + m,) unknowns of the operator with every node stuck."""
+        if operator is not self._operator:
+            self._operator = operator
+            self._held = operator.inverse @ self._known(operator)
+        return self._held
+
+    def _known(self, operator: StuckOperator) -> Array:
+        """Right-hand side with every node of the operator stuck."""
+        interface, loads = self._interface, self.loads
+        forces = interface.coordinate_loads @ loads.amplitudes
+        forces = forces + np.where(interface.prescribed, 0.0, loads.values)
+        return np.concatenate([-self.free.ravel()[operator.rows], -forces])
 
 
 class Newton:
@@ -129,14 +161,15 @@ class Newton:
         # Without friction nothing sticks: a closed node slips without resistance.
         status = np.where((status == STICK) & (loads.friction == 0), SLIP, status).astype(np.int8)
         guess = Guess(status, direction, np.where(loads.friction > 0, 1.0, 0.0))
+        step = _Step(self.interface, loads, reference)
         seen: set[bytes] = set()
         for iteration in range(1, MAX_ITERATIONS + 1):
-            solution = self._linear_solution(loads, reference, guess, iteration)
+            solution = self._linear_solution(step, guess, iteration)
             following = self._update(guess, solution, loads.friction)
             turned = np.abs(following.direction - guess.direction).max()
             settled = np.array_equal(following.status, guess.status)
             if settled and turned < DIRECTION_TOLERANCE:
-                return self._state(guess, solution, loads, reference), iteration
+                return self._state(guess, solution, step, reference), iteration
             # Directions that still turn, ever less, are not a cycle.
             if not settled and following.key() in seen:
                 raise NotConverged("the status of the nodes repeats in a cycle", iteration)
@@ -162,28 +195,28 @@ class Newton:
             self._operators.pop(0)
         return operator
 
-    def _linear_solution(
-        self, loads: StepLoads, reference: Array, guess: Guess, iteration: int
-    ) -> _Solution:
-        interface, d = self.interface, self.interface.components
-        free = (interface.gap + interface.loads @ loads.amplitudes).reshape(-1, d)
-        free[:, 1:] -= reference
+    def _linear_solution(self, step: _Step, guess: Guess, iteration: int) -> _Solution:
+        interface, free = self.interface, step.free
         operator = self.operator_for(guess.status != OPEN, free[:, 0])
-        held = operator.inverse @ self._known(operator, free, loads)
-        split = len(operator.rows)
-        known = np.where(interface.prescribed, loads.values, held[split:])
+        held, split = step.held(operator), len(operator.rows)
+        known = np.where(interface.prescribed, step.loads.values, held[split:])
         try:
-            unknowns = _release(interface, operator, guess, loads, held, self._penalty)
+            unknowns, released = _release(
+                interface, operator, guess, step.loads, held, self._penalty
+            )
         except np.linalg.LinAlgError:
             raise NotConverged(NO_RESISTANCE, iteration) from None
         coordinates = unknowns[split:]
         motion = self._motion(free, coordinates)
         if motion > RUNAWAY * self._motion(free, known):
             raise NotConverged(NO_RESISTANCE, iteration)
-        traction = np.zeros(interface.size * d)
+        traction, relative = np.zeros(free.size), np.zeros(free.size)
         traction[operator.rows] = unknowns[:split]
-        relative = free.ravel() + operator.effect @ unknowns
-        return _Solution(traction.reshape(-1, d), relative.reshape(-1, d), coordinates, motion)
+        relative[operator.rows] = released
+        relative[operator.others] = free.ravel()[operator.others] + operator.effect @ unknowns
+        return _Solution(
+            traction.reshape(free.shape), relative.reshape(free.shape), coordinates, motion
+        )
 
     def _motion(self, free: Array, coordinates: Array) -> float:
         """Largest displacement of a node (length) by loads or by one coordinate."""
@@ -191,13 +224,6 @@ class Newton:
         moved = np.abs(self.interface.motion * coordinates).max(axis=1, initial=0.0)
         moved = np.maximum(np.abs(free).ravel(), moved).reshape(-1, d).max(axis=1)
         return float((moved / roots).max())
-
-    def _known(self, operator: StuckOperator, free: Array, loads: StepLoads) -> Array:
-        """Right-hand side with every node of the operator stuck."""
-        interface = self.interface
-        forces = interface.coordinate_loads @ loads.amplitudes
-        forces = forces + np.where(interface.prescribed, 0.0, loads.values)
-        return np.concatenate([-free.ravel()[operator.rows], -forces])
 
     def _update(self, guess: Guess, solution: _Solution, friction: Array) -> Guess:
         """Status that the augmented-Lagrangian conditions give, with the three rules above."""
@@ -236,19 +262,22 @@ class Newton:
         return self._penalty * gap, gap
 
     def _state(
-        self, guess: Guess, solution: _Solution, loads: StepLoads, reference: Array
+        self, guess: Guess, solution: _Solution, step: _Step, reference: Array
     ) -> ContactState:
         interface = self.interface
         # Exactly zero, not round-off: later stages ask which nodes carry a pressure.
         nothing = np.abs(solution.traction) <= self._cancellation(solution)[0][:, None]
         nothing |= guess.status[:, None] == OPEN
         traction = np.where(nothing, 0.0, solution.traction)
-        relative = solution.relative.copy()
+        # As the displacements give it: the certificate sees what the linear solution left undone.
+        relative = interface.compliance @ solution.traction.ravel()
+        relative += interface.motion @ solution.coordinates
+        relative = step.free + relative.reshape(step.free.shape)
         relative[:, 1:] += reference
         forces = (
             interface.stiffness @ solution.coordinates
             - interface.motion.T @ traction.ravel()
-            - interface.coordinate_loads @ loads.amplitudes
+            - interface.coordinate_loads @ step.loads.amplitudes
         )
         return ContactState(
             status=guess.status,
@@ -267,8 +296,8 @@ def _release(
     loads: StepLoads,
     held: Array,
     penalty: Array,
-) -> Array:
-    """Unknowns of the operator after letting go of what is open, slipping or prescribed.
+) -> tuple[Array, Array]:
+    """Let go of what is open, slipping or prescribed.
 
     Args:
         interface: the interface problem.
@@ -277,6 +306,10 @@ def _release(
         loads: loads of the step.
         held: solution with everything stuck and prescribed coordinates held by their springs.
         penalty: (N,) r.
+
+    Returns:
+        (n + m,) unknowns of the operator, and (n,) the gaps and increments of its nodes: what their
+        right-hand sides were changed by.
     """
     d, nodes = interface.components, operator.nodes
     status = guess.status[nodes]
@@ -303,7 +336,10 @@ def _release(
         matrix[rows] -= _by_node(sideways, free)
         target[rows] += _by_node(sideways, held[sliding])
     target[rows.stop :] += loads.values[interface.prescribed]
-    return held + response @ np.linalg.solve(matrix, target)
+    changes = np.linalg.solve(matrix, target)
+    relative = np.zeros(len(operator.rows))
+    relative[released[: rows.stop]] = changes[: rows.stop]
+    return held + response @ changes, relative
 
 
 def _by_node(blocks: Array, values: Array) -> Array:

@@ -52,8 +52,11 @@ class StuckOperator:
         self.inverse = np.linalg.inv(matrix)
         self.inverse *= units
         self.inverse *= units[:, None]
-        #: (N*d, n + m) effect of the operator's unknowns on w at every node.
-        self.effect = np.hstack([interface.compliance[:, self.rows], interface.motion])
+        #: Components of w at nodes that take no part, and (k, n + m) effect of the unknowns there.
+        self.others = np.delete(np.arange(len(interface.compliance)), self.rows)
+        self.effect = np.hstack(
+            [interface.compliance[np.ix_(self.others, self.rows)], interface.motion[self.others]]
+        )
 
     @property
     def bytes(self) -> int:

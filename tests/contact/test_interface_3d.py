@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fretfe.contact.certificate import certify
 from fretfe.contact.interface import Interface
 from fretfe.contact.march import March, StepResult
-from fretfe.contact.newton import Guess, Newton, _Solution
+from fretfe.contact.newton import Guess, Newton, _Solution, _Step
 from fretfe.contact.state import OPEN, SLIP, STICK, StepLoads
 from fretfe.errors import ConvergenceError
 
@@ -360,7 +360,8 @@ def test_tangent_of_the_slip_conditions(seed: int, slip: float) -> None:
         STATUS, np.where((STATUS == SLIP)[:, None], linearised.direction, 0.0), linearised.turning
     )
     loads = StepLoads(free.ravel(), np.empty(0), np.full(4, FRICTION))
-    found = newton._linear_solution(loads, np.zeros((4, 2)), linearised, 1).traction
+    step = _Step(interface, loads, np.zeros((4, 2)))
+    found = newton._linear_solution(step, linearised, 1).traction
     expected = newton_step_by_differences(traction, interface, penalty, free)
     # Round-off of a system whose entries span the decades of slip.
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-11 * max(1.0, slip))
