@@ -140,11 +140,9 @@ def _forms(model: Model, probe: Probe) -> list[InteractionForm]:
     forms = []
     for b, name in enumerate(probe.bodies):
         points = np.array([tips[b].point for tips in probe.tips])
-        centre = points.mean(axis=0)
-        radius = probe.reaches.max() + np.linalg.norm(points - centre, axis=1).max()
         surfaces = list(model.plan_of(name).surfaces)
         elastic = model.bodies[name].elastic
-        forms.append(InteractionForm(elastic, surfaces, b == 0, centre, float(radius)))
+        forms.append(InteractionForm(elastic, surfaces, b == 0, points, probe.reaches))
     return forms
 
 

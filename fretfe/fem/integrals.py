@@ -66,12 +66,12 @@ class InteractionForm:
         elastic: the body.
         surfaces: names of its contact surfaces.
         upper: whether it is body 1 of the contact.
-        centre: (2,) where the tips will be.
-        radius: largest distance from there that counts.
+        tips: (k, 2) where the tips will be.
+        reaches: radii of the circles.
     """
 
     def __init__(
-        self, elastic: ElasticBody, surfaces: list[str], upper: bool, centre: Array, radius: float
+        self, elastic: ElasticBody, surfaces: list[str], upper: bool, tips: Array, reaches: Array
     ) -> None:
         mesh = elastic.mesh
         self._point, self._inward, self._across = (
@@ -83,7 +83,7 @@ class InteractionForm:
         dx = ufl.Measure(
             "dx",
             mesh,
-            subdomain_data=[(1, _cells_near(mesh, centre, radius))],
+            subdomain_data=[(1, _cells_in_rings(mesh, tips, reaches))],
             metadata={"quadrature_degree": QUADRATURE_DEGREE},
         )
         ds = ufl.Measure(
@@ -152,10 +152,12 @@ class InteractionForm:
         return size * (along * self._inward + across * self._across)
 
 
-def _cells_near(mesh: Any, centre: Array, radius: float) -> npt.NDArray[np.int32]:
-    """Own cells of this rank that may lie within a radius of a point."""
+def _cells_in_rings(mesh: Any, tips: Array, reaches: Array) -> npt.NDArray[np.int32]:
+    """Own cells of this rank in which a weight may have a gradient: not those close to all tips."""
     dim = mesh.topology.dim
     cells = np.arange(mesh.topology.index_map(dim).size_local, dtype=np.int32)
     middle = dolfinx.mesh.compute_midpoints(mesh, dim, cells)[:, :2]
-    distance = np.linalg.norm(middle - centre, axis=1)
-    return cells[distance < radius + mesh.h(dim, cells)]
+    distance = np.linalg.norm(middle[:, None] - tips, axis=2)
+    size = mesh.h(dim, cells)
+    reached = distance.min(axis=1) < np.max(reaches) + size
+    return cells[reached & (distance.max(axis=1) > INNER * np.min(reaches) - size)]
