@@ -16,14 +16,18 @@ from typing import Any
 
 import pytest
 
+PETSC_DEPRECATION = "PETSc DEPRECATION WARNING"
 FEM_TESTS = Path(__file__).parent / "fem"
 HAS_DOLFINX = importlib.util.find_spec("dolfinx") is not None
 # Set by the launchers of MPICH and Open MPI; asking MPI itself would need mpi4py.
 MPI_SIZE = int(os.environ.get("PMI_SIZE") or os.environ.get("OMPI_COMM_WORLD_SIZE") or 1)
 
-if HAS_DOLFINX and importlib.util.find_spec("dolfinx_solver") is not None:
+# pytest makes warnings errors (pyproject.toml); so do the processes that tests start.
+os.environ["PYTHONWARNINGS"] = "error"
+
+if HAS_DOLFINX:
     # Before any other module that is linked with MPI.
-    importlib.import_module("dolfinx_solver")
+    importlib.import_module("fretfe.fem._compat")
 
 collect_ignore = [] if HAS_DOLFINX else [str(FEM_TESTS)]
 
@@ -107,6 +111,16 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.path.is_relative_to(FEM_TESTS):
             item.add_marker(pytest.mark.fem)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Any:
+    """Fail a test in which PETSc printed that something is deprecated: it has no other way."""
+    report: pytest.TestReport = yield
+    if report.passed and PETSC_DEPRECATION in report.capstdout + report.capstderr:
+        report.outcome = "failed"
+        report.longrepr = f"printed: {PETSC_DEPRECATION}"
+    return report
 
 
 @pytest.fixture

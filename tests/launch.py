@@ -27,7 +27,7 @@ def python(
         launcher = str(beside) if beside.exists() else shutil.which("mpirun")
         assert launcher, "mpirun is neither in the environment nor on the path"
         command = [launcher, "-n", str(ranks), *command]
-    return subprocess.run(
+    done = subprocess.run(
         command,
         capture_output=True,
         text=True,
@@ -35,3 +35,5 @@ def python(
         env=ENVIRONMENT,
         stdin=subprocess.DEVNULL,
     )
+    assert "PETSc DEPRECATION WARNING" not in done.stdout + done.stderr, done.stdout
+    return done

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import dolfinx.mesh
 
-from fretfe.fem._compat import release
+from fretfe.fem.parallel import release
 
 _meshes: list[dolfinx.mesh.Mesh] = []
 

@@ -8,11 +8,9 @@ distribution needs. All other modules of `fretfe.fem` import DOLFINx through her
 from __future__ import annotations
 
 import ctypes
-import gc
 import importlib.util
 import warnings
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,7 +19,8 @@ import numpy.typing as npt
 from fretfe.errors import DependencyError
 
 if importlib.util.find_spec("dolfinx_solver") is not None:
-    # The PyPI wheel vendors PETSc and finds the MPI library itself, if it comes first.
+    # The wheel of 0.11 vendors PETSc and finds the MPI library itself, if it comes first. Debian's
+    # 0.9 has none of that.
     import dolfinx_solver  # noqa: F401
 
 try:
@@ -35,8 +34,6 @@ try:
 
     import basix.ufl
     import dolfinx.fem.petsc
-    import dolfinx.graph
-    import dolfinx.io
     import dolfinx.mesh
     import ufl
     from dolfinx import cpp as _cpp
@@ -53,8 +50,9 @@ VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 @cache
 def petsc_library() -> ctypes.CDLL:
     """The PETSc that DOLFINx uses, for functions without a petsc4py binding."""
-    # A function is found in what the library named here is linked with. The path of PETSc itself
-    # is given by dolfinx.utils in 0.9, by dolfinx.fem.petsc later.
+    # 0.9 gives the path by dolfinx.utils.get_petsc_lib, 0.10 and later by
+    # dolfinx.fem.petsc.get_petsc_lib. A function is found in what the library named here is linked
+    # with, in Debian's packages as in the wheels from PyPI.
     return ctypes.CDLL(PETSc.__file__)
 
 
@@ -75,6 +73,7 @@ def create_mesh(
         order: polynomial order of the geometry.
     """
     element = basix.ufl.element("Lagrange", cell, order, shape=(points.shape[1],))
+    # In Python the permutation is in dolfinx.io.gmshio in 0.9, in dolfinx.io.gmsh later.
     permutation = _cpp.io.perm_gmsh(dolfinx.mesh.to_type(cell), cells.shape[1])
     ordered = np.ascontiguousarray(cells[:, permutation])
     if VERSION < (0, 10):  # 0.9: (comm, cells, x, e); later (comm, cells, e, x)
@@ -82,21 +81,9 @@ def create_mesh(
     return dolfinx.mesh.create_mesh(comm, ordered, ufl.Mesh(element), points)
 
 
-def distribute_entity_data(
-    mesh: dolfinx.mesh.Mesh,
-    dim: int,
-    entities: npt.NDArray[np.int64],
-    values: npt.NDArray[np.int32],
-) -> dolfinx.mesh.MeshTags:
-    """Tags on the entities of a mesh, given by their input node numbers on rank 0. Collective."""
-    local, numbers = dolfinx.io.distribute_entity_data(mesh, dim, entities, values)
-    return dolfinx.mesh.meshtags_from_entities(
-        mesh, dim, dolfinx.graph.adjacencylist(local), numbers
-    )
-
-
 def assemble_matrix(form: Any, conditions: list[Any]) -> PETSc.Mat:
     """Assembled matrix with unit diagonal at constrained degrees of freedom. Collective."""
+    # 0.9: (a, bcs, diagonal, ...); later (a, bcs, diag, ..., kind). One is the default of both.
     matrix = dolfinx.fem.petsc.assemble_matrix(form, bcs=conditions)
     matrix.assemble()
     return matrix
@@ -104,6 +91,7 @@ def assemble_matrix(form: Any, conditions: list[Any]) -> PETSc.Mat:
 
 def assemble_vector(form: Any) -> PETSc.Vec:
     """Assembled vector, contributions to ghosts added to their owners. Collective."""
+    # 0.9 has functions assemble_vector, _block and _nest; later versions one with an argument kind.
     vector = dolfinx.fem.petsc.assemble_vector(form)
     vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
     return vector
@@ -111,27 +99,10 @@ def assemble_vector(form: Any) -> PETSc.Vec:
 
 def expression(value: Any, space: dolfinx.fem.FunctionSpace) -> dolfinx.fem.Expression:
     """A UFL expression that can be interpolated into `space`."""
-    points = space.element.interpolation_points  # a method in 0.9, a property later
-    return dolfinx.fem.Expression(value, points() if callable(points) else points)
-
-
-def vtk_file(comm: MPI.Comm, path: Path) -> Any:
-    """A VTK time series opened for writing. Collective."""
-    return dolfinx.io.VTKFile(comm, path, "w")
-
-
-def release(meshes: list[dolfinx.mesh.Mesh]) -> None:
-    """Destroy the PETSc objects of meshes whose models nobody refers to any more. Collective.
-
-    On several ranks PETSc keeps what Python has dropped, each object with a communicator, until it
-    is told to let go. MPI has a limited number of communicators: without this, a program that
-    solves many cases one after the other ends after about eighty.
-    """
-    if MPI.COMM_WORLD.size == 1:  # destroyed at once
-        return
-    gc.collect()
-    for mesh in meshes:
-        PETSc.garbage_cleanup(mesh.comm)
+    points = space.element.interpolation_points
+    if VERSION < (0, 10):  # a method in 0.9, a property later
+        points = points()
+    return dolfinx.fem.Expression(value, points)
 
 
 def versions() -> dict[str, Any]:
@@ -139,5 +110,6 @@ def versions() -> dict[str, Any]:
     return {
         "dolfinx": dolfinx.__version__,
         "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
+        # MPICH (the wheels) answers in several lines, Open MPI (Debian) in one that ends in a zero.
         "mpi": MPI.Get_library_version().splitlines()[0].strip("\x00 "),
     }

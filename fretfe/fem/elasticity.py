@@ -10,6 +10,9 @@ import numpy as np
 import numpy.typing as npt
 import ufl
 from dolfinx import fem
+from dolfinx.graph import adjacencylist
+from dolfinx.io import distribute_entity_data
+from dolfinx.mesh import meshtags_from_entities
 
 from fretfe.fem._compat import (
     MPI,
@@ -17,7 +20,6 @@ from fretfe.fem._compat import (
     assemble_matrix,
     assemble_vector,
     create_mesh,
-    distribute_entity_data,
     expression,
 )
 from fretfe.fem.meshing import BodyMesh
@@ -122,7 +124,9 @@ class ElasticBody:
                 np.arange(1, len(names) + 1, dtype=np.int32),
                 [len(mesh.boundaries[name]) for name in names],
             )
-        return groups, distribute_entity_data(self.mesh, dim, facets, values)
+        local, numbers = distribute_entity_data(self.mesh, dim, facets, values)
+        tags = meshtags_from_entities(self.mesh, dim, adjacencylist(local), numbers)
+        return groups, tags
 
     def boundary_nodes(self, boundary: str) -> npt.NDArray[np.int32]:
         """Local numbers (owned and ghosted) of the displacement nodes on a boundary."""

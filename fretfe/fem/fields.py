@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 from dolfinx import fem
+from dolfinx.io import VTKFile
 
-from fretfe.fem._compat import vtk_file
 from fretfe.fem.model import Model
 
 
@@ -31,7 +31,7 @@ def write_fields(
         directory: existing folder.
     """
     for name, body in model.bodies.items():
-        with vtk_file(model.comm, directory / f"{name}.pvd") as file:
+        with VTKFile(model.comm, directory / f"{name}.pvd", "w") as file:
             for displacements, time in zip(fields, times, strict=True):
                 functions = body.elastic.discontinuous_fields(displacements[name])
                 file.write_function(functions, float(time))

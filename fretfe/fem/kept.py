@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from fretfe.case import Case
-from fretfe.fem._compat import MPI, release
+from fretfe.fem._compat import MPI
+from fretfe.fem.parallel import release
 from fretfe.fem.run import Outcome, Prepared, Progress, prepare, solve_prepared
 from fretfe.fem.timing import Clock
 from fretfe.loads import History

@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Work that one rank does for all, with errors raised on all ranks alike."""
+"""Work that one rank does for all, and what all ranks have to let go together."""
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable
 from typing import TypeVar
 
+import dolfinx.mesh
+
 from fretfe.errors import FretfeError
-from fretfe.fem._compat import MPI
+from fretfe.fem._compat import MPI, PETSc
 
 T = TypeVar("T")
 
@@ -34,3 +37,17 @@ def on_root(comm: MPI.Comm, work: Callable[[], T], *, share: bool = True) -> T |
     if failure is not None:
         raise failure
     return comm.bcast(result) if share else result
+
+
+def release(meshes: list[dolfinx.mesh.Mesh]) -> None:
+    """Destroy the PETSc objects of meshes whose models nobody refers to any more. Collective.
+
+    On several ranks PETSc keeps what Python has dropped, each object with a communicator, until it
+    is told to let go. MPI has a limited number of communicators: without this, a program that
+    solves many cases one after the other ends after about eighty.
+    """
+    if MPI.COMM_WORLD.size == 1:  # destroyed at once
+        return
+    gc.collect()
+    for mesh in meshes:
+        PETSc.garbage_cleanup(mesh.comm)

@@ -15,14 +15,14 @@ from fretfe.contact.recorder import Place, Recorder
 from fretfe.errors import ConvergenceError, ModelError
 from fretfe.evaluate import ContactSummary, evaluate
 from fretfe.evaluate.extremes import load_extremes
-from fretfe.fem._compat import MPI, release
+from fretfe.fem._compat import MPI
 from fretfe.fem.balance import force_balance
 from fretfe.fem.extraction import add_integrals
 from fretfe.fem.fields import write_fields
 from fretfe.fem.geometry import load_mesh
 from fretfe.fem.meshing import Mesh
 from fretfe.fem.model import Model, step_loads
-from fretfe.fem.parallel import on_root
+from fretfe.fem.parallel import on_root, release
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
 from fretfe.solution import Solution

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from meshes_b1 import write_b1
+from cases_b1 import FRICTION, POISSON, YOUNG, b1_case
+from meshes_b1 import RADIUS, write_b1
 
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import Hertz
@@ -23,46 +24,9 @@ from fretfe.fem.run import solve
 from fretfe.loads import build_history
 from fretfe.solution import SLIP, ContactHistory, Solution
 
-RADIUS, YOUNG, POISSON, FRICTION = 50.0, 210e3, 0.3, 0.4
 E_STAR = YOUNG / (2 * (1 - POISSON**2))
 PRESS, EXTREMES = 5, (15, 35, 55)
 HERTZ = Hertz(radius=RADIUS, e_star=E_STAR)
-
-
-def b1_case(mesh: Path, degree: int, friction_from: float, multipliers: str) -> dict:
-    steel = {"young": YOUNG, "poisson": POISSON}
-    platen = {"type": "platen", "boundary": "pad_top", "control": "displacement"}
-    shear = [
-        {"hold": True, "until": 5.0},
-        {"ramp": 0.012, "until": 15.0, "steps": 10},
-        {"ramp": -0.012, "until": 35.0, "steps": 20},
-        {"ramp": 0.012, "until": 55.0, "steps": 20},
-    ]
-    return {
-        "model": {"degree": degree},
-        "geometry": {"file": str(mesh)},
-        "bodies": {"pad": steel, "substrate": steel},
-        "contacts": {
-            "pad": {
-                "surface1": "pad_contact",
-                "surface2": "substrate_contact",
-                "friction": FRICTION,
-                "friction_from": friction_from,
-                "multipliers": multipliers,
-            }
-        },
-        "supports": {"base": {"boundary": "substrate_bottom", "fix": ["x", "y"]}},
-        "loads": {
-            "press": {
-                **platen,
-                "direction": "y",
-                "history": [{"ramp": -0.042, "until": 5.0, "steps": 5}],
-            },
-            "shear": {**platen, "direction": "x", "history": shear},
-        },
-        "cycle": {"start": 15.0, "end": 55.0},
-        "output": {"fields": "none"},
-    }
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,14 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from dolfinx import fem
+from dolfinx.io import VTKFile
+from dolfinx.mesh import CellType, create_rectangle
 from launch import python
 from pad_cases import pad
 
 from fretfe.case import parse_case
-from fretfe.fem._compat import MPI, dolfinx, vtk_file
+from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.loads import build_history
 
@@ -110,15 +113,15 @@ def test_quadrilaterals_are_read_in_the_order_they_are_written(tmp_path: Path, d
     from fretfe.report.field_files import EDGES, PIECES, read_body
     from fretfe.report.picture_scale import polygon_areas
 
-    kind = dolfinx.mesh.CellType.quadrilateral
-    mesh = dolfinx.mesh.create_rectangle(MPI.COMM_SELF, [[0, 0], [2, 1]], [4, 3], kind)
+    kind = CellType.quadrilateral
+    mesh = create_rectangle(MPI.COMM_SELF, [[0, 0], [2, 1]], [4, 3], kind)
     functions = []
     for name, shape in (("displacement", (2,)), ("stress", (2, 2))):
-        space = dolfinx.fem.functionspace(mesh, ("DG", degree, shape))
-        functions.append(dolfinx.fem.Function(space, name=name))
+        space = fem.functionspace(mesh, ("DG", degree, shape))
+        functions.append(fem.Function(space, name=name))
     functions[0].interpolate(lambda x: x[:2])
     functions[1].interpolate(lambda x: np.stack([x[0], x[1], x[1], 0 * x[0]]))
-    with vtk_file(MPI.COMM_SELF, tmp_path / "body.pvd") as file:
+    with VTKFile(MPI.COMM_SELF, tmp_path / "body.pvd", "w") as file:
         file.write_function(functions, 0.5)
     body = read_body(tmp_path, "body", 0, None)
     assert np.array_equal(body.displacement, body.points)

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Each entry of fretfe.fem._compat does the same with every DOLFINx."""
+
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem
+from launch import python
+
+from fretfe.fem._compat import (
+    MPI,
+    PETSc,
+    assemble_matrix,
+    assemble_vector,
+    create_mesh,
+    expression,
+    petsc_library,
+    versions,
+)
+
+COMM = MPI.COMM_WORLD
+# Two elements each in Gmsh's order: corners, then middles of edges. The middle of the left edge is
+# moved out by BULGE, which adds a parabola of 2/3 BULGE to the unit square.
+BULGE = 0.1
+CORNERS = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+MIDDLES = [(0.5, 0.0), (1.0, 0.5), (0.5, 1.0), (-BULGE, 0.5), (0.5, 0.5)]
+HALVES = [(0.5, 0.0), (0.5, 1.0), (0.25, 0.0), (0.5, 0.5), (0.25, 1.0), (-BULGE, 0.5)]
+OTHERS = [(0.75, 0.0), (1.0, 0.5), (0.75, 1.0), (0.25, 0.5), (0.75, 0.5)]
+MESHES = {
+    "triangle, order 1": ("triangle", 1, CORNERS, [[0, 1, 2], [0, 2, 3]], 1.0),
+    "triangle, order 2": (
+        "triangle",
+        2,
+        CORNERS + MIDDLES,
+        [[0, 1, 2, 4, 5, 8], [0, 2, 3, 8, 6, 7]],
+        1.0 + 2 / 3 * BULGE,
+    ),
+    "quadrilateral, order 1": (
+        "quadrilateral",
+        1,
+        CORNERS + HALVES[:2],
+        [[0, 4, 5, 3], [4, 1, 2, 5]],
+        1.0,
+    ),
+    "quadrilateral, order 2": (
+        "quadrilateral",
+        2,
+        CORNERS + HALVES + OTHERS,
+        [[0, 4, 5, 3, 6, 7, 8, 9, 13], [4, 1, 2, 5, 10, 11, 12, 7, 14]],
+        1.0 + 2 / 3 * BULGE,
+    ),
+}
+
+
+def mesh_of(name: str) -> tuple[fem.FunctionSpace, float]:
+    """Linear space on a mesh over all ranks, and the area of the mesh."""
+    cell, order, points, cells, area = MESHES[name]
+    root = COMM.rank == 0
+    numbers = np.array(cells, np.int64)
+    mesh = create_mesh(
+        COMM,
+        numbers if root else np.empty((0, numbers.shape[1]), np.int64),
+        np.array(points) if root else np.empty((0, 2)),
+        cell,
+        order,
+    )
+    return fem.functionspace(mesh, ("Lagrange", 1)), area
+
+
+def test_libraries_load_by_themselves_and_in_order() -> None:
+    """In a new process, where a warning of any library is an error."""
+    done = python("-c", "import fretfe.fem._compat")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_petsc_library_is_the_one_of_petsc4py() -> None:
+    numbers = [ctypes.c_int() for _ in range(4)]
+    assert petsc_library().PetscGetVersionNumber(*map(ctypes.byref, numbers)) == 0
+    assert tuple(number.value for number in numbers[:3]) == PETSc.Sys.getVersion()
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("name", MESHES)
+def test_create_mesh_takes_nodes_in_the_order_of_gmsh(name: str) -> None:
+    space, area = mesh_of(name)
+    mesh = space.mesh
+    found = fem.assemble_scalar(fem.form(fem.Constant(mesh, 1.0) * ufl.dx(domain=mesh)))
+    assert COMM.allreduce(found) == pytest.approx(area, rel=1e-12)  # round-off
+
+
+@pytest.mark.mpi
+def test_assemble_matrix_has_ones_where_values_are_prescribed() -> None:
+    space, area = mesh_of("triangle, order 2")
+    trial, test = ufl.TrialFunction(space), ufl.TestFunction(space)
+    everywhere = np.arange(space.dofmap.index_map.size_local, dtype=np.int32)
+    condition = fem.dirichletbc(PETSc.ScalarType(0), everywhere, space)
+    form = fem.form(trial * test * ufl.dx)
+    assert assemble_matrix(form, [condition]).getDiagonal().array == pytest.approx(1.0)
+    ones = assemble_matrix(form, []).createVecRight()
+    ones.set(1.0)
+    # with all values one, the quadratic form is the integral of one
+    assert ones.dot(assemble_matrix(form, []) * ones) == pytest.approx(area, rel=1e-12)
+
+
+@pytest.mark.mpi
+def test_assemble_vector_adds_what_other_ranks_have() -> None:
+    space, area = mesh_of("quadrilateral, order 2")
+    vector = assemble_vector(fem.form(ufl.TestFunction(space) * ufl.dx))
+    # the hat functions add up to one; only owned entries count
+    assert vector.sum() == pytest.approx(area, rel=1e-12)
+    assert (vector.array > 0).all()
+
+
+@pytest.mark.mpi
+def test_expression_is_interpolated() -> None:
+    space, _ = mesh_of("triangle, order 1")
+    x = ufl.SpatialCoordinate(space.mesh)
+    target = fem.functionspace(space.mesh, ("DG", 2))
+    function = fem.Function(target)
+    function.interpolate(expression(x[0] ** 2 + 3 * x[0] * x[1], target))
+    points = target.tabulate_dof_coordinates()
+    expected = points[:, 0] ** 2 + 3 * points[:, 0] * points[:, 1]
+    assert np.allclose(function.x.array, expected, rtol=0, atol=1e-13)
+
+
+def test_versions_name_what_is_loaded() -> None:
+    found = versions()
+    assert list(found) == ["dolfinx", "petsc", "mpi"]
+    assert all(
+        part.isdecimal() for name in ("dolfinx", "petsc") for part in found[name].split(".")[:2]
+    )
+    assert found["mpi"].startswith(("MPICH", "Open MPI")) and found["mpi"].isprintable()
