@@ -8,6 +8,7 @@ histories; tractions, meshes and files are those of process 0.
 from __future__ import annotations
 
 import html
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,11 +24,12 @@ from fretfe.case import Case, load_case
 from fretfe.command import (
     FIELDS,
     OneProcess,
+    draw_report,
     prepare,
     processes_of,
     require_supported,
-    write_all,
     write_case,
+    write_numbers,
 )
 from fretfe.errors import CaseError, OutputError
 from fretfe.records import edge_records
@@ -158,10 +160,16 @@ def run(
         options = RunOptions(progress=progress, fields=fields)
     result = solver.solve(case, options)
     if output is not None:
-        _write(processes, lambda: write_all(case, backend, result, directory, report=True))
+        _write(processes, lambda: write_numbers(case, backend, result, directory))
+        _write(processes, lambda: _draw(directory))
     if result.failure is not None:
         raise result.failure
     return Result(case, backend, result)
+
+
+def _draw(directory: Path) -> None:
+    for problem in draw_report(directory).problems:
+        warnings.warn(problem, stacklevel=4)
 
 
 def sweep(

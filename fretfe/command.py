@@ -11,14 +11,6 @@ from pathlib import Path
 from typing import TypeVar
 
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TaskID,
-    TextColumn,
-    TimeRemainingColumn,
-)
 
 from fretfe.backends import (
     Backend,
@@ -34,6 +26,7 @@ from fretfe.backends import (
 from fretfe.case import Case, as_written, case_text, load_case, parse_assignments
 from fretfe.environment import rank_from_environment
 from fretfe.errors import CaseError, ModelError, OutputError
+from fretfe.progress import StepReport
 from fretfe.report.page import REPORT, write_report
 from fretfe.report.pictures import make_pictures, remove_pictures
 from fretfe.report.tables import (
@@ -168,8 +161,8 @@ def write_case(directory: Path, case: Case) -> None:
 
 
 @dataclass(frozen=True)
-class Written:
-    """How writing went.
+class Drawn:
+    """How drawing went.
 
     Attributes:
         seconds: wall time of each phase.
@@ -180,27 +173,27 @@ class Written:
     problems: tuple[str, ...]
 
 
-def write_all(
-    case: Case, backend: str, result: EdgeHistories, directory: Path, *, report: bool
-) -> Written:
-    """Write everything that belongs to a result, with a report if wanted; on rank 0.
-
-    A report or pictures that cannot be made take nothing away from the results.
-    """
+def write_numbers(case: Case, backend: str, result: EdgeHistories, directory: Path) -> None:
+    """Write results.json and results.h5; on rank 0."""
     # A report of an earlier run would not belong to these results.
     (directory / REPORT).unlink(missing_ok=True)
-    begin = time.perf_counter()
     write_results(directory, case, backend, result)
-    seconds, problems = {"writing": time.perf_counter() - begin}, []
-    extras = {"pictures": make_pictures, "report": write_report} if report else {}
-    for phase, make in extras.items():
+
+
+def draw_report(directory: Path) -> Drawn:
+    """Draw the pictures of results and write their report; on rank 0.
+
+    What cannot be made takes nothing away from the results.
+    """
+    seconds, problems = {}, []
+    for phase, make in {"pictures": make_pictures, "report": write_report}.items():
         begin = time.perf_counter()
         try:
             make(directory)
         except Exception as error:
             problems.append(f"no {phase}: {type(error).__name__}: {error}")
         seconds[phase] = time.perf_counter() - begin
-    return Written(seconds, tuple(problems))
+    return Drawn(seconds, tuple(problems))
 
 
 def _finish(
@@ -213,13 +206,33 @@ def _finish(
     timings: bool,
     report: bool,
 ) -> None:
-    """Write and print; on rank 0."""
-    written = write_all(case, backend, result, directory, report=report)
+    """Write and print, the numbers before anything is drawn; on rank 0."""
+    begin = time.perf_counter()
+    write_numbers(case, backend, result, directory)
+    seconds = {**result.seconds, "writing": time.perf_counter() - begin}
     quiet = verbosity is Verbosity.QUIET
     console = Console(stderr=quiet)
+    if not quiet:
+        _print_numbers(console, case, result)
+    _print_warnings(console, result)
+    if report:
+        if not quiet:
+            print("Drawing the report ...", flush=True)
+        drawn = draw_report(directory)
+        seconds |= drawn.seconds
+        for problem in drawn.problems:
+            console.print(f"Warning: {problem}", highlight=False, markup=False, soft_wrap=True)
     if quiet:
-        _print_warnings(console, result, written)
         return
+    if timings or verbosity is Verbosity.VERBOSE:
+        console.print(timing_table(seconds))
+    steps = _step_text(result.solution)
+    text = f"{len(result.history.times) - 1} steps{steps}, {time.perf_counter() - start:.1f} s"
+    console.print(text, highlight=False, soft_wrap=True)
+    console.print(f"Results in {directory}", highlight=False, soft_wrap=True)
+
+
+def _print_numbers(console: Console, case: Case, result: EdgeHistories) -> None:
     console.print(contact_table(case, result.history.cycle, result.contacts))
     console.print(edge_table(case, result.contacts))
     if result.refinement is not None:
@@ -227,13 +240,6 @@ def _finish(
         console.print(limit_table(result.refinement))
     for note in result.notes:
         console.print(f"Note: {note}", highlight=False, markup=False)
-    _print_warnings(console, result, written)
-    if timings or verbosity is Verbosity.VERBOSE:
-        console.print(timing_table({**result.seconds, **written.seconds}))
-    steps = _step_text(result.solution)
-    text = f"{len(result.history.times) - 1} steps{steps}, {time.perf_counter() - start:.1f} s"
-    console.print(text, highlight=False)
-    console.print(f"Results in {directory}", highlight=False, soft_wrap=True)
 
 
 def _step_text(solution: Solution | None) -> str:
@@ -245,7 +251,7 @@ def _step_text(solution: Solution | None) -> str:
     )
 
 
-def _print_warnings(console: Console, result: EdgeHistories, written: Written) -> None:
+def _print_warnings(console: Console, result: EdgeHistories) -> None:
     refinement = result.refinement
     if refinement is not None and not refinement.converged:
         text = f"Warning: the mesh is not fine enough for edges.tolerance: {refinement.reason}"
@@ -253,62 +259,6 @@ def _print_warnings(console: Console, result: EdgeHistories, written: Written) -
     for contact in result.contacts:
         for warning in contact.warnings:
             console.print(f"Warning: {contact.name}: {warning}", highlight=False, markup=False)
-    for problem in written.problems:
-        console.print(f"Warning: {problem}", highlight=False, markup=False)
-
-
-class StepReport:
-    """Progress on rank 0: a bar on a terminal, elsewhere a line per step; nothing if quiet.
-
-    Args:
-        rank: of this process.
-        verbosity: lines on a terminal too if verbose.
-        steps: whether there are lines for steps if it is not verbose.
-    """
-
-    def __init__(
-        self, rank: int, verbosity: Verbosity = Verbosity.NORMAL, *, steps: bool = True
-    ) -> None:
-        self._quiet = verbosity is Verbosity.QUIET
-        self._lines = verbosity is Verbosity.VERBOSE or (steps and not self._quiet)
-        console = Console(stderr=True)
-        self._bar: Progress | None = None
-        self._task: TaskID | None = None
-        if console.is_terminal and rank == 0 and verbosity is Verbosity.NORMAL:
-            columns = (
-                TextColumn("steps"),
-                BarColumn(),
-                MofNCompleteColumn(),
-                TimeRemainingColumn(),
-            )
-            self._bar = Progress(*columns, console=console, transient=True)
-
-    def __enter__(self) -> StepReport:
-        """Show the bar."""
-        if self._bar is not None:
-            self._bar.start()
-            self._task = self._bar.add_task("steps", total=None)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Take the bar away."""
-        if self._bar is not None:
-            self._bar.stop()
-
-    def step(self, number: int, count: int, text: str) -> None:
-        """Report an accepted step."""
-        if self._bar is not None and self._task is not None:
-            self._bar.update(self._task, completed=number, total=count)
-            return
-        if self._lines:
-            print(f"step {number}/{count}: {text}", flush=True)
-
-    def announce(self, text: str) -> None:
-        """Say what begins or has ended."""
-        if self._bar is not None:
-            self._bar.console.print(text, highlight=False, markup=False)
-        elif not self._quiet:
-            print(text, flush=True)
 
 
 def show_backends(path: Path | None) -> None:

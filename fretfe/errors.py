@@ -7,6 +7,8 @@ expected, what was found, and where (file and key, or step and iteration).
 
 from __future__ import annotations
 
+import signal
+
 
 class FretfeError(Exception):
     """Base class of all errors that are reported without a traceback."""
@@ -36,6 +38,24 @@ class ConvergenceError(FretfeError):
     """A load step has no solution, or none was found; earlier steps are kept."""
 
     exit_code = 5
+
+
+class StoppedError(ConvergenceError):
+    """The process was asked to end by a signal; the steps before are kept.
+
+    Args:
+        number: the signal.
+        where: the history was stopped, in words.
+    """
+
+    def __init__(self, number: signal.Signals, where: str) -> None:
+        super().__init__(f"stopped by {number.name} {where}")
+        self.exit_code = 128 + number  # as shells have it
+        self._arguments = (number, where)
+
+    def __reduce__(self) -> tuple[type[StoppedError], tuple[signal.Signals, str]]:
+        """Say how a copy on another rank is made."""
+        return StoppedError, self._arguments
 
 
 class OutputError(FretfeError):

@@ -11,8 +11,9 @@ from rich.console import Console
 
 from fretfe.backends import RunOptions, find_backend
 from fretfe.backends.protocol import mute
-from fretfe.command import OneProcess, StepReport, processes_of, read_case, write_case
+from fretfe.command import OneProcess, processes_of, read_case, write_case
 from fretfe.errors import ConvergenceError, OutputError
+from fretfe.progress import StepReport
 from fretfe.report.sweep_figure import write_sweep
 from fretfe.sweeps import Sweep, make_variants, parse_ranges, run_sweep
 from fretfe.sweeps.table import MOST_ROWS, sweep_table, write_table

@@ -12,11 +12,11 @@ from rich.console import Console
 from fretfe.backends import RunOptions, find_backend
 from fretfe.command import (
     OneProcess,
-    StepReport,
     processes_of,
     read_case,
     require_supported,
 )
+from fretfe.progress import StepReport
 from fretfe.results import prepare_directory, write_results
 from fretfe.validate import Validation, validate
 from fretfe.validate.report import as_numbers, print_validation

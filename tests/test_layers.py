@@ -79,6 +79,7 @@ LAYERS = (
     "fretfe.templates_command",
     "fretfe.sweeps.*",
     "fretfe.verbosity",
+    "fretfe.progress",
     "fretfe.command",
     "fretfe.validate_command",
     "fretfe.sweep_command",

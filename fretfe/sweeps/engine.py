@@ -11,7 +11,7 @@ from typing import Any
 
 from fretfe.backends import Backend, EdgeHistories, RunOptions, SharingBackend
 from fretfe.case import Case, Units
-from fretfe.errors import FretfeError
+from fretfe.errors import FretfeError, StoppedError
 from fretfe.records import edge_records
 from fretfe.sweeps.variants import Variant
 
@@ -75,7 +75,7 @@ def run_sweep(variants: Sequence[Variant], backend: Backend, options: RunOptions
     """Solve all cases. Collective if the backend is.
 
     Cases that share the most are solved in a row. One that cannot be solved does not keep the
-    others from it.
+    others from it; a signal to stop does.
 
     Args:
         variants: at least one.
@@ -84,8 +84,15 @@ def run_sweep(variants: Sequence[Variant], backend: Backend, options: RunOptions
     """
     solved: dict[int, Solved] = {}
     with _session(backend) as (solve, group):
+        stopped = ""
         for number in _in_groups([group(variant.case) for variant in variants]):
-            solved[number] = _solve(variants[number], backend, solve, options)
+            if not stopped:
+                try:
+                    solved[number] = _solve(variants[number], backend, solve, options)
+                except StoppedError as error:
+                    stopped = str(error)
+            if stopped:
+                solved[number] = Solved(variants[number].values, (), stopped, (), 0.0)
             options.announce(_told(len(solved), len(variants), solved[number]))
     first = variants[0]
     in_order = tuple(solved[number] for number in range(len(variants)))
@@ -118,8 +125,12 @@ def _solve(variant: Variant, backend: Backend, solve: Solve, options: RunOptions
         failure = "; ".join(backend.supports(variant.case))
         if not failure:
             result = solve(variant.case, options)
+            if isinstance(result.failure, StoppedError):
+                raise result.failure
             failure, notes = str(result.failure or ""), result.notes
             edges = () if failure else tuple(edge_records(result))
+    except StoppedError:
+        raise
     except FretfeError as error:
         failure = str(error)
     return Solved(variant.values, edges, failure, notes, time.perf_counter() - start)
