@@ -68,11 +68,9 @@ def test_in_a_run_that_a_test_starts(tmp_path: Path) -> None:
     write_b1(tmp_path / "pad.msh", order=1, h=0.1, growth=0.3)
     (tmp_path / "case.toml").write_text(CASE)
     options = ["run", tmp_path / "case.toml", "--no-report", "-o", tmp_path / "out"]
-    done = launch.python("-c", WITH_DEPRECATED_FUNCTION, *options)
+    done = launch.python("-c", WITH_DEPRECATED_FUNCTION, *options, timeout=300)
     assert done.returncode != 0
     assert "DeprecationWarning: create_mesh is old" in done.stderr
-    done = launch.python("-m", "fretfe", *options)
-    assert done.returncode == 0, done.stderr
 
 
 def test_what_petsc_prints_fails_a_test(tmp_path: Path) -> None:
@@ -92,4 +90,4 @@ def test_what_petsc_prints_fails_a_test(tmp_path: Path) -> None:
 def test_what_petsc_prints_in_a_process_that_a_test_starts() -> None:
     script = f"{SETS_OLD_OPTION}\ntest_factorisation()"
     with pytest.raises(AssertionError, match=OLD_OPTION):
-        launch.python("-c", script)
+        launch.python("-c", script, timeout=300)
