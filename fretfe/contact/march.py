@@ -78,10 +78,12 @@ class March:
             try:
                 result = self.advance(state, steps[number - 1], steps[number])
             except NotConverged as failure:
+                before = number - 1
+                kept = f"the {before} steps before it are kept" if before else "it is the first one"
                 raise ConvergenceError(
                     f"step {number} of {len(steps) - 1} did not converge: {failure.reason} "
                     f"(iteration {failure.iterations}, after halving the step {MAX_CUTS} times); "
-                    f"the {number - 1} steps before it are kept."
+                    f"{kept}."
                 ) from None
             yield result
             state = result.state

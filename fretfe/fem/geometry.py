@@ -9,7 +9,7 @@ from pathlib import Path
 
 from fretfe.case import Case, check_dimension, complaint
 from fretfe.case.selectors import ABAQUS, CAD, GMSH_SCRIPT, XDMF, FileKind, Selector, file_kind
-from fretfe.errors import CaseError
+from fretfe.errors import CaseError, MeshError
 from fretfe.fem.contact_checks import check_contacts
 from fretfe.fem.formats.cad import cad_model
 from fretfe.fem.formats.inp_groups import read_inp
@@ -37,20 +37,28 @@ def load_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
         MeshError: if there is no valid mesh with all the groups that the case names, or its contact
             surfaces overlap or do not face each other.
     """
-    geometry = case.geometry
-    if geometry.template is not None:
-        template = find_template(geometry.template)
-        if size is not None:
-            _refuse_sizes(case, template)
-        mesh = mesh_template(template, geometry.parameters, geometry.order, size)
-    else:
-        assert geometry.file is not None
-        mesh = _mesh_of_file(case, geometry.file, size)
-    check_groups(mesh, case)
-    check_dimension(case, mesh.dimension)
-    if mesh.dimension == 2:
-        check_contacts(mesh, case)
+    try:
+        mesh = _mesh_of_case(case, size)
+        check_groups(mesh, case)
+        check_dimension(case, mesh.dimension)
+        if mesh.dimension == 2:
+            check_contacts(mesh, case)
+    except (CaseError, MeshError) as error:
+        if str(error).startswith(str(case.source)):
+            raise
+        raise type(error)(f"{case.source}: {error}") from error
     return mesh
+
+
+def _mesh_of_case(case: Case, size: SetSizes | None) -> Mesh:
+    geometry = case.geometry
+    if geometry.template is None:
+        assert geometry.file is not None
+        return _mesh_of_file(case, geometry.file, size)
+    template = find_template(geometry.template)
+    if size is not None:
+        _refuse_sizes(case, template)
+    return mesh_template(template, geometry.parameters, geometry.order, size)
 
 
 def _refuse_sizes(case: Case, template: Template) -> None:
@@ -64,6 +72,9 @@ def _refuse_sizes(case: Case, template: Template) -> None:
 
 def _mesh_of_file(case: Case, file: str, size: SetSizes | None) -> Mesh:
     kind, path = file_kind(file), case.resolve(file)
+    if not path.exists():
+        text = f"expected a file, found nothing at {path.absolute()}"
+        raise MeshError(complaint(case.source, ("geometry", "file"), text))
     if kind is GMSH_SCRIPT:
         return _mesh_of_script(case, path, size)
     if kind is CAD:

@@ -12,7 +12,7 @@ from typing import Any
 from fretfe.case import Case
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.recorder import Place, Recorder
-from fretfe.errors import ConvergenceError, ModelError
+from fretfe.errors import ConvergenceError, ModelError, StoppedError
 from fretfe.evaluate import ContactSummary, evaluate
 from fretfe.evaluate.extremes import load_extremes
 from fretfe.fem._compat import MPI
@@ -202,7 +202,10 @@ def _march(prepared: Prepared, case: Case, history: History, progress: Progress)
             recorder.add(result)
             progress(number, len(steps) - 1, result)
     except ConvergenceError as failure:
-        return _Marched(recorder, failure)
+        if recorder.contact_carries() or isinstance(failure, StoppedError):
+            return _Marched(recorder, failure)
+        hint = "Until then no surfaces pressed on each other: check the signs of the loads."
+        return _Marched(recorder, ConvergenceError(f"{failure} {hint}"))
     _require_contact(recorder)
     return _Marched(recorder, None)
 

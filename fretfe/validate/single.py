@@ -179,8 +179,8 @@ def asymptote_row(
     share = ESTIMATE_FACTOR * min(error, LARGEST_ERROR) + BORDER_FRACTION
     tolerance = share * zone.length + resolution
     reason = (
-        f"the asymptote's own error at this length, about {error:.0%}, and {resolution:.2g} for "
-        "the mesh"
+        f"the asymptote's own error at the longer of the two lengths, about {error:.0%}, and "
+        f"{resolution:.2g} for the mesh"
     )
     if error > LARGEST_ERROR:
         reason += ". Long against the edge's own length: use the computed length"

@@ -67,7 +67,8 @@ def test_in_this_process(module: str, kind: type[Warning]) -> None:
 def test_in_a_run_that_a_test_starts(tmp_path: Path) -> None:
     write_b1(tmp_path / "pad.msh", order=1, h=0.1, growth=0.3)
     (tmp_path / "case.toml").write_text(CASE)
-    options = ["run", tmp_path / "case.toml", "--no-report", "-o", tmp_path / "out"]
+    case, out = str(tmp_path / "case.toml"), str(tmp_path / "out")
+    options = ["run", case, "--no-report", "-o", out]
     done = launch.python("-c", WITH_DEPRECATED_FUNCTION, *options, timeout=300)
     assert done.returncode != 0
     assert "DeprecationWarning: create_mesh is old" in done.stderr

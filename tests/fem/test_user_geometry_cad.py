@@ -358,8 +358,9 @@ def test_a_step_file_that_makes_no_sense(folder: Path, tmp_path: Path) -> None:
 
 
 def test_a_missing_file(tmp_path: Path) -> None:
-    message = refusal(cad_geometry(tmp_path / "none.step"))
-    assert message.endswith("none.step: cannot read the CAD file: No such file or directory")
+    path = tmp_path / "none.step"
+    message = refusal(cad_geometry(path))
+    assert message.endswith(f"geometry.file: expected a file, found nothing at {path}")
 
 
 def test_the_ends_of_a_curve_count_where_it_has_no_perpendicular(tmp_path: Path) -> None:

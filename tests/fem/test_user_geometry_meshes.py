@@ -342,8 +342,9 @@ def test_an_h5_file_that_is_cut_off(tmp_path: Path) -> None:
 
 
 def test_a_missing_xdmf_file(tmp_path: Path) -> None:
-    message = xdmf_refusal(tmp_path / "none.xdmf")
-    assert message.endswith("cannot read the mesh file: No such file or directory")
+    path = tmp_path / "none.xdmf"
+    message = xdmf_refusal(path)
+    assert message.endswith(f"geometry.file: expected a file, found nothing at {path}")
 
 
 # --- inp ----------------------------------------------------------------------------------------
