@@ -61,7 +61,8 @@ def draw_in_child(
 def _launchers() -> list[list[str]]:
     """As it is; then with a display of its own, if that can be had."""
     xvfb = shutil.which("xvfb-run")
-    return [[], [xvfb, "-a"]] if xvfb else [[]]
+    # Debian only recommends xauth together with xvfb, but xvfb-run does nothing without it.
+    return [[], [xvfb, "-a"]] if xvfb and shutil.which("xauth") else [[]]
 
 
 def _run(command: list[str], timeout: float) -> tuple[dict[str, dict[str, Any]], str]:

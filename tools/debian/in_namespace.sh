@@ -57,7 +57,8 @@ bootstrap() {
     timeout --kill-after=10 "$boot_limit" debootstrap --variant=minbase "$suite" "$root" "$mirror" \
         >"$root.log" || return 1
     printf '%s\n' 'APT::Get::Assume-Yes "true";' 'Acquire::Languages "none";' \
-        'Acquire::Retries "3";' >"$root/etc/apt/apt.conf.d/90fretfe"
+        'Acquire::Retries "3";' 'Acquire::Check-Valid-Until "false";' \
+        'Acquire::Check-Date "false";' >"$root/etc/apt/apt.conf.d/90fretfe"
     printf '%s\n' force-unsafe-io 'path-exclude /usr/share/doc/*' 'path-exclude /usr/share/man/*' \
         'path-exclude /usr/share/locale/*' >"$root/etc/dpkg/dpkg.cfg.d/fretfe"
     printf '#!/bin/sh\nexit 101\n' >"$root/usr/sbin/policy-rc.d" # starts no services
