@@ -20,10 +20,17 @@ SETTINGS := --config-settings=cmake.define.CMAKE_COMPILE_WARNING_AS_ERROR=$(WERR
 
 # One thread: the same rounding in every run, and no contest between MPI ranks.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+# What hangs in compiled code is ended. Not in pyproject.toml: pytest 8, which Debian 13 has, does
+# not know the option and rejects it.
+export PYTEST_ADDOPTS := -o faulthandler_exit_on_timeout=true
 # A stage in which nothing is collected fails: pytest then exits with 5.
 PYTEST := $(ONE_THREAD) $(BIN)/pytest
 
-.PHONY: help demo test test-light lint clean
+# The Debian that `make test-debian` tests on; FRESH=1 does without the system of the last time.
+SUITE ?= trixie
+FRESH ?=
+
+.PHONY: help demo test test-light test-debian lint clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
@@ -42,6 +49,9 @@ endif
 test-light: .venv-light/.installed  ## the tests of the parts without DOLFINx, in .venv-light
 	$(ONE_THREAD) $(LIGHT)/pytest -m "not fem and not slow"
 
+test-debian:  ## install on Debian (SUITE=trixie, sid) as the README says and test there; as root
+	tools/debian/test.sh $(SUITE) $(if $(call is_set,$(FRESH)),fresh)
+
 lint: .venv/.installed  ## ruff, mypy, clang-format
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
@@ -49,7 +59,7 @@ lint: .venv/.installed  ## ruff, mypy, clang-format
 	$(BIN)/clang-format --dry-run --Werror $(CPP)
 
 clean:  ## remove environments, builds and caches; results stay
-	rm -rf .venv .venv-light build .pytest_cache .mypy_cache .ruff_cache
+	rm -rf .venv .venv-light .venv-debian build .pytest_cache .mypy_cache .ruff_cache
 	find fretfe tests tools -name __pycache__ -prune -exec rm -rf {} +
 
 # A stamp carries the time at which its set-up began: a file that is saved meanwhile counts as new.

@@ -11,8 +11,8 @@ from typing import Annotated
 
 import typer
 
-from fretfe.environment import rank_from_environment
-from fretfe.errors import FretfeError
+from fretfe.environment import missing_package, rank_from_environment
+from fretfe.errors import DependencyError, FretfeError
 from fretfe.verbosity import Verbosity
 
 
@@ -353,7 +353,10 @@ def main() -> None:
         app()
     except FretfeError as error:
         _finish(error.exit_code, f"fretfe: error: {error}")
-    except Exception:
+    except Exception as error:
+        reason = missing_package(error) if isinstance(error, ImportError) else ""
+        if reason:
+            _finish(DependencyError.exit_code, f"fretfe: error: {reason}")
         _finish(1, traceback.format_exc())
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import importlib.metadata
 import os
 import platform
+import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -44,12 +45,33 @@ def blas_libraries() -> list[str]:
     )
 
 
-def reference_blas_only(libraries: list[str]) -> bool:
-    """Whether no optimised BLAS is among the loaded libraries; factorisations are slow then."""
+def reference_blas(libraries: list[str]) -> list[str]:
+    """Those of the loaded libraries that are the reference BLAS.
+
+    All distributions call the library of the BLAS interface libblas, whoever wrote it; what it is
+    can be read from the folder or from the file that the name leads to. An optimised BLAS beside it
+    (NumPy's wheel has its own) does not make the one faster that PETSc is linked with.
+    """
     optimised = ("openblas", "mkl", "blis", "atlas", "flexiblas")
-    return bool(libraries) and not any(
-        name in str(Path(library).resolve()).lower() for library in libraries for name in optimised
-    )
+    return [
+        library
+        for library in libraries
+        if Path(library).name.startswith(("libblas.", "librefblas."))
+        and not any(name in str(Path(library).resolve()).lower() for name in optimised)
+    ]
+
+
+def missing_package(error: ImportError) -> str:
+    """What to install if a module that fretfe requires is not there; empty for other errors."""
+    module = (error.name or "").partition(".")[0]
+    required = importlib.metadata.requires("fretfe") or []
+    for name in (re.split(r"[^\w-]", each)[0] for each in required if "extra ==" not in each):
+        if isinstance(error, ModuleNotFoundError) and module == name.replace("-", "_"):
+            return (
+                f"the Python package {name} is not installed. Install it with `pip install {name}` "
+                f"or from your distribution (Debian: python3-{name})"
+            )
+    return ""
 
 
 def without_launcher(environment: Mapping[str, str]) -> dict[str, str]:

@@ -95,10 +95,10 @@ def pytest_configure(config: pytest.Config) -> None:
     reports = RankReports(config)
     config.pluginmanager.register(reports, "rank-reports")
     if reports.comm.rank > 0:
-        config.pluginmanager.unregister(name="terminalreporter")
+        shown = config.pluginmanager.unregister(name="terminalreporter")
         silent = open(os.devnull, "w")
         config.add_cleanup(silent.close)
-        reporter = pytest.TerminalReporter(config, silent)
+        reporter = type(shown)(config, silent)  # pytest has no public name for it before 8.4
         config.pluginmanager.register(reporter, "terminalreporter")
 
 

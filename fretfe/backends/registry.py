@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 
 from fretfe.backends.protocol import Backend
+from fretfe.environment import missing_package
 from fretfe.errors import CaseError, DependencyError
 
 GROUP = "fretfe.backends"
@@ -84,7 +85,9 @@ def _load(entry: EntryPoint) -> Installed:
     try:
         backend = entry.load()
     except (Exception, SystemExit) as error:  # what foreign modules raise is not ours to know
-        return Installed(entry.name, package, None, str(error) or type(error).__name__)
+        reason = missing_package(error) if isinstance(error, ImportError) else ""
+        reason = reason or str(error) or type(error).__name__
+        return Installed(entry.name, package, None, reason)
     if not isinstance(backend, Backend):
         reason = f"{entry.value}: expected an object with summary, supports and solve"
         return Installed(entry.name, package, None, f"{reason}, found {type(backend).__name__}")

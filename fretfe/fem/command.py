@@ -10,7 +10,7 @@ from rich.console import Console
 
 from fretfe.case import Case
 from fretfe.command import read_case, require_supported
-from fretfe.environment import blas_libraries, reference_blas_only, versions
+from fretfe.environment import blas_libraries, reference_blas, versions
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
 from fretfe.fem.backend import BACKEND
@@ -119,8 +119,10 @@ def show_info() -> None:
     libraries = blas_libraries()
     for library in libraries:
         console.print(f"{'BLAS':12s} {library}", highlight=False, soft_wrap=True)
-    if reference_blas_only(libraries):
+    for library in reference_blas(libraries):
         console.print(
-            "Warning: only the reference BLAS is in use, which makes factorisations about four "
-            "times slower. Install OpenBLAS (Debian: libopenblas0-pthread)."
+            f"Warning: {library} is the reference BLAS, which makes factorisations about four "
+            "times slower. Install OpenBLAS (Debian: libopenblas0-pthread).",
+            highlight=False,
+            soft_wrap=True,
         )

@@ -58,7 +58,8 @@ def import_gmsh() -> ModuleType:
     except ImportError as error:
         raise DependencyError(
             f"reading and making meshes needs the Python package gmsh, which does not import"
-            f" ({error}). Install it with: pip install gmsh"
+            f" ({error}). Install it with `pip install gmsh` or from your distribution (Debian:"
+            " python3-gmsh)"
         ) from error
     except OSError as error:
         library = str(error).partition(":")[0]

@@ -19,10 +19,14 @@ from fretfe.environment import without_launcher
 TIMEOUT = 600.0
 CRASHES = (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGILL)
 
-NO_PYVISTA = "PyVista is not installed; `pip install pyvista` installs it"
+NO_PYVISTA = (
+    "PyVista is not installed; `pip install pyvista` installs it, on Debian apt install "
+    "python3-pyvista"
+)
 NO_OPENGL = (
     "the process that draws ended with {}, as it does where OpenGL does not work without a "
-    "display. On Debian and Ubuntu install libegl1 and libgl1-mesa-dri (VTK 9.4 and later), or xvfb"
+    "display. On Debian and Ubuntu install libegl1 and libgl1-mesa-dri (VTK 9.4 and later), or "
+    "xvfb and xauth"
 )
 NOT_IMPORTED = (
     "PyVista cannot be imported ({}). On Debian and Ubuntu VTK needs libgl1 and libxrender1"
@@ -57,7 +61,8 @@ def draw_in_child(
 def _launchers() -> list[list[str]]:
     """As it is; then with a display of its own, if that can be had."""
     xvfb = shutil.which("xvfb-run")
-    return [[], [xvfb, "-a"]] if xvfb else [[]]
+    # Debian only recommends xauth together with xvfb, but xvfb-run does nothing without it.
+    return [[], [xvfb, "-a"]] if xvfb and shutil.which("xauth") else [[]]
 
 
 def _run(command: list[str], timeout: float) -> tuple[dict[str, dict[str, Any]], str]:

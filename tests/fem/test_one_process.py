@@ -46,6 +46,6 @@ def test_two_processes_report_an_error_once(tmp_path: Path) -> None:
 
 
 def test_two_processes_list_the_backends_once() -> None:
-    done = python("-m", "fretfe", "backends", ranks=2, timeout=30)
+    done = python("-m", "fretfe", "backends", ranks=2)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("halfplane") == 1

@@ -188,6 +188,15 @@ def test_a_display_is_made_where_there_is_none(
     assert set(reasons(folder).values()) == {"ValueError: seen"}
 
 
+def test_a_display_is_not_tried_without_xauth(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "pyvista.py").write_text("import os\nos.abort()\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setattr(shutil, "which", {"xvfb-run": "/bin/false"}.get)
+    assert all("xvfb and xauth" in reason for reason in reasons(folder).values())
+
+
 def test_without_opengl_there_is_a_reason(
     drawn: Path, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

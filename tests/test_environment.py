@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Which BLAS is the slow one, and what a user is told of a package that is missing."""
+
+from __future__ import annotations
+
+import subprocess
+from importlib.metadata import requires
+from pathlib import Path
+
+import pytest
+from launch import python
+
+from fretfe.environment import missing_package, reference_blas
+
+DEBIAN = "/usr/lib/x86_64-linux-gnu"
+
+
+def test_the_reference_blas_is_told_from_others() -> None:
+    reference = f"{DEBIAN}/blas/libblas.so.3.12.1"
+    others = [
+        f"{DEBIAN}/openblas-pthread/libblas.so.3",
+        f"{DEBIAN}/atlas/libblas.so.3",
+        f"{DEBIAN}/libCombBLAS.so.2.0.0",
+        "/venv/numpy.libs/libscipy_openblas64_-56d6093b.so",
+        "/usr/lib/python3/dist-packages/scipy/linalg/_fblas.cpython-313-x86_64-linux-gnu.so",
+    ]
+    assert reference_blas(others) == []
+    # An optimised one beside it is not that of PETSc.
+    assert reference_blas([*others, reference]) == [reference]
+    assert reference_blas(["/opt/lib/librefblas.so.3"]) == ["/opt/lib/librefblas.so.3"]
+
+
+def test_a_link_to_an_optimised_blas_is_followed(tmp_path: Path) -> None:
+    """Conda calls all of them libblas.so.3."""
+    (tmp_path / "libopenblasp-r0.3.30.so").touch()
+    (tmp_path / "libblas.so.3").symlink_to("libopenblasp-r0.3.30.so")
+    assert reference_blas([str(tmp_path / "libblas.so.3")]) == []
+
+
+def test_every_requirement_has_a_remedy() -> None:
+    names = [each.split(">=")[0] for each in requires("fretfe") or [] if "extra ==" not in each]
+    assert len(names) > 5
+    for name in names:
+        module = name.replace("-", "_")
+        text = missing_package(ModuleNotFoundError("", name=f"{module}.sub"))
+        assert f"pip install {name}`" in text and f"(Debian: python3-{name})" in text
+
+
+@pytest.mark.parametrize("kind", [ImportError, ModuleNotFoundError])
+def test_other_errors_have_none(kind: type[ImportError]) -> None:
+    """A module of a user's own, and one that is there but broken."""
+    assert missing_package(kind("", name="mine")) == missing_package(kind("broken")) == ""
+    assert missing_package(ImportError("cannot import name", name="scipy")) == ""
+
+
+def without(module: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """The command `fretfe` where a module is missing."""
+    code = (
+        f"import sys; sys.modules[{module!r}] = None; sys.argv = {['fretfe', *arguments]}; "
+        "from fretfe.__main__ import main; main()"
+    )
+    return python("-c", code)
+
+
+@pytest.mark.parametrize(
+    ("module", "arguments"),
+    [
+        ("typer", ["schema"]),
+        ("pydantic", ["schema"]),
+        ("h5py", ["run", "case.toml", "--backend", "halfplane", "-o", "out"]),
+    ],
+)
+def test_a_package_that_is_missing_is_named(module: str, arguments: list[str]) -> None:
+    done = without(module, *arguments)
+    assert done.returncode == 7
+    assert f"python3-{module}" in done.stderr and "Traceback" not in done.stderr
+    assert done.stderr.count("\n") == 1
