@@ -3,14 +3,22 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
 from fretfe.environment import missing_package
 from fretfe.errors import DependencyError
 
+# What sets the number of threads of a BLAS; the last one is heeded by all of them.
+THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "OMP_NUM_THREADS")
+
 
 def main() -> None:
     """Entry point of the command: without Typer there is no command line to say so."""
+    # Matrices of a thousand rows gain nothing by threads, and lose much where another program wants
+    # the cores. To be set before NumPy is imported.
+    if not any(name in os.environ for name in THREADS):
+        os.environ[THREADS[-1]] = "1"
     try:
         from fretfe.cli import main as command_line
     except ImportError as error:

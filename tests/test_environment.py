@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Which BLAS is the slow one, and what a user is told of a package that is missing."""
+"""Which BLAS is the slow one, on how many threads, and what is said of a package that is missing."""
 
 from __future__ import annotations
 
+import os
 import subprocess
 from importlib.metadata import requires
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 import pytest
 from launch import python
 
+from fretfe.__main__ import main
 from fretfe.environment import missing_package, reference_blas
 
 DEBIAN = "/usr/lib/x86_64-linux-gnu"
@@ -75,3 +77,14 @@ def test_a_package_that_is_missing_is_named(module: str, arguments: list[str]) -
     assert done.returncode == 7
     assert f"python3-{module}" in done.stderr and "Traceback" not in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(("given", "used"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, None)])
+def test_one_thread_unless_the_user_says_otherwise(
+    monkeypatch: pytest.MonkeyPatch, given: dict[str, str], used: str | None
+) -> None:
+    environment = dict(given)
+    monkeypatch.setattr(os, "environ", environment)
+    monkeypatch.setattr("fretfe.cli.main", lambda: None)
+    main()
+    assert environment.get("OMP_NUM_THREADS") == used
