@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Which BLAS is the slow one, on how many threads, and what is said of a package that is missing."""
+"""Which BLAS is the slow one, how many threads it gets, what is said of a missing package."""
 
 from __future__ import annotations
 
