@@ -95,7 +95,7 @@ def pytest_configure(config: pytest.Config) -> None:
     reports = RankReports(config)
     config.pluginmanager.register(reports, "rank-reports")
     if reports.comm.rank > 0:
-        shown = config.pluginmanager.unregister(name="terminalreporter")
+        shown: Any = config.pluginmanager.unregister(name="terminalreporter")
         silent = open(os.devnull, "w")
         config.add_cleanup(silent.close)
         reporter = type(shown)(config, silent)  # pytest has no public name for it before 8.4

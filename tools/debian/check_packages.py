@@ -57,7 +57,11 @@ def headers() -> None:
 
 def module(name: str) -> Callable[[], None]:
     """A check that a module can be imported."""
-    return lambda: importlib.import_module(name) and None
+
+    def check() -> None:
+        importlib.import_module(name)
+
+    return check
 
 
 # Besides Python packages: what each Debian package is for.
