@@ -159,5 +159,6 @@ def test_installed_wheel_solves_a_case(clean: Path, tmp_path: Path, backend: str
 
 
 def test_installed_wheel_verifies_what_needs_no_dolfinx(clean: Path, tmp_path: Path) -> None:
-    printed = run(clean / "fretfe", "verify", cwd=tmp_path)
-    assert "skipped" in printed and "failed" not in printed
+    # its exit code tells whether all benchmarks passed
+    printed = run(clean / "fretfe", "verify", "--backend", "analytic", cwd=tmp_path)
+    assert " pass " in printed
