@@ -36,7 +36,10 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
     source = shutil.copytree(PLUGIN, folder / "source")
     options = ["--no-build-isolation", "--no-deps", "--no-index", "--no-compile", "--quiet"]
     target = folder / "installed"
-    done = launch.python("-m", "pip", "install", *options, "--target", target, source)
+    with pytest.MonkeyPatch.context() as patch:
+        # pip and setuptools use what they themselves call deprecated.
+        patch.delitem(launch.ENVIRONMENT, "PYTHONWARNINGS", raising=False)
+        done = launch.python("-m", "pip", "install", *options, "--target", target, source)
     assert done.returncode == 0, done.stderr
     return target
 
