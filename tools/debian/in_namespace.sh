@@ -110,7 +110,7 @@ as_tester "$build_limit" "cd fretfe
 $install"
 
 # In tests/ a Python finds the fretfe that is installed, not that of the checkout.
-pytest="../.venv-debian/bin/python -m pytest"
+pytest="$home/fretfe/.venv-debian/bin/python -m pytest"
 # On unstable those of DOLFINx, PETSc and Gmsh: for the rest PyPI has versions that are as new, with
 # which `make test-light` runs it.
 [ "$suite" = sid ] && chosen="fem and not slow" || chosen="not slow"
