@@ -7,8 +7,8 @@ set -euo pipefail
 root=$1 suite=$2 packages=$3 install=$4
 mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
 home=/home/tester
-# Longest times in seconds, some five times what a machine with two cores needs.
-boot_limit=1200 apt_limit=1800 build_limit=900 test_limit=2400
+# Longest times in seconds, several times what a machine with two cores needs that is not shared.
+boot_limit=1200 apt_limit=1800 build_limit=900 test_limit=3600
 
 step() {
     echo "== Debian $suite: $* ($(date +%T))"
