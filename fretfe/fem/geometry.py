@@ -72,6 +72,9 @@ def _refuse_sizes(case: Case, template: Template) -> None:
 
 def _mesh_of_file(case: Case, file: str, size: SetSizes | None) -> Mesh:
     kind, path = file_kind(file), case.resolve(file)
+    if size is not None and kind not in (GMSH_SCRIPT, CAD):
+        text = f"expected a geometry that can be meshed again, found the mesh {file!r}"
+        raise CaseError(complaint(case.source, ("edges", "tolerance"), text))
     if not path.exists():
         text = f"expected a file, found nothing at {path.absolute()}"
         raise MeshError(complaint(case.source, ("geometry", "file"), text))
@@ -79,9 +82,6 @@ def _mesh_of_file(case: Case, file: str, size: SetSizes | None) -> Mesh:
         return _mesh_of_script(case, path, size)
     if kind is CAD:
         return _mesh_of_cad_file(case, path, size)
-    if size is not None:
-        text = f"expected a geometry that can be meshed again, found the mesh {file!r}"
-        raise CaseError(complaint(case.source, ("edges", "tolerance"), text))
     if kind is XDMF:
         return mesh_from_raw(_read_xdmf(case, path), str(path))
     if kind is ABAQUS:
