@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import sys
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -110,5 +111,9 @@ def export_scene(directory: Path, files: list[str]) -> None:
 
 TASKS = {"pictures": draw_pictures, "animation": draw_animation, "scene": export_scene}
 
+# Before 0.45 PyVista says so where VTK then ends the process; that is found out without it.
+NO_DISPLAY = r"\s*This system does not appear to be running an xserver"
+
 if __name__ == "__main__":
+    warnings.filterwarnings("ignore", NO_DISPLAY)
     TASKS[sys.argv[1]](Path(sys.argv[2]), sys.argv[3:])
