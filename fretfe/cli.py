@@ -354,8 +354,7 @@ def main() -> None:
     except FretfeError as error:
         _finish(error.exit_code, f"fretfe: error: {error}")
     except Exception as error:
-        reason = missing_package(error) if isinstance(error, ImportError) else ""
-        if reason:
+        if reason := missing_package(error):
             _finish(DependencyError.exit_code, f"fretfe: error: {reason}")
         _finish(1, traceback.format_exc())
 

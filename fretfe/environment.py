@@ -61,12 +61,14 @@ def reference_blas(libraries: list[str]) -> list[str]:
     ]
 
 
-def missing_package(error: ImportError) -> str:
+def missing_package(error: BaseException) -> str:
     """What to install if a module that fretfe requires is not there; empty for other errors."""
+    if not isinstance(error, ModuleNotFoundError):
+        return ""
     module = (error.name or "").partition(".")[0]
     required = importlib.metadata.requires("fretfe") or []
     for name in (re.split(r"[^\w-]", each)[0] for each in required if "extra ==" not in each):
-        if isinstance(error, ModuleNotFoundError) and module == name.replace("-", "_"):
+        if module == name.replace("-", "_"):
             return (
                 f"the Python package {name} is not installed. Install it with `pip install {name}` "
                 f"or from your distribution (Debian: python3-{name})"

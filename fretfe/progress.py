@@ -108,4 +108,5 @@ class StepReport:
 
     def _restore(self, number: signal.Signals) -> None:
         # A handler that was not set from Python, such as that of PETSc, is not known.
-        signal.signal(number, self._handlers[number] or DEFAULTS[number])
+        before = self._handlers[number]
+        signal.signal(number, DEFAULTS[number] if before is None else before)

@@ -85,8 +85,7 @@ def _load(entry: EntryPoint) -> Installed:
     try:
         backend = entry.load()
     except (Exception, SystemExit) as error:  # what foreign modules raise is not ours to know
-        reason = missing_package(error) if isinstance(error, ImportError) else ""
-        reason = reason or str(error) or type(error).__name__
+        reason = missing_package(error) or str(error) or type(error).__name__
         return Installed(entry.name, package, None, reason)
     if not isinstance(backend, Backend):
         reason = f"{entry.value}: expected an object with summary, supports and solve"
