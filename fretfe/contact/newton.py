@@ -106,16 +106,27 @@ class _Step:
         self._interface = interface
         self._operator: StuckOperator | None = None
         self._held = np.empty(0)
+        self._held_motion = 0.0
         self.loads = loads
         self.free = (interface.gap + interface.loads @ loads.amplitudes).reshape(len(reference), -1)
         self.free[:, 1:] -= reference
 
-    def held(self, operator: StuckOperator) -> Array:
-        """(n + m,) unknowns of the operator with every node stuck."""
+    def held(self, operator: StuckOperator) -> tuple[Array, float]:
+        """(n + m,) unknowns of the operator with every node stuck, and what they move."""
         if operator is not self._operator:
             self._operator = operator
             self._held = operator.inverse @ self._known(operator)
-        return self._held
+            coordinates = self._held[len(operator.rows) :]
+            prescribed = self._interface.prescribed
+            self._held_motion = self.motion(np.where(prescribed, self.loads.values, coordinates))
+        return self._held, self._held_motion
+
+    def motion(self, coordinates: Array) -> float:
+        """Largest displacement of a node (length) by loads or by one coordinate."""
+        d, roots = self._interface.components, self._interface.roots
+        moved = np.abs(self._interface.motion * coordinates).max(axis=1, initial=0.0)
+        moved = np.maximum(np.abs(self.free).ravel(), moved).reshape(-1, d).max(axis=1)
+        return float((moved / roots).max())
 
     def _known(self, operator: StuckOperator) -> Array:
         """Right-hand side with every node of the operator stuck."""
@@ -198,8 +209,8 @@ class Newton:
     def _linear_solution(self, step: _Step, guess: Guess, iteration: int) -> _Solution:
         interface, free = self.interface, step.free
         operator = self.operator_for(guess.status != OPEN, free[:, 0])
-        held, split = step.held(operator), len(operator.rows)
-        known = np.where(interface.prescribed, step.loads.values, held[split:])
+        held, held_motion = step.held(operator)
+        split = len(operator.rows)
         try:
             unknowns, released = _release(
                 interface, operator, guess, step.loads, held, self._penalty
@@ -207,8 +218,8 @@ class Newton:
         except np.linalg.LinAlgError:
             raise NotConverged(NO_RESISTANCE, iteration) from None
         coordinates = unknowns[split:]
-        motion = self._motion(free, coordinates)
-        if motion > RUNAWAY * self._motion(free, known):
+        motion = step.motion(coordinates)
+        if motion > RUNAWAY * held_motion:
             raise NotConverged(NO_RESISTANCE, iteration)
         traction, relative = np.zeros(free.size), np.zeros(free.size)
         traction[operator.rows] = unknowns[:split]
@@ -217,13 +228,6 @@ class Newton:
         return _Solution(
             traction.reshape(free.shape), relative.reshape(free.shape), coordinates, motion
         )
-
-    def _motion(self, free: Array, coordinates: Array) -> float:
-        """Largest displacement of a node (length) by loads or by one coordinate."""
-        d, roots = self.interface.components, self.interface.roots
-        moved = np.abs(self.interface.motion * coordinates).max(axis=1, initial=0.0)
-        moved = np.maximum(np.abs(free).ravel(), moved).reshape(-1, d).max(axis=1)
-        return float((moved / roots).max())
 
     def _update(self, guess: Guess, solution: _Solution, friction: Array) -> Guess:
         """Status that the augmented-Lagrangian conditions give, with the three rules above."""

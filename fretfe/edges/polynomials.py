@@ -10,6 +10,8 @@ from fretfe.analytic._arguments import FloatArray
 # Order of the highest polynomial: one more than the highest that is used, to compare with.
 HIGHEST = 5
 POWERS = np.arange(HIGHEST + 1)
+# Newton's method for the root: iterations at most, and steps that are none, in window lengths.
+ITERATIONS, ROUND_OFF = 12, 1e-15
 # Edges may stand so many elements outside the outermost node.
 FARTHEST = 3.0
 # Pressures of a fit are taken as this part of their error at least: weights stay finite.
@@ -78,9 +80,12 @@ def _root(coefficients: FloatArray, bounds: FloatArray) -> FloatArray:
     """Return (m,) the root of polynomials (m, k) next to 0, by Newton's method; NaN outside."""
     root = np.zeros(len(coefficients))
     with np.errstate(all="ignore"):  # what runs away is not within the bounds
-        for _ in range(12):
+        for _ in range(ITERATIONS):
             value, slope = _value_and_slope(coefficients, root)
-            root = root - value / slope
+            step = value / slope
+            root = root - step
+            if not (np.abs(step) > ROUND_OFF).any():
+                break
         value, slope = _value_and_slope(coefficients, root)
         tolerance = 1e-9 * np.abs(coefficients).max(axis=1)
         found = (root >= bounds[0]) & (root < bounds[1]) & (np.abs(value) < tolerance) & (slope > 0)
@@ -88,10 +93,12 @@ def _root(coefficients: FloatArray, bounds: FloatArray) -> FloatArray:
 
 
 def _value_and_slope(coefficients: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
-    orders = np.arange(coefficients.shape[1])
-    powers = z[:, None] ** orders
-    slopes = orders[1:] * powers[:, :-1]
-    return np.sum(coefficients * powers, axis=1), np.sum(coefficients[:, 1:] * slopes, axis=1)
+    """Return value (m,) and slope (m,) of polynomials (m, k) at z (m,), by Horner's rule."""
+    value, slope = coefficients[:, -1], np.zeros(len(z))
+    for column in coefficients.T[-2::-1]:
+        slope = slope * z + value
+        value = value * z + column
+    return value, slope
 
 
 def _edge(

@@ -97,6 +97,37 @@ def assemble_vector(form: Any) -> PETSc.Vec:
     return vector
 
 
+def form_on(
+    compiled: Any,
+    space: dolfinx.fem.FunctionSpace,
+    constants: list[Any],
+    cells: npt.NDArray[np.int32],
+    facets: npt.NDArray[np.int32],
+) -> dolfinx.fem.Form:
+    """A compiled linear form on parts of the mesh of its space.
+
+    Args:
+        compiled: what `dolfinx.fem.compile_form` gave for a form without data of subdomains, in
+            which the number of all subdomains is 1.
+        space: of the test function.
+        constants: all that the form has.
+        cells: own cells of this rank, for the integral over the volume.
+        facets: exterior facets of this rank, for the integral over the boundary; ghosts are left
+            out.
+    """
+    mesh = space.mesh
+    kinds = dolfinx.fem.IntegralType
+    arguments = [kinds.exterior_facet, mesh.topology, facets]
+    if VERSION < (0, 10):  # the dimension of the facets is told in 0.9, and known later
+        arguments.append(mesh.topology.dim - 1)
+    sides = dolfinx.fem.compute_integration_domains(*arguments)
+    parts = {kinds.cell: [(1, cells)], kinds.exterior_facet: [(1, sides)]}
+    # Arguments have other names in 0.9, in the same order.
+    return dolfinx.fem.create_form(
+        compiled, [space], mesh, parts, {}, {constant: constant for constant in constants}
+    )
+
+
 def expression(value: Any, space: dolfinx.fem.FunctionSpace) -> dolfinx.fem.Expression:
     """A UFL expression that can be interpolated into `space`."""
     points = space.element.interpolation_points

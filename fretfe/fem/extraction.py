@@ -23,6 +23,11 @@ from fretfe.solution import ContactHistory, EdgeIntegrals, Neighbours, Solution
 
 Array = npt.NDArray[np.float64]
 SIDES: tuple[Side, Side] = ("left", "right")
+# Factors K_T and K_I, and whether bodies 1 and 2 are above the interface.
+MODES = ("shear", "opening")
+UPPER = (True, False)
+# By body and whether it is body 1: it may be body 1 of one contact and body 2 of another one.
+Forms = dict[tuple[str, bool], InteractionForm]
 
 # Contact areas of the cycle at which the integrals are taken: smallest, middle, largest.
 AREAS = 3
@@ -84,32 +89,30 @@ def add_integrals(
     fields = model.recover_fields(
         [(r.traction, r.coordinates, r.amplitudes) for r in draft.requests] if draft else None
     )
-    values = [_integrate(model, case, probe, fields) for probe in probes]
+    forms = _forms(model, probes)
+    values = [_integrate(case, probe, forms, fields) for probe in probes]
     return draft.finish(values) if draft else None
 
 
 def _integrate(
-    model: Model, case: Case, probe: Probe, fields: list[dict[str, fem.Function]]
+    case: Case, probe: Probe, forms: Forms, fields: list[dict[str, fem.Function]]
 ) -> list[Array]:
     """For each tip of a probe: (R, 2, n) K_T and K_I of its n fields."""
-    forms = _forms(model, probe)
     bodies = [case.bodies[name] for name in probe.bodies]
     modulus = contact_modulus(bodies[0], bodies[1], case.model.plane)
     shares = modulus / np.array([plane_modulus(body, case.model.plane) for body in bodies])
     # Contact pressure is positive, stress that opens a crack is tension.
     scale = modulus / np.sqrt(2 * np.pi)
-    signs = {"shear": scale, "opening": -scale}
+    signs = np.array([scale, -scale])
     results = []
     for tips, normal, numbers in zip(probe.tips, probe.normals, probe.fields, strict=True):
-        factors = np.zeros((len(probe.reaches), len(signs), len(numbers)))
+        factors = np.zeros((len(probe.reaches), len(MODES), len(numbers)))
         for r, reach in enumerate(probe.reaches):
-            for m, (mode, sign) in enumerate(signs.items()):
-                for name, form, tip in zip(probe.bodies, forms, tips, strict=True):
-                    functional = form.functional(tip, float(reach), mode)
-                    factors[r, m] += [
-                        sign * functional.dot(fields[number][name].x.petsc_vec)
-                        for number in numbers
-                    ]
+            for upper, name, tip in zip(UPPER, probe.bodies, tips, strict=True):
+                functionals = forms[name, upper].functionals(tip, float(reach), MODES)
+                vectors = [fields[number][name].x.petsc_vec for number in numbers]
+                products = [[each.dot(vector) for vector in vectors] for each in functionals]
+                factors[r] += signs[:, None] * np.array(products)
         results.append(_turned(factors, tips, normal, shares))
     return results
 
@@ -135,14 +138,14 @@ def _turned(factors: Array, tips: tuple[Tip, Tip], normal: Array, shares: Array)
     return np.asarray(turned / (cosine**2 + sine**2))
 
 
-def _forms(model: Model, probe: Probe) -> list[InteractionForm]:
-    """One form for each body, on the elements around the edge."""
-    forms = []
-    for b, name in enumerate(probe.bodies):
-        points = np.array([tips[b].point for tips in probe.tips])
-        surfaces = list(model.plan_of(name).surfaces)
-        elastic = model.bodies[name].elastic
-        forms.append(InteractionForm(elastic, surfaces, b == 0, points, probe.reaches))
+def _forms(model: Model, probes: tuple[Probe, ...]) -> Forms:
+    """The forms that probes need."""
+    forms = {}
+    for probe in probes:
+        for name, upper in zip(probe.bodies, UPPER, strict=True):
+            if (name, upper) not in forms:
+                surfaces = list(model.plan_of(name).surfaces)
+                forms[name, upper] = InteractionForm(model.bodies[name].elastic, surfaces, upper)
     return forms
 
 

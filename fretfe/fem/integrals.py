@@ -18,6 +18,7 @@ circle they are small against the edge's stresses.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,8 +27,9 @@ import numpy as np
 import numpy.typing as npt
 import ufl
 from dolfinx import fem
+from ufl.algorithms.analysis import extract_constants
 
-from fretfe.fem._compat import PETSc, assemble_vector
+from fretfe.fem._compat import PETSc, assemble_vector, form_on
 from fretfe.fem.elasticity import ElasticBody
 
 Array = npt.NDArray[np.float64]
@@ -59,6 +61,27 @@ class Tip:
     across: Array
 
 
+class _Places:
+    """Where some entities of a mesh are.
+
+    Args:
+        mesh: mesh.
+        dim: dimension of the entities.
+        entities: their numbers on this rank.
+    """
+
+    def __init__(self, mesh: Any, dim: int, entities: npt.NDArray[np.int32]) -> None:
+        self._entities = entities
+        self._middles = dolfinx.mesh.compute_midpoints(mesh, dim, entities)[:, :2]
+        self._sizes = mesh.h(dim, entities)
+
+    def within(self, centre: Array, inner: float, outer: float) -> npt.NDArray[np.int32]:
+        """Entities that may have points between two circles."""
+        distance = np.linalg.norm(self._middles - centre, axis=1)
+        near = (distance > inner - self._sizes) & (distance < outer + self._sizes)
+        return self._entities[near]
+
+
 class InteractionForm:
     """The interaction integral of one body as a linear functional of its displacement. Collective.
 
@@ -66,51 +89,52 @@ class InteractionForm:
         elastic: the body.
         surfaces: names of its contact surfaces.
         upper: whether it is body 1 of the contact.
-        tips: (k, 2) where the tips will be.
-        reaches: radii of the circles.
     """
 
-    def __init__(
-        self, elastic: ElasticBody, surfaces: list[str], upper: bool, tips: Array, reaches: Array
-    ) -> None:
+    def __init__(self, elastic: ElasticBody, surfaces: list[str], upper: bool) -> None:
         mesh = elastic.mesh
+        self._space = elastic.space
         self._point, self._inward, self._across = (
             fem.Constant(mesh, np.zeros(2)) for _ in range(3)
         )
         self._reach = fem.Constant(mesh, 1.0)
         self._mode = fem.Constant(mesh, np.zeros(2))
         self._side = fem.Constant(mesh, 1.0 if upper else -1.0)
-        dx = ufl.Measure(
-            "dx",
-            mesh,
-            subdomain_data=[(1, _cells_in_rings(mesh, tips, reaches))],
-            metadata={"quadrature_degree": QUADRATURE_DEGREE},
-        )
-        ds = ufl.Measure(
-            "ds",
-            mesh,
-            subdomain_data=elastic.facet_tags,
-            metadata={"quadrature_degree": QUADRATURE_DEGREE},
-        )
-        faces = tuple(elastic.groups[name] for name in surfaces)
-        self._form = fem.form(self._integral(elastic, dx(1), ds(faces)))
+        dim = mesh.topology.dim
+        cells = np.arange(mesh.topology.index_map(dim).size_local, dtype=np.int32)
+        facets = np.concatenate([elastic.facet_tags.find(elastic.groups[s]) for s in surfaces])
+        self._cells, self._facets = _Places(mesh, dim, cells), _Places(mesh, dim - 1, facets)
+        integral = self._integral(elastic)
+        self._constants = extract_constants(integral)
+        self._compiled = fem.compile_form(mesh.comm, integral)
 
-    def functional(self, tip: Tip, reach: float, mode: str) -> PETSc.Vec:
-        """Vector whose product with a displacement is this body's part of I.
+    def functionals(self, tip: Tip, reach: float, modes: Sequence[str]) -> list[PETSc.Vec]:
+        """Vectors, one for each mode, whose products with a displacement are this body's part of I.
 
         Args:
             tip: the edge.
             reach: radius of the circle.
-            mode: "opening" or "shear".
+            modes: of the crack-tip field, "opening" or "shear".
         """
         self._point.value[:] = tip.point
         self._inward.value[:] = tip.inward
         self._across.value[:] = tip.across
         self._reach.value = reach
-        self._mode.value[:] = MODES[mode]
-        return assemble_vector(self._form)
+        cells = self._cells.within(tip.point, INNER * reach, reach)
+        facets = self._facets.within(tip.point, 0.0, reach)
+        form = form_on(self._compiled, self._space, self._constants, cells, facets)
+        vectors = []
+        for mode in modes:
+            self._mode.value[:] = MODES[mode]
+            vectors.append(assemble_vector(form))
+        return vectors
 
-    def _integral(self, elastic: ElasticBody, dx: Any, ds: Any) -> Any:
+    def _integral(self, elastic: ElasticBody) -> Any:
+        metadata = {"quadrature_degree": QUADRATURE_DEGREE}
+        dx, ds = (
+            ufl.Measure(kind, elastic.mesh, subdomain_id=1, metadata=metadata)
+            for kind in ("dx", "ds")
+        )
         test = ufl.TestFunction(elastic.space)
         place = ufl.SpatialCoordinate(elastic.mesh) - self._point
         ahead, above = ufl.dot(place, self._inward), ufl.dot(place, self._across)
@@ -150,14 +174,3 @@ class InteractionForm:
         along, across = (self._mode[0] * opening[i] + self._mode[1] * shear[i] for i in range(2))
         size = ufl.sqrt(radius / (2 * ufl.pi)) / (2 * modulus)
         return size * (along * self._inward + across * self._across)
-
-
-def _cells_in_rings(mesh: Any, tips: Array, reaches: Array) -> npt.NDArray[np.int32]:
-    """Own cells of this rank in which a weight may have a gradient: not those close to all tips."""
-    dim = mesh.topology.dim
-    cells = np.arange(mesh.topology.index_map(dim).size_local, dtype=np.int32)
-    middle = dolfinx.mesh.compute_midpoints(mesh, dim, cells)[:, :2]
-    distance = np.linalg.norm(middle[:, None] - tips, axis=2)
-    size = mesh.h(dim, cells)
-    reached = distance.min(axis=1) < np.max(reaches) + size
-    return cells[reached & (distance.max(axis=1) > INNER * np.min(reaches) - size)]

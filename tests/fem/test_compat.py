@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
+from dolfinx.mesh import locate_entities_boundary
 from launch import python
 
 from fretfe.fem._compat import (
@@ -18,6 +19,7 @@ from fretfe.fem._compat import (
     assemble_vector,
     create_mesh,
     expression,
+    form_on,
     petsc_library,
     versions,
 )
@@ -117,6 +119,31 @@ def test_assemble_vector_adds_what_other_ranks_have() -> None:
     # the hat functions add up to one; only owned entries count
     assert vector.sum() == pytest.approx(area, rel=1e-12)
     assert (vector.array > 0).all()
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("name", MESHES)
+def test_form_on_some_cells_and_facets(name: str) -> None:
+    space, area = mesh_of(name)
+    mesh, test = space.mesh, ufl.TestFunction(space)
+    factor = fem.Constant(mesh, 1.0)
+    compiled = fem.compile_form(
+        mesh.comm, factor * test * ufl.dx(1, domain=mesh) - 2 * test * ufl.ds(1, domain=mesh)
+    )
+    dim = mesh.topology.dim
+    mesh.topology.create_connectivity(dim - 1, dim)
+    cells = np.arange(mesh.topology.index_map(dim).size_local, dtype=np.int32)
+    right = locate_entities_boundary(mesh, dim - 1, lambda x: x[0] > 1 - 1e-9)
+    none = np.empty(0, np.int32)
+    # the right side has length 1; hat functions add up to one
+    for chosen, sides, expected in (
+        (cells, right, 3 * area - 2),
+        (cells, none, 3 * area),
+        (none, right, -2.0),
+    ):
+        form = form_on(compiled, space, [factor], chosen, sides)
+        factor.value = 3.0  # is read when the form is assembled
+        assert assemble_vector(form).sum() == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.mpi
