@@ -406,6 +406,21 @@ def test_an_unknown_key_comes_with_the_nearest_valid_ones(
     assert expected in message(**{key: value})
 
 
+def test_a_misspelt_required_key_is_one_problem() -> None:
+    text = message(bodies__pad__young=ABSENT, bodies__pad__yuong=1.0, bodies__pad__colour=1)
+    assert text.splitlines() == [
+        "b1.toml: bodies.pad.yuong: unknown key; did you mean 'young', which is required?",
+        "b1.toml: bodies.pad.colour: unknown key, expected one of 'young', 'poisson', 'density'",
+    ]
+    # only in the same table, and once
+    text = message(bodies__pad__young=ABSENT, bodies__substrate__yuong=1.0, bodies__pad__poison=0.3)
+    assert text.splitlines() == [
+        "b1.toml: bodies.pad.young: expected a value (the key is required), found none",
+        "b1.toml: bodies.pad.poison: unknown key; did you mean 'poisson'?",
+        "b1.toml: bodies.substrate.yuong: unknown key; did you mean 'young'?",
+    ]
+
+
 def test_all_problems_are_listed_one_per_line() -> None:
     text = message(
         bodies__pad__young=-1,
@@ -525,9 +540,10 @@ def test_valid_combinations_are_accepted(changes: dict[str, Any]) -> None:
         (b"a = 1\nb = = 2\n", "line 2, column 5: not valid TOML"),
         (b"a = [1,\n  2", "line 2, column 4: not valid TOML"),
         (b"a = 1\na = 2\n", "line 2, column 6: not valid TOML"),
+        (b"a = 1\nb = -0,25 # so\n", "line 2, column 7: not valid TOML"),
         (b"a = 1\nb = '\xff'\n", "bytes in line 2 that are not UTF-8 text"),
     ],
-    ids=["value", "unfinished", "twice", "latin-1"],
+    ids=["value", "unfinished", "twice", "comma", "latin-1"],
 )
 def test_a_file_that_is_not_toml_is_located(tmp_path: Path, content: bytes, expected: str) -> None:
     path = tmp_path / "bad.toml"
@@ -536,6 +552,27 @@ def test_a_file_that_is_not_toml_is_located(tmp_path: Path, content: bytes, expe
         load_case(path)
     assert str(caught.value).startswith(f"{path}: ")
     assert expected in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "number"),
+    [
+        ("friction = 0,6", "0.6"),
+        ("friction =-0,25 # comment", "-0.25"),
+        ("a = { x = 50,0, y = 1 }", "50.0"),
+        ("a = { x = 50.0, y = 1,25 }", "1.25"),
+        ("a = [1, 2,\nb = 3", ""),
+        ("a = 1,", ""),
+        ("a = { x = 1,5.0 } }", ""),
+    ],
+)
+def test_a_decimal_comma_is_told(tmp_path: Path, content: str, number: str) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_text(content)
+    with pytest.raises(CaseError) as caught:
+        load_case(path)
+    hint = f"; a decimal number is written with a point: {number}"
+    assert str(caught.value).endswith(hint) == bool(number)
 
 
 def test_a_missing_file_and_a_folder_are_errors(tmp_path: Path) -> None:

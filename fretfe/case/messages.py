@@ -100,13 +100,36 @@ def key_path(key: Key) -> str:
 def field_problems(error: ValidationError) -> list[Problem]:
     """The problems that the validation found, contradictions between tables included."""
     problems: list[Problem] = []
-    for detail in error.errors(include_url=False):
+    details = error.errors(include_url=False)
+    misspelt = _misspelt(details)
+    for detail in details:
         cause = detail.get("ctx", {}).get("error")
         if isinstance(cause, Contradiction):
             problems += cause.problems
+        elif detail["loc"] in misspelt:
+            if wanted := misspelt[detail["loc"]]:
+                text = f"unknown key; did you mean {wanted!r}, which is required?"
+                problems.append(Problem(_key(detail["loc"]), text))
         elif not _consequence(detail):
             problems.append(_problem(detail))
     return problems
+
+
+def _misspelt(details: Iterable[ErrorDetails]) -> dict[tuple[str | int, ...], str]:
+    """Places of unknown keys that a missing one of the same table was meant by, with its name.
+
+    The places of the missing ones are among them, with an empty name: one problem, not two.
+    """
+    places: dict[str, list[tuple[str | int, ...]]] = {"missing": [], "extra_forbidden": []}
+    for detail in details:
+        places.get(detail["type"], []).append(detail["loc"])
+    found: dict[tuple[str | int, ...], str] = {}
+    for *table, key in places["extra_forbidden"]:
+        missing = [str(name) for *other, name in places["missing"] if other == table]
+        for name in get_close_matches(str(key).lower(), missing, n=1):
+            if (*table, name) not in found:
+                found |= {(*table, key): name, (*table, name): ""}
+    return found
 
 
 def _consequence(detail: ErrorDetails) -> bool:

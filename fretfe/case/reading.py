@@ -115,7 +115,16 @@ def _syntax_problem(message: str, text: str) -> str:
         lines = text.split("\n")
         numbers = [str(len(lines)), str(len(lines[-1]) + 1)]
         reason += " (the file ends here)"
-    return f"line {numbers[0]}, column {numbers[1]}: not valid TOML: {reason}"
+    hint = _comma_hint(text, *map(int, numbers[:2]))
+    return f"line {numbers[0]}, column {numbers[1]}: not valid TOML: {reason}{hint}"
+
+
+def _comma_hint(text: str, line: int, column: int) -> str:
+    """What to write if the syntax is broken by the comma of a decimal number."""
+    for match in re.finditer(r"=[ \t]*([-+]?\d+),(\d+)[ \t]*", text.split("\n")[line - 1]):
+        if match.start() < column <= match.end() + 1:
+            return f"; a decimal number is written with a point: {match[1]}.{match[2]}"
+    return ""
 
 
 def _partial_cross_problems(data: Mapping[str, Any]) -> list[Problem]:

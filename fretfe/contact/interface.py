@@ -139,9 +139,11 @@ def require_held(interface: Interface) -> None:
         return
     moving = np.flatnonzero(np.any(np.abs(motions) > 0.01 * np.abs(motions).max(axis=0), axis=1))
     names = sorted({interface.coordinates[j].body for j in moving})
+    pushed = [c.label for c in (interface.coordinates[j] for j in moving) if c.control == "force"]
+    hint = f" A force holds nothing: {', '.join(pushed)}." if pushed else ""
     raise ModelError(
         f"nothing holds {' and '.join(repr(name) for name in names)}: even if every contact were "
-        "stuck, it could move as a rigid body. Expected supports, or a platen under displacement "
-        "control, that hold at least one body against every translation and rotation "
-        f"(free: {', '.join(interface.coordinates[j].label for j in moving)})."
+        f"stuck, {'they' if names[1:] else 'it'} could move without deformation. Expected "
+        "supports, or a platen under displacement control, that hold at least one body against "
+        f"every translation and rotation.{hint}"
     )

@@ -9,15 +9,18 @@ from pathlib import Path
 from typing import TypeVar
 
 from fretfe.backends import EdgeHistories, Processes, RunOptions, Session
-from fretfe.backends.protocol import DEFAULTS
+from fretfe.backends.protocol import DEFAULTS, Announce
 from fretfe.case import Case
 from fretfe.contact.march import StepResult
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
+from fretfe.fem.geometry import load_mesh
 from fretfe.fem.kept import KeptModel, model_key
+from fretfe.fem.mesh_groups import count_unknowns
+from fretfe.fem.meshing import Mesh
 from fretfe.fem.parallel import on_root
 from fretfe.fem.refine import Evaluated, refine
-from fretfe.fem.run import Outcome, Progress, solve
+from fretfe.fem.run import LoadMesh, Outcome, Progress, solve
 from fretfe.loads import History, build_history
 from fretfe.solution import Solution
 
@@ -26,7 +29,7 @@ NO_SOLIDS = (
     "geometry.solid: expected a plane case, found a solid: contact in three dimensions is not "
     "solved yet; `fretfe mesh` writes the mesh",
 )
-SolveCase = Callable[[Case, History, Path | None, Progress], Outcome]
+SolveCase = Callable[[Case, History, Path | None, Progress, LoadMesh], Outcome]
 
 
 class MpiProcesses:
@@ -100,7 +103,8 @@ def _solve(case: Case, options: RunOptions, solve_case: SolveCase) -> EdgeHistor
     if case.edges is not None:
         solved = refine(comm, case, history, options.fields, report, options.announce)
     else:
-        solved = Evaluated(solve_case(case, history, options.fields, report))
+        load = partial(_load, case, options.announce)
+        solved = Evaluated(solve_case(case, history, options.fields, report, load))
     outcome = solved.outcome
     return EdgeHistories(
         history=_solved_history(comm, outcome),
@@ -113,6 +117,14 @@ def _solve(case: Case, options: RunOptions, solve_case: SolveCase) -> EdgeHistor
         ranks=comm.size,
         refinement=solved.refinement,
     )
+
+
+def _load(case: Case, announce: Announce) -> Mesh:
+    """The mesh of a case; its size tells how long it takes until the first step is solved."""
+    mesh = load_mesh(case)
+    unknowns = count_unknowns(mesh, case.model.degree)
+    announce(f"mesh: {unknowns} unknowns; the bodies are condensed before the first step")
+    return mesh
 
 
 def _solved_history(comm: MPI.Comm, outcome: Outcome) -> History:

@@ -13,7 +13,7 @@ from typing import Any
 from fretfe.case import Case
 from fretfe.fem._compat import MPI
 from fretfe.fem.parallel import release
-from fretfe.fem.run import Outcome, Prepared, Progress, prepare, solve_prepared
+from fretfe.fem.run import LoadMesh, Outcome, Prepared, Progress, prepare, solve_prepared
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
 
@@ -47,13 +47,18 @@ class KeptModel:
         self._prepared: Prepared | None = None
 
     def solve(
-        self, case: Case, history: History, fields: Path | None, progress: Progress
+        self,
+        case: Case,
+        history: History,
+        fields: Path | None,
+        progress: Progress,
+        load: LoadMesh,
     ) -> Outcome:
         """Solve the load history of a case; arguments and errors as `fretfe.fem.run.solve`."""
         clock, key = Clock(), model_key(case)
         if self._prepared is None or key != self._key:
             self.drop()
-            self._prepared = prepare(self._comm, case, clock, memory=MEMORY)
+            self._prepared = prepare(self._comm, case, clock, load, MEMORY)
             self._key = key
         return solve_prepared(self._prepared, case, history, fields, progress, clock)
 

@@ -40,7 +40,7 @@ def draw_factors(case: Case, history: History, contacts: tuple[ContactSummary, .
         figure, panels = _panels(2)
         edges = [(contact.name, edge) for contact in contacts for edge in contact.edges]
         for number, (name, edge) in enumerate(edges):
-            colour, label = COLOURS[number % len(COLOURS)], f"{name} {edge.side}"
+            colour, label = COLOURS[number % len(COLOURS)], f"{name}, {edge.side} edge"
             panels[0].plot(history.times, edge.k_n, color=colour, label=label)
             panels[1].plot(history.times, edge.k_t, color=colour)
         panels[0].set_ylabel(f"K_N [{units.stress}/√{units.length}]")

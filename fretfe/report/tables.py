@@ -161,13 +161,13 @@ def template_table(templates: Sequence[Template]) -> Table:
 
 def parameter_table(template: Template) -> Table:
     """One row per parameter of a template."""
-    table = _table(f"Template {template.name}", ("parameter", "default", "range", "unit"), text=1)
+    title = f"Template {template.name}\n{escape(template.summary)}"
+    table = _table(title, ("parameter", "default", "range", "unit"), text=1)
     table.add_column("meaning")
     table.columns[3].justify = "left"
     for each in template.parameters:
         limits, unit = _range_and_unit(each)
         table.add_row(each.name, f"{each.default:g}", limits, unit, escape(each.description))
-    table.caption, table.caption_justify = escape(template.summary), "left"
     return table
 
 

@@ -29,7 +29,7 @@ def print_validation(console: Console, validation: Validation) -> None:
     table.add_column("verdict", no_wrap=True)
     for row in validation.rows:
         numbers = (row.value, row.reference, row.difference, row.tolerance)
-        names = map(escape, (f"{row.contact} {row.edge}".strip(), row.quantity))
+        names = map(escape, (row.where, row.quantity))
         why = str(reasons.index(row.reason) + 1)
         table.add_row(*names, *map(_number, numbers), why, row.verdict)
     console.print(table)

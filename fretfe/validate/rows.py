@@ -36,6 +36,11 @@ class Row:
     verdict: Verdict
 
     @property
+    def where(self) -> str:
+        """Contact and edge, for people."""
+        return f"{self.contact}, {self.edge} edge" if self.edge else self.contact
+
+    @property
     def difference(self) -> float:
         """Value less reference."""
         return self.value - self.reference

@@ -103,7 +103,7 @@ def _slip_rows(contact: ContactSummary, edge: Edge, size: float) -> Iterator[Row
         yield missing(contact.name, edge.side, "slip zone", "no friction")
         return
     for zone, label in zip(
-        zones, ("d and (11), half cycle 1", "d and (11), half cycle 2"), strict=False
+        zones, ("d, by formula, half cycle 1", "d, by formula, half cycle 2"), strict=False
     ):
         yield asymptote_row(contact, edge, zone, label, size)
     if len(zones) == 2:

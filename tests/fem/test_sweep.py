@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -56,6 +57,20 @@ def factorised(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 def swept(start: Case, ranges: Mapping[str, Any], options: RunOptions = DEFAULTS) -> Sweep:
     return run_sweep(make_variants(start, ranges), BACKEND, options)
+
+
+def test_the_size_of_the_mesh_is_told_before_it_is_condensed(factorised: list[int]) -> None:
+    told: list[str] = []
+    whether = []
+
+    def announce(text: str) -> None:
+        told.append(text)
+        whether.append(bool(factorised))
+
+    swept(case(), {FRICTION: (0.5, 0.6)}, RunOptions(announce=announce))
+    assert re.fullmatch(r"mesh: \d{4} unknowns; the bodies are condensed .*", told[0])
+    assert whether == [False, True, True]
+    assert [text.split(":")[0] for text in told] == ["mesh", "1/2", "2/2"]
 
 
 @cache
