@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import json
+import runpy
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -24,6 +26,7 @@ KEYS = {
     "verdict", "reason",
 }  # fmt: skip
 BENCHMARK = benchmarks()[0]
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -165,3 +168,37 @@ def test_backend_that_does_not_work(
 def test_unknown_backend_is_an_error_of_the_user() -> None:
     with pytest.raises(CaseError, match="'nix'"):
         command.verify_backends(["nix"], as_json=True)
+
+
+def cells_of(table: str) -> dict[tuple[str, str], list[str]]:
+    """Difference and tolerance as the page shows them, by benchmark and quantity."""
+    found, name = {}, ""
+    for line in table.splitlines()[2:]:
+        first, quantity, *cells = (cell.strip() for cell in line.split("|")[1:-1])
+        name = first or name
+        found[name, quantity] = cells
+    return found
+
+
+def test_the_page_has_these_differences_and_all_tolerances(document: dict[str, Any]) -> None:
+    page = (ROOT / "docs" / "verify.md").read_text("utf-8")
+    table = page.partition("<!-- measured differences -->\n\n")[2].partition("\n<!-- end -->")[0]
+    shown = cells_of(table)
+    tool = runpy.run_path(str(ROOT / "tools" / "verify_docs.py"))
+    # The other backends take half a minute: their differences are not looked at here.
+    analytic = cells_of(tool["table"](tool["largest_differences"](document["rows"])))
+    assert {key: cells[0] for key, cells in shown.items() if cells[0] != "–"} == {
+        key: cells[0] for key, cells in analytic.items()
+    }
+    rows = [
+        {"benchmark": benchmark.name, "quantity": quantity.name, "backend": backend}
+        | {"difference": 0.0, "tolerance": tolerance}
+        for benchmark in benchmarks()
+        for quantity in benchmark.quantities
+        for backend, tolerance in quantity.tolerances.items()
+    ]
+    expected = cells_of(tool["table"](tool["largest_differences"](rows)))
+    assert set(shown) == set(expected)
+    for key, cells in expected.items():
+        tolerances = [cell.partition("(")[2] for cell in cells]
+        assert [cell.partition("(")[2] for cell in shown[key]] == tolerances, key
