@@ -196,6 +196,7 @@ def test_the_page_has_these_differences_and_all_tolerances(document: dict[str, A
         for benchmark in benchmarks()
         for quantity in benchmark.quantities
         for backend, tolerance in quantity.tolerances.items()
+        if not (backend == "analytic" and quantity.needs_tractions)
     ]
     expected = cells_of(tool["table"](tool["largest_differences"](rows)))
     assert set(shown) == set(expected)
