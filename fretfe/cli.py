@@ -38,6 +38,7 @@ Exit codes:
   5  a load step has no solution; the steps before it are written
   6  results cannot be written
   7  a library is missing
+  130, 143  Ctrl-C, SIGTERM
 """
 app = typer.Typer(
     help=HELP,
@@ -121,7 +122,7 @@ def run(
 def make_report(
     directory: Results,
 ) -> None:
-    """Make report.html from the results in a folder, as `fretfe run` does at its end."""
+    """Make report.html again from the results in a folder."""
     from fretfe.report.page import write_report
 
     if rank_from_environment() == 0:
@@ -306,7 +307,10 @@ def animate(
     results: Results,
     output: Annotated[Path, typer.Option("--output", "-o", help="File to write (.gif).")],
 ) -> None:
-    """Draw the evaluated cycle of a run that has the fields of all steps."""
+    """Draw the evaluated cycle of a run as an animation.
+
+    The run needs the fields of all steps.
+    """
     from fretfe.picture_command import animate
 
     animate(results, output)
@@ -317,7 +321,7 @@ def scene(
     results: Results,
     output: Annotated[Path, typer.Option("--output", "-o", help="File to write (.gltf).")],
 ) -> None:
-    """Write the bodies and their stress at the last state as a glTF scene."""
+    """Write the bodies and their last stress as a glTF scene."""
     from fretfe.picture_command import export
 
     export(results, output)

@@ -82,10 +82,17 @@ def test_help_has_examples_that_begin_with_the_command(command: str) -> None:
     assert f"\n  fretfe {command} " in epilog or f"\n  fretfe {command}\n" in epilog
 
 
+def test_the_help_says_of_each_command_what_it_does_in_a_whole_sentence() -> None:
+    printed = CliRunner().invoke(cli.app, ["--help"], env={"COLUMNS": "80"}).output
+    lines = printed.partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
+    assert [line.split()[0] for line in lines] == list(COMMANDS)
+    assert [line for line in lines if not line.endswith((".", "?")) or "..." in line] == []
+
+
 def test_exit_codes_are_in_the_help_and_in_the_guide() -> None:
-    codes = dict(re.findall(r"^  (\d)  (.*)$", cli.EXIT_CODES, re.MULTILINE))
-    assert list(codes) == [str(number) for number in range(8)]
-    assert dict(re.findall(r"^\| (\d) \| (.*) \|$", GUIDE, re.MULTILINE)) == codes
+    codes = dict(re.findall(r"^  (\d[\d, ]*)  (.*)$", cli.EXIT_CODES, re.MULTILINE))
+    assert list(codes) == [*map(str, range(8)), "130, 143"]
+    assert dict(re.findall(r"^\| (\d[\d, ]*) \| (.*) \|$", GUIDE, re.MULTILINE)) == codes
     printed = CliRunner().invoke(cli.app, ["--help"]).output
     assert all(f"    {code}  {text}\n" in printed for code, text in codes.items())
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import gc
+import time
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -13,6 +14,9 @@ from fretfe.errors import FretfeError
 from fretfe.fem._compat import MPI, PETSc
 
 T = TypeVar("T")
+
+# How long waiting ranks sleep before they look again (s), and as a part of their waiting so far.
+LONGEST_SLEEP, SLEEP_FRACTION = 0.005, 0.1
 
 
 def on_root(comm: MPI.Comm, work: Callable[[], T], *, share: bool = True) -> T | None:
@@ -33,10 +37,19 @@ def on_root(comm: MPI.Comm, work: Callable[[], T], *, share: bool = True) -> T |
             result = work()
         except FretfeError as error:
             failure = error
+    _wait_for_root(comm)
     failure = comm.bcast(failure)
     if failure is not None:
         raise failure
     return comm.bcast(result) if share else result
+
+
+def _wait_for_root(comm: MPI.Comm) -> None:
+    """Until rank 0 comes here too. MPI's own waiting takes a core, which the work may need."""
+    start = time.perf_counter()
+    arrival = comm.Ibarrier()
+    while not arrival.Test():
+        time.sleep(min(LONGEST_SLEEP, SLEEP_FRACTION * (time.perf_counter() - start)))
 
 
 def release(meshes: list[dolfinx.mesh.Mesh]) -> None:
