@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -52,6 +53,19 @@ def test_table(table: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "-1.0000" in rows["position"]
     assert "Note" not in text
     assert "P = 0.78" in text
+
+
+def test_example_of_the_guide(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    guide = (Path(__file__).parents[1] / "docs" / "edges.md").read_text("utf-8")
+    code, output = re.findall(r"```python\n(.*?)```.*?```\n(.*?)```", guide, re.DOTALL)[0]
+    monkeypatch.chdir(tmp_path)
+    exec(compile(code, "edges.md", "exec"), {})
+    run("tractions.csv", "--friction", 0.5)
+    printed = capsys.readouterr().out.splitlines()
+    # M and x are differences of nearly equal numbers.
+    assert [line.rstrip() for line in printed[:-1]] == output.splitlines()[:-1]
 
 
 def test_json(table: Path, capsys: pytest.CaptureFixture[str]) -> None:

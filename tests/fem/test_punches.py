@@ -73,14 +73,13 @@ PUNCHES = {"wedge": wedge()} | {f"b/a = {b}": flat_rounded(b) for b in (0.5, 0.8
 Pressed = tuple[Punch, ContactHistory, ContactSummary]
 
 
-@pytest.fixture(scope="module", params=PUNCHES)
-def pressed(request: pytest.FixtureRequest) -> Pressed:
+def press(punch: Punch, degree: int = 2) -> Pressed:
     """A punch under the load that gives the half-width 1 between half-planes."""
-    punch = PUNCHES[request.param]
     body = {"young": YOUNG, "poisson": POISSON}
     load = float(punch.profile.load(HALF_WIDTH))
     case = parse_case(
         {
+            "model": {"degree": degree},
             "geometry": {"template": punch.template, "parameters": BODIES | punch.parameters},
             "bodies": {"upper": body, "lower": body},
             "contacts": {
@@ -106,6 +105,11 @@ def pressed(request: pytest.FixtureRequest) -> Pressed:
     outcome = solve(MPI.COMM_WORLD, case, build_history(case), None, lambda *_: None)
     assert outcome.solution is not None and outcome.failure is None
     return punch, outcome.solution.contacts[0], evaluate(outcome.solution)[0]
+
+
+@pytest.fixture(scope="module", params=PUNCHES)
+def pressed(request: pytest.FixtureRequest) -> Pressed:
+    return press(PUNCHES[request.param])
 
 
 def test_half_width(pressed: Pressed) -> None:
