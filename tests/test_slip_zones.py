@@ -80,6 +80,24 @@ def test_slip_left_over_from_the_half_cycle_before_does_not_count(
     assert length(side, direction * increments) == pytest.approx(ZONE, abs=1e-9)
 
 
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize(("elements", "resolved"), [(0.02, True), (0.5, False), (3.0, False)])
+def test_a_zone_between_the_nodes_is_not_resolved(
+    side: Side, elements: float, resolved: bool
+) -> None:
+    """No node slips, and the edge formula predicts a zone of so many elements."""
+    contact = history(np.zeros((2, len(X))))
+    position = np.array([np.nan, *[-EDGE if side == "left" else EDGE] * 3])
+    # K_N = 1, f = 0.5: d = 2 K_T/(f K_N) at first loading
+    k_t = np.array([0.0, 0.0, 0.5, 1.0]) * elements * H / 4
+    border = slip_border_of(contact, side, position)
+    factors = (np.ones(STATES), k_t, np.zeros(STATES))
+    no_cycle = np.array([], dtype=np.int64)
+    (zone,) = slip_zones(no_cycle, contact.friction, side, position, factors, border)
+    assert zone.predicted == pytest.approx(elements * H)
+    assert (zone.length, zone.resolved, zone.gross) == (0.0, resolved, False)
+
+
 REVERSALS = {
     "triangle": ([0, 1, 2, 1, 0, -1, 0], [2, 5, 6]),
     "monotonic": ([0, 1, 2, 3], [3]),

@@ -20,6 +20,9 @@ States = npt.NDArray[np.int64]
 # Where slip turns round between two steps, nodes behind the border move by about as much. What is
 # left out at the border is less than 1 % of the zone, which the fit of the border puts back.
 SMALLEST_SLIP = 3e-4
+# Where no node slips there is no slip zone if the formulas predict less than this fraction of the
+# distance within which no node would see it.
+HIDDEN = 0.1
 # The history ends with a complete half cycle if K_T is this close to its extreme, as a fraction of
 # its range.
 AT_EXTREME = 1e-2
@@ -99,13 +102,19 @@ def slip_zones(
                 end=end,
                 length=border.length,
                 border=float(position[end]) + inward * border.length,
-                resolved=border.resolved,
+                resolved=_resolved(border, loop if np.isfinite(loop) else cyclic),
                 gross=border.gross,
                 predicted=cyclic,
                 predicted_loop=loop,
             )
         )
     return tuple(zones)
+
+
+def _resolved(border: SlipBorder, predicted: float) -> bool:
+    """Whether the mesh resolves a zone: where no node slips, one may hide between the nodes."""
+    hidden = border.length == 0 and predicted > HIDDEN * border.spread > 0
+    return border.resolved and not hidden
 
 
 def _half_cycles(
