@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from fretfe.backends import EdgeHistories
-from fretfe.evaluate import ContactSummary, Edge, SlipZone
+from fretfe.evaluate import ContactSummary, Edge
 
 # Slip zones of a record: those of the last two half cycles.
 ZONES = 2
@@ -27,7 +27,7 @@ def _record(contact: ContactSummary, edge: Edge) -> dict[str, Any]:
     zones = edge.slip_zones[-ZONES:]
     first = ZONES - len(zones) + 1
     lengths = {f"slip_{n}": zone.length for n, zone in enumerate(zones, start=first)}
-    predictions = {f"predicted_{n}": predicted(zone) for n, zone in enumerate(zones, start=first)}
+    predictions = {f"predicted_{n}": zone.prediction for n, zone in enumerate(zones, start=first)}
     numbers = [f"{name}_{n}" for name in ("slip", "predicted") for n in range(1, ZONES + 1)]
     return {
         "contact": contact.name,
@@ -45,8 +45,3 @@ def _record(contact: ContactSummary, edge: Edge) -> dict[str, Any]:
         "steady": bool(contact.steady),
         "warnings": "; ".join(contact.warnings),
     }
-
-
-def predicted(zone: SlipZone) -> float:
-    """Length that the edge factors predict: over the load loop, else in first loading."""
-    return zone.predicted_loop if math.isfinite(zone.predicted_loop) else zone.predicted

@@ -298,8 +298,7 @@ def _length(zone: SlipZone) -> float:
     """Length of a slip zone, or what is predicted while the mesh does not resolve it."""
     if zone.resolved and zone.length > 0:
         return zone.length
-    predicted = zone.predicted_loop if math.isfinite(zone.predicted_loop) else zone.predicted
-    return predicted if math.isfinite(predicted) else 0.0
+    return zone.prediction if math.isfinite(zone.prediction) else 0.0
 
 
 def _edge_range(

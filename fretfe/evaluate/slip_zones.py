@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -52,6 +52,11 @@ class SlipZone:
     predicted: float
     predicted_loop: float
 
+    @property
+    def prediction(self) -> float:
+        """What the length is compared with: `predicted_loop` in the cycle, else `predicted`."""
+        return self.predicted_loop if np.isfinite(self.predicted_loop) else self.predicted
+
 
 # Slip zone between two states, measured from the edge at the second one.
 FindBorder = Callable[[int, int], SlipBorder]
@@ -96,25 +101,23 @@ def slip_zones(
         if start == first:
             rise = abs(k_t[end] - k_t[first])
             cyclic = float(slip_length_first_loading(rise, k_n[end], friction[end]))
-        zones.append(
-            SlipZone(
-                start=start,
-                end=end,
-                length=border.length,
-                border=float(position[end]) + inward * border.length,
-                resolved=_resolved(border, loop if np.isfinite(loop) else cyclic),
-                gross=border.gross,
-                predicted=cyclic,
-                predicted_loop=loop,
-            )
+        zone = SlipZone(
+            start=start,
+            end=end,
+            length=border.length,
+            border=float(position[end]) + inward * border.length,
+            resolved=border.resolved,
+            gross=border.gross,
+            predicted=cyclic,
+            predicted_loop=loop,
         )
+        zones.append(replace(zone, resolved=False) if _hides(zone, border.spread) else zone)
     return tuple(zones)
 
 
-def _resolved(border: SlipBorder, predicted: float) -> bool:
-    """Whether the mesh resolves a zone: where no node slips, one may hide between the nodes."""
-    hidden = border.length == 0 and predicted > HIDDEN * border.spread > 0
-    return border.resolved and not hidden
+def _hides(zone: SlipZone, spread: float) -> bool:
+    """Whether no node slips although a zone is predicted, which may stand between the nodes."""
+    return zone.length == 0 and zone.prediction > HIDDEN * spread > 0
 
 
 def _half_cycles(

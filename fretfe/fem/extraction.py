@@ -23,8 +23,7 @@ from fretfe.solution import ContactHistory, EdgeIntegrals, Neighbours, Solution
 
 Array = npt.NDArray[np.float64]
 SIDES: tuple[Side, Side] = ("left", "right")
-# Factors K_T and K_I, and whether bodies 1 and 2 are above the interface.
-MODES = ("shear", "opening")
+# Whether bodies 1 and 2 are above the interface.
 UPPER = (True, False)
 # By body and whether it is body 1: it may be body 1 of one contact and body 2 of another one.
 Forms = dict[tuple[str, bool], InteractionForm]
@@ -106,10 +105,10 @@ def _integrate(
     signs = np.array([scale, -scale])
     results = []
     for tips, normal, numbers in zip(probe.tips, probe.normals, probe.fields, strict=True):
-        factors = np.zeros((len(probe.reaches), len(MODES), len(numbers)))
+        factors = np.zeros((len(probe.reaches), len(signs), len(numbers)))
         for r, reach in enumerate(probe.reaches):
             for upper, name, tip in zip(UPPER, probe.bodies, tips, strict=True):
-                functionals = forms[name, upper].functionals(tip, float(reach), MODES)
+                functionals = forms[name, upper].functionals(tip, float(reach))
                 vectors = [fields[number][name].x.petsc_vec for number in numbers]
                 products = [[each.dot(vector) for vector in vectors] for each in functionals]
                 factors[r] += signs[:, None] * np.array(products)

@@ -18,7 +18,6 @@ circle they are small against the edge's stresses.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,7 +42,8 @@ QUADRATURE_DEGREE = 8
 BLUNT = 0.02
 # Distances below this fraction of the radius are zero.
 SMALLEST = 1e-9
-MODES = {"opening": (1.0, 0.0), "shear": (0.0, 1.0)}
+# Amplitudes of modes I and II, in the order of the factors K_T and K_I.
+MODES = ((0.0, 1.0), (1.0, 0.0))
 
 
 @dataclass(frozen=True)
@@ -108,13 +108,12 @@ class InteractionForm:
         self._constants = extract_constants(integral)
         self._compiled = fem.compile_form(mesh.comm, integral)
 
-    def functionals(self, tip: Tip, reach: float, modes: Sequence[str]) -> list[PETSc.Vec]:
-        """Vectors, one for each mode, whose products with a displacement are this body's part of I.
+    def functionals(self, tip: Tip, reach: float) -> list[PETSc.Vec]:
+        """Vectors for K_T and K_I, whose products with a displacement are this body's part of I.
 
         Args:
             tip: the edge.
             reach: radius of the circle.
-            modes: of the crack-tip field, "opening" or "shear".
         """
         self._point.value[:] = tip.point
         self._inward.value[:] = tip.inward
@@ -124,8 +123,8 @@ class InteractionForm:
         facets = self._facets.within(tip.point, 0.0, reach)
         form = form_on(self._compiled, self._space, self._constants, cells, facets)
         vectors = []
-        for mode in modes:
-            self._mode.value[:] = MODES[mode]
+        for mode in MODES:
+            self._mode.value[:] = mode
             vectors.append(assemble_vector(form))
         return vectors
 

@@ -10,7 +10,6 @@ from fretfe.backends import EdgeHistories
 from fretfe.evaluate import ContactSummary, Edge, SlipZone
 from fretfe.reading import Results
 from fretfe.report.numbers import number, with_error
-from fretfe.report.states import prediction
 from fretfe.validate.single import asymptote_row, element_size
 
 # Slip zones of an edge that are shown: those of the last loading and unloading.
@@ -84,7 +83,7 @@ def _zone_answer(
     elif not zone.resolved:
         verdict = "not resolved"
     times = result.history.times
-    predicted = prediction(zone)
+    predicted = zone.prediction
     ratio = predicted / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
         time=f"{times[zone.start]:g} … {times[zone.end]:g}",

@@ -27,7 +27,7 @@ from fretfe.report.drawing import (
     log_axis,
     make_plot,
 )
-from fretfe.report.states import Shown, prediction, time_text
+from fretfe.report.states import Shown, time_text
 from fretfe.solution import Solution
 
 Array = npt.NDArray[np.float64]
@@ -192,7 +192,7 @@ def _zone_lines(axes: Axes, shown: Shown, near: _Near) -> None:
     zone = next((each for each in near.edge.slip_zones if each.end == near.later), None)
     if zone is None:
         return
-    lengths = ((zone.length, "-", "d found"), (prediction(zone), "--", "d predicted"))
+    lengths = ((zone.length, "-", "d found"), (zone.prediction, "--", "d predicted"))
     for length, style, label in lengths:
         if np.isfinite(length) and length > 0:
             axes.axvline(length, color="black", lw=0.9, ls=style, label=label)

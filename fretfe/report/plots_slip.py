@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from fretfe.evaluate import Edge
 from fretfe.report.drawing import PALE, SKY, VERMILLION, Plot, make_plot
-from fretfe.report.states import Shown, prediction, span
+from fretfe.report.states import Shown, span
 from fretfe.solution import OPEN, SLIP, STICK
 
 Array = npt.NDArray[np.float64]
@@ -87,7 +87,7 @@ def _window(shown: Shown, edge: Edge, first: int, last: int) -> tuple[float, flo
     places = edge.position[first : last + 1]
     half_width = np.nanmax(shown.summary.half_width, initial=0.0)
     zones = [zone for zone in edge.slip_zones[-2:] if zone.end > first]
-    lengths = [length for z in zones for length in (z.length, prediction(z)) if length > 0]
+    lengths = [length for z in zones for length in (z.length, z.prediction) if length > 0]
     depth = ZONES * max(lengths, default=0.0)
     if not np.isfinite(places).any() or any(zone.gross for zone in zones):
         return _limits(shown, np.concatenate([each.position for each in shown.summary.edges]))
@@ -129,7 +129,7 @@ def _zone_ends(axes: Axes, shown: Shown, edge: Edge, first: int, last: int) -> N
     inward = 1.0 if edge.side == "left" else -1.0
     for zone in edge.slip_zones:
         if first < zone.end <= last:
-            predicted = edge.position[zone.end] + inward * prediction(zone)
+            predicted = edge.position[zone.end] + inward * zone.prediction
             for place, mark in ((zone.border, "o"), (predicted, "x")):
                 (point,) = axes.plot(place, times[zone.end], mark, mfc="none", color="black", ms=6)
                 # Whole at the first and last state too, beyond the frame.

@@ -5,10 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from fretfe.backends import EdgeHistories
-from fretfe.evaluate import ContactSummary, SlipZone
+from fretfe.evaluate import ContactSummary
 from fretfe.reading import Results
 from fretfe.solution import ContactHistory
 
@@ -43,8 +41,3 @@ def span(result: EdgeHistories) -> tuple[int, int]:
 def time_text(results: Results, state: int) -> str:
     """The time of a state."""
     return f"t = {results.result.history.times[state]:g} {results.case.units.time}"
-
-
-def prediction(zone: SlipZone) -> float:
-    """What a slip zone is compared with: (11) of the theory guide in a cycle, else (8) or (9)."""
-    return zone.predicted_loop if np.isfinite(zone.predicted_loop) else zone.predicted

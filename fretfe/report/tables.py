@@ -17,7 +17,6 @@ from fretfe.case import Case
 from fretfe.evaluate import ContactSummary, Edge, SlipZone
 from fretfe.refinement import EdgeValues, Refinement, changes_by_kind
 from fretfe.report.numbers import MISSING, number, percent
-from fretfe.report.states import prediction
 from fretfe.templates import Parameter, Template
 
 
@@ -57,7 +56,7 @@ def _edge_cells(edge: Edge) -> list[str]:
         ("~" if edge.uncertain else "") + number(edge.k_n[-1]),
         number(edge.k_t_range),
         " / ".join(measured) or MISSING,
-        " / ".join(number(prediction(zone), 3) for zone in zones) or MISSING,
+        " / ".join(number(zone.prediction, 3) for zone in zones) or MISSING,
     ]
 
 

@@ -102,10 +102,8 @@ def _slip_rows(contact: ContactSummary, edge: Edge, size: float) -> Iterator[Row
     if not zones:
         yield missing(contact.name, edge.side, "slip zone", "no friction")
         return
-    for zone, label in zip(
-        zones, ("d, by formula, half cycle 1", "d, by formula, half cycle 2"), strict=False
-    ):
-        yield asymptote_row(contact, edge, zone, label, size)
+    for number, zone in enumerate(zones, start=1):
+        yield asymptote_row(contact, edge, zone, f"d, by formula, half cycle {number}", size)
     if len(zones) == 2:
         # Slip does not repeat itself where both half cycles end.
         tolerance = BORDER_ELEMENTS * size + BORDER_FRACTION * max(z.length for z in zones)
@@ -162,7 +160,7 @@ def asymptote_row(
         size: of the elements at the edge.
     """
     name, side = contact.name, edge.side
-    predicted = zone.predicted_loop if math.isfinite(zone.predicted_loop) else zone.predicted
+    predicted = zone.prediction
     if zone.gross:
         reason = "the whole contact slips in this half cycle: there is no slip zone"
         return missing(name, side, label, reason)
