@@ -20,7 +20,7 @@ def main() -> None:
     if not any(name in os.environ for name in THREADS):
         os.environ[THREADS[-1]] = "1"
     try:
-        from fretfe.cli import main as command_line
+        from fretfe.cli.app import main as command_line
     except ImportError as error:
         if not (reason := missing_package(error)):
             raise

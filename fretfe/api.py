@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 
+from fretfe._typing import Array
 from fretfe.backends import EdgeHistories, Processes, RunOptions, find_backend
 from fretfe.backends.protocol import Announce, Progress, mute, silent
 from fretfe.case import Case, load_case
-from fretfe.command import (
+from fretfe.cli.run import (
     FIELDS,
     OneProcess,
     draw_report,
@@ -31,11 +31,11 @@ from fretfe.command import (
     write_case,
     write_numbers,
 )
+from fretfe.cli.sweep import write_files
 from fretfe.errors import CaseError, OutputError
-from fretfe.records import edge_records
 from fretfe.report.figures import draw_tractions
 from fretfe.report.histories import draw_factors, draw_loads
-from fretfe.sweep_command import write_files
+from fretfe.results.records import edge_records
 from fretfe.sweeps import Sweep, make_variants, run_sweep
 
 __all__ = ["Result", "load_case", "run", "sweep"]
@@ -59,7 +59,7 @@ class Result:
         """One flat record of numbers and texts for each contact edge."""
         return edge_records(self.histories)
 
-    def history(self, contact: str, edge: str) -> dict[str, npt.NDArray[np.float64]]:
+    def history(self, contact: str, edge: str) -> dict[str, Array]:
         """Histories of one edge, T numbers each.
 
         Args:

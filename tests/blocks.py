@@ -6,12 +6,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fretfe.fem.meshing import BodyMesh
+from fretfe._typing import Array, Indices
+from fretfe.mesh.mesh import BodyMesh
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Map = Callable[[Array], Array]
 
 # Node patterns on the (order + 1)^2 lattice of one grid cell, in Gmsh's order, (column, row).

@@ -6,12 +6,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fretfe.fem.meshing import BodyMesh
-from fretfe.fem.surface import Surface, build_surface
-
-Array = NDArray[np.float64]
+from fretfe._typing import Array
+from fretfe.mesh.mesh import BodyMesh
+from fretfe.surface.surface import Surface, build_surface
 
 
 def surface(name: str, points: Array, curved: bool) -> Surface:

@@ -8,19 +8,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from petsc_garbage import replace_meshes
 
+from fretfe._typing import Array
 from fretfe.case import parse_case
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.state import StepLoads
 from fretfe.fem._compat import MPI
-from fretfe.fem.meshing import BodyMesh, Mesh
 from fretfe.fem.model import Model, step_loads
 from fretfe.fem.timing import Clock
 from fretfe.loads import build_history
-
-Array = NDArray[np.float64]
+from fretfe.mesh.mesh import BodyMesh, Mesh
 
 
 @dataclass(frozen=True)

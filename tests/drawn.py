@@ -10,11 +10,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from fretfe._typing import Array
 from fretfe.backends import find_backend
 from fretfe.case import Case, parse_case
-from fretfe.results import FIELDS, write_results
-
-Array = NDArray[np.float64]
+from fretfe.results.writer import FIELDS, write_results
 
 # Places of the six nodes of a triangle in terms of its corners, in VTK's order.
 NODES = np.array([[2, 0, 0], [0, 2, 0], [0, 0, 2], [1, 1, 0], [0, 1, 1], [1, 0, 1]]) / 2

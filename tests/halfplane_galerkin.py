@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fretfe._typing import Array
 
 
 def second_differences(nodes: Array) -> NDArray[np.longdouble]:

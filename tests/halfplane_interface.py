@@ -15,12 +15,10 @@ from itertools import pairwise
 
 import halfplane_galerkin as galerkin
 import numpy as np
-from numpy.typing import NDArray
 
+from fretfe._typing import Array
 from fretfe.contact.interface import Coordinate, Interface
 from fretfe.contact.state import StepLoads
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

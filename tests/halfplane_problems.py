@@ -4,15 +4,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fretfe._typing import Array
 from fretfe.analytic.profiles import Hertz, Profile
-from fretfe.evaluate import ContactSummary, evaluate
+from fretfe.edges.evaluate import ContactSummary, evaluate
 from fretfe.halfplane import solve_half_planes
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.loads import History
-
-Array = NDArray[np.float64]
 
 HERTZ = Hertz(radius=50.0, e_star=100.0)
 LOAD, FRICTION = np.pi / 2, 0.5

@@ -14,12 +14,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fretfe._typing import Array
 from fretfe.contact.interface import Coordinate, Interface
 from fretfe.contact.state import StepLoads
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

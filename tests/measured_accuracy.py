@@ -22,7 +22,7 @@ from fem import test_punches as punches
 
 from fretfe.analytic.profiles import Hertz, edge_factor_k_n
 from fretfe.edges import fit_edge
-from fretfe.fem import mortar
+from fretfe.surface import mortar
 
 
 def largest(errors: Iterable[float]) -> float:

@@ -10,8 +10,9 @@ import numpy as np
 import test_edges_pressure as pressures
 import test_edges_tractions as tractions
 from edge_contacts import HERTZ
-from halfplane_galerkin import Array, graded_nodes, uniform_nodes
+from halfplane_galerkin import graded_nodes, uniform_nodes
 
+from fretfe._typing import Array
 from fretfe.analytic.profiles import FlatRounded
 
 NOISES = (0.001, 0.005, 0.01)

@@ -12,10 +12,9 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import polynomial
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-Array = NDArray[np.float64]
+from fretfe._typing import Array
 
 SAMPLES = 33
 # Facet ends belong to two facets.

@@ -22,11 +22,11 @@ import numpy as np
 from cases_b1 import b1_case
 
 from fretfe.case import Case, parse_case
-from fretfe.evaluate import ContactSummary, Edge, evaluate
+from fretfe.edges.evaluate import ContactSummary, Edge, evaluate
 from fretfe.fem._compat import MPI, versions
 from fretfe.fem.run import solve
 from fretfe.loads import build_history
-from fretfe.solution import ContactHistory
+from fretfe.results.solution import ContactHistory
 
 Numbers = dict[str, list[float]]
 

@@ -19,7 +19,7 @@ from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import Case, parse_case
 from fretfe.errors import ConvergenceError
 from fretfe.loads import History, build_history
-from fretfe.results import write_results
+from fretfe.results.writer import write_results
 
 BACKENDS: dict[str, Backend] = {"analytic": ANALYTIC, "halfplane": HALFPLANE}
 # Shear that only grows: no cycle.

@@ -17,7 +17,7 @@ from pads import HERTZ
 import fretfe
 from fretfe.api import Result
 from fretfe.case import changed
-from fretfe.command import run_case
+from fretfe.cli.run import run_case
 from fretfe.errors import CaseError, ModelError, OutputError
 
 FRICTION = "contacts.main.friction"

@@ -17,7 +17,7 @@ import typer
 from pads import HERTZ
 from typer.testing import CliRunner
 
-from fretfe import cli
+from fretfe.cli import app as cli
 
 ROOT = Path(__file__).parent.parent
 GUIDE = (ROOT / "docs" / "command-line.md").read_text("utf-8")

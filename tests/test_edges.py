@@ -16,8 +16,8 @@ from edge_contacts import (
     hertz,
     phases,
 )
-from halfplane_galerkin import Array
 
+from fretfe._typing import Array
 from fretfe.analytic.edges import tangential_factor
 from fretfe.edges import (
     BondedFit,

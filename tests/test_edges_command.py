@@ -13,7 +13,7 @@ from edge_contacts import FRICTION, HERTZ, HERTZ_LOAD, K_N_HERTZ
 from halfplane_galerkin import uniform_nodes
 
 from fretfe.analytic.partial_slip import PartialSlip
-from fretfe.cli import app, main
+from fretfe.cli.app import app, main
 
 SHEAR = 0.3 * FRICTION * HERTZ_LOAD
 

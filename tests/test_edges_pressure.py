@@ -17,8 +17,9 @@ from edge_contacts import (
     hertz,
     phases,
 )
-from halfplane_galerkin import Array, graded_nodes, uniform_nodes
+from halfplane_galerkin import graded_nodes, uniform_nodes
 
+from fretfe._typing import Array
 from fretfe.analytic._arguments import Side
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
 from fretfe.edges import fit_edge

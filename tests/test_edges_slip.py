@@ -6,8 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from edge_contacts import FRICTION, HERTZ, HERTZ_LOAD, SIGN, both_sides, both_sizes, hertz, phases
-from halfplane_galerkin import Array, uniform_nodes
+from halfplane_galerkin import uniform_nodes
 
+from fretfe._typing import Array
 from fretfe.analytic._arguments import Side
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.edges import cycle_change, fit_edge, predicted_slip, slip_border

@@ -9,8 +9,9 @@ from functools import cached_property
 import numpy as np
 import pytest
 from edge_contacts import FRICTION, HERTZ, HERTZ_LOAD, K_N_HERTZ, SIGN, hertz
-from halfplane_galerkin import Array, graded_nodes, uniform_nodes
+from halfplane_galerkin import graded_nodes, uniform_nodes
 
+from fretfe._typing import Array
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import FlatRounded, Profile, edge_factor_k_n
 from fretfe.edges import EdgeAnalysis, Estimate, TractionAnalysis, analyse_tractions

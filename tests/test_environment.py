@@ -85,6 +85,6 @@ def test_one_thread_unless_the_user_says_otherwise(
 ) -> None:
     environment = dict(given)
     monkeypatch.setattr(os, "environ", environment)
-    monkeypatch.setattr("fretfe.cli.main", lambda: None)
+    monkeypatch.setattr("fretfe.cli.app.main", lambda: None)
     main()
     assert environment.get("OMP_NUM_THREADS") == used

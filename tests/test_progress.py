@@ -16,9 +16,9 @@ import pytest
 from launch import ENVIRONMENT
 from pads import HERTZ
 
+from fretfe.cli.progress import StepReport
+from fretfe.cli.verbosity import Verbosity
 from fretfe.errors import StoppedError
-from fretfe.progress import StepReport
-from fretfe.verbosity import Verbosity
 
 LONG = HERTZ.replace("cycles = 2", "cycles = 500")
 assert LONG != HERTZ

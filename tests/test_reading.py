@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 from stored_runs import RUNS, edit_numbers, solved, write_run
 
+from fretfe.edges.refinement import EdgeValues, Pass, Refinement
 from fretfe.errors import OutputError
-from fretfe.reading import read_results, restored
-from fretfe.refinement import EdgeValues, Pass, Refinement
-from fretfe.results import as_numbers
-from fretfe.solution import ContactHistory
+from fretfe.results.reader import read_results, restored
+from fretfe.results.solution import ContactHistory
+from fretfe.results.writer import as_numbers
 
 
 @pytest.mark.parametrize("name", RUNS)

@@ -10,10 +10,8 @@ import numpy as np
 import pytest
 from halfplane_problems import HERTZ, LIMIT, LOAD, problem
 
-from fretfe.evaluate import ContactSummary, evaluate
-from fretfe.halfplane import solve_half_planes
-from fretfe.idealise import HalfPlaneProblem
-from fretfe.refinement import (
+from fretfe.edges.evaluate import ContactSummary, evaluate
+from fretfe.edges.refinement import (
     BLIND,
     PER_RISE,
     PER_SLIP_ZONE,
@@ -27,7 +25,9 @@ from fretfe.refinement import (
     needed_sizes,
     resolves,
 )
-from fretfe.solution import Solution
+from fretfe.halfplane import solve_half_planes
+from fretfe.idealise import HalfPlaneProblem
+from fretfe.results.solution import Solution
 
 # Amplitude of the shear; the slip zones of the cycle are a (1 - sqrt(1 - Q/(f P))) (Cattaneo and
 # Mindlin) with a = 1.

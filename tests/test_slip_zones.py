@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from fretfe.edges import Side
-from fretfe.evaluate.slip_zones import slip_border_of, slip_reversals, slip_zones
-from fretfe.solution import OPEN, SLIP, STICK, BondedUnits, ContactHistory
+from fretfe.edges.slip_zones import slip_border_of, slip_reversals, slip_zones
+from fretfe.results.solution import OPEN, SLIP, STICK, BondedUnits, ContactHistory
 
 H, EDGE, ZONE = 0.05, 1.02, 0.31
 X = np.linspace(-22 * H, 22 * H, 45)

@@ -13,11 +13,11 @@ from typing import Any
 
 import pytest
 
-from fretfe import templates
 from fretfe.errors import CaseError
+from fretfe.geometry import templates
+from fretfe.geometry.template_checks import CROSS_CHECKS
+from fretfe.geometry.templates import Parameter, check_parameters, find_template, template_names
 from fretfe.report.tables import parameter_rows
-from fretfe.template_checks import CROSS_CHECKS
-from fretfe.templates import Parameter, check_parameters, find_template, template_names
 
 NAMES = ("cylinder", "dovetail", "firtree", "flat_rounded", "wedge")
 

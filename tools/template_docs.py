@@ -14,10 +14,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 
-from fretfe.fem.cell_geometry import directed_edges, exterior_edges
-from fretfe.fem.meshing import mesh_template
+from fretfe.geometry.templates import Template, find_template, template_names
+from fretfe.mesh.cell_geometry import directed_edges, exterior_edges
+from fretfe.mesh.mesh import mesh_template
 from fretfe.report.tables import parameter_rows
-from fretfe.templates import Template, find_template, template_names
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "templates.md"

@@ -22,8 +22,8 @@ from fretfe.backends.analytic import solve_closed_form
 from fretfe.backends.protocol import DEFAULTS, EdgeHistories, RunOptions
 from fretfe.case import Case
 from fretfe.edges import SlipBorder
-from fretfe.evaluate import ContactSummary, Edge
-from fretfe.evaluate.slip_zones import cycle_states, slip_zones
+from fretfe.edges.evaluate import ContactSummary, Edge
+from fretfe.edges.slip_zones import cycle_states, slip_zones
 from fretfe.idealise import HalfPlaneProblem, NotIdealisable, idealise, obstacles
 
 

@@ -7,9 +7,10 @@ import math
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from fretfe._typing import Array
+
 Side = Literal["left", "right"]
 
 
@@ -20,7 +21,7 @@ def check_range(
     low: float = -math.inf,
     high: float = math.inf,
     open_low: bool = False,
-) -> FloatArray:
+) -> Array:
     """Return ``value`` as a float array if every entry lies in the range.
 
     Args:
@@ -44,7 +45,7 @@ def check_range(
     return array
 
 
-def check_positive(name: str, value: ArrayLike) -> FloatArray:
+def check_positive(name: str, value: ArrayLike) -> Array:
     """Return ``value`` as a float array of any shape if every entry is positive.
 
     Raises:

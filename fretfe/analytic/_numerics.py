@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe.analytic._arguments import FloatArray
+from fretfe._typing import Array
 
 _MAX_ITERATIONS = 100
 
@@ -17,8 +17,8 @@ _MAX_ITERATIONS = 100
 class _UnitRule:
     """Points and weights on 0 ... 1, all (count,)."""
 
-    points: FloatArray
-    weights: FloatArray
+    points: Array
+    weights: Array
 
     @classmethod
     def smooth(cls, count: int, length: int) -> _UnitRule:
@@ -40,9 +40,7 @@ _MANY_PIECES = (_UnitRule.smooth(10, 10), _UnitRule.smooth(10, 10).graded())
 _MANY = 20
 
 
-def graded_rule(
-    bounds: FloatArray, smooth_ends: tuple[float, ...]
-) -> tuple[FloatArray, FloatArray]:
+def graded_rule(bounds: Array, smooth_ends: tuple[float, ...]) -> tuple[Array, Array]:
     """Return nodes and weights of a Gauss-Legendre rule on pieces, dense next to the kinks.
 
     Each piece is halved; the nodes of a half are graded to its outer end, unless that end is one of
@@ -68,12 +66,12 @@ def graded_rule(
 
 
 def solve_half_width(
-    load: Callable[[FloatArray], FloatArray],
-    load_slope: Callable[[FloatArray], FloatArray],
-    force: FloatArray,
-    low: FloatArray,
-    high: FloatArray,
-) -> FloatArray:
+    load: Callable[[Array], Array],
+    load_slope: Callable[[Array], Array],
+    force: Array,
+    low: Array,
+    high: Array,
+) -> Array:
     """Return a with P(a) = force, by Newton's method in logarithms, bisection where that leaves.
 
     ln[P(a) - P(low)] is nearly linear in ln(a - low): exactly so for gaps that are powers.
@@ -116,7 +114,7 @@ def solve_half_width(
     return a
 
 
-def _log_newton(excess: FloatArray, needed: FloatArray, rise: FloatArray) -> FloatArray:
+def _log_newton(excess: Array, needed: Array, rise: Array) -> Array:
     """Return the step of the logarithm of the reach; 1 where the load does not rise yet."""
     rising = (excess > 0.0) & (rise > 0.0)
     ratio = np.divide(needed, excess, out=np.ones_like(excess), where=rising)
@@ -124,7 +122,7 @@ def _log_newton(excess: FloatArray, needed: FloatArray, rise: FloatArray) -> Flo
     return np.where(rising, np.log(ratio) * order, 1.0)
 
 
-def _keep_between(lower: FloatArray, upper: FloatArray, trial: FloatArray) -> FloatArray:
+def _keep_between(lower: Array, upper: Array, trial: Array) -> Array:
     """Return the trial, or a point well inside the bracket if the trial is not within it."""
     open_low, open_high = np.isinf(lower), np.isinf(upper)
     first = np.where(open_low, np.where(open_high, trial, upper) - 2.0, lower)

@@ -20,12 +20,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fretfe.analytic._arguments import FloatArray, Side, check_positive, check_range, side_sign
+from fretfe._typing import Array
+from fretfe.analytic._arguments import Side, check_positive, check_range, side_sign
 
 
 def tangential_factor(
     shear_force: ArrayLike, bulk_tension: ArrayLike, half_width: ArrayLike, side: Side
-) -> FloatArray:
+) -> Array:
     """Return K_T of a stuck contact between half-planes, from shear force and bulk tension.
 
     K_T = +-Q/(pi sqrt(2a)) + (sigma0/4) sqrt(a/2), plus at the left edge. Exact for similar
@@ -48,9 +49,7 @@ def tangential_factor(
     return side_sign(side) * shear_term + np.asarray(bulk_tension) / 4.0 * np.sqrt(a / 2.0)
 
 
-def tension_for_zero_factor(
-    shear_force: ArrayLike, half_width: ArrayLike, side: Side
-) -> FloatArray:
+def tension_for_zero_factor(shear_force: ArrayLike, half_width: ArrayLike, side: Side) -> Array:
     """Return the bulk tension at which K_T of this edge vanishes, -+4Q/(pi a), minus at the left.
 
     The stuck traction is then finite at the edge. K_T is positive exactly for a greater tension, at
@@ -72,7 +71,7 @@ def tension_for_zero_factor(
 
 def normal_increment_factor(
     normal_force: ArrayLike, moment: ArrayLike, half_width: ArrayLike, side: Side
-) -> FloatArray:
+) -> Array:
     """Return K_I of a normal load increment over a fixed contact area between half-planes.
 
     K_I = P/(pi sqrt(2a)) +- 2M/(pi a sqrt(2a)), plus at the right edge: the moment
@@ -92,7 +91,7 @@ def normal_increment_factor(
     return (np.asarray(normal_force) - side_sign(side) * rocking) / (np.pi * np.sqrt(2.0 * a))
 
 
-def edge_advance(normal_factor_increment: ArrayLike, k_n: ArrayLike) -> FloatArray:
+def edge_advance(normal_factor_increment: ArrayLike, k_n: ArrayLike) -> Array:
     """Return the distance by which an increment of K_I moves the edge outward, 2 dK_I/K_N.
 
     First order in the distance: exact as the increment goes to zero.
@@ -105,7 +104,7 @@ def edge_advance(normal_factor_increment: ArrayLike, k_n: ArrayLike) -> FloatArr
 
 def effective_bulk_tension(
     k_t_left: ArrayLike, k_t_right: ArrayLike, half_width: ArrayLike
-) -> FloatArray:
+) -> Array:
     """Return the bulk tension that gives half-planes the same mean of the two edge factors.
 
     Inverse of the mean of ``tangential_factor`` over both edges; defines the tension that a contact
@@ -121,7 +120,7 @@ def effective_bulk_tension(
 
 def shear_force_from_factors(
     k_t_left: ArrayLike, k_t_right: ArrayLike, half_width: ArrayLike
-) -> FloatArray:
+) -> Array:
     """Return the shear force that half-planes need for this difference of the edge factors.
 
     Q = pi sqrt(2a) (K_T(left) - K_T(right))/2: no free parameter, so its agreement with the
@@ -137,7 +136,7 @@ def shear_force_from_factors(
 
 def shear_force_mismatch(
     k_t_left: ArrayLike, k_t_right: ArrayLike, half_width: ArrayLike, shear_force: ArrayLike
-) -> FloatArray:
+) -> Array:
     """Return (Q from the edge factors - Q)/Q, zero if the half-plane edge description holds.
 
     Raises:
@@ -149,7 +148,7 @@ def shear_force_mismatch(
     return shear_force_from_factors(k_t_left, k_t_right, half_width) / measured - 1.0
 
 
-def slip_length_first_loading(k_t: ArrayLike, k_n: ArrayLike, friction: ArrayLike) -> FloatArray:
+def slip_length_first_loading(k_t: ArrayLike, k_n: ArrayLike, friction: ArrayLike) -> Array:
     """Return d = 2 |K_T|/(f K_N), the slip zone of the first, monotonic loading.
 
     Raises:
@@ -158,7 +157,7 @@ def slip_length_first_loading(k_t: ArrayLike, k_n: ArrayLike, friction: ArrayLik
     return 2.0 * np.abs(k_t) / (check_positive("friction", friction) * check_positive("k_n", k_n))
 
 
-def slip_length_cyclic(k_t_range: ArrayLike, k_n: ArrayLike, friction: ArrayLike) -> FloatArray:
+def slip_length_cyclic(k_t_range: ArrayLike, k_n: ArrayLike, friction: ArrayLike) -> Array:
     """Return d = (range of K_T)/(f K_N), the slip zone of the steady cycle at constant normal load.
 
     Half the length that first loading through the same range would give: on reversal the change of
@@ -173,7 +172,7 @@ def slip_length_cyclic(k_t_range: ArrayLike, k_n: ArrayLike, friction: ArrayLike
 
 def slip_length_loop(
     k_t: ArrayLike, k_i: ArrayLike, k_n: ArrayLike, friction: ArrayLike, reference: int = 0
-) -> FloatArray:
+) -> Array:
     """Return the inner end of the slip zone of a steady closed loop with varying normal load.
 
     d = [max(K_T - f K_I) - min(K_T + f K_I)]/(f K_N), with both factors counted from
@@ -202,14 +201,14 @@ def slip_length_loop(
     return spread / stiffness
 
 
-def _counted_from(history: ArrayLike, reference: int) -> FloatArray:
+def _counted_from(history: ArrayLike, reference: int) -> Array:
     values = np.asarray(history, dtype=np.float64)
     return values - values[..., reference, None]
 
 
 def slip_lengths_in_phase(
     k_t_range: ArrayLike, k_i_range: ArrayLike, k_n: ArrayLike, friction: ArrayLike
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[Array, Array]:
     """Return the slip length from the edge at high and at low normal load, both in phase with K_T.
 
     d_high = (dK_T + f dK_I)/(f K_N) and d_low = (dK_T - f dK_I)/(f K_N): to first order
@@ -232,7 +231,7 @@ def factor_range_phase_shifted(
     phase: ArrayLike,
     half_width: ArrayLike,
     side: Side,
-) -> FloatArray:
+) -> Array:
     """Return the range of K_T for Q = Qm + Qa cos(wt), sigma0 = sm + sa cos(wt - phase).
 
     2 sqrt(A^2 + B^2 +- 2AB cos(phase)), plus at the left edge, with A = Qa/(pi sqrt(2a)) and
@@ -255,7 +254,7 @@ def factor_range_phase_shifted(
 
 def dissipation_per_cycle(
     k_n: ArrayLike, slip_length: ArrayLike, friction: ArrayLike, e_star: ArrayLike
-) -> FloatArray:
+) -> Array:
     """Return the energy that one edge dissipates per steady cycle and unit thickness.
 
     W = pi f^2 K_N^2 d^3/(3 E*) with the cyclic slip length d, which is zero or more. For
@@ -271,7 +270,7 @@ def dissipation_per_cycle(
 
 def edge_slip_first_loading(
     k_n: ArrayLike, slip_length: ArrayLike, friction: ArrayLike, e_star: ArrayLike
-) -> FloatArray:
+) -> Array:
     """Return the slip at the edge itself after monotonic loading, (4/3)(f K_N/E*) d^(3/2).
 
     Its range over a steady cycle is twice this with the cyclic slip length d.

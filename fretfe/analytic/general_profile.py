@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fretfe.analytic._arguments import FloatArray, check_positive, check_range
+from fretfe._typing import Array
+from fretfe.analytic._arguments import check_positive, check_range
 from fretfe.analytic._numerics import graded_rule, solve_half_width
 
 _RIGHT_ANGLE = np.pi / 2.0
@@ -41,7 +42,7 @@ class GeneralProfile:
         kinks: positions t >= 0 where g' or one of its derivatives jumps or is infinite.
     """
 
-    slope: Callable[[FloatArray], ArrayLike]
+    slope: Callable[[Array], ArrayLike]
     e_star: float
     kinks: tuple[float, ...] = ()
 
@@ -50,19 +51,19 @@ class GeneralProfile:
         check_positive("e_star", self.e_star)
         check_range("kinks", self.kinks, low=0.0)
 
-    def gap(self, x: ArrayLike) -> FloatArray:
+    def gap(self, x: ArrayLike) -> Array:
         """Return g(x), the integral of the slope from 0 to |x|."""
         distance = np.abs(np.asarray(x, dtype=np.float64))
         bounds = np.minimum([0.0, *sorted(self.kinks), np.inf], distance[..., None])
         nodes, weights = graded_rule(bounds, ())
         return np.sum(weights * self._slope_at(nodes), axis=-1)
 
-    def gap_slope(self, x: ArrayLike) -> FloatArray:
+    def gap_slope(self, x: ArrayLike) -> Array:
         """Return g'(x), odd in x."""
         position = np.asarray(x, dtype=np.float64)
         return np.sign(position) * self._slope_at(np.abs(position))
 
-    def load(self, half_width: ArrayLike) -> FloatArray:
+    def load(self, half_width: ArrayLike) -> Array:
         """Return P(a)."""
         a = check_range("half_width", half_width, low=0.0)
         width = np.maximum(a, _NEXT_TO_ZERO)
@@ -70,7 +71,7 @@ class GeneralProfile:
         slope = self._slope_at(width[..., None] * np.sin(angle))
         return self.e_star * a * np.sum(weight * np.sin(angle) * slope, axis=-1)
 
-    def load_slope(self, half_width: ArrayLike) -> FloatArray:
+    def load_slope(self, half_width: ArrayLike) -> Array:
         """Return dP/da."""
         width = np.maximum(check_range("half_width", half_width, low=0.0), _NEXT_TO_ZERO)
         angle, weight = self._rule(width)
@@ -78,7 +79,7 @@ class GeneralProfile:
         fall = self._slope_at(width)[..., None] - np.sin(angle) * slope
         return self.e_star * np.sum(weight * fall / np.cos(angle) ** 2, axis=-1)
 
-    def half_width(self, load: ArrayLike) -> FloatArray:
+    def half_width(self, load: ArrayLike) -> Array:
         """Return a at a load P >= 0; at P = 0 the half-width of the flat, 0 if there is none."""
         force = check_range("load", load, low=0.0)
         starts = np.array([0.0, *sorted(self.kinks)])
@@ -88,7 +89,7 @@ class GeneralProfile:
             self.load, self.load_slope, force, low, np.full(force.shape, np.inf)
         )
 
-    def pressure(self, x: ArrayLike, half_width: ArrayLike) -> FloatArray:
+    def pressure(self, x: ArrayLike, half_width: ArrayLike) -> Array:
         """Return p(x), zero outside; not meaningful at a corner, where it is infinite."""
         a = check_range("half_width", half_width, low=0.0)
         distance, width = np.broadcast_arrays(np.abs(np.asarray(x, dtype=np.float64)), a)
@@ -100,7 +101,7 @@ class GeneralProfile:
         found[inside] = np.concatenate([np.zeros(0), *parts])
         return found
 
-    def _inside(self, x: FloatArray, a: FloatArray) -> FloatArray:
+    def _inside(self, x: Array, a: Array) -> Array:
         """Return p(x) for 0 <= x < a, both (n,)."""
         place = np.arcsin(x / a)[:, None]
         angle, weight = self._rule(a, place)
@@ -112,13 +113,13 @@ class GeneralProfile:
         quotient = np.divide(excess, squares, out=np.zeros_like(excess), where=squares != 0.0)
         return self.e_star / np.pi * np.cos(place[:, 0]) * np.sum(weight * quotient, axis=-1)
 
-    def _rule(self, a: FloatArray, *places: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _rule(self, a: Array, *places: Array) -> tuple[Array, Array]:
         """Return angles and weights over 0 ... pi/2, split at the kinks and further places."""
         sines = np.minimum(np.asarray(self.kinks), a[..., None]) / a[..., None]
         ends = np.broadcast_to([0.0, _RIGHT_ANGLE], (*a.shape, 2))
         bounds = np.concatenate([ends, np.arcsin(sines), *places], axis=-1)
         return graded_rule(np.sort(bounds, axis=-1), (_RIGHT_ANGLE,))
 
-    def _slope_at(self, t: FloatArray) -> FloatArray:
+    def _slope_at(self, t: Array) -> Array:
         slope = np.asarray(self.slope(np.maximum(t, _NEXT_TO_ZERO)), dtype=np.float64)
         return np.broadcast_to(slope, t.shape)

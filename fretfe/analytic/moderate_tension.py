@@ -17,7 +17,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fretfe.analytic._arguments import FloatArray, check_range
+from fretfe._typing import Array
+from fretfe.analytic._arguments import check_range
 from fretfe.analytic.edges import tension_for_zero_factor
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import Hertz
@@ -28,7 +29,7 @@ ROUND_OFF = 1e-12
 
 def stick_zone_moderate_tension(
     contact: PartialSlip, shear_force: ArrayLike, bulk_tension: ArrayLike
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[Array, Array]:
     """Return half-width c and centre e of the stick zone, first loading.
 
     c as without tension, e = a sigma0/(4 f p0) sign(Q): towards the edge where |K_T| is smaller.
@@ -53,7 +54,7 @@ def stick_zone_moderate_tension(
 
 def shear_moderate_tension(
     contact: PartialSlip, x: ArrayLike, shear_force: ArrayLike, bulk_tension: ArrayLike
-) -> FloatArray:
+) -> Array:
     """Return q(x) of the first loading, Q and sigma0 in proportion.
 
     q = sign(Q) f [p(x; a) - p(x - e; c)], the second part that of a Hertz contact of half-width c
@@ -76,7 +77,7 @@ def cyclic_shear_moderate_tension(
     amplitude: float,
     tension_amplitude: float,
     rising: bool,
-) -> FloatArray:
+) -> Array:
     """Return q(x) in the steady cycle of Q between -Q1 and +Q1 and sigma0 = sigma1 Q/Q1.
 
     To the state at the last reversal comes twice the field of half the changes since.

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import xlog1py
 
-from fretfe.analytic._arguments import FloatArray, check_positive, check_range
+from fretfe._typing import Array
+from fretfe.analytic._arguments import check_positive, check_range
 from fretfe.analytic.profiles import Hertz, Profile
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(80)
@@ -44,7 +45,7 @@ class PartialSlip:
         """Contact half-width a."""
         return float(self.profile.half_width(self.normal_force))
 
-    def stick_half_width(self, shear_force: ArrayLike) -> FloatArray:
+    def stick_half_width(self, shear_force: ArrayLike) -> Array:
         """Return c of the first loading; also of a steady cycle, with the amplitude Q1.
 
         The slip zones reach a - c inward.
@@ -52,7 +53,7 @@ class PartialSlip:
         carried = np.abs(self._check("shear_force", shear_force)) / self.friction
         return self.profile.half_width(np.maximum(self.normal_force - carried, 0.0))
 
-    def shear(self, x: ArrayLike, shear_force: ArrayLike) -> FloatArray:
+    def shear(self, x: ArrayLike, shear_force: ArrayLike) -> Array:
         """Return q(x) of the first loading to Q."""
         force = np.asarray(shear_force, dtype=np.float64)
         inner = self.profile.pressure(x, self.stick_half_width(force))
@@ -61,7 +62,7 @@ class PartialSlip:
 
     def cyclic_shear(
         self, x: ArrayLike, shear_force: ArrayLike, amplitude: ArrayLike, *, rising: bool
-    ) -> FloatArray:
+    ) -> Array:
         """Return q(x) in the steady cycle between -Q1 and +Q1.
 
         Args:
@@ -78,7 +79,7 @@ class PartialSlip:
 
     def cyclic_stick_half_width(
         self, shear_force: ArrayLike, amplitude: ArrayLike, *, rising: bool
-    ) -> FloatArray:
+    ) -> Array:
         """Return the half-width that has not slipped since the last reversal of the steady cycle.
 
         Arguments and errors as in ``cyclic_shear``.
@@ -86,7 +87,7 @@ class PartialSlip:
         _, change = self._since_reversal(shear_force, amplitude, rising=rising)
         return self.stick_half_width(change / 2.0)
 
-    def shear_after(self, x: ArrayLike, shear_forces: ArrayLike) -> FloatArray:
+    def shear_after(self, x: ArrayLike, shear_forces: ArrayLike) -> Array:
         """Return q(x) after any sequence of shear forces.
 
         The first loading up to the first reversal that is still remembered, then for each change of
@@ -105,7 +106,7 @@ class PartialSlip:
         changes = (self.shear(x, change / 2.0) for change in np.diff(turns))
         return self.shear(x, turns[0]) + 2.0 * sum(changes, np.zeros(()))
 
-    def stick_half_width_after(self, shear_forces: ArrayLike) -> FloatArray:
+    def stick_half_width_after(self, shear_forces: ArrayLike) -> Array:
         """Return the half-width that has not slipped since the last reversal of the sequence.
 
         Arguments and errors as in ``shear_after``. Points that last slipped in an earlier part of
@@ -126,7 +127,7 @@ class PartialSlip:
                 pass
         return turns
 
-    def slip(self, x: ArrayLike, shear_force: ArrayLike) -> FloatArray:
+    def slip(self, x: ArrayLike, shear_force: ArrayLike) -> Array:
         """Return the relative slip (body 1 to body 2) of the first loading inside the contact.
 
         f times the gap that opens at x when the half-width recedes from a to c; by quadrature.
@@ -154,7 +155,7 @@ class PartialSlip:
             8.0 * self.friction**2 * (a - c) * np.sum(weight * density * np.sin(2 * angle))
         )
 
-    def _opening(self, x: FloatArray, stick: FloatArray) -> FloatArray:
+    def _opening(self, x: Array, stick: Array) -> Array:
         """Return h(x) = (2/(pi E*)) int_c^x P'(b) arcosh(x/b) db, the gap outside half-width c.
 
         Superposition of flat punches: the slope outside a punch is (2/(pi E*)) P'/sqrt(x^2 - b^2).
@@ -171,7 +172,7 @@ class PartialSlip:
 
     def _since_reversal(
         self, shear_force: ArrayLike, amplitude: ArrayLike, *, rising: bool
-    ) -> tuple[FloatArray, FloatArray]:
+    ) -> tuple[Array, Array]:
         """Return Q at the last reversal and the change of Q since."""
         peak = check_range("amplitude", self._check("amplitude", amplitude), low=0.0)
         force = self._check("shear_force", shear_force)
@@ -183,7 +184,7 @@ class PartialSlip:
         extreme = -peak if rising else peak
         return extreme, force - extreme
 
-    def _check(self, name: str, value: ArrayLike) -> FloatArray:
+    def _check(self, name: str, value: ArrayLike) -> Array:
         limit = self.friction * self.normal_force
         try:
             return check_range(name, value, low=-limit, high=limit)
@@ -209,7 +210,7 @@ def _forget(turns: list[float]) -> bool:
 
 def hertz_dissipation(
     profile: Hertz, normal_force: float, friction: float, amplitude: ArrayLike
-) -> FloatArray:
+) -> Array:
     """Return the energy per steady cycle, both edges, of a Hertz contact in closed form.
 
     W = (4 (fP)^2/(pi E*)) [u (2 - u)/2 + (1 - u) ln(1 - u)] with u = Q1/(fP); the loop integral of

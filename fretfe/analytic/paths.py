@@ -15,7 +15,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fretfe.analytic._arguments import FloatArray, Side, check_positive
+from fretfe._typing import Array
+from fretfe.analytic._arguments import Side, check_positive
 from fretfe.analytic.edges import normal_increment_factor, tangential_factor
 
 COMPONENTS = 4
@@ -26,7 +27,7 @@ ROUND_OFF = 1e-12
 class LoadPath(Protocol):
     """A closed path of loads."""
 
-    def extremes(self, weights: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def extremes(self, weights: ArrayLike) -> tuple[Array, Array]:
         """Return the least and the greatest value of weights . loads; weights (..., 4)."""
 
 
@@ -41,7 +42,7 @@ class PolygonPath:
         ValueError: if ``vertices`` has another shape or an entry is not finite.
     """
 
-    vertices: FloatArray
+    vertices: Array
 
     def __post_init__(self) -> None:
         """Check the shape."""
@@ -49,7 +50,7 @@ class PolygonPath:
         _check_states("vertices", vertices)
         object.__setattr__(self, "vertices", vertices)
 
-    def extremes(self, weights: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def extremes(self, weights: ArrayLike) -> tuple[Array, Array]:
         """Return least and greatest weights . loads, each (...): they are at vertices.
 
         Args:
@@ -76,7 +77,7 @@ class HarmonicPath:
         ValueError: if an argument has another shape or an entry is not finite.
     """
 
-    mean: FloatArray
+    mean: Array
     harmonics: NDArray[np.inexact]
 
     def __post_init__(self) -> None:
@@ -88,13 +89,13 @@ class HarmonicPath:
         object.__setattr__(self, "mean", mean)
         object.__setattr__(self, "harmonics", harmonics)
 
-    def loads(self, t: ArrayLike) -> FloatArray:
+    def loads(self, t: ArrayLike) -> Array:
         """Return the loads (..., 4) at the phase angles t (...) in radians."""
         orders = np.arange(1, len(self.harmonics) + 1)
         waves = np.exp(1j * np.asarray(t, dtype=np.float64)[..., None] * orders)
         return self.mean + np.real(waves @ self.harmonics)
 
-    def extremes(self, weights: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def extremes(self, weights: ArrayLike) -> tuple[Array, Array]:
         """Return least and greatest weights . loads, each (...).
 
         Mean -+ modulus for one harmonic; else among the real zeros of the derivative, from the
@@ -116,7 +117,7 @@ class HarmonicPath:
         return centre + swing[..., 0], centre + swing[..., 1]
 
 
-def factor_range(path: LoadPath, half_width: ArrayLike, side: Side) -> FloatArray:
+def factor_range(path: LoadPath, half_width: ArrayLike, side: Side) -> Array:
     """Return the range of K_T over the path, for ``edges.slip_length_cyclic``.
 
     Exact for the stuck contact of similar half-planes whose half-width does not change over the
@@ -144,7 +145,7 @@ def slip_length_over_path(
     half_width: ArrayLike,
     side: Side,
     reference: ArrayLike,
-) -> FloatArray:
+) -> Array:
     """Return the inner end of the steady slip zone if the normal load varies as well.
 
     d = [max(K_T - f K_I) - min(K_T + f K_I)]/(f K_N), as ``edges.slip_length_loop`` does for
@@ -179,7 +180,7 @@ def slip_length_over_path(
     return (high - low) / (f * check_positive("k_n", k_n))
 
 
-def permanent_stick_load(path: LoadPath, friction: ArrayLike) -> FloatArray:
+def permanent_stick_load(path: LoadPath, friction: ArrayLike) -> Array:
     """Return P* = [min(Q + f P) - max(Q - f P)]/(2 f) (Barber, Davies and Hills 2011).
 
     In the steady state the zone that never slips is the contact area at the normal load P*, that is
@@ -209,7 +210,7 @@ def permanent_stick_load(path: LoadPath, friction: ArrayLike) -> FloatArray:
     return np.maximum(least - greatest, 0.0) / (2.0 * f)
 
 
-def _check_constant(path: LoadPath, name: str, functional: FloatArray) -> None:
+def _check_constant(path: LoadPath, name: str, functional: Array) -> None:
     low, high = path.extremes(functional)
     if high - low > ROUND_OFF * np.maximum(np.abs(low), np.abs(high)):
         raise ValueError(
@@ -224,20 +225,20 @@ def _functional(
     moment: ArrayLike = 0.0,
     shear_force: ArrayLike = 0.0,
     bulk_tension: ArrayLike = 0.0,
-) -> FloatArray:
+) -> Array:
     """Return weights (..., 4) of the load components."""
     columns = np.broadcast_arrays(normal_force, moment, shear_force, bulk_tension)
     return np.stack(columns, axis=-1).astype(np.float64)
 
 
-def _tangential_weights(half_width: ArrayLike, side: Side) -> FloatArray:
+def _tangential_weights(half_width: ArrayLike, side: Side) -> Array:
     return _functional(
         shear_force=tangential_factor(1.0, 0.0, half_width, side),
         bulk_tension=tangential_factor(0.0, 1.0, half_width, side),
     )
 
 
-def _swing(amplitudes: NDArray[np.complex128]) -> FloatArray:
+def _swing(amplitudes: NDArray[np.complex128]) -> Array:
     """Return least and greatest value (2,) of Re sum_k amplitudes[k - 1] exp(i k t)."""
     orders = np.arange(1, len(amplitudes) + 1)
     slopes = 1j * orders * amplitudes
@@ -250,7 +251,7 @@ def _swing(amplitudes: NDArray[np.complex128]) -> FloatArray:
     return np.array([np.min(values), np.max(values)])
 
 
-def _check_weights(weights: ArrayLike) -> FloatArray:
+def _check_weights(weights: ArrayLike) -> Array:
     array = np.asarray(weights, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != COMPONENTS:
         raise ValueError(f"weights must have the shape (..., {COMPONENTS}), found {array.shape}")
@@ -265,7 +266,7 @@ def _check_states(name: str, states: NDArray[np.inexact]) -> None:
     _check_finite(name, states)
 
 
-def _check_load_state(name: str, state: FloatArray) -> None:
+def _check_load_state(name: str, state: Array) -> None:
     if state.shape != (COMPONENTS,):
         raise ValueError(f"{name} must have the shape ({COMPONENTS},), found {state.shape}")
     _check_finite(name, state)

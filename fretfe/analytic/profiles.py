@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import xlogy
 
-from fretfe.analytic._arguments import FloatArray, check_positive, check_range
+from fretfe._typing import Array
+from fretfe.analytic._arguments import check_positive, check_range
 from fretfe.analytic.general_profile import GeneralProfile
 
 __all__ = [
@@ -69,26 +70,26 @@ class Profile(Protocol):
     def kinks(self) -> tuple[float, ...]:
         """Positions t >= 0 where g' or g'' jumps or is infinite: corners, ends of a flat."""
 
-    def gap(self, x: ArrayLike) -> FloatArray:
+    def gap(self, x: ArrayLike) -> Array:
         """Return g(x), even in x, g(0) = 0."""
 
-    def gap_slope(self, x: ArrayLike) -> FloatArray:
+    def gap_slope(self, x: ArrayLike) -> Array:
         """Return g'(x), odd in x."""
 
-    def load(self, half_width: ArrayLike) -> FloatArray:
+    def load(self, half_width: ArrayLike) -> Array:
         """Return P at a contact half-width."""
 
-    def load_slope(self, half_width: ArrayLike) -> FloatArray:
+    def load_slope(self, half_width: ArrayLike) -> Array:
         """Return dP/da."""
 
-    def half_width(self, load: ArrayLike) -> FloatArray:
+    def half_width(self, load: ArrayLike) -> Array:
         """Return a at a load P >= 0."""
 
-    def pressure(self, x: ArrayLike, half_width: ArrayLike) -> FloatArray:
+    def pressure(self, x: ArrayLike, half_width: ArrayLike) -> Array:
         """Return p(x), zero outside the contact."""
 
 
-def edge_factor_k_n(profile: Profile, half_width: ArrayLike) -> FloatArray:
+def edge_factor_k_n(profile: Profile, half_width: ArrayLike) -> Array:
     """Return K_N = (1/pi) sqrt(2/a) dP/da of any profile.
 
     Raises:
@@ -98,7 +99,7 @@ def edge_factor_k_n(profile: Profile, half_width: ArrayLike) -> FloatArray:
     return np.sqrt(2.0 / a) / np.pi * profile.load_slope(a)
 
 
-def approach_slope(half_width: ArrayLike, distance: ArrayLike, e_star: float) -> FloatArray:
+def approach_slope(half_width: ArrayLike, distance: ArrayLike, e_star: float) -> Array:
     """Return d(approach)/dP = (2/(pi E*)) arcosh(distance/a), the normal compliance.
 
     The approach of the bodies is counted from the surface points at ``distance`` from the centre:
@@ -135,35 +136,35 @@ class Hertz:
         """None."""
         return ()
 
-    def gap(self, x: ArrayLike) -> FloatArray:
+    def gap(self, x: ArrayLike) -> Array:
         """Return g = x^2/(2R)."""
         return np.asarray(x, dtype=np.float64) ** 2 / (2.0 * self.radius)
 
-    def gap_slope(self, x: ArrayLike) -> FloatArray:
+    def gap_slope(self, x: ArrayLike) -> Array:
         """Return g' = x/R."""
         return np.asarray(x, dtype=np.float64) / self.radius
 
-    def load(self, half_width: ArrayLike) -> FloatArray:
+    def load(self, half_width: ArrayLike) -> Array:
         """Return P = pi E* a^2/(4R)."""
         a = check_range("half_width", half_width, low=0.0)
         return np.pi * self.e_star * a**2 / (4.0 * self.radius)
 
-    def load_slope(self, half_width: ArrayLike) -> FloatArray:
+    def load_slope(self, half_width: ArrayLike) -> Array:
         """Return dP/da = pi E* a/(2R)."""
         a = check_range("half_width", half_width, low=0.0)
         return np.pi * self.e_star * a / (2.0 * self.radius)
 
-    def half_width(self, load: ArrayLike) -> FloatArray:
+    def half_width(self, load: ArrayLike) -> Array:
         """Return a = sqrt(4PR/(pi E*))."""
         force = check_range("load", load, low=0.0)
         return np.sqrt(4.0 * force * self.radius / (np.pi * self.e_star))
 
-    def peak_pressure(self, half_width: ArrayLike) -> FloatArray:
+    def peak_pressure(self, half_width: ArrayLike) -> Array:
         """Return p0 = E* a/(2R)."""
         a = check_range("half_width", half_width, low=0.0)
         return self.e_star * a / (2.0 * self.radius)
 
-    def pressure(self, x: ArrayLike, half_width: ArrayLike) -> FloatArray:
+    def pressure(self, x: ArrayLike, half_width: ArrayLike) -> Array:
         """Return p = E*/(2R) sqrt(a^2 - x^2), zero outside."""
         a = check_range("half_width", half_width, low=0.0)
         inside = np.maximum(a**2 - np.asarray(x, dtype=np.float64) ** 2, 0.0)
@@ -187,28 +188,28 @@ class Wedge:
         """The apex."""
         return (0.0,)
 
-    def gap(self, x: ArrayLike) -> FloatArray:
+    def gap(self, x: ArrayLike) -> Array:
         """Return g = slope |x|."""
         return self.slope * np.abs(np.asarray(x, dtype=np.float64))
 
-    def gap_slope(self, x: ArrayLike) -> FloatArray:
+    def gap_slope(self, x: ArrayLike) -> Array:
         """Return g' = slope sign(x)."""
         return self.slope * np.sign(np.asarray(x, dtype=np.float64))
 
-    def load(self, half_width: ArrayLike) -> FloatArray:
+    def load(self, half_width: ArrayLike) -> Array:
         """Return P = E* slope a."""
         return self.e_star * self.slope * check_range("half_width", half_width, low=0.0)
 
-    def load_slope(self, half_width: ArrayLike) -> FloatArray:
+    def load_slope(self, half_width: ArrayLike) -> Array:
         """Return dP/da = E* slope."""
         a = check_range("half_width", half_width, low=0.0)
         return np.full_like(a, self.e_star * self.slope)
 
-    def half_width(self, load: ArrayLike) -> FloatArray:
+    def half_width(self, load: ArrayLike) -> Array:
         """Return a = P/(E* slope)."""
         return check_range("load", load, low=0.0) / (self.e_star * self.slope)
 
-    def pressure(self, x: ArrayLike, half_width: ArrayLike) -> FloatArray:
+    def pressure(self, x: ArrayLike, half_width: ArrayLike) -> Array:
         """Return p = (E* slope/pi) arcosh(a/|x|), zero outside."""
         a = check_range("half_width", half_width, low=0.0)
         distance = np.abs(np.asarray(x, dtype=np.float64))
@@ -248,29 +249,29 @@ class FlatRounded:
         """The end of the flat; none without a flat."""
         return (self.flat_half_width,) if self.flat_half_width > 0.0 else ()
 
-    def gap(self, x: ArrayLike) -> FloatArray:
+    def gap(self, x: ArrayLike) -> Array:
         """Return g = (|x| - b)^2/(2R) outside the flat, 0 inside."""
         beyond = np.abs(np.asarray(x, dtype=np.float64)) - self.flat_half_width
         return np.maximum(beyond, 0.0) ** 2 / (2.0 * self.radius)
 
-    def gap_slope(self, x: ArrayLike) -> FloatArray:
+    def gap_slope(self, x: ArrayLike) -> Array:
         """Return g' = sign(x) (|x| - b)/R outside the flat, 0 inside."""
         position = np.asarray(x, dtype=np.float64)
         beyond = np.abs(position) - self.flat_half_width
         return np.sign(position) * np.maximum(beyond, 0.0) / self.radius
 
-    def load(self, half_width: ArrayLike) -> FloatArray:
+    def load(self, half_width: ArrayLike) -> Array:
         """Return P = (E* a^2/(4R)) (pi - 2 phi0 - sin(2 phi0)), a >= b."""
         a, b = self._check_half_width(half_width), self.flat_half_width
         area = a**2 * self._shoulder_angle(a) - b * np.sqrt((a - b) * (a + b))
         return self.e_star / (2.0 * self.radius) * area
 
-    def load_slope(self, half_width: ArrayLike) -> FloatArray:
+    def load_slope(self, half_width: ArrayLike) -> Array:
         """Return dP/da = (E* a/(2R)) (pi - 2 phi0), a >= b."""
         a = self._check_half_width(half_width)
         return self.e_star / self.radius * a * self._shoulder_angle(a)
 
-    def half_width(self, load: ArrayLike) -> FloatArray:
+    def half_width(self, load: ArrayLike) -> Array:
         """Return a at a load P >= 0, by Newton's method; b if P = 0."""
         force = check_range("load", load, low=0.0)
         # P >= (2/3)(E*/R)(a - b)^2 and P is convex: no iterate is below the solution.
@@ -283,7 +284,7 @@ class FlatRounded:
                 break
         return a
 
-    def pressure(self, x: ArrayLike, half_width: ArrayLike) -> FloatArray:
+    def pressure(self, x: ArrayLike, half_width: ArrayLike) -> Array:
         """Return p(x), zero outside; with x = a sin(phi).
 
         2 pi R p/(E* a) = (pi - 2 phi0) cos(phi) + (sin(phi) + sin(phi0)) ln sin(phi + phi0)
@@ -302,10 +303,10 @@ class FlatRounded:
             shape -= xlogy(sine - flat, difference) + 2.0 * xlogy(flat, cosine + cosine_flat)
         return self.e_star * a / (2.0 * np.pi * self.radius) * np.where(sine < 1.0, shape, 0.0)
 
-    def _check_half_width(self, half_width: ArrayLike) -> FloatArray:
+    def _check_half_width(self, half_width: ArrayLike) -> Array:
         return check_range("half_width", half_width, low=self.flat_half_width)
 
-    def _shoulder_angle(self, a: FloatArray) -> FloatArray:
+    def _shoulder_angle(self, a: Array) -> Array:
         """Return pi/2 - phi0; a = b = 0 counts as Hertz."""
         flat = np.divide(self.flat_half_width, a, out=np.zeros_like(a), where=a > 0.0)
         return np.arccos(flat)

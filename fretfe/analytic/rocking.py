@@ -22,15 +22,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from fretfe.analytic._arguments import FloatArray, check_range
+from fretfe._typing import Array, Bools
+from fretfe.analytic._arguments import check_range
 from fretfe.analytic._numerics import graded_rule
 from fretfe.analytic.edges import edge_advance, normal_increment_factor
 from fretfe.analytic.profiles import Profile
 from fretfe.analytic.tables import TabulatedProfile
-
-BoolArray = NDArray[np.bool_]
 
 _MAX_ITERATIONS = 100
 _MAX_CUTS = 20
@@ -56,13 +55,13 @@ class TiltedContact:
         k_n_right: K_N of the right edge.
     """
 
-    left: FloatArray
-    right: FloatArray
-    tilt: FloatArray
-    k_n_left: FloatArray
-    k_n_right: FloatArray
+    left: Array
+    right: Array
+    tilt: Array
+    k_n_left: Array
+    k_n_right: Array
 
-    def fields(self) -> tuple[FloatArray, ...]:
+    def fields(self) -> tuple[Array, ...]:
         """Return all arrays, in the order in which they are declared."""
         return (self.left, self.right, self.tilt, self.k_n_left, self.k_n_right)
 
@@ -101,22 +100,22 @@ class _Loads:
     """Contacts and the loads that they carry, all (n,)."""
 
     contact: TiltedContact
-    force: FloatArray
-    moment: FloatArray
+    force: Array
+    moment: Array
 
-    def at(self, row: BoolArray) -> _Loads:
+    def at(self, row: Bools) -> _Loads:
         """Return a selection of the states."""
         contact = TiltedContact(*(values[row] for values in self.contact.fields()))
         return _Loads(contact, self.force[row], self.moment[row])
 
-    def distance(self, force: FloatArray, moment: FloatArray, length: FloatArray) -> FloatArray:
+    def distance(self, force: Array, moment: Array, length: Array) -> Array:
         """Return the relative distance from other loads; infinite where this is no contact."""
         apart = np.hypot(self.force - force, (self.moment - moment) / length) / force
         pressed = (self.contact.k_n_left > 0.0) & (self.contact.k_n_right > 0.0)
         return np.where(pressed & np.isfinite(apart), apart, np.inf)
 
 
-def _solve(profile: Profile, force: FloatArray, moment: FloatArray) -> TiltedContact:
+def _solve(profile: Profile, force: Array, moment: Array) -> TiltedContact:
     """Return the contacts under (n,) loads, all P > 0; the moment in steps where it must be."""
     scale = profile.half_width(force)
     start = _loads(profile, -scale, scale)
@@ -138,8 +137,8 @@ def _solve(profile: Profile, force: FloatArray, moment: FloatArray) -> TiltedCon
 
 
 def _newton(
-    profile: Profile, state: _Loads, force: FloatArray, moment: FloatArray, scale: FloatArray
-) -> tuple[_Loads, BoolArray]:
+    profile: Profile, state: _Loads, force: Array, moment: Array, scale: Array
+) -> tuple[_Loads, Bools]:
     """Return the contacts that Newton's method reaches, and which of them do not meet the loads.
 
     A step is cut to a share that brings the loads nearer; to none if there is none, as in round-off
@@ -167,13 +166,11 @@ def _newton(
     return state, residual > _ACCEPTED
 
 
-def _moved(profile: Profile, state: _Loads, left: FloatArray, right: FloatArray) -> _Loads:
+def _moved(profile: Profile, state: _Loads, left: Array, right: Array) -> _Loads:
     return _loads(profile, state.contact.left + left, state.contact.right + right)
 
 
-def _newton_step(
-    state: _Loads, force: FloatArray, moment: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _newton_step(state: _Loads, force: Array, moment: Array) -> tuple[Array, Array]:
     """Return how far increments of the loads move the left and the right edge along x."""
     contact = state.contact
     half = (contact.right - contact.left) / 2.0
@@ -183,7 +180,7 @@ def _newton_step(
     return -edge_advance(left, contact.k_n_left), edge_advance(right, contact.k_n_right)
 
 
-def _loads(profile: Profile, left: FloatArray, right: FloatArray) -> _Loads:
+def _loads(profile: Profile, left: Array, right: Array) -> _Loads:
     """Return the contacts with given edges (n,); NaN where these are out of order."""
     centre, half = (left + right) / 2.0, (right - left) / 2.0
     half = np.where(half > 0.0, half, np.nan)
@@ -206,7 +203,7 @@ def _loads(profile: Profile, left: FloatArray, right: FloatArray) -> _Loads:
     return _Loads(contact, force, about_centre + centre * force)
 
 
-def _rule(profile: Profile, centre: FloatArray, half: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _rule(profile: Profile, centre: Array, half: Array) -> tuple[Array, Array]:
     """Return angles and weights (n, nodes) over 0 ... pi, split where the slope is not smooth."""
     one_side = profile.kinks
     if isinstance(profile, TabulatedProfile):

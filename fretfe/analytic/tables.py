@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 from scipy.special import xlogy
 
-from fretfe.analytic._arguments import FloatArray, check_positive, check_range
+from fretfe._typing import Array
+from fretfe.analytic._arguments import check_positive, check_range
 from fretfe.analytic._numerics import solve_half_width
 
 _FEWEST_POINTS = 4
@@ -57,7 +58,7 @@ def tabulated_profile(x: ArrayLike, gap: ArrayLike, e_star: float) -> TabulatedP
     return TabulatedProfile(CubicSpline(position, height, bc_type=((1, 0.0), "not-a-knot")), e_star)
 
 
-def _right_half(position: FloatArray, height: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _right_half(position: Array, height: Array) -> tuple[Array, Array]:
     """Return the part x >= 0 of a table that is symmetric up to rounding in its text form."""
     mirrored = np.abs(position + position[::-1]) <= 1e-6 * position[-1]
     even = np.abs(height - height[::-1]) <= 1e-6 * np.max(np.abs(height))
@@ -114,16 +115,16 @@ class TabulatedProfile:
         """End of the table."""
         return float(self.spline.x[-1])
 
-    def gap(self, x: ArrayLike) -> FloatArray:
+    def gap(self, x: ArrayLike) -> Array:
         """Return g(x), NaN beyond the table."""
         return self.spline(np.abs(np.asarray(x, dtype=np.float64)), extrapolate=False)
 
-    def gap_slope(self, x: ArrayLike) -> FloatArray:
+    def gap_slope(self, x: ArrayLike) -> Array:
         """Return g'(x), odd in x, NaN beyond the table."""
         position = np.asarray(x, dtype=np.float64)
         return np.sign(position) * self.spline(np.abs(position), 1, extrapolate=False)
 
-    def load(self, half_width: ArrayLike) -> FloatArray:
+    def load(self, half_width: ArrayLike) -> Array:
         """Return P(a)."""
         a = self._check_half_width(half_width)[..., None]
         t = np.minimum(self.spline.x, a)
@@ -131,14 +132,14 @@ class TabulatedProfile:
         constant = (t * height + a**2 * self._angle(t, a)) / 2.0
         return self.e_star * self._sum(constant, -(height**3) / 3.0)
 
-    def load_slope(self, half_width: ArrayLike) -> FloatArray:
+    def load_slope(self, half_width: ArrayLike) -> Array:
         """Return dP/da."""
         a = self._check_half_width(half_width)[..., None]
         t = np.minimum(self.spline.x, a)
         height = np.sqrt((a - t) * (a + t))
         return self.e_star * a[..., 0] * self._sum(self._angle(t, a), -height)
 
-    def half_width(self, load: ArrayLike) -> FloatArray:
+    def half_width(self, load: ArrayLike) -> Array:
         """Return a at a load P >= 0.
 
         Raises:
@@ -160,7 +161,7 @@ class TabulatedProfile:
         high = points[np.minimum(row + 1, points.size - 1)]
         return solve_half_width(self.load, self.load_slope, force, points[row], high)
 
-    def pressure(self, x: ArrayLike, half_width: ArrayLike) -> FloatArray:
+    def pressure(self, x: ArrayLike, half_width: ArrayLike) -> Array:
         """Return p(x), zero outside the contact."""
         a = self._check_half_width(half_width)
         distance, a = np.broadcast_arrays(np.abs(np.asarray(x, dtype=np.float64)), a)
@@ -179,13 +180,13 @@ class TabulatedProfile:
         )
         return found
 
-    def _check_half_width(self, half_width: ArrayLike) -> FloatArray:
+    def _check_half_width(self, half_width: ArrayLike) -> Array:
         return check_range("half_width", half_width, low=0.0, high=self.largest_half_width)
 
-    def _angle(self, t: FloatArray, a: FloatArray) -> FloatArray:
+    def _angle(self, t: Array, a: Array) -> Array:
         return np.arcsin(np.divide(t, a, out=np.zeros_like(t), where=a > 0.0))
 
-    def _sum(self, constant: FloatArray, linear: FloatArray) -> FloatArray:
+    def _sum(self, constant: Array, linear: Array) -> Array:
         """Return the integral of kernel times g'' from the primitives (..., n) at the points.
 
         Args:
@@ -197,7 +198,7 @@ class TabulatedProfile:
         return np.sum(at_zero * np.diff(constant) + slope * np.diff(linear), axis=-1)
 
 
-def _kernels(x: FloatArray, t: FloatArray, a: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _kernels(x: Array, t: Array, a: Array) -> tuple[Array, Array]:
     """Return the primitives over t of the kernel of the pressure and of t times it, 0 <= x < a."""
     at_t, at_x = np.sqrt((a - t) * (a + t)), np.sqrt((a - x) * (a + x))
     distance = np.abs((t - x) * (t + x))

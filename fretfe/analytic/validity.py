@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ellipe, ellipkm1
 
-from fretfe.analytic._arguments import FloatArray, check_positive, check_range
+from fretfe._typing import Array
+from fretfe.analytic._arguments import check_positive, check_range
 from fretfe.analytic.profiles import Profile
 
 
-def asymptote_error(profile: Profile, half_width: ArrayLike, slip_length: ArrayLike) -> FloatArray:
+def asymptote_error(profile: Profile, half_width: ArrayLike, slip_length: ArrayLike) -> Array:
     """Return predicted/exact - 1 of the cyclic slip length under a shear force alone.
 
     The amplitude Q1 that makes the formula predict d follows from Q1/f = d P'(a); the exact slip
@@ -47,7 +48,7 @@ def asymptote_error(profile: Profile, half_width: ArrayLike, slip_length: ArrayL
     return np.where(remaining > 0.0, error, np.nan)
 
 
-def hertz_tension_asymptote_error(half_width: ArrayLike, slip_length: ArrayLike) -> FloatArray:
+def hertz_tension_asymptote_error(half_width: ArrayLike, slip_length: ArrayLike) -> Array:
     """Return predicted/exact - 1 of the cyclic slip length of Hertz under bulk tension alone.
 
     The edges slip in opposite directions, the stick zone -c <= x <= c stays centred. That its

@@ -6,23 +6,21 @@ from __future__ import annotations
 import time
 
 import numpy as np
-import numpy.typing as npt
 
+from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import dissipation_per_cycle
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.rocking import TiltedContact
 from fretfe.backends.closed_form import ASYMPTOTE, ClosedFormBorders
 from fretfe.backends.protocol import DEFAULTS, EdgeHistories, RunOptions
 from fretfe.case import Case
-from fretfe.evaluate import ContactSummary, Edge
-from fretfe.evaluate.consistency import shear_mismatch, tension_history
-from fretfe.evaluate.factors import SIDES, add_up
-from fretfe.evaluate.half_plane import half_plane_units
-from fretfe.evaluate.slip_zones import SlipZone, cycle_states, slip_zones
+from fretfe.edges.consistency import shear_mismatch, tension_history
+from fretfe.edges.evaluate import ContactSummary, Edge
+from fretfe.edges.factors import SIDES, add_up
+from fretfe.edges.half_plane import half_plane_units
+from fretfe.edges.slip_zones import SlipZone, cycle_states, slip_zones
 from fretfe.idealise import HalfPlaneProblem, idealise, obstacles
 from fretfe.idealise.edges import contact_edges, governing_length
-
-Array = npt.NDArray[np.float64]
 
 SMALL_STEP = 1e-4
 # Relative slip-zone length from which the asymptote deserves a warning: about 10 % error.
@@ -135,7 +133,7 @@ def _stiffening(problem: HalfPlaneProblem, contact: TiltedContact) -> float:
 
 def _dissipation(
     problem: HalfPlaneProblem,
-    cycle: npt.NDArray[np.int64],
+    cycle: Indices,
     zones: tuple[SlipZone, ...],
     k_n: Array,
 ) -> float:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import slip_length_cyclic
 from fretfe.analytic.moderate_tension import stick_zone_moderate_tension
 from fretfe.analytic.partial_slip import PartialSlip
@@ -23,8 +24,7 @@ from fretfe.analytic.rocking import TiltedContact
 from fretfe.edges import Side, SlipBorder, predicted_slip
 from fretfe.idealise import HalfPlaneProblem
 
-Array = npt.NDArray[np.float64]
-States = npt.NDArray[np.int64]
+States = Indices
 
 EXACT, MODERATE, ASYMPTOTE = "exact partial slip", "moderate tension", "edge asymptote"
 # Loads that vary by less than this fraction of their size are constant.

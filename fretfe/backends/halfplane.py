@@ -5,18 +5,13 @@ from __future__ import annotations
 
 import time
 
-import numpy as np
-import numpy.typing as npt
-
 from fretfe.backends.protocol import DEFAULTS, EdgeHistories, RunOptions
 from fretfe.case import Case
 from fretfe.contact.march import StepResult
-from fretfe.evaluate import evaluate
+from fretfe.edges.evaluate import evaluate
 from fretfe.halfplane.solver import solve_half_planes
 from fretfe.idealise import idealise, obstacles
 from fretfe.loads import History
-
-Array = npt.NDArray[np.float64]
 
 
 class HalfPlaneBackend:

@@ -12,15 +12,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol, TypeVar, runtime_checkable
 
-import numpy as np
-import numpy.typing as npt
-
+from fretfe._typing import Array, Indices
 from fretfe.case import Case
+from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.refinement import Refinement
 from fretfe.errors import ConvergenceError
-from fretfe.evaluate import ContactSummary
 from fretfe.loads import History
-from fretfe.refinement import Refinement
-from fretfe.solution import Solution
+from fretfe.results.solution import Solution
 
 T = TypeVar("T")
 # Called with each finished step: its number, the number of steps, and what to say about it.
@@ -33,11 +31,11 @@ class BodyArrays(Protocol):
     """The mesh of one body, whoever made it."""
 
     @property
-    def points(self) -> npt.NDArray[np.float64]:
+    def points(self) -> Array:
         """(n, d) coordinates of the nodes."""
 
     @property
-    def cells(self) -> npt.NDArray[np.int64]:
+    def cells(self) -> Indices:
         """(m, k) nodes of the cells, in Gmsh's order."""
 
     @property
@@ -49,7 +47,7 @@ class BodyArrays(Protocol):
         """Polynomial order of the geometry."""
 
     @property
-    def boundaries(self) -> dict[str, npt.NDArray[np.int64]]:
+    def boundaries(self) -> dict[str, Indices]:
         """Facets (f, order + 1) of each boundary."""
 
 

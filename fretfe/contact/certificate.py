@@ -6,12 +6,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from fretfe._typing import Array
 from fretfe.contact.interface import Interface
 from fretfe.contact.state import OPEN, SLIP, STICK, ContactState, StepLoads
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

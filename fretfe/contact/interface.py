@@ -23,11 +23,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from fretfe._typing import Array, Bools
 from fretfe.errors import ModelError
-
-Array = npt.NDArray[np.float64]
 
 # Relative size below which a motion is resisted by nothing but round-off.
 FREE_MOTION = 1e-9
@@ -90,7 +88,7 @@ class Interface:
         return len(self.roots)
 
     @property
-    def prescribed(self) -> npt.NDArray[np.bool_]:
+    def prescribed(self) -> Bools:
         """(m,) which coordinates have a known amplitude."""
         return np.array([c.prescribed for c in self.coordinates], dtype=bool)
 
@@ -101,7 +99,7 @@ def coordinate_range(coordinates: list[Coordinate] | tuple[Coordinate, ...], bod
     return slice(own[0], own[-1] + 1) if own else slice(0, 0)
 
 
-def free_motions(interface: Interface, released: npt.NDArray[np.bool_]) -> Array:
+def free_motions(interface: Interface, released: Bools) -> Array:
     """(m, k) motions of the released coordinates that neither contact nor stiffness resists.
 
     Contact is taken as stuck at every node, so a motion that remains is resisted by nothing at all.

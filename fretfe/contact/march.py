@@ -9,14 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from fretfe._typing import Array, Bools
+from fretfe.contact.admm import status_by_fixed_point
 from fretfe.contact.certificate import Certificate, certify, dissipation
-from fretfe.contact.fallback import status_by_fixed_point
 from fretfe.contact.interface import Interface
 from fretfe.contact.newton import Newton, NotConverged
 from fretfe.contact.state import OPEN, STICK, ContactState, StepLoads, unloaded
 from fretfe.errors import ConvergenceError
-
-Array = npt.NDArray[np.float64]
 
 # A step is halved at most this often before the run gives up.
 MAX_CUTS = 6
@@ -143,7 +142,7 @@ class March:
         status = np.where(closed, STICK, OPEN).astype(np.int8)
         return status, np.zeros_like(state.direction)
 
-    def _nearest(self, gap: Array) -> npt.NDArray[np.bool_]:
+    def _nearest(self, gap: Array) -> Bools:
         """The nodes of each contact whose gap is smallest."""
         closed = np.zeros(len(gap), bool)
         for nodes in self.interface.contacts.values():

@@ -22,14 +22,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface
 from fretfe.contact.state import OPEN, SLIP, STICK, ContactState, Status, StepLoads
-from fretfe.contact.stuck import StuckOperator
-
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
+from fretfe.contact.stick_operator import StuckOperator
 
 MAX_ITERATIONS = 60
 # Violations below this fraction of the largest traction or displacement are round-off.
@@ -188,7 +185,7 @@ class Newton:
             guess = following
         raise NotConverged(f"no solution after {MAX_ITERATIONS} iterations", MAX_ITERATIONS)
 
-    def operator_for(self, closed: npt.NDArray[np.bool_], gap: Array) -> StuckOperator:
+    def operator_for(self, closed: Bools, gap: Array) -> StuckOperator:
         """The stuck operator on the closed nodes and those most likely to close next."""
         nodes = np.flatnonzero(closed)
         margin = int(SMALLEST_MARGIN + MARGIN * len(nodes))

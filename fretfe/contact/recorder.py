@@ -8,17 +8,15 @@ from dataclasses import dataclass, fields
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 
-from fretfe.contact.bonded import BondedSolver, Increments, find_drivers
+from fretfe._typing import Array
 from fretfe.contact.certificate import Certificate
+from fretfe.contact.full_stick import BondedSolver, Increments, find_drivers
 from fretfe.contact.interface import Interface
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.state import ContactState, StepLoads, unloaded
 from fretfe.loads import History
-from fretfe.solution import BondedUnits, ContactHistory, Solution
-
-Array = npt.NDArray[np.float64]
+from fretfe.results.solution import BondedUnits, ContactHistory, Solution
 
 # Tractions and gaps below this fraction of what the motion of the bodies would cause are round-off.
 ROUND_OFF = 1e-9

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from fretfe._typing import Array, Bools
 from fretfe.contact.interface import Interface
-from fretfe.solution import OPEN, SLIP, STICK
+from fretfe.results.solution import OPEN, SLIP, STICK
 
-Array = npt.NDArray[np.float64]
 Status = npt.NDArray[np.int8]
 
 __all__ = ["OPEN", "SLIP", "STICK", "ContactState", "StepLoads", "unloaded"]
@@ -61,7 +61,7 @@ class ContactState:
     forces: Array
 
     @property
-    def closed(self) -> npt.NDArray[np.bool_]:
+    def closed(self) -> Bools:
         """(N,) which nodes are in contact."""
         return self.status != OPEN
 

@@ -16,7 +16,7 @@ Where no window holds enough nodes, the result is NaN with an infinite spread.
 from __future__ import annotations
 
 from fretfe.analytic._arguments import Side
-from fretfe.edges.bonded import (
+from fretfe.edges.full_stick import (
     OVERHANG,
     BondedFit,
     bonded_factors,

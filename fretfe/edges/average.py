@@ -6,19 +6,19 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fretfe.analytic._arguments import FloatArray
+from fretfe._typing import Array
 
 # Weight of a systematic error of known shape, in the selection and in the interval.
 SYSTEMATIC = 2.0
 
 
 def average(
-    values: FloatArray,
-    errors: FloatArray,
-    shifts: FloatArray,
-    misfit: FloatArray,
+    values: Array,
+    errors: Array,
+    shifts: Array,
+    misfit: Array,
     interval: ArrayLike,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> tuple[Array, Array, Array]:
     """Return means (...), error bars (...) and weights (..., windows, orders - 1).
 
     Weights go with the inverse fourth power of a pessimistic error: the standard error, the
@@ -48,7 +48,7 @@ def average(
     found = known.any(axis=(-2, -1))
     weights[found] /= weights[found].sum(axis=(-2, -1), keepdims=True)
 
-    def mean(part: FloatArray) -> FloatArray:
+    def mean(part: Array) -> Array:
         return np.sum(weights * part, axis=(-2, -1), where=known)
 
     means = mean(values)

@@ -5,12 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from fretfe.analytic._arguments import FloatArray
+from fretfe._typing import Array
 
 
-def consensus(
-    values: FloatArray, errors: FloatArray, score: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def consensus(values: Array, errors: Array, score: Array) -> tuple[Array, Array]:
     """Return median and spread over the fits whose score is within a factor 2 of the best.
 
     Args:
@@ -31,9 +29,7 @@ def consensus(
     return medians, spreads
 
 
-def _agreed(
-    values: FloatArray, errors: FloatArray, score: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _agreed(values: Array, errors: Array, score: Array) -> tuple[Array, Array]:
     """Return medians and spreads (r,) of quantities that have a fit; arguments (r, m)."""
     kept = score <= 2.0 * np.nanmin(score, axis=1, keepdims=True)
     ordered = np.sort(np.where(kept, values, np.inf), axis=1)

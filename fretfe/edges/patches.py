@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe.analytic._arguments import FloatArray
+from fretfe._typing import Array
 
 
 @dataclass(frozen=True)
@@ -28,14 +28,14 @@ class Resultants:
     moment: float
 
 
-def contact_patches(x: FloatArray, p: FloatArray, tol: float = 0.0) -> list[Patch]:
+def contact_patches(x: Array, p: Array, tol: float = 0.0) -> list[Patch]:
     """Return the runs of nodes with p > tol (a pressure), from left to right; x, p (n,)."""
     ends = np.flatnonzero(np.diff(p > tol, prepend=False, append=False)).reshape(-1, 2)
     share = p * _node_lengths(x)
     return [Patch(int(i), int(j) - 1, float(share[i:j].sum())) for i, j in ends]
 
 
-def main_patch(x: FloatArray, p: FloatArray, tol: float = 0.0) -> Patch:
+def main_patch(x: Array, p: Array, tol: float = 0.0) -> Patch:
     """Return the patch that carries most force.
 
     Raises:
@@ -47,7 +47,7 @@ def main_patch(x: FloatArray, p: FloatArray, tol: float = 0.0) -> Patch:
     return max(patches, key=lambda patch: patch.force)
 
 
-def resultants(x: FloatArray, p: FloatArray, q: FloatArray, centre: float) -> Resultants:
+def resultants(x: Array, p: Array, q: Array, centre: float) -> Resultants:
     """Return the exact resultants of piecewise-linear tractions; x, p, q (n,).
 
     A positive moment presses on the side x > centre.
@@ -58,7 +58,7 @@ def resultants(x: FloatArray, p: FloatArray, q: FloatArray, centre: float) -> Re
     return Resultants(float(length @ p), float(length @ q), float(h @ moments / 6))
 
 
-def _node_lengths(x: FloatArray) -> FloatArray:
+def _node_lengths(x: Array) -> Array:
     """Return the integrals of the hat functions of all nodes."""
     h = np.diff(x, prepend=x[0], append=x[-1])
     return (h[1:] + h[:-1]) / 2

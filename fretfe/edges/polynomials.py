@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fretfe.analytic._arguments import FloatArray
+from fretfe._typing import Array
 
 # Order of the highest polynomial: one more than the highest that is used, to compare with.
 HIGHEST = 5
@@ -18,9 +18,7 @@ FARTHEST = 3.0
 SMALLEST_PRESSURE = 0.3
 
 
-def weighted_triangles(
-    s: FloatArray, p: FloatArray, errors: FloatArray, tails: FloatArray
-) -> FloatArray:
+def weighted_triangles(s: Array, p: Array, errors: Array, tails: Array) -> Array:
     """Return triangular factors of (1, z, ... z^5, p^2, tail), z = s/s_last, over 2 p errors.
 
     Args:
@@ -42,9 +40,7 @@ def weighted_triangles(
     return _triangles(powers, np.maximum(m, SMALLEST_PRESSURE * errors), p, errors, tails)
 
 
-def _triangles(
-    powers: FloatArray, m: FloatArray, p: FloatArray, errors: FloatArray, tails: FloatArray
-) -> FloatArray:
+def _triangles(powers: Array, m: Array, p: Array, errors: Array, tails: Array) -> Array:
     columns = np.concatenate(
         [powers, (2 * m * p - m**2)[..., None], (2 * m * tails)[..., None]], axis=-1
     )
@@ -53,9 +49,7 @@ def _triangles(
     return np.asarray(np.linalg.qr(np.pad(columns, ((0, 0), (0, missing), (0, 0))), mode="r"))
 
 
-def edge_terms(
-    triangles: FloatArray, order: int, length: int, scale: FloatArray, bounds: FloatArray
-) -> FloatArray:
+def edge_terms(triangles: Array, order: int, length: int, scale: Array, bounds: Array) -> Array:
     """Return (7, T) edge, K_N, their standard errors, their systematic errors, and chi^2/nu.
 
     Args:
@@ -76,7 +70,7 @@ def edge_terms(
     return np.stack([position, k_n, *errors.T, *systematic.T, misfit])
 
 
-def _root(coefficients: FloatArray, bounds: FloatArray) -> FloatArray:
+def _root(coefficients: Array, bounds: Array) -> Array:
     """Return (m,) the root of polynomials (m, k) next to 0, by Newton's method; NaN outside."""
     root = np.zeros(len(coefficients))
     with np.errstate(all="ignore"):  # what runs away is not within the bounds
@@ -92,7 +86,7 @@ def _root(coefficients: FloatArray, bounds: FloatArray) -> FloatArray:
     return np.where(found, root, np.nan)
 
 
-def _value_and_slope(coefficients: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _value_and_slope(coefficients: Array, z: Array) -> tuple[Array, Array]:
     """Return value (m,) and slope (m,) of polynomials (m, k) at z (m,), by Horner's rule."""
     value, slope = coefficients[:, -1], np.zeros(len(z))
     for column in coefficients.T[-2::-1]:
@@ -101,9 +95,7 @@ def _value_and_slope(coefficients: FloatArray, z: FloatArray) -> tuple[FloatArra
     return value, slope
 
 
-def _edge(
-    coefficients: FloatArray, root: FloatArray, scale: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _edge(coefficients: Array, root: Array, scale: Array) -> tuple[Array, Array, Array]:
     """Return edge (m,), K_N (m,), and their gradients (m, 2, k) by the coefficients (m, k)."""
     orders = np.arange(coefficients.shape[1])
     powers = root[:, None] ** orders

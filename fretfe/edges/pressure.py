@@ -13,15 +13,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fretfe.analytic._arguments import FloatArray, Side, side_sign
+from fretfe._typing import Array
+from fretfe.analytic._arguments import Side, side_sign
 from fretfe.edges.average import average
 from fretfe.edges.patches import main_patch
 from fretfe.edges.polynomials import FARTHEST, HIGHEST, edge_terms, weighted_triangles
 from fretfe.edges.sampling import Sampling, sampling
 
-IndexArray = NDArray[np.intp]
 # Nodes between a window and the far edge.
 FAR = 3
 # Nodes in the shortest window: two orders, to compare, with two nodes more than unknowns.
@@ -44,13 +43,13 @@ class EdgeFit:
     one pressure, arrays (...) for pressures (..., n).
     """
 
-    position: FloatArray
-    k_n: FloatArray
-    spread_position: FloatArray
-    spread_k_n: FloatArray
+    position: Array
+    k_n: Array
+    spread_position: Array
+    spread_k_n: Array
 
 
-def fit_edge(x: FloatArray, p: FloatArray, side: Side) -> EdgeFit:
+def fit_edge(x: Array, p: Array, side: Side) -> EdgeFit:
     """Return edge position and K_N of the main patch; x (n,), p (n,) or many states (..., n).
 
     Windows and orders are weighted by the data, so that a short square-root zone (rounded edge) and
@@ -74,7 +73,7 @@ def fit_edge(x: FloatArray, p: FloatArray, side: Side) -> EdgeFit:
     return EdgeFit(*(result.reshape(p.shape[:-1])[()] for result in results))
 
 
-def _fit(samples: Sampling) -> FloatArray:
+def _fit(samples: Sampling) -> Array:
     """Return (4, T): edge, inward from the outermost node, K_N and their error bars."""
     reach = np.maximum(samples.nodes // 2, np.minimum(samples.nodes - FAR, SHORTEST + 1))
     lengths = _lengths(int(reach.max()) - 1)
@@ -98,7 +97,7 @@ def _fit(samples: Sampling) -> FloatArray:
     return results
 
 
-def _without_comparison(fits: FloatArray, size: float) -> FloatArray:
+def _without_comparison(fits: Array, size: float) -> Array:
     """Return edge, K_N and bars if no two orders fit one window; fits (2, windows, orders).
 
     The medians of what there is, with bars that say not to rely on it; NaN if there is nothing.

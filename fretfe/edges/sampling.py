@@ -16,11 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fretfe.analytic._arguments import FloatArray, Side, side_sign
+from fretfe._typing import Array, Positions
+from fretfe.analytic._arguments import Side, side_sign
 
-IndexArray = NDArray[np.intp]
 ALTERNATING, DECAY, TAIL = 0.8, 0.95, 0.02
 # Of the median of the absolute values of normal deviates.
 MEDIAN_OF_NORMAL = 0.6745
@@ -41,17 +40,15 @@ class Sampling:
         nodes: (T,) numbers of nodes in contact.
     """
 
-    s: FloatArray
-    p: FloatArray
-    errors: FloatArray
-    tails: FloatArray
-    size: FloatArray
-    nodes: IndexArray
+    s: Array
+    p: Array
+    errors: Array
+    tails: Array
+    size: Array
+    nodes: Positions
 
 
-def sampling(
-    x: FloatArray, p: FloatArray, first: IndexArray, last: IndexArray, side: Side
-) -> Sampling:
+def sampling(x: Array, p: Array, first: Positions, last: Positions, side: Side) -> Sampling:
     """Return the samples of each main patch with their errors.
 
     Args:
@@ -79,13 +76,13 @@ def sampling(
     return Sampling(s, pressure, errors, tails, size, nodes)
 
 
-def _noise(s: FloatArray, p: FloatArray, nodes: int) -> float:
+def _noise(s: Array, p: Array, nodes: int) -> float:
     """Return the noise of the samples (m,) in the outer half, without three nodes at either end."""
     last = min(nodes - 3, 3 + max((nodes - 6) // 2, 20))
     return max(scatter(s[1 : last + 2], p[1 : last + 2]), SMALLEST_NOISE * float(np.max(p)))
 
 
-def scatter(x: FloatArray, values: FloatArray) -> float:
+def scatter(x: Array, values: Array) -> float:
     """Return the standard deviation of the noise in values at x; both (n,), n >= 5.
 
     From the deviation of each value from the cubic through its four neighbours. The median of all

@@ -20,9 +20,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebpts1, chebvander
-from numpy.typing import NDArray
 
-from fretfe.analytic._arguments import FloatArray
+from fretfe._typing import Array, Bools, Positions
 
 # Orders of the series that are tried.
 ORDERS = np.array([1, 2, 3, 4, 5, 6, 8, 10, 12, 14])
@@ -38,18 +37,18 @@ class BondedIncrements:
     from one to the other. One node out of contact stands outside each, unless the surface ends.
     """
 
-    x: FloatArray
-    force: FloatArray
+    x: Array
+    force: Array
     left: float
     right: float
-    inside: NDArray[np.intp]
+    inside: Positions
 
     def ends(self, overhang: float) -> tuple[float, float]:
         """Return the effective edges, ``overhang`` elements outside the outermost nodes."""
         outside_left, outside_right = self.left - self.x[0], self.x[-1] - self.right
         return self.left - overhang * outside_left, self.right + overhang * outside_right
 
-    def model(self, window: NDArray[np.intp], terms: int, overhang: float) -> FloatArray:
+    def model(self, window: Positions, terms: int, overhang: float) -> Array:
         """Return (nodes, 1 + terms): force per unit of the total, and per unit c_1 ... c_terms."""
         left, right = self.ends(overhang)
         a = (right - left) / 2
@@ -70,12 +69,12 @@ class BondedSeries:
     """
 
     ends: tuple[float, float]
-    total: FloatArray
-    terms: FloatArray
-    allowed: NDArray[np.bool_]
+    total: Array
+    terms: Array
+    allowed: Bools
 
 
-def increments(x: FloatArray, q: FloatArray) -> BondedIncrements:
+def increments(x: Array, q: Array) -> BondedIncrements:
     """Return the increments between their outermost nodes.
 
     Args:
@@ -96,7 +95,7 @@ def increments(x: FloatArray, q: FloatArray) -> BondedIncrements:
     return BondedIncrements(nodes, force, float(x[active[0]]), float(x[active[-1]]), inside)
 
 
-def windows(inside: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+def windows(inside: Positions) -> list[Positions]:
     """Return the nodes in contact without DROPS at either end, as far as enough are left."""
     enough = 2 * ORDERS[2] + 4
     return [inside[drop:-drop] for drop in DROPS if inside.size >= 2 * drop + enough]
@@ -127,7 +126,7 @@ def fit_series(data: BondedIncrements, overhang: float) -> BondedSeries:
     return BondedSeries(data.ends(overhang), total, terms, allowed)
 
 
-def edge_terms(series: BondedSeries, edges: FloatArray) -> tuple[FloatArray, FloatArray]:
+def edge_terms(series: BondedSeries, edges: Array) -> tuple[Array, Array]:
     """Return k and beta of k (1 + beta s)/sqrt(s), each (states, 2, windows, orders, k).
 
     Args:
@@ -142,7 +141,7 @@ def edge_terms(series: BondedSeries, edges: FloatArray) -> tuple[FloatArray, Flo
     return np.sqrt(a / 2) * amount, (0.25 - ratio) / a
 
 
-def _edge_sums(ends: tuple[float, float], edges: FloatArray, terms: int) -> FloatArray:
+def _edge_sums(ends: tuple[float, float], edges: Array, terms: int) -> Array:
     """Return (states, 2 edges, 2 sums, J): what units of c_1 ... c_J over ``ends`` contribute.
 
     With C_j, the coefficients over the true area times its half-width, the sums are those of

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe.analytic._arguments import FloatArray, Side, check_positive, side_sign
+from fretfe._typing import Array
+from fretfe.analytic._arguments import Side, check_positive, side_sign
 from fretfe.analytic.edges import slip_length_cyclic, slip_length_loop
 from fretfe.edges.average import average
 
@@ -51,9 +52,7 @@ class PredictedSlip:
     loop: float
 
 
-def slip_border(
-    x: FloatArray, slip: FloatArray, slipping: np.ndarray, edge: float, side: Side
-) -> SlipBorder:
+def slip_border(x: Array, slip: Array, slipping: np.ndarray, edge: float, side: Side) -> SlipBorder:
     """Return the slip-zone length at one edge; all arrays (n,), nodes *in contact* only.
 
     |slip|^(2/3) is a smooth function that vanishes linearly at the stick-slip border. The node at
@@ -98,9 +97,7 @@ def slip_border(
     return SlipBorder(float((low + high) / 2), resolved=False, gross=False, spread=1.5 * size)
 
 
-def _border(
-    s: FloatArray, amount: FloatArray, noise: float, size: float
-) -> tuple[float, float, float]:
+def _border(s: Array, amount: Array, noise: float, size: float) -> tuple[float, float, float]:
     """Return the place of the border, its error bar, and over what length noise hides the slip.
 
     Args:
@@ -145,7 +142,7 @@ def _border(
     return float(place), float(bar), hidden
 
 
-def _zero(s: FloatArray, w: FloatArray, errors: FloatArray, order: int) -> tuple[float, float]:
+def _zero(s: Array, w: Array, errors: Array, order: int) -> tuple[float, float]:
     """Return the zero of a polynomial through w (m,) at s (m,) and its standard error, or NaN."""
     scale = float(np.ptp(s))
     powers = np.arange(order + 1)
@@ -161,7 +158,7 @@ def _zero(s: FloatArray, w: FloatArray, errors: FloatArray, order: int) -> tuple
     return zero * scale, float(np.linalg.norm(zero**powers @ inverse)) * scale / -slope
 
 
-def cycle_change(q: FloatArray, q_previous: FloatArray, friction: float, p_max: float) -> float:
+def cycle_change(q: Array, q_previous: Array, friction: float, p_max: float) -> float:
     """Return the largest change of q between the same states of two cycles, relative to f p_max.
 
     Args:
@@ -178,7 +175,7 @@ def cycle_change(q: FloatArray, q_previous: FloatArray, friction: float, p_max: 
 
 
 def predicted_slip(
-    k_t: FloatArray, k_i: FloatArray, k_n: float, friction: float, reference: int = 0
+    k_t: Array, k_i: Array, k_n: float, friction: float, reference: int = 0
 ) -> PredictedSlip:
     """Return the slip lengths that the edge factors of one closed cycle predict.
 

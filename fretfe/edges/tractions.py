@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fretfe.analytic._arguments import FloatArray, Side, check_positive, check_range, side_sign
+from fretfe._typing import Array
+from fretfe.analytic._arguments import Side, check_positive, check_range, side_sign
 from fretfe.edges.patches import Patch, Resultants, contact_patches, main_patch, resultants
 from fretfe.edges.pressure import FEWEST_NODES, fit_edge
 from fretfe.edges.sampling import scatter
@@ -116,7 +117,7 @@ def analyse_tractions(
     return TractionAnalysis((left, right), forces, float(centre), _remarks(x, p, (left, right)))
 
 
-def _column(name: str, values: ArrayLike, size: int | None = None) -> FloatArray:
+def _column(name: str, values: ArrayLike, size: int | None = None) -> Array:
     column = check_range(name, values, low=-np.finfo(float).max, high=np.finfo(float).max)
     if column.ndim != 1 or column.size < 2 or size not in (None, column.size):
         expected = "(n,), n >= 2" if size is None else f"({size},), that of x"
@@ -125,10 +126,10 @@ def _column(name: str, values: ArrayLike, size: int | None = None) -> FloatArray
 
 
 def _edge(
-    x: FloatArray,
-    p: FloatArray,
-    q: FloatArray | None,
-    slip: FloatArray | None,
+    x: Array,
+    p: Array,
+    q: Array | None,
+    slip: Array | None,
     friction: float | None,
     patch: Patch,
     side: Side,
@@ -159,9 +160,7 @@ def _unknown(remark: str) -> Estimate:
     return Estimate(math.nan, math.inf, remark)
 
 
-def _from_slip(
-    x: FloatArray, slip: FloatArray, patch: Patch, edge: Estimate, side: Side
-) -> Estimate:
+def _from_slip(x: Array, slip: Array, patch: Patch, edge: Estimate, side: Side) -> Estimate:
     """Return the length from the slip, in the direction of the largest slip in this half."""
     if not edge.known:
         return _unknown("the position of the edge is not known")
@@ -181,9 +180,9 @@ def _from_slip(
 
 
 def _from_traction(
-    x: FloatArray,
-    p: FloatArray,
-    q: FloatArray,
+    x: Array,
+    p: Array,
+    q: Array,
     friction: float,
     patch: Patch,
     edge: Estimate,
@@ -221,7 +220,7 @@ def _from_traction(
     return Estimate(length, math.hypot(float(fit.spread_position), edge.spread))
 
 
-def _remarks(x: FloatArray, p: FloatArray, edges: tuple[EdgeAnalysis, ...]) -> tuple[str, ...]:
+def _remarks(x: Array, p: Array, edges: tuple[EdgeAnalysis, ...]) -> tuple[str, ...]:
     """Return what concerns the whole contact, or how two results for an edge differ."""
     patches, remarks = contact_patches(x, p), []
     if len(patches) > 1:

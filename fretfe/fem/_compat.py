@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from fretfe._typing import Array, Indices
 from fretfe.errors import DependencyError
 
 if importlib.util.find_spec("dolfinx_solver") is not None:
@@ -58,8 +59,8 @@ def petsc_library() -> ctypes.CDLL:
 
 def create_mesh(
     comm: MPI.Comm,
-    cells: npt.NDArray[np.int64],
-    points: npt.NDArray[np.float64],
+    cells: Indices,
+    points: Array,
     cell: str,
     order: int,
 ) -> dolfinx.mesh.Mesh:

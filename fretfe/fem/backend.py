@@ -14,15 +14,15 @@ from fretfe.case import Case
 from fretfe.contact.march import StepResult
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
-from fretfe.fem.geometry import load_mesh
-from fretfe.fem.kept import KeptModel, model_key
-from fretfe.fem.mesh_groups import count_unknowns
-from fretfe.fem.meshing import Mesh
+from fretfe.fem.model_cache import KeptModel, model_key
 from fretfe.fem.parallel import on_root
 from fretfe.fem.refine import Evaluated, refine
 from fretfe.fem.run import LoadMesh, Outcome, Progress, solve
 from fretfe.loads import History, build_history
-from fretfe.solution import Solution
+from fretfe.mesh.groups import count_unknowns
+from fretfe.mesh.mesh import Mesh
+from fretfe.results.solution import Solution
+from fretfe.surface.load import load_mesh
 
 T = TypeVar("T")
 NO_SOLIDS = (

@@ -6,14 +6,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from fretfe._typing import Array
 from fretfe.contact.interface import coordinate_range
 from fretfe.contact.state import ContactState, StepLoads
+from fretfe.fem.definition import BodyPlan
 from fretfe.fem.model import Reduction
-from fretfe.fem.plan import BodyPlan
-
-Array = npt.NDArray[np.float64]
 
 
 def force_balance(

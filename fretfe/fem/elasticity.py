@@ -22,9 +22,7 @@ from fretfe.fem._compat import (
     create_mesh,
     expression,
 )
-from fretfe.fem.meshing import BodyMesh
-
-Array = npt.NDArray[np.float64]
+from fretfe.mesh.mesh import BodyMesh
 
 
 @dataclass(frozen=True)

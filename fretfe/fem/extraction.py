@@ -6,22 +6,21 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 from dolfinx import fem
 
+from fretfe._typing import Array, Indices
 from fretfe.case import Case, contact_modulus, plane_modulus
 from fretfe.contact.march import March
 from fretfe.contact.neighbours import FRACTION, neighbour_states
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
 from fretfe.edges import Side, fit_edge
-from fretfe.evaluate.slip_zones import cycle_states
-from fretfe.fem.integrals import InteractionForm, Tip
+from fretfe.edges.slip_zones import cycle_states
+from fretfe.fem.interaction_integral import InteractionForm, Tip
 from fretfe.fem.model import Model
 from fretfe.fem.reduction import Pair
-from fretfe.solution import ContactHistory, EdgeIntegrals, Neighbours, Solution
+from fretfe.results.solution import ContactHistory, EdgeIntegrals, Neighbours, Solution
 
-Array = npt.NDArray[np.float64]
 SIDES: tuple[Side, Side] = ("left", "right")
 # Whether bodies 1 and 2 are above the interface.
 UPPER = (True, False)
@@ -240,7 +239,7 @@ class _Draft:
 class _Areas:
     """Contact areas (S,) of one contact, edges (S, 2) there and (2,) in the last state, radii."""
 
-    numbers: npt.NDArray[np.int64]
+    numbers: Indices
     positions: Array
     last: Array
     reaches: Array

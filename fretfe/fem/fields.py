@@ -5,18 +5,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-import numpy.typing as npt
 from dolfinx import fem
 from dolfinx.io import VTKFile
 
+from fretfe._typing import Array
 from fretfe.fem.model import Model
 
 
 def write_fields(
     model: Model,
     fields: list[dict[str, fem.Function]],
-    times: npt.NDArray[np.float64],
+    times: Array,
     directory: Path,
 ) -> None:
     """Write one time series per body: `<body>.pvd`, displacement and stress.

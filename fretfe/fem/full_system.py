@@ -6,16 +6,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 
+from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import coordinate_range
-from fretfe.fem.body import Body, constraint_shapes
+from fretfe.fem.condensation import Body, constraint_shapes
+from fretfe.fem.definition import BodyPlan, ModelPlan
 from fretfe.fem.model import Reduction
-from fretfe.fem.plan import BodyPlan, ModelPlan
-
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -52,7 +49,7 @@ class FullSystem:
     contacts: tuple[slice, ...]
     constraints: Indices
     numbers: Indices
-    prescribed: npt.NDArray[np.bool_]
+    prescribed: Bools
 
     def relative(self, x: Array) -> Array:
         """(N, d) nodal mean of gap and tangential displacement."""

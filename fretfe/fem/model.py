@@ -7,25 +7,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from dolfinx import fem
 
+from fretfe._typing import Array
 from fretfe.case import Case
 from fretfe.contact.interface import Interface, coordinate_range
 from fretfe.contact.state import ContactState, StepLoads
 from fretfe.fem._compat import MPI
-from fretfe.fem.body import Body
+from fretfe.fem.condensation import Body
+from fretfe.fem.definition import BodyPlan, ModelPlan, plan_model
 from fretfe.fem.elasticity import ElasticBody
-from fretfe.fem.meshing import Mesh
-from fretfe.fem.mortar import couple
 from fretfe.fem.parallel import on_root
-from fretfe.fem.plan import BodyPlan, ModelPlan, plan_model
 from fretfe.fem.reduction import Pair, ReducedBody, build_interface
-from fretfe.fem.surface import Surface, build_surface
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
-
-Array = npt.NDArray[np.float64]
+from fretfe.mesh.mesh import Mesh
+from fretfe.surface.mortar import couple
+from fretfe.surface.surface import Surface, build_surface
 
 
 @dataclass(frozen=True)

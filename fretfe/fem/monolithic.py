@@ -28,16 +28,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 
+from fretfe._typing import Array
 from fretfe.contact.state import StepLoads
 from fretfe.errors import ConvergenceError, FretfeError
 from fretfe.fem._compat import PETSc
 from fretfe.fem.full_system import assemble_system
 from fretfe.fem.model import Model
-
-Array = npt.NDArray[np.float64]
 
 MAX_ITERATIONS = 60
 # Residuals below this fraction of the largest displacement or gap are round-off; of one beyond the

@@ -6,15 +6,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 from scipy.linalg import cholesky, solve_triangular
 
+from fretfe._typing import Array
 from fretfe.contact.interface import Coordinate, Interface, coordinate_range, require_held
-from fretfe.fem.body import CondensedBody
-from fretfe.fem.mortar import Coupling
-
-Array = npt.NDArray[np.float64]
+from fretfe.fem.condensation import CondensedBody
+from fretfe.surface.mortar import Coupling
 
 
 @dataclass(frozen=True)

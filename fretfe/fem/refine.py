@@ -15,18 +15,8 @@ import numpy as np
 
 from fretfe.backends.protocol import Announce, mute
 from fretfe.case import Case
-from fretfe.errors import FretfeError, MeshError
-from fretfe.evaluate import ContactSummary
-from fretfe.fem._compat import MPI
-from fretfe.fem.geometry import load_mesh
-from fretfe.fem.mesh_groups import count_unknowns
-from fretfe.fem.meshing import Mesh
-from fretfe.fem.parallel import on_root
-from fretfe.fem.run import Outcome, Progress, solve
-from fretfe.fem.sizing import Sizes, Source, apply_sizes, curves_of_groups, length_of
-from fretfe.fem.surface import build_surface
-from fretfe.loads import History
-from fretfe.refinement import (
+from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.refinement import (
     Interval,
     Pass,
     Refinement,
@@ -35,7 +25,17 @@ from fretfe.refinement import (
     needed_sizes,
     resolves,
 )
-from fretfe.solution import Solution
+from fretfe.errors import FretfeError, MeshError
+from fretfe.fem._compat import MPI
+from fretfe.fem.parallel import on_root
+from fretfe.fem.run import Outcome, Progress, solve
+from fretfe.geometry.sizing import Sizes, Source, apply_sizes, curves_of_groups, length_of
+from fretfe.loads import History
+from fretfe.mesh.groups import count_unknowns
+from fretfe.mesh.mesh import Mesh
+from fretfe.results.solution import Solution
+from fretfe.surface.load import load_mesh
+from fretfe.surface.surface import build_surface
 
 # Elements along the shorter surface of a contact in the first mesh.
 FIRST_ELEMENTS = 40

@@ -12,20 +12,20 @@ from typing import Any
 from fretfe.case import Case
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.recorder import Place, Recorder
+from fretfe.edges.evaluate import ContactSummary, evaluate
+from fretfe.edges.extremes import load_extremes
 from fretfe.errors import ConvergenceError, ModelError, StoppedError
-from fretfe.evaluate import ContactSummary, evaluate
-from fretfe.evaluate.extremes import load_extremes
 from fretfe.fem._compat import MPI
 from fretfe.fem.balance import force_balance
 from fretfe.fem.extraction import add_integrals
 from fretfe.fem.fields import write_fields
-from fretfe.fem.geometry import load_mesh
-from fretfe.fem.meshing import Mesh
 from fretfe.fem.model import Model, step_loads
 from fretfe.fem.parallel import on_root, release
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
-from fretfe.solution import Solution
+from fretfe.mesh.mesh import Mesh
+from fretfe.results.solution import Solution
+from fretfe.surface.load import load_mesh
 
 Progress = Callable[[int, int, StepResult], None]
 LoadMesh = Callable[[], Mesh]

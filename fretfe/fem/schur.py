@@ -12,9 +12,8 @@ import ctypes
 import numpy as np
 import numpy.typing as npt
 
+from fretfe._typing import Array
 from fretfe.fem._compat import PETSc, petsc_library
-
-Array = npt.NDArray[np.float64]
 
 # MUMPS control: the fill-reducing ordering. Approximate minimum degree is analysed several times
 # faster than the default, nested dissection, which does not pay before some million unknowns.

@@ -15,9 +15,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from fretfe._typing import Array, Bools
 
 # Pairs of hats nearer than this many elements are integrated in closed form. Further apart the
 # closed form loses digits to cancellation, and Gauss points are exact to 1e-11.
@@ -79,7 +78,7 @@ class HatFunctions:
         shift = np.where(near, np.log(distance), 0.0)
         return 2 / np.pi * (logarithm + shift * np.outer(self.weights, self.weights))
 
-    def _near(self) -> npt.NDArray[np.bool_]:
+    def _near(self) -> Bools:
         reach = NEAR * np.maximum(np.diff(self.grid)[1:], np.diff(self.grid)[:-1])
         return np.abs(self.nodes[:, None] - self.nodes) < np.maximum.outer(reach, reach)
 

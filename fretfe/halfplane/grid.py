@@ -6,9 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from fretfe._typing import Array
 
 # The grid ends this fraction of the contact outside its edges, which leaves room for errors of the
 # edges; the outermost nodes carry no traction.

@@ -12,24 +12,22 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from fretfe._typing import Array
 from fretfe.contact.interface import Coordinate, Interface
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.neighbours import FRACTION, neighbour_states
 from fretfe.contact.recorder import Place, Recorder
 from fretfe.contact.state import StepLoads
+from fretfe.edges.factors import UnitFactors
+from fretfe.edges.half_plane import half_plane_units
+from fretfe.edges.slip_zones import cycle_states
 from fretfe.errors import ConvergenceError
-from fretfe.evaluate.factors import UnitFactors
-from fretfe.evaluate.half_plane import half_plane_units
-from fretfe.evaluate.slip_zones import cycle_states
 from fretfe.halfplane.compliance import HatFunctions
 from fretfe.halfplane.grid import EdgeRange, graded_grid
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.idealise.edges import contact_edges, governing_length
-from fretfe.solution import ContactHistory, Neighbours, Solution
-
-Array = npt.NDArray[np.float64]
+from fretfe.results.solution import ContactHistory, Neighbours, Solution
 
 ELEMENTS = 300
 # Distance of the reference point of the displacements, in widths of the grid: only a rigid motion.
@@ -63,7 +61,7 @@ class HalfPlaneOutcome:
     def unit_factors(
         self, solution: Solution, contact: ContactHistory, positions: Array
     ) -> UnitFactors:
-        """K_T and K_I for a unit of each driver in closed form; see `fretfe.evaluate.evaluate`."""
+        """K_T and K_I for a unit of each driver in closed form; see `evaluate`."""
         units = half_plane_units(positions)[..., [2, 0, 1, 3]] * np.array([1.0, -1.0, -1.0, 1.0])
         return UnitFactors(units[None], None)
 

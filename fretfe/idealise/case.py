@@ -9,6 +9,7 @@ import numpy as np
 
 from fretfe.case import Case
 from fretfe.errors import ModelError
+from fretfe.geometry.templates import check_parameters, find_template
 from fretfe.idealise.bodies import (
     LOWER,
     UPPER,
@@ -21,7 +22,6 @@ from fretfe.idealise.edges import contact_edges
 from fretfe.idealise.loading import guided, loading_obstacles, one_sided, read_loading
 from fretfe.idealise.problem import HalfPlaneProblem
 from fretfe.loads import History, build_history
-from fretfe.templates import check_parameters, find_template
 
 # Bodies smaller than this many half-widths are no half-planes at all; below the second number the
 # difference (of the order of (half-width/size)^2) is worth a note.

@@ -6,13 +6,10 @@ from __future__ import annotations
 from dataclasses import fields
 
 import numpy as np
-import numpy.typing as npt
 
 from fretfe.analytic.profiles import edge_factor_k_n
 from fretfe.analytic.rocking import TiltedContact, tilted_contact
 from fretfe.idealise.problem import HalfPlaneProblem
-
-Array = npt.NDArray[np.float64]
 
 
 def contact_edges(problem: HalfPlaneProblem) -> TiltedContact:

@@ -7,13 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from fretfe._typing import Array
 from fretfe.case import Case, PlatenLoad, TractionLoad, plane_modulus, unit_vector
 from fretfe.idealise.bodies import LOWER, Block
 from fretfe.loads import History
-
-Array = npt.NDArray[np.float64]
 
 TOP, BOTTOM = "upper_top", "lower_bottom"
 # Direction of the outward normal of the sides of the lower body, along x.

@@ -7,13 +7,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from fretfe._typing import Array, Bools
 from fretfe.analytic.profiles import Profile
 from fretfe.errors import ModelError
 from fretfe.loads import History
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -94,6 +92,6 @@ class HalfPlaneProblem:
             )
 
     @property
-    def _sheared(self) -> npt.NDArray[np.bool_]:
+    def _sheared(self) -> Bools:
         """(T,) whether a shear force acts that is not round-off."""
         return np.abs(self.shear_force) > 1e-12 * self.normal_force.max()

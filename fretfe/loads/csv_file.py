@@ -10,11 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fretfe._typing import Array
 from fretfe.errors import CaseError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from fretfe._typing import Array
 from fretfe.case import Case, complaint
 from fretfe.errors import CaseError
-from fretfe.loads.segments import SAME_TIME, Array, Key, Piece
+from fretfe.loads.segments import SAME_TIME, Key, Piece
 
 # Periods divide a cycle if their ratio is a whole number to this accuracy (periods are typed).
 WHOLE_NUMBER = 1e-6

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fretfe._typing import Array
 from fretfe.case import Case, complaint
 from fretfe.errors import CaseError
 from fretfe.loads.cycle import check_times, find_cycle
-from fretfe.loads.segments import SAME_TIME, Array, Piece, read_pieces
+from fretfe.loads.segments import SAME_TIME, Piece, read_pieces
 
 
 @dataclass(frozen=True)

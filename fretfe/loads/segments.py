@@ -7,13 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fretfe._typing import Array
 from fretfe.case import Case, CsvPoints, Hold, Points, Ramp, Segment, Wave, complaint
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_columns
 
-Array = NDArray[np.float64]
 Key = tuple[str | int, ...]
 
 # Times closer than this fraction of the whole history are one time.

@@ -7,10 +7,11 @@ from collections import Counter
 from dataclasses import dataclass
 
 from fretfe.backends import EdgeHistories
-from fretfe.evaluate import ContactSummary, Edge, SlipZone
-from fretfe.reading import Results
+from fretfe.edges.evaluate import ContactSummary, Edge
+from fretfe.edges.slip_zones import SlipZone
+from fretfe.quality.validate.single import asymptote_row, element_size
 from fretfe.report.numbers import number, with_error
-from fretfe.validate.single import asymptote_row, element_size
+from fretfe.results.reader import Results
 
 # Slip zones of an edge that are shown: those of the last loading and unloading.
 ZONES = 2

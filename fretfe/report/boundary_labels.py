@@ -11,14 +11,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 
+from fretfe._typing import Array
 from fretfe.backends import BodyArrays
-
-Array = npt.NDArray[np.float64]
 
 SPACING = 0.2
 MARGIN = 0.12

@@ -10,11 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
+from fretfe._typing import Array, Indices
 
 # Linear pieces of a cell, by its number of nodes in VTK's order.
 PIECES = {

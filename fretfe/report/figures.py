@@ -7,14 +7,14 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from fretfe._typing import Bools
 from fretfe.case import Case
-from fretfe.evaluate import ContactSummary
-from fretfe.evaluate.extremes import load_extremes
-from fretfe.solution import ContactHistory, Solution
+from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.extremes import load_extremes
+from fretfe.results.solution import ContactHistory, Solution
 
 # Two colours that stay apart for colour-blind readers and in grey (Okabe and Ito).
 EXTREME_COLOURS = ("#0072B2", "#D55E00")
@@ -61,7 +61,7 @@ def draw_contact(
     panel.set_ylabel(f"p, q [{stress}]")
 
 
-def _around_contact(history: ContactHistory, state: int) -> npt.NDArray[np.bool_]:
+def _around_contact(history: ContactHistory, state: int) -> Bools:
     """Nodes of the contact at a state and a little beyond."""
     closed = history.arc[history.traction[state, :, 0] > 0]
     if not len(closed):

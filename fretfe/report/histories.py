@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fretfe.case import Case
-from fretfe.evaluate import ContactSummary
+from fretfe.edges.evaluate import ContactSummary
 from fretfe.loads import History
 from fretfe.report.figures import STYLE
 

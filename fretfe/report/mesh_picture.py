@@ -9,7 +9,6 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection, PolyCollection
@@ -18,12 +17,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
+from fretfe._typing import Array
 from fretfe.backends import BodyArrays
 from fretfe.case import Case
 from fretfe.report.boundary_labels import SPACING, boundary_labels, column_widths, draw_labels
 from fretfe.report.outlines import boundary_curves, cell_outlines
-
-Array = npt.NDArray[np.float64]
 
 STYLE: Any = {"font.size": 9, "axes.linewidth": 0.6, "axes.formatter.useoffset": False}
 DPI = 160

@@ -4,12 +4,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from fretfe._typing import Array, Bools, Indices
 from fretfe.backends import BodyArrays
-
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
 
 CORNERS = {"triangle": 3, "quadrilateral": 4}
 # Straight pieces that a curved edge is drawn with.
@@ -68,7 +65,7 @@ def _chains(facets: Indices) -> list[list[int]]:
     return chains
 
 
-def _bulges(first: Array, last: Array, middle: Array) -> npt.NDArray[np.bool_]:
+def _bulges(first: Array, last: Array, middle: Array) -> Bools:
     """Whether edges are visibly curved."""
     bulge = np.linalg.norm(middle - (first + last) / 2, axis=-1)
     return bulge > VISIBLE_BULGE * np.linalg.norm(last - first, axis=-1)

@@ -14,14 +14,14 @@ from markupsafe import Markup
 from rich.table import Table
 
 from fretfe.errors import OutputError
-from fretfe.reading import Results, read_results
+from fretfe.quality.validate.single import own_rows
 from fretfe.report.answer import edge_answers, summary
 from fretfe.report.numbers import number
 from fretfe.report.picture_list import read_pictures
 from fretfe.report.sections import plot_sections, solver_plots
 from fretfe.report.tables import contact_table, limit_table, mesh_table, timing_table
-from fretfe.solution import Solution
-from fretfe.validate.single import own_rows
+from fretfe.results.reader import Results, read_results
+from fretfe.results.solution import Solution
 
 REPORT = "report.html"
 TEMPLATE, STYLE = "report.html.j2", "report.css"

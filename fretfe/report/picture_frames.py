@@ -21,7 +21,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from PIL import Image as Pillow
 
-Array = npt.NDArray[np.float64]
+from fretfe._typing import Array
+
 Pixels = npt.NDArray[np.uint8]
 
 STYLE: Any = {"font.size": 9, "axes.linewidth": 0.6, "axes.formatter.useoffset": False}

@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 
-from fretfe.evaluate.extremes import load_extremes
+from fretfe.edges.extremes import load_extremes
 
 T = TypeVar("T")
 

@@ -8,14 +8,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from fretfe._typing import Array
 from fretfe.report.field_files import CORNERS, BodyField
 from fretfe.report.picture_plan import EdgePlace
 from fretfe.report.results_arrays import StoredContact
 from fretfe.report.view import View, view_of_box
-
-Array = npt.NDArray[np.float64]
 
 # Largest displacement that is drawn, and largest overlap of the bodies, as fractions of their size.
 DRAWN_DISPLACEMENT, DRAWN_OVERLAP = 0.04, 0.003

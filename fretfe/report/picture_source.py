@@ -8,16 +8,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
-from fretfe.reading import read_numbers
+from fretfe._typing import Array
 from fretfe.report.field_files import BodyField, field_times, find_time, read_body
 from fretfe.report.picture_texts import time_text
 from fretfe.report.results_arrays import StoredArrays, read_arrays
-from fretfe.results import FIELDS
-
-Array = npt.NDArray[np.float64]
+from fretfe.results.reader import read_numbers
+from fretfe.results.writer import FIELDS
 
 
 @dataclass(frozen=True)

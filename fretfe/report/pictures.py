@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from fretfe.errors import OutputError
-from fretfe.reading import read_numbers
 from fretfe.report.child import draw_in_child
 from fretfe.report.picture_frames import save_png
 from fretfe.report.picture_plan import FOLDER, LIST, Wanted, plan_pictures
 from fretfe.report.results_arrays import StoredArrays, read_arrays
 from fretfe.report.status_pictures import draw_status
-from fretfe.results import FIELDS
+from fretfe.results.reader import read_numbers
+from fretfe.results.writer import FIELDS
 
 
 def make_pictures(directory: Path) -> None:

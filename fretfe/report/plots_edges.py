@@ -11,12 +11,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fretfe.evaluate import Edge
-from fretfe.evaluate.extremes import load_extremes
+from fretfe._typing import Array, Bools
+from fretfe.edges.evaluate import Edge
+from fretfe.edges.extremes import load_extremes
 from fretfe.report.drawing import (
     BLUE,
     GREEN,
@@ -28,9 +28,7 @@ from fretfe.report.drawing import (
     make_plot,
 )
 from fretfe.report.states import Shown, time_text
-from fretfe.solution import Solution
-
-Array = npt.NDArray[np.float64]
+from fretfe.results.solution import Solution
 
 # Decades below the half-width that are shown at most.
 DECADES = 4
@@ -135,18 +133,14 @@ def _smallest(s: Array) -> float:
     return float(sizes.max(initial=0.0)) / 2
 
 
-def _pressure(
-    axes: Axes, shown: Shown, near: _Near, s: Array, inside: npt.NDArray[np.bool_], line: Array
-) -> None:
+def _pressure(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line: Array) -> None:
     p = shown.history.mean_traction[near.later, inside, 0]
     axes.plot(s[inside], _positive(p), ".-", ms=4, lw=0.8, color=BLUE, label="p, mean at the nodes")
     k_n = near.edge.k_n[near.later]
     axes.plot(line, k_n * np.sqrt(line), "--", color=VERMILLION, label="K_N √s")
 
 
-def _shear(
-    axes: Axes, shown: Shown, near: _Near, s: Array, inside: npt.NDArray[np.bool_], line: Array
-) -> None:
+def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line: Array) -> None:
     history, states = shown.history, (near.earlier, near.later)
     before, after = (history.mean_traction[state, inside] for state in states)
     change = near.sign * (after[:, 1] - before[:, 1])

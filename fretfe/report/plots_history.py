@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fretfe.evaluate import ContactSummary
-from fretfe.reading import Results
+from fretfe._typing import Array
+from fretfe.edges.evaluate import ContactSummary
 from fretfe.report.drawing import (
     BLUE,
     GREY,
@@ -22,8 +21,7 @@ from fretfe.report.drawing import (
 )
 from fretfe.report.histories import fill_loads
 from fretfe.report.states import span
-
-Array = npt.NDArray[np.float64]
+from fretfe.results.reader import Results
 
 FACTORS_INTRO = (
     "K_T belongs to the shear and is positive if that on body 2 points inward; K_I belongs to the "

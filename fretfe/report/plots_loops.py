@@ -4,16 +4,14 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from fretfe.reading import Results
+from fretfe._typing import Array
 from fretfe.report.drawing import BLUE, Plot, make_plot, plain_axis
 from fretfe.report.numbers import number
 from fretfe.report.states import Shown, span
-from fretfe.solution import OPEN, Solution
-
-Array = npt.NDArray[np.float64]
+from fretfe.results.reader import Results
+from fretfe.results.solution import OPEN, Solution
 
 INTRO = (
     "Contacts: the shear force over the displacement of body 1 relative to body 2, as a mean over "

@@ -4,18 +4,16 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from fretfe.evaluate import Edge
+from fretfe._typing import Array
+from fretfe.edges.evaluate import Edge
 from fretfe.report.drawing import PALE, SKY, VERMILLION, Plot, make_plot
 from fretfe.report.states import Shown, span
-from fretfe.solution import OPEN, SLIP, STICK
-
-Array = npt.NDArray[np.float64]
+from fretfe.results.solution import OPEN, SLIP, STICK
 
 # By status, the direction of slip, and whether there is friction; from light to dark in grey too.
 KINDS = {

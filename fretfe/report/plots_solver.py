@@ -6,12 +6,12 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from fretfe.refinement import Refinement, changes_by_kind
+from fretfe._typing import Array
+from fretfe.edges.refinement import Refinement, changes_by_kind
 from fretfe.report.drawing import (
     BLUE,
     GREEN,
@@ -23,9 +23,7 @@ from fretfe.report.drawing import (
     log_axis,
     make_plot,
 )
-from fretfe.solution import Solution
-
-Array = npt.NDArray[np.float64]
+from fretfe.results.solution import Solution
 
 
 def iteration_plot(solution: Solution) -> Plot:

@@ -10,11 +10,10 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
+from fretfe._typing import Array
 from fretfe.errors import OutputError
-from fretfe.reading import StoredBody, read_body
-from fretfe.results import ARRAYS
-
-Array = npt.NDArray[np.float64]
+from fretfe.results.reader import StoredBody, read_body
+from fretfe.results.writer import ARRAYS
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from fretfe.reading import Results
 from fretfe.report import plots_edges, plots_loops, plots_slip, plots_tractions
 from fretfe.report.drawing import Plot
 from fretfe.report.plots_edges import edge_plot
@@ -22,6 +21,7 @@ from fretfe.report.plots_slip import slip_plot
 from fretfe.report.plots_solver import certificate_plot, iteration_plot, refinement_plot
 from fretfe.report.plots_tractions import traction_plot
 from fretfe.report.states import Shown
+from fretfe.results.reader import Results
 
 
 @dataclass(frozen=True)

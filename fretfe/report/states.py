@@ -6,9 +6,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fretfe.backends import EdgeHistories
-from fretfe.evaluate import ContactSummary
-from fretfe.reading import Results
-from fretfe.solution import ContactHistory
+from fretfe.edges.evaluate import ContactSummary
+from fretfe.results.reader import Results
+from fretfe.results.solution import ContactHistory
 
 
 @dataclass(frozen=True)

@@ -26,9 +26,7 @@ from fretfe.report.picture_frames import (
 from fretfe.report.picture_texts import load_text, time_text
 from fretfe.report.results_arrays import StoredArrays, StoredBody, StoredContact
 from fretfe.report.view import View
-from fretfe.solution import OPEN, SLIP, STICK
-
-Array = npt.NDArray[np.float64]
+from fretfe.results.solution import OPEN, SLIP, STICK
 
 # Height of a panel over its width.
 ASPECT = 0.36

@@ -9,14 +9,13 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from fretfe._typing import Array
 from fretfe.case import Units
 
-Array = npt.NDArray[np.float64]
 Record = Mapping[str, Any]
 Edge = tuple[str, str]
 

@@ -6,18 +6,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-import numpy.typing as npt
 from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from fretfe._typing import Array
 from fretfe.backends import Installed
 from fretfe.case import Case
-from fretfe.evaluate import ContactSummary, Edge, SlipZone
-from fretfe.refinement import EdgeValues, Refinement, changes_by_kind
+from fretfe.edges.evaluate import ContactSummary, Edge
+from fretfe.edges.refinement import EdgeValues, Refinement, changes_by_kind
+from fretfe.edges.slip_zones import SlipZone
+from fretfe.geometry.templates import Parameter, Template
 from fretfe.report.numbers import MISSING, number, percent
-from fretfe.templates import Parameter, Template
 
 
 def edge_table(case: Case, contacts: tuple[ContactSummary, ...]) -> Table:
@@ -196,5 +196,5 @@ def timing_table(seconds: Mapping[str, float]) -> Table:
     return table
 
 
-def _range(values: npt.NDArray[np.float64]) -> str:
+def _range(values: Array) -> str:
     return f"{number(values.min())} … {number(values.max())}"

@@ -6,9 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from fretfe._typing import Array, Bools
 
 
 @dataclass(frozen=True)
@@ -37,7 +36,7 @@ class View:
         turned = (points - self.centre) @ np.stack([self.tangent, self.normal], axis=1)
         return turned + self.origin
 
-    def overlaps(self, shapes: Array) -> npt.NDArray[np.bool_]:
+    def overlaps(self, shapes: Array) -> Bools:
         """Whether the boxes around shapes (m, k, 2) reach into the rectangle."""
         local = self.local(shapes) - self.origin
         low, high = local.min(axis=1), local.max(axis=1)

@@ -12,7 +12,7 @@ from typing import Any
 from fretfe.backends import Backend, EdgeHistories, RunOptions, SharingBackend
 from fretfe.case import Case, Units
 from fretfe.errors import FretfeError, StoppedError
-from fretfe.records import edge_records
+from fretfe.results.records import edge_records
 from fretfe.sweeps.variants import Variant
 
 Solve = Callable[[Case, RunOptions], EdgeHistories]
@@ -25,7 +25,7 @@ class Solved:
 
     Attributes:
         values: that distinguish it, by key.
-        edges: a record for each contact edge (`fretfe.records.edge_records`); none if it failed.
+        edges: a record for each contact edge (see `edge_records`); none if it failed.
         failure: why it could not be solved; empty if it was.
         notes: what the backend assumed.
         seconds: wall time.

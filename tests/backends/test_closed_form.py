@@ -8,15 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 from halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, loop, problem, solved, started
-from numpy.typing import NDArray
 
+from fretfe._typing import Array
 from fretfe.analytic.profiles import FlatRounded, Wedge
 from fretfe.backends.analytic import solve_closed_form
 from fretfe.backends.closed_form import ASYMPTOTE, EXACT, MODERATE
-from fretfe.evaluate import ContactSummary
+from fretfe.edges.evaluate import ContactSummary
 from fretfe.idealise import HalfPlaneProblem
 
-Array = NDArray[np.float64]
 STEPS = 24
 WEDGE, FLAT = Wedge(0.01, 100.0), FlatRounded(0.5, 20.0, 100.0)
 

@@ -207,7 +207,7 @@ def test_case_that_is_no_half_plane_problem(tmp_path: Path) -> None:
 WITHOUT_DOLFINX = f"""
 import sys
 sys.modules.update(dict.fromkeys({sorted(FEM_ONLY)}))
-from fretfe.cli import main
+from fretfe.cli.app import main
 main()
 """
 

@@ -11,17 +11,15 @@ import numpy as np
 import pytest
 from halfplane_interface import Flank
 from halfspace import SphereOnFlat
-from numpy.typing import NDArray
 
+from fretfe.contact.admm import status_by_fixed_point
 from fretfe.contact.certificate import certify
-from fretfe.contact.fallback import status_by_fixed_point
 from fretfe.contact.interface import Interface
 from fretfe.contact.march import MAX_CUTS, March, StepResult
 from fretfe.contact.newton import Newton, NotConverged
 from fretfe.contact.state import ContactState, StepLoads, unloaded
 from fretfe.errors import ConvergenceError
 
-Array = NDArray[np.float64]
 Solve = Callable[..., tuple[ContactState, int]]
 
 FRICTION = 0.5

@@ -13,14 +13,13 @@ import pytest
 from halfspace import SphereOnFlat
 from numpy.typing import NDArray
 
+from fretfe._typing import Array
 from fretfe.contact.certificate import certify
 from fretfe.contact.interface import Interface
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.newton import Guess, Newton, _Solution, _Step
 from fretfe.contact.state import OPEN, SLIP, STICK, StepLoads
 from fretfe.errors import ConvergenceError
-
-Array = NDArray[np.float64]
 
 FRICTION = 0.4
 # E* = R = a = 1.

@@ -12,15 +12,13 @@ import halfplane_interface as halfplane
 import numpy as np
 import pytest
 from halfplane_interface import Flank
-from numpy.typing import NDArray
 
+from fretfe._typing import Array
 from fretfe.contact.certificate import certify
 from fretfe.contact.interface import Interface
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.state import OPEN, SLIP, STICK, ContactState, StepLoads, unloaded
 from fretfe.errors import ConvergenceError
-
-Array = NDArray[np.float64]
 
 # Hertz with E* = R = 1: a = 1 and p0 = 1/2 at P = pi/4.
 LOAD = np.pi / 4

@@ -18,11 +18,11 @@ from meshes_b1 import RADIUS, write_b1
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import Hertz
 from fretfe.case import parse_case
-from fretfe.evaluate import ContactSummary, evaluate
+from fretfe.edges.evaluate import ContactSummary, evaluate
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.loads import build_history
-from fretfe.solution import SLIP, ContactHistory, Solution
+from fretfe.results.solution import SLIP, ContactHistory, Solution
 
 E_STAR = YOUNG / (2 * (1 - POISSON**2))
 PRESS, EXTREMES = 5, (15, 35, 55)

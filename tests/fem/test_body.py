@@ -8,19 +8,18 @@ from collections.abc import Sequence
 import blocks
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from petsc_garbage import replace_meshes
 
+from fretfe._typing import Array
 from fretfe.fem._compat import MPI
-from fretfe.fem.body import Body, CondensedBody, Constraint, rigid_motions
+from fretfe.fem.condensation import Body, CondensedBody, Constraint, rigid_motions
 from fretfe.fem.elasticity import DistributedLoad, ElasticBody, Material
-from fretfe.fem.meshing import BodyMesh
-from fretfe.fem.surface import build_surface
 from fretfe.fem.timing import Clock
+from fretfe.mesh.mesh import BodyMesh
+from fretfe.surface.surface import build_surface
 
 pytestmark = pytest.mark.mpi
 
-Array = NDArray[np.float64]
 
 STEEL = Material(200.0, 0.3, 2.5, "strain")
 LENGTH, HEIGHT = 1.5, 1.0

@@ -15,8 +15,8 @@ from launch import python
 from meshes_b1 import write_b1
 
 from fretfe.case import load_case
-from fretfe.fem.geometry import load_mesh
-from fretfe.fem.meshing import read_mesh
+from fretfe.mesh.mesh import read_mesh
+from fretfe.surface.load import load_mesh
 
 CASE = """
 title = "Pad on a block"

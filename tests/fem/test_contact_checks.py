@@ -8,15 +8,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from blocks import Array, Map, block
+from blocks import Map, block
 from tiny_meshes import TWO_SQUARES
 
+from fretfe._typing import Array
 from fretfe.case import Case, load_case, parse_case
 from fretfe.errors import MeshError
-from fretfe.fem.body_overlap import body_overlaps
-from fretfe.fem.contact_checks import check_contacts
-from fretfe.fem.geometry import load_mesh
-from fretfe.fem.meshing import BodyMesh, Mesh
+from fretfe.mesh.body_overlap import body_overlaps
+from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.surface.checks import check_contacts
+from fretfe.surface.load import load_mesh
 
 STEEL = {"young": 2e5, "poisson": 0.3}
 SQUARES_CASE = """

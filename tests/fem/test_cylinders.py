@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from fretfe.case import parse_case
-from fretfe.evaluate import ContactSummary, evaluate
+from fretfe.edges.evaluate import ContactSummary, evaluate
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.loads import build_history
-from fretfe.solution import ContactHistory
+from fretfe.results.solution import ContactHistory
 
 HALF_WIDTH, PEAK_PRESSURE, STICK_HALF_WIDTH = 0.680778, 9.351351, 0.496511
 K_N, K_T = 16.02826, 0.255377

@@ -42,7 +42,7 @@ def deprecated(*arguments):
     warnings.warn_explicit("create_mesh is old", DeprecationWarning, "mesh.py", 1, "dolfinx.mesh")
     return create_mesh(*arguments)
 dolfinx.mesh.create_mesh = deprecated
-from fretfe.cli import main
+from fretfe.cli.app import main
 sys.argv[0] = "fretfe"
 main()
 """

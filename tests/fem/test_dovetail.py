@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from fretfe.case import parse_case
-from fretfe.evaluate import ContactSummary, evaluate
+from fretfe.edges.evaluate import ContactSummary, evaluate
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.loads import build_history
-from fretfe.solution import STICK, Solution
+from fretfe.results.solution import STICK, Solution
 
 DEMO = Path(__file__).parents[2] / "demos" / "dovetail.toml"
 

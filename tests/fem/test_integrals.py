@@ -14,7 +14,7 @@ from fretfe.backends import EdgeHistories
 from fretfe.case import parse_case
 from fretfe.edges import Side
 from fretfe.fem.backend import BACKEND
-from fretfe.solution import EdgeIntegrals
+from fretfe.results.solution import EdgeIntegrals
 
 SIDES: tuple[Side, Side] = ("left", "right")
 # Large, so that half-planes are near; held from below, the block takes Q half to either side.

@@ -7,17 +7,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from blocks import Array, Map, block
+from blocks import Map, block
 from chains import surface
 
+from fretfe._typing import Array
 from fretfe.case import parse_case
-from fretfe.fem.contact_checks import face_contacts
-from fretfe.fem.contact_quality import ContactQuality, contact_quality, mesh_warnings
-from fretfe.fem.facing import facet_curvatures, shape_deviation
-from fretfe.fem.held import free_motions
-from fretfe.fem.mesh_groups import mesh_summary
-from fretfe.fem.meshing import BodyMesh, Mesh
-from fretfe.fem.plan import plan_model
+from fretfe.fem.definition import plan_model
+from fretfe.fem.rigid_modes import free_motions
+from fretfe.mesh.groups import mesh_summary
+from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.surface.checks import face_contacts
+from fretfe.surface.gap import facet_curvatures, shape_deviation
+from fretfe.surface.quality import ContactQuality, contact_quality, mesh_warnings
 
 STEEL = {"young": 2e5, "poisson": 0.3}
 CASE: dict[str, Any] = {

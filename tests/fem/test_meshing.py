@@ -15,10 +15,10 @@ from meshes_b1 import RADIUS, ZONE, write_b1
 from tiny_meshes import CURVED_QUADRILATERAL, CURVED_TRIANGLE, TWO_SQUARES, TinyMesh
 
 from fretfe.errors import DependencyError, MeshError
-from fretfe.fem.cell_geometry import directed_edges, exterior_edges, jacobian_determinants
-from fretfe.fem.gmsh_reader import gmsh_model, import_gmsh
-from fretfe.fem.mesh_groups import facet_lengths
-from fretfe.fem.meshing import BodyMesh, Mesh, read_mesh
+from fretfe.geometry.gmsh_model import gmsh_model, import_gmsh
+from fretfe.mesh.cell_geometry import directed_edges, exterior_edges, jacobian_determinants
+from fretfe.mesh.groups import facet_lengths
+from fretfe.mesh.mesh import BodyMesh, Mesh, read_mesh
 
 BOUNDARIES = {
     "pad": {"pad_contact", "pad_top"},

@@ -13,16 +13,15 @@ import numpy as np
 import pytest
 from contact_runs import Run, run
 from meshes_b1 import write_b1
-from numpy.typing import NDArray
 
+from fretfe._typing import Array
 from fretfe.contact.state import SLIP, STICK
 from fretfe.errors import ConvergenceError, FretfeError
-from fretfe.fem.meshing import BodyMesh, mesh_template, read_mesh
 from fretfe.fem.model import Model
 from fretfe.fem.monolithic import Iterate, MonolithicSolver, MonolithicStep, cone_projection
-from fretfe.templates import find_template
+from fretfe.geometry.templates import find_template
+from fretfe.mesh.mesh import BodyMesh, mesh_template, read_mesh
 
-Array = NDArray[np.float64]
 Data = dict[str, Any]
 
 # Both paths end with round-off only. It grows with the condition of the bodies and of the contact;

@@ -10,15 +10,13 @@ import mortar_twin
 import numpy as np
 import pytest
 from chains import Placement
-from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from fretfe._core import _kernels
+from fretfe._typing import Array
 from fretfe.errors import ModelError
-from fretfe.fem.mortar import Coupling, contact_normals, couple
-from fretfe.fem.surface import Surface
-
-Array = NDArray[np.float64]
+from fretfe.surface.mortar import Coupling, contact_normals, couple
+from fretfe.surface.surface import Surface
 
 HERE = Placement()
 INCLINED = Placement(angle=37.0)

@@ -11,7 +11,7 @@ import pytest
 from meshes_b1 import write_b1
 
 from fretfe.case import parse_case
-from fretfe.evaluate import ContactSummary, evaluate
+from fretfe.edges.evaluate import ContactSummary, evaluate
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.loads import build_history

@@ -13,11 +13,9 @@ import blocks
 import numpy as np
 import pytest
 from contact_runs import Run, ramp, run
-from numpy.typing import NDArray
 
-from fretfe.fem.meshing import BodyMesh
-
-Array = NDArray[np.float64]
+from fretfe._typing import Array
+from fretfe.mesh.mesh import BodyMesh
 
 ANGLE = 37.0
 WIDTH, PRESSURE = 2.0, 3.0

@@ -28,11 +28,11 @@ from fretfe.analytic.profiles import (
     edge_factor_k_n,
 )
 from fretfe.case import parse_case
-from fretfe.evaluate import ContactSummary, evaluate
+from fretfe.edges.evaluate import ContactSummary, evaluate
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.loads import build_history
-from fretfe.solution import ContactHistory
+from fretfe.results.solution import ContactHistory
 
 YOUNG, POISSON = 200e3, 0.3
 E_STAR = composite_modulus(YOUNG, POISSON, YOUNG, POISSON)

@@ -22,8 +22,8 @@ from fretfe.case import parse_case
 from fretfe.errors import CaseError, ConvergenceError, MeshError
 from fretfe.fem import refine as refine_module
 from fretfe.fem.backend import BACKEND
-from fretfe.fem.mesh_groups import mesh_summary
-from fretfe.fem.meshing import Mesh
+from fretfe.mesh.groups import mesh_summary
+from fretfe.mesh.mesh import Mesh
 
 E_STAR = 210e3 / (1 - 0.09) / 2
 FRICTION, LOAD = 0.4, 600.0

@@ -11,13 +11,12 @@ import pytest
 from numpy.typing import NDArray
 from petsc_garbage import replace_meshes
 
+from fretfe._typing import Array
 from fretfe.fem._compat import MPI, PETSc
 from fretfe.fem.elasticity import ElasticBody, Material
 from fretfe.fem.schur import SchurFactorization
 
 pytestmark = pytest.mark.mpi
-
-Array = NDArray[np.float64]
 
 
 @pytest.fixture(

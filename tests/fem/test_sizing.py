@@ -11,9 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fretfe.fem.mesh_groups import count_unknowns, facet_lengths, mesh_summary
-from fretfe.fem.meshing import Mesh, mesh_template
-from fretfe.fem.sizing import (
+from fretfe.geometry.sizing import (
     Sizes,
     Source,
     apply_sizes,
@@ -22,7 +20,9 @@ from fretfe.fem.sizing import (
     length_of,
     round_curves,
 )
-from fretfe.templates import find_template
+from fretfe.geometry.templates import find_template
+from fretfe.mesh.groups import count_unknowns, facet_lengths, mesh_summary
+from fretfe.mesh.mesh import Mesh, mesh_template
 
 EVEN, GROWTH = 0.1, 0.25
 

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fretfe.case import Solid
-from fretfe.fem.cell_geometry import directed_edges, exterior_edges, jacobian_determinants
-from fretfe.fem.gmsh_reader import gmsh_model
-from fretfe.fem.mesh_writer import write_mesh
-from fretfe.fem.meshing import BodyMesh, Mesh, mesh_template
-from fretfe.fem.solids import extrude
-from fretfe.templates import find_template
+from fretfe.geometry.gmsh_model import gmsh_model
+from fretfe.geometry.templates import find_template
+from fretfe.mesh.cell_geometry import directed_edges, exterior_edges, jacobian_determinants
+from fretfe.mesh.extrude import extrude
+from fretfe.mesh.mesh import BodyMesh, Mesh, mesh_template
+from fretfe.mesh.writer import write_mesh
 
 COARSE: dict[str, dict[str, float]] = {
     "cylinder": {"size": 0.2, "growth": 0.5},

@@ -25,9 +25,9 @@ from fretfe.case import parse_case
 from fretfe.fem._compat import MPI, PETSc
 from fretfe.fem.backend import BACKEND
 from fretfe.fem.model import Model
-from fretfe.fem.geometry import load_mesh
+from fretfe.surface.load import load_mesh
 from fretfe.fem.timing import Clock
-from fretfe.results import write_results
+from fretfe.results.writer import write_results
 from meshes_b1 import write_b1
 from scipy.sparse import block_diag, csr_matrix
 

@@ -8,13 +8,11 @@ from dataclasses import replace
 import blocks
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from fretfe._typing import Array
 from fretfe.errors import MeshError
-from fretfe.fem.meshing import BodyMesh
-from fretfe.fem.surface import build_surface, shape_slopes, shape_values
-
-Array = NDArray[np.float64]
+from fretfe.mesh.mesh import BodyMesh
+from fretfe.surface.surface import build_surface, shape_slopes, shape_values
 
 ORDERS = pytest.mark.parametrize("order", [1, 2])
 

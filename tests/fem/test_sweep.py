@@ -19,9 +19,9 @@ from fretfe.backends import RunOptions
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case, changed, parse_case
 from fretfe.errors import MeshError
-from fretfe.fem import backend, body
+from fretfe.fem import backend, condensation
 from fretfe.fem.backend import BACKEND
-from fretfe.records import edge_records
+from fretfe.results.records import edge_records
 from fretfe.sweeps import Sweep, make_variants, run_sweep
 
 FRICTION, AMPLITUDE = "contacts.main.friction", "loads.shear.amplitude"
@@ -45,13 +45,13 @@ def case(**tables: Any) -> Case:
 def factorised(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Grows by one number with each body that is factorised."""
     sizes: list[int] = []
-    original = body.SchurFactorization
+    original = condensation.SchurFactorization
 
     def counted(matrix: Any, retained: Any) -> Any:
         sizes.append(len(retained))
         return original(matrix, retained)
 
-    monkeypatch.setattr(body, "SchurFactorization", counted)
+    monkeypatch.setattr(condensation, "SchurFactorization", counted)
     return sizes
 
 

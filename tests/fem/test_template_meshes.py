@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fretfe.errors import CaseError, MeshError
-from fretfe.fem.cell_geometry import directed_edges, exterior_edges
-from fretfe.fem.mesh_groups import BodySummary, facet_lengths, mesh_summary
-from fretfe.fem.meshing import BodyMesh, Mesh, mesh_template
-from fretfe.template_checks import CROSS_CHECKS
-from fretfe.templates import Template, check_parameters, find_template
+from fretfe.geometry.template_checks import CROSS_CHECKS
+from fretfe.geometry.templates import Template, check_parameters, find_template
+from fretfe.mesh.cell_geometry import directed_edges, exterior_edges
+from fretfe.mesh.groups import BodySummary, facet_lengths, mesh_summary
+from fretfe.mesh.mesh import BodyMesh, Mesh, mesh_template
 
 COARSE = {"edge_size": 0.05, "edge_zone": 0.15, "flank_size": 0.3, "growth": 0.3}
 COARSE_CYLINDER = COARSE_WEDGE = {"size": 0.05, "growth": 0.3}
@@ -362,7 +362,7 @@ def test_refused_geometry_is_bad(case: str, monkeypatch: pytest.MonkeyPatch) -> 
     defaults = {each.name: each.default for each in template.parameters}
     values = {**defaults, **parameters}
     assert check in [each.__name__ for each in CROSS_CHECKS[name] if each(values)]
-    monkeypatch.setattr("fretfe.fem.meshing.check_parameters", lambda *_: values)
+    monkeypatch.setattr("fretfe.mesh.mesh.check_parameters", lambda *_: values)
     try:
         mesh = mesh_template(template, {}, 1)
     except MeshError:

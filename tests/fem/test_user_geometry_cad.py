@@ -28,12 +28,12 @@ from user_geometry import (
 from fretfe.case import Selector, parse_case
 from fretfe.errors import CaseError, FretfeError, MeshError
 from fretfe.fem.backend import BACKEND
-from fretfe.fem.formats.cad import cad_model
-from fretfe.fem.formats.shapes import Shapes
-from fretfe.fem.geometry import load_mesh
-from fretfe.fem.gmsh_reader import gmsh_model
-from fretfe.fem.mesh_groups import facet_lengths
-from fretfe.fem.meshing import Mesh
+from fretfe.geometry.cad import cad_model
+from fretfe.geometry.gmsh_model import gmsh_model
+from fretfe.geometry.shapes import Shapes
+from fretfe.mesh.groups import facet_lengths
+from fretfe.mesh.mesh import Mesh
+from fretfe.surface.load import load_mesh
 
 FORCE = 600.0
 # In mm and N, as in pad_cases.

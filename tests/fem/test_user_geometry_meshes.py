@@ -21,9 +21,9 @@ from user_geometry import cad_geometry, case_of, write_cad
 from fretfe.case import parse_case
 from fretfe.errors import CaseError, MeshError
 from fretfe.fem.backend import BACKEND
-from fretfe.fem.geometry import load_mesh
-from fretfe.fem.mesh_writer import write_mesh
-from fretfe.fem.meshing import Mesh
+from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.writer import write_mesh
+from fretfe.surface.load import load_mesh
 
 TAGS = {
     "bodies": {"upper": 1, "lower": 2},

@@ -12,11 +12,11 @@ import typer.testing
 from pad_cases import pad
 
 from fretfe.case import load_case, parse_case
-from fretfe.cli import app
+from fretfe.cli.app import app
 from fretfe.errors import CaseError, FretfeError, MeshError
-from fretfe.fem.geometry import load_mesh
-from fretfe.templates import template_directory
-from fretfe.validate.variants import coarser
+from fretfe.geometry.templates import template_directory
+from fretfe.quality.validate.variants import coarser
+from fretfe.surface.load import load_mesh
 
 # Two squares, one on the other, with a trace of having run.
 SCRIPT = """

@@ -9,8 +9,8 @@ import pytest
 
 from fretfe.backends import find_backend
 from fretfe.case import load_case, parse_case
-from fretfe.validate import Row, Validation, validate
-from fretfe.validate.variants import MESH, START
+from fretfe.quality.validate import Row, Validation, validate
+from fretfe.quality.validate.variants import MESH, START
 
 DEMO = Path(__file__).parents[2] / "demos" / "dovetail.toml"
 

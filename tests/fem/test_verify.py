@@ -10,10 +10,10 @@ from launch import python
 
 from fretfe.backends import Installed
 from fretfe.fem.backend import BACKEND, MpiProcesses
-from fretfe.verify.benchmarks import benchmarks
-from fretfe.verify.controls import controls
-from fretfe.verify.model import Benchmark, Row
-from fretfe.verify.run import run_benchmark
+from fretfe.quality.verify.benchmarks import benchmarks
+from fretfe.quality.verify.controls import controls
+from fretfe.quality.verify.model import Benchmark, Row
+from fretfe.quality.verify.run import run_benchmark
 
 BENCHMARKS = {benchmark.name: benchmark for benchmark in benchmarks() if benchmark.case}
 CONTROLS = {control.name: control for control in controls()}

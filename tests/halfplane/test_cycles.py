@@ -14,7 +14,7 @@ from fretfe.analytic.partial_slip import PartialSlip, hertz_dissipation
 from fretfe.analytic.paths import PolygonPath, permanent_stick_load
 from fretfe.analytic.profiles import FlatRounded, Profile, Wedge
 from fretfe.edges import Side
-from fretfe.evaluate import ContactSummary
+from fretfe.edges.evaluate import ContactSummary
 from fretfe.halfplane import solve_half_planes
 
 SIDES: tuple[Side, Side] = ("left", "right")

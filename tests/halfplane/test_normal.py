@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, Array, loop, problem, solved
+from halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, loop, problem, solved
 
+from fretfe._typing import Array
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import FlatRounded, Profile, Wedge, edge_factor_k_n
 from fretfe.analytic.rocking import tilted_contact

@@ -17,10 +17,10 @@ from pad_cases import pad
 from stored_runs import REASON, RUNS, edit_numbers, solved, write_many_contacts, write_run
 
 from fretfe.case import parse_case
+from fretfe.edges.refinement import EdgeValues, Pass, Refinement
 from fretfe.errors import OutputError
-from fretfe.refinement import EdgeValues, Pass, Refinement
 from fretfe.report.page import REPORT, render, write_report
-from fretfe.results import write_results
+from fretfe.results.writer import write_results
 
 SCRIPT = "<script>alert(1)</script>"
 # A name of the SVG and XLink languages is no address that is loaded.

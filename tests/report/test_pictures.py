@@ -25,8 +25,8 @@ from fretfe.report.picture_source import open_source
 from fretfe.report.pictures import make_pictures
 from fretfe.report.status_pictures import STATUS
 from fretfe.report.stress_pictures import find_look
-from fretfe.results import FIELDS, NUMBERS, remove_fields
-from fretfe.solution import SLIP, STICK
+from fretfe.results.solution import SLIP, STICK
+from fretfe.results.writer import FIELDS, NUMBERS, remove_fields
 
 # Load extremes and end of the last cycle, from t = 2 to t = 3.
 EXTREMES = (2.25, 2.75, 3.0)

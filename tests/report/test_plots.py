@@ -13,7 +13,6 @@ from stored_runs import write_run
 
 from fretfe.analytic.partial_slip import hertz_dissipation
 from fretfe.analytic.profiles import Hertz, composite_modulus
-from fretfe.reading import Results, read_results
 from fretfe.report.drawing import make_plot
 from fretfe.report.numbers import number, percent, with_error
 from fretfe.report.plots_edges import _near, _stuck_change
@@ -21,6 +20,7 @@ from fretfe.report.plots_history import _tension_varies
 from fretfe.report.plots_loops import loop_area, without_slope, work_loop_plots
 from fretfe.report.plots_slip import slip_plot
 from fretfe.report.states import Shown
+from fretfe.results.reader import Results, read_results
 
 P, Q, FRICTION = 600.0, 60.0, 0.4
 PROFILE = Hertz(50.0, composite_modulus(210e3, 0.3, 210e3, 0.3))

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from drawn import BODIES, fields, pad_case, write_fields, write_folder
 from launch import python
-from numpy.typing import NDArray
 from PIL import Image
 
+from fretfe._typing import Array
+from fretfe.cli.pictures import animate, export
+from fretfe.edges.extremes import load_extremes
 from fretfe.errors import CaseError, FretfeError, OutputError
-from fretfe.evaluate.extremes import load_extremes
-from fretfe.picture_command import animate, export
 from fretfe.report.field_files import BodyField, field_times, find_time, read_body
 from fretfe.report.picture_plan import EdgePlace
 from fretfe.report.picture_scale import (
@@ -31,9 +31,8 @@ from fretfe.report.picture_scale import (
 from fretfe.report.results_arrays import StoredContact
 from fretfe.report.status_pictures import shares_text, visible_status
 from fretfe.report.view import View
-from fretfe.solution import OPEN, SLIP, STICK
+from fretfe.results.solution import OPEN, SLIP, STICK
 
-Array = NDArray[np.float64]
 needs_pyvista = pytest.mark.skipif(
     importlib.util.find_spec("pyvista") is None, reason="PyVista is not installed"
 )

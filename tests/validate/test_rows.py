@@ -16,13 +16,13 @@ from pad_cases import pad, press, shear
 
 from fretfe.backends import EdgeHistories, RunOptions, find_backend
 from fretfe.case import Case, parse_case
-from fretfe.evaluate import evaluate
+from fretfe.edges.evaluate import evaluate
 from fretfe.halfplane import solve_half_planes
 from fretfe.loads import History
-from fretfe.validate import Row, validate
-from fretfe.validate.rows import compared, missing
-from fretfe.validate.single import expected_error, own_rows
-from fretfe.validate.variants import MEAN, MESH, START, make_variants, overloaded, shifted
+from fretfe.quality.validate import Row, validate
+from fretfe.quality.validate.rows import compared, missing
+from fretfe.quality.validate.single import expected_error, own_rows
+from fretfe.quality.validate.variants import MEAN, MESH, START, make_variants, overloaded, shifted
 
 
 @pytest.mark.parametrize(

@@ -12,14 +12,14 @@ import pytest
 
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
 from fretfe.backends import Installed, backend_names, find_backend
-from fretfe.command import OneProcess
-from fretfe.verify import references
-from fretfe.verify.benchmarks import benchmarks
-from fretfe.verify.controls import controls
-from fretfe.verify.loops import LOOPS, SHORTEST
-from fretfe.verify.model import Benchmark, Row
-from fretfe.verify.run import run_benchmark
-from fretfe.verify.sliding import FRICTION, MESH, SLOPE
+from fretfe.cli.run import OneProcess
+from fretfe.quality.verify import references
+from fretfe.quality.verify.benchmarks import benchmarks
+from fretfe.quality.verify.controls import controls
+from fretfe.quality.verify.loops import LOOPS, SHORTEST
+from fretfe.quality.verify.model import Benchmark, Row
+from fretfe.quality.verify.run import run_benchmark
+from fretfe.quality.verify.sliding import FRICTION, MESH, SLOPE
 
 BACKENDS = ("analytic", "halfplane")
 BENCHMARKS = {benchmark.name: benchmark for benchmark in benchmarks()}

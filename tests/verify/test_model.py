@@ -10,7 +10,7 @@ import pytest
 
 from fretfe.backends import EdgeHistories
 from fretfe.loads import History
-from fretfe.verify.model import Quantity, Row, Verdict, compare, failed, remark
+from fretfe.quality.verify.model import Quantity, Row, Verdict, compare, failed, remark
 
 RESULT = EdgeHistories(History((), np.zeros(1), np.zeros((1, 0)), None), contacts=())
 

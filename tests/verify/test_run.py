@@ -17,9 +17,9 @@ from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case
 from fretfe.errors import ConvergenceError, ModelError
 from fretfe.loads import History
-from fretfe.verify.loops import TENSION_ONLY, loop_case
-from fretfe.verify.model import Benchmark, Quantity, Row
-from fretfe.verify.run import run_benchmark
+from fretfe.quality.verify.loops import TENSION_ONLY, loop_case
+from fretfe.quality.verify.model import Benchmark, Quantity, Row
+from fretfe.quality.verify.run import run_benchmark
 
 T = TypeVar("T")
 RESULT = EdgeHistories(History((), np.zeros(1), np.zeros((1, 0)), None), contacts=())

@@ -13,13 +13,13 @@ import pytest
 from launch import python
 from typer.testing import CliRunner
 
-from fretfe import command
 from fretfe.backends import Backend, Installed
-from fretfe.cli import app
+from fretfe.cli import run as command
+from fretfe.cli.app import app
 from fretfe.errors import CaseError
-from fretfe.verify.benchmarks import benchmarks
-from fretfe.verify.controls import controls
-from fretfe.verify.model import Benchmark
+from fretfe.quality.verify.benchmarks import benchmarks
+from fretfe.quality.verify.controls import controls
+from fretfe.quality.verify.model import Benchmark
 
 KEYS = {
     "benchmark", "quantity", "backend", "computed", "reference", "difference", "tolerance",

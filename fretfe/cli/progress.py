@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Progress of a history for those who wait for it, and its end when they do not want to."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from typing import Any
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TaskID,
+    TextColumn,
+    TimeRemainingColumn,
+)
+
+from fretfe.cli.verbosity import Verbosity
+from fretfe.errors import StoppedError
+
+# What ends a process from outside: a user, a queue or `timeout`.
+DEFAULTS: dict[signal.Signals, Any] = {
+    signal.SIGINT: signal.default_int_handler,
+    signal.SIGTERM: signal.SIG_DFL,
+}
+
+
+class StepReport:
+    """Progress on rank 0: a bar on a terminal, elsewhere a line per step; nothing if quiet.
+
+    Ctrl-C and SIGTERM end the history after the step that is being solved, so that nothing is lost
+    that was computed; before the first step, or once more, they end the process.
+
+    Args:
+        rank: of this process.
+        verbosity: lines on a terminal too if verbose.
+        steps: whether there are lines for steps if it is not verbose.
+    """
+
+    def __init__(
+        self, rank: int, verbosity: Verbosity = Verbosity.NORMAL, *, steps: bool = True
+    ) -> None:
+        self._quiet = verbosity is Verbosity.QUIET
+        self._lines = verbosity is Verbosity.VERBOSE or (steps and not self._quiet)
+        console = Console(stderr=True)
+        self._rank = rank
+        self._steps = 0
+        self._signal: signal.Signals | None = None
+        self._handlers: dict[signal.Signals, Any] = {}
+        self._bar: Progress | None = None
+        self._task: TaskID | None = None
+        if console.is_terminal and rank == 0 and verbosity is Verbosity.NORMAL:
+            columns = (
+                TextColumn("steps"),
+                BarColumn(),
+                MofNCompleteColumn(),
+                TimeRemainingColumn(),
+            )
+            self._bar = Progress(*columns, console=console, transient=True)
+
+    def __enter__(self) -> StepReport:
+        """Show the bar and listen to signals."""
+        self._handlers = {each: signal.signal(each, self._asked) for each in DEFAULTS}
+        if self._bar is not None:
+            self._bar.start()
+            self._task = self._bar.add_task("steps", total=None)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Take the bar away and leave signals to their handlers."""
+        for each in self._handlers:
+            self._restore(each)
+        if self._bar is not None:
+            self._bar.stop()
+
+    def step(self, number: int, count: int, text: str) -> None:
+        """Report an accepted step.
+
+        Raises:
+            StoppedError: if the process was asked to end; steps up to this one are kept.
+        """
+        self._steps += 1
+        if self._bar is not None and self._task is not None:
+            self._bar.update(self._task, completed=number, total=count)
+        elif self._lines:
+            print(f"step {number}/{count}: {text}", flush=True)
+        if self._signal is not None and number < count:
+            raise StoppedError(self._signal, f"after step {number} of {count}, which are kept")
+
+    def announce(self, text: str) -> None:
+        """Say what begins or has ended."""
+        if self._bar is not None:
+            self._bar.console.print(text, highlight=False, markup=False)
+        elif not self._quiet:
+            print(text, flush=True)
+
+    def _asked(self, number: int, _: object) -> None:
+        """Handle a signal. Ranks without steps leave it to the one that has them."""
+        if self._signal is not None or (self._rank == 0 and self._steps == 0):
+            self._restore(signal.Signals(number))
+            signal.raise_signal(number)
+            return
+        self._signal = signal.Signals(number)
+        if self._rank == 0:
+            print("Stopping after this step; once more stops at once.", file=sys.stderr, flush=True)
+
+    def _restore(self, number: signal.Signals) -> None:
+        # A handler that was not set from Python, such as that of PETSc, is not known.
+        before = self._handlers[number]
+        signal.signal(number, DEFAULTS[number] if before is None else before)

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What the edge factors of one contact say about each other and about its shear force."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fretfe._typing import Array, Indices
+from fretfe.analytic.edges import effective_bulk_tension, shear_force_from_factors
+from fretfe.results.solution import ContactHistory, Solution
+
+
+def tension_history(k_t: Array, half_width: Array) -> Array:
+    """(T,) effective bulk tension, added up over the steps like K_T.
+
+    Args:
+        k_t: (2, T) at the left and right edge.
+        half_width: (T,), NaN without contact.
+    """
+    steps, a = _steps(k_t, half_width)
+    return _added_up(effective_bulk_tension(steps[0], steps[1], a))
+
+
+def shear_mismatch(k_t: Array, half_width: Array, shear_force: Array, cycle: Indices) -> float:
+    """(range of Q that half-planes need for K_T at the two edges)/(range of Q) - 1; NaN if none.
+
+    Args:
+        k_t: (2, T) at the left and right edge.
+        half_width: (T,), NaN without contact.
+        shear_force: (T,) Q of the stuck contact.
+        cycle: its states.
+    """
+    if not len(cycle) or np.ptp(shear_force[cycle]) <= 1e-9 * np.abs(shear_force).max():
+        return np.nan
+    steps, a = _steps(k_t, half_width)
+    needed = _added_up(shear_force_from_factors(steps[0], steps[1], a))
+    return float(np.ptp(needed[cycle]) / np.ptp(shear_force[cycle]) - 1)
+
+
+def stuck_shear_force(solution: Solution, contact: ContactHistory) -> Array:
+    """(T,) Q of the companion increments, added up over the steps like K_T.
+
+    Where slip changes how the loads divide between several contacts, this is not the Q of the
+    contact itself, but the one that belongs to K_T. Without increments it is the Q of the contact.
+    """
+    bonded = contact.bonded
+    if not len(bonded.fields):
+        return np.asarray(contact.traction[:, :, 1] @ contact.weights)
+    # Area -1, the last entry, is that of states without contact.
+    units = np.einsum("n,unj->uj", contact.weights, bonded.fields[:, :, 1])
+    units = np.vstack([units, np.zeros(units.shape[1])])[bonded.area]
+    known = bonded.area >= 0
+    pairs = known[1:].astype(float) + known[:-1]
+    mean = (units[1:] + units[:-1]) / np.maximum(pairs, 1.0)[:, None]
+    steps = np.einsum("tj,tj->t", mean, np.diff(solution.driver_values, axis=0))
+    return _added_up(steps * (contact.friction[1:] > 0))
+
+
+def _steps(k_t: Array, half_width: Array) -> tuple[Array, Array]:
+    """(2, T-1) increments of K_T, and (T-1,) half-width in the middle of each step."""
+    a = (half_width[1:] + half_width[:-1]) / 2
+    # From no contact to the first one: that of the first one.
+    a = np.where(np.isfinite(a), a, half_width[1:])
+    return np.diff(k_t, axis=1), np.where(np.isfinite(a), a, 1.0)
+
+
+def _added_up(increments: Array) -> Array:
+    return np.concatenate([[0.0], np.cumsum(increments)])

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Histories of the edges of a contact: position and K_N by fits, K_T and K_I by increments.
+
+K_T and K_I are counted from the first state: they add up the companion increments over the steps,
+each with the mean of the contact areas before and after it. K_T counts only steps with friction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass, fields
+
+import numpy as np
+
+from fretfe._typing import Array, Bools
+from fretfe.edges import (
+    OVERHANG,
+    EdgeFit,
+    Side,
+    bonded_factors,
+    edge_factor_k_t,
+    effective_edges,
+    fit_edge,
+)
+from fretfe.results.solution import ContactHistory, Solution
+
+SIDES: tuple[Side, Side] = ("left", "right")
+# Edges that move less than this fraction of the surface between two loads do not tell anything.
+SMALLEST_MOVE = 1e-6
+# Fewer nodes than this in contact cannot be fitted.
+FEWEST_NODES = 16
+
+
+def edge_fits(contact: ContactHistory) -> tuple[EdgeFit, EdgeFit]:
+    """(T,) position and K_N with their spreads at both edges; NaN where they cannot be fitted."""
+    pressure = contact.traction[:, :, 0]
+    fitted = np.count_nonzero(pressure > 0, axis=1) >= FEWEST_NODES
+    left, right = (_full(fit_edge(contact.arc, pressure[fitted], side), fitted) for side in SIDES)
+    return left, right
+
+
+def _full(fit: EdgeFit, fitted: Bools) -> EdgeFit:
+    """The fit of some states as one of all (T,) states, NaN in the others."""
+    parts = np.full((len(fields(EdgeFit)), len(fitted)), np.nan)
+    parts[:, fitted] = astuple(fit)
+    return EdgeFit(*parts)
+
+
+def add_up(units: Array, drivers: Array, friction: Array) -> Array:
+    """(2, T, 2) K_T and K_I at both edges.
+
+    Args:
+        units: (T, 2, 2, J) edge, factor (K_T, K_I) for a unit of each driver; NaN where unknown.
+        drivers: (T, J) values of the drivers.
+        friction: (T,) coefficient in the step that ends at each state.
+    """
+    histories = np.zeros((2, len(drivers), 2))
+    for state in range(1, len(drivers)):
+        step = drivers[state] - drivers[state - 1]
+        known = [units[s] for s in (state - 1, state) if np.isfinite(units[s]).all()]
+        increment = np.mean(known, axis=0) @ step if known else np.zeros((2, 2))
+        increment[:, 0] *= friction[state] > 0
+        histories[:, state] = histories[:, state - 1] + increment
+    return histories
+
+
+def companion_units(solution: Solution, contact: ContactHistory, positions: Array) -> Array:
+    """(T, 2, 2, J) unit factors, fitted to the companion increments; NaN where unknown.
+
+    Args:
+        solution: the solved history.
+        contact: one of its contacts.
+        positions: (2, T) of the edges.
+    """
+    factors = np.full((len(solution.times), 2, 2, len(solution.drivers)), np.nan)
+    areas = np.where(positions[1] > positions[0], contact.bonded.area, -1)
+    for area in np.unique(areas[areas >= 0]):
+        states = np.flatnonzero(areas == area)
+        factors[states] = _area_factors(
+            contact.arc,
+            contact.bonded.fields[area],
+            positions[:, states].T,
+            OVERHANG[solution.degree],
+        )
+    return factors
+
+
+@dataclass(frozen=True)
+class UnitFactors:
+    """K_T and K_I for a unit of each of J drivers, NaN where unknown; edge, factor (K_T, K_I).
+
+    Attributes:
+        main: (R, T, 2, 2, J) determined in R ways.
+        fitted: (T, 2, 2, J) by fits to tractions, as a check; None without them.
+    """
+
+    main: Array
+    fitted: Array | None
+
+
+def integral_units(solution: Solution, contact: ContactHistory, positions: Array) -> UnitFactors:
+    """Unit factors by the interaction integral, for each of its R radii, and by fits.
+
+    The integrals are taken at a few contact areas; what the fits miss there is interpolated over
+    the half-width to the other states. Without integrals both are those of the fits.
+
+    Args:
+        solution: the solved history.
+        contact: one of its contacts.
+        positions: (2, T) of the edges.
+    """
+    fits = companion_units(solution, contact, positions)
+    integrals = contact.integrals
+    if integrals is None:
+        return UnitFactors(fits[None], fits)
+    fitted = np.array([_at_own_edges(solution, contact, int(area)) for area in integrals.areas])
+    missed = integrals.factors - fitted[:, None]
+    half_widths = (integrals.positions[:, 1] - integrals.positions[:, 0]) / 2
+    order = np.argsort(half_widths)
+    correction = _interpolate((positions[1] - positions[0]) / 2, half_widths[order], missed[order])
+    for number, area in enumerate(integrals.areas):
+        correction[:, contact.bonded.area == area] = missed[number][:, None]
+    return UnitFactors(fits + correction, fits)
+
+
+def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Array:
+    """(2, 2, J) fitted unit factors of an area at the edges that its increments have.
+
+    The edges of a discrete increment are a fraction of an element away from those of the contact,
+    and the integral is that of the increment.
+    """
+    fields, overhang = contact.bonded.fields[area], OVERHANG[solution.degree]
+    increments = fields[:, [1, 0]].transpose(1, 2, 0)
+    edges = effective_edges(contact.arc, increments, overhang)
+    return _area_factors(contact.arc, fields, edges[None], overhang)[0]
+
+
+@dataclass(frozen=True)
+class Movement:
+    """What the movement of an edge between two loads tells; NaN if it does not move.
+
+    Attributes:
+        k_n: 2 dK_I/da. Needs no assumption about the profile; exact for a small step (central
+            difference).
+        stiffening: (d2P/da2)/(dP/da) = d ln K_N/da + 1/(2a), by K_N = (1/pi) sqrt(2/a) dP/da.
+    """
+
+    k_n: float
+    stiffening: float
+
+
+def edge_movement(contact: ContactHistory, side: Side, half_width: float) -> Movement:
+    """Movement of an edge between the two neighbours of the last state, whose half-width is given.
+
+    NaN if the edge does not move, or reaches the end of the surface.
+    """
+    unknown = Movement(np.nan, np.nan)
+    neighbours = contact.neighbours
+    if neighbours is None or np.any(neighbours.pressure[:, [0, -1]] > 0):
+        return unknown
+    if np.count_nonzero(neighbours.pressure > 0, axis=1).min() < FEWEST_NODES:
+        return unknown
+    fit = fit_edge(contact.arc, neighbours.pressure, side)
+    outward = float(fit.position[1] - fit.position[0]) * (-1.0 if side == "left" else 1.0)
+    if not outward > SMALLEST_MOVE * np.ptp(contact.arc):
+        return unknown
+    # The last way is the one with the largest circle, which the edge stays away from.
+    k_i = float(neighbours.k_i[-1, SIDES.index(side)])
+    growth = float(np.log(fit.k_n[1] / fit.k_n[0]) / outward)
+    return Movement(2 * k_i / outward, growth + 0.5 / abs(half_width))
+
+
+def _interpolate(at: Array, x: Array, values: Array) -> Array:
+    """(R, T, ...) values (S, R, ...) known at x (S,), linear between them and constant outside."""
+    upper = np.clip(np.searchsorted(x, at), 1, max(len(x) - 1, 1))
+    lower, upper = upper - 1, np.minimum(upper, len(x) - 1)
+    width = np.where(upper > lower, x[upper] - x[lower], 1.0)
+    share = np.clip((at - x[lower]) / width, 0.0, 1.0)
+    share = share.reshape(-1, *[1] * (values.ndim - 1))
+    mixed = (1 - share) * values[lower] + share * values[upper]
+    return np.moveaxis(mixed, 0, 1)
+
+
+def _area_factors(arc: Array, fields: Array, edges: Array, overhang: float) -> Array:
+    """(S, 2, 2, J) unit factors of S states with the same contact area.
+
+    Args:
+        arc: (N,) nodes.
+        fields: (N, d, J) traction for a unit of each driver.
+        edges: (S, 2) positions.
+        overhang: of the increments.
+    """
+    factors = np.zeros((len(edges), 2, 2, fields.shape[2]))
+    increments = fields[:, [1, 0]].transpose(1, 2, 0)  # shear gives K_T, pressure gives K_I
+    largest = np.abs(fields).max(axis=(0, 1))
+    # Less than that is round-off, for instance of a distant load.
+    effective = np.abs(increments).max(axis=2) > 1e-9 * largest
+    if not effective.any():
+        return factors
+    fits = bonded_factors(arc, increments[effective], edges, overhang)
+    for i, (side, fit) in enumerate(zip(SIDES, fits, strict=True)):
+        factors[:, i, effective] = fit.k
+        factors[:, i, 0] = edge_factor_k_t(factors[:, i, 0], side)
+    return factors

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a case asks of each body: material, constrained boundaries, loads, contact surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fretfe.case import Case, unit_vector
+from fretfe.case.channels import DisplacementLoad, PlatenLoad, RotationLoad, TractionLoad
+from fretfe.contact.interface import Coordinate
+from fretfe.errors import ModelError
+from fretfe.fem.condensation import Constraint
+from fretfe.fem.elasticity import DistributedLoad, Material
+from fretfe.mesh.mesh import Mesh
+
+AXES = "xyz"
+
+
+@dataclass(frozen=True)
+class BodyPlan:
+    """One body of the model.
+
+    Attributes:
+        name: physical group of the body.
+        material: elastic constants.
+        constraints: constrained boundaries, in order of precedence.
+        coordinates: one for each constraint.
+        surfaces: contact surfaces of the body, in the order of the contacts.
+    """
+
+    name: str
+    material: Material
+    constraints: tuple[Constraint, ...]
+    coordinates: tuple[Coordinate, ...]
+    surfaces: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ModelPlan:
+    """All bodies, and the distributed loads that act on whichever body has their boundary."""
+
+    bodies: tuple[BodyPlan, ...]
+    loads: tuple[DistributedLoad, ...]
+
+
+def plan_model(case: Case, mesh: Mesh) -> ModelPlan:
+    """Translate a case into bodies, coordinates and loads.
+
+    Raises:
+        ModelError: if a body has no contact surface.
+    """
+    gdim = next(iter(mesh.bodies.values())).points.shape[1]
+    return ModelPlan(
+        bodies=tuple(_plan_body(case, mesh, name, gdim) for name in case.bodies),
+        loads=distributed_loads(case, gdim),
+    )
+
+
+def _plan_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyPlan:
+    own = mesh.bodies[name].boundaries
+    surfaces = [
+        surface
+        for contact in case.contacts.values()
+        for surface in (contact.surface1, contact.surface2)
+        if surface in own
+    ]
+    if not surfaces:
+        raise ModelError(
+            f"body {name!r} has no contact surface: expected one of its boundaries "
+            f"({', '.join(sorted(own)) or 'none'}) in a contact of the case."
+        )
+    held = [
+        pair
+        for pair in _platens(case, gdim) + _displacements(case, gdim) + _supports(case, gdim)
+        if pair[0].boundary in own
+    ]
+    return BodyPlan(
+        name=name,
+        material=_material(case, name),
+        constraints=tuple(constraint for constraint, _, _ in held),
+        coordinates=tuple(
+            Coordinate(constraint.label, name, control, channel)
+            for constraint, control, channel in held
+        ),
+        surfaces=tuple(surfaces),
+    )
+
+
+def _material(case: Case, name: str) -> Material:
+    body = case.bodies[name]
+    return Material(body.young, body.poisson, body.density or 0.0, case.model.plane)
+
+
+def _platens(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
+    """Loaded directions of each platen, then the guided ones."""
+    platens: dict[str, list[str]] = {}
+    for name, load in case.loads.items():
+        if isinstance(load, PlatenLoad):
+            platens.setdefault(load.boundary, []).append(name)
+    held: list[tuple[Constraint, str, str]] = []
+    for boundary, names in platens.items():
+        directions: list[tuple[float, ...]] = []
+        for name in names:
+            load = case.loads[name]
+            assert isinstance(load, PlatenLoad)
+            directions.append(unit_vector(load.direction, gdim))
+            held.append((Constraint(name, boundary, directions[-1]), load.control, name))
+        for direction in _complement(directions, gdim):
+            label = f"{boundary} guide {_direction_name(direction)}"
+            held.append((Constraint(label, boundary, direction), "fixed", ""))
+    return held
+
+
+def _displacements(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
+    return [
+        (Constraint(name, load.boundary, unit_vector(load.direction, gdim)), "displacement", name)
+        for name, load in case.loads.items()
+        if isinstance(load, DisplacementLoad)
+    ]
+
+
+def _supports(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
+    return [
+        (Constraint(f"{name} {axis}", support.boundary, unit_vector(axis, gdim)), "fixed", "")
+        for name, support in case.supports.items()
+        for axis in support.fix
+    ]
+
+
+def _complement(directions: list[tuple[float, ...]], gdim: int) -> list[tuple[float, ...]]:
+    """Unit vectors normal to the given orthogonal ones, along the axes where possible."""
+    basis = [np.array(direction) for direction in directions]
+    added: list[tuple[float, ...]] = []
+    for axis in np.eye(gdim):
+        rest = axis - sum((axis @ b) * b for b in basis)
+        length = np.linalg.norm(rest)
+        if length > 1e-6 and len(basis) < gdim:
+            basis.append(rest / length)
+            added.append(tuple(float(v) for v in rest / length))
+    return added
+
+
+def _direction_name(direction: tuple[float, ...]) -> str:
+    components = np.flatnonzero(np.abs(direction) > 1e-12)
+    if len(components) == 1:
+        return AXES[components[0]]
+    return "(" + ", ".join(f"{v:.4g}" for v in direction) + ")"
+
+
+def distributed_loads(case: Case, gdim: int) -> tuple[DistributedLoad, ...]:
+    """Tractions and rotations of a case, in its order."""
+    loads = []
+    for name, load in case.loads.items():
+        if isinstance(load, RotationLoad):
+            axis = unit_vector(load.axis, 3)
+            loads.append(DistributedLoad(name, "rotation", "", axis, load.centre))
+        elif isinstance(load, TractionLoad) and load.direction == "normal":
+            loads.append(DistributedLoad(name, "normal", load.boundary))
+        elif isinstance(load, TractionLoad):
+            direction = unit_vector(load.direction, gdim)
+            loads.append(DistributedLoad(name, "traction", load.boundary, direction))
+    return tuple(loads)

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Which rigid motions of each body nothing but contact prevents, told from the geometry alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.fem.condensation import rigid_motions
+from fretfe.fem.definition import BodyPlan, ModelPlan
+from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.surface.checks import place
+
+# Singular values below this fraction of the largest belong to free motions: a prevented motion
+# moves held nodes by about one.
+FREE = 1e-6
+# Components of a motion below this fraction of the largest are round-off.
+ROUND_OFF = 1e-9
+
+
+def free_motions(plan: ModelPlan, mesh: Mesh) -> dict[str, str]:
+    """For each body of a plane mesh that is free to move without contact: how, in words.
+
+    Supports and prescribed displacements hold their boundary. A platen holds it too, but for the
+    directions in which a force acts on it.
+    """
+    found: dict[str, str] = {}
+    if mesh.dimension != 2:
+        return found
+    for body in plan.bodies:
+        own = mesh.bodies[body.name]
+        motions = _free(body, own)
+        if motions.shape[1]:
+            found[body.name] = _in_words(motions, own)
+    return found
+
+
+def _centre_and_size(body: BodyMesh) -> tuple[Array, float]:
+    return body.points.mean(axis=0), float(np.ptp(body.points, axis=0).max())
+
+
+def _free(plan: BodyPlan, body: BodyMesh) -> Array:
+    """(3, k) rigid motions in the order of `rigid_motions`, about the centre of the body."""
+    driven = [i for i, c in enumerate(plan.coordinates) if c.control == "force"]
+    rows = list(_held_rows(plan, body, driven))
+    if not rows:
+        return np.eye(3)
+    _, values, directions = np.linalg.svd(np.array(rows))
+    values = np.concatenate([values, np.zeros(len(directions) - len(values))])
+    return directions[values < FREE * values[0], :3].T
+
+
+def _held_rows(plan: BodyPlan, body: BodyMesh, driven: list[int]) -> Iterator[Array]:
+    """Conditions (3 + forces,) on the rigid motion and the displacements of driven platens."""
+    centre, size = _centre_and_size(body)
+    holder: dict[tuple[int, int], str] = {}
+    for constraint in plan.constraints:
+        for node in np.unique(body.boundaries[constraint.boundary]).tolist():
+            for component in np.flatnonzero(constraint.direction).tolist():
+                holder.setdefault((node, component), constraint.boundary)
+    for (node, component), boundary in holder.items():
+        motion = rigid_motions((body.points[[node]] - centre) / size)[0, component]
+        platen = [
+            plan.constraints[i].direction[component]
+            if plan.constraints[i].boundary == boundary
+            else 0.0
+            for i in driven
+        ]
+        yield np.concatenate([motion, -np.array(platen)])
+
+
+def _in_words(motions: Array, body: BodyMesh) -> str:
+    if motions.shape[1] == 3:
+        return "to move in every direction and to turn"
+    turning = np.abs(motions[2]) > ROUND_OFF
+    if motions.shape[1] == 2:
+        return "to move in every direction" if not turning.any() else _two_motions(motions, body)
+    return _one_motion(motions[:, 0], body)
+
+
+def _two_motions(motions: Array, body: BodyMesh) -> str:
+    """A pure translation is left over from two motions that turn the body."""
+    mixed = motions @ np.array([motions[2, 1], -motions[2, 0]])
+    return f"{_one_motion(mixed, body)} and to turn"
+
+
+def _one_motion(motion: Array, body: BodyMesh) -> str:
+    """Along a direction, or about the point that stays in its place."""
+    if abs(motion[2]) <= ROUND_OFF * np.abs(motion).max():
+        direction = motion[:2] / motion[np.abs(motion[:2]).argmax()]
+        direction[np.abs(direction) < ROUND_OFF] = 0.0
+        if np.count_nonzero(direction) == 1:
+            return f"to move along {'xy'[int(np.flatnonzero(direction)[0])]}"
+        return f"to move along ({direction[0]:.3g}, {direction[1]:.3g})"
+    centre, size = _centre_and_size(body)
+    # u = (a - c y, b + c x) vanishes at x = -b/c, y = a/c
+    fixed = centre + size * np.array([-motion[1], motion[0]]) / motion[2]
+    return f"to turn about {place(fixed, 4)}"

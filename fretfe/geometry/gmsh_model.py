@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The Gmsh session: loading the library, and the groups, nodes and elements of its model.
+
+Everything here runs on one process. A Gmsh error becomes a `MeshError` with Gmsh's own message.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fretfe._typing import Array, Indices
+from fretfe.errors import DependencyError, MeshError
+
+CELL_TYPES = {
+    2: ("triangle", 1),
+    3: ("quadrilateral", 1),
+    9: ("triangle", 2),
+    10: ("quadrilateral", 2),
+}
+LINE_ORDERS = {1: 1, 8: 2}
+SERENDIPITY_QUADRILATERAL = 16
+DEBIAN_PACKAGES = (
+    "libglu1-mesa libxrender1 libxcursor1 libxft2 libxinerama1 libxfixes3 libfontconfig1"
+)
+
+
+@dataclass(frozen=True)
+class ElementBlock:
+    """Elements of one Gmsh type: indices (m, k) into the points of the mesh, in Gmsh order."""
+
+    gmsh_type: int
+    nodes: Indices
+
+
+@dataclass(frozen=True)
+class RawMesh:
+    """What a Gmsh model holds: points (n, 3), and elements by the name of their physical group."""
+
+    points: Array
+    surfaces: dict[str, list[ElementBlock]]
+    curves: dict[str, list[ElementBlock]]
+
+
+def import_gmsh() -> ModuleType:
+    """Import gmsh.
+
+    Raises:
+        DependencyError: gmsh is not installed, or a shared library that it needs is missing.
+    """
+    try:
+        import gmsh
+    except ImportError as error:
+        raise DependencyError(
+            f"reading and making meshes needs the Python package gmsh, which does not import"
+            f" ({error}). Install it with `pip install gmsh` or from your distribution (Debian:"
+            " python3-gmsh)"
+        ) from error
+    except OSError as error:
+        library = str(error).partition(":")[0]
+        raise DependencyError(
+            f"gmsh is installed but needs the shared library {library}, which was not found"
+            f" ({error}). On Debian or Ubuntu: apt install {DEBIAN_PACKAGES}"
+        ) from error
+    return gmsh
+
+
+@contextlib.contextmanager
+def gmsh_model(source: Path) -> Iterator[ModuleType]:
+    """An empty Gmsh model for `source`; what another user of Gmsh in this process had stays.
+
+    Gmsh errors inside the block are raised as MeshError.
+    """
+    gmsh = import_gmsh()
+    owner = not gmsh.isInitialized()
+    if owner:
+        # no configuration files: the mesh must not depend on the user's Gmsh GUI settings
+        gmsh.initialize([], readConfigFiles=False, interruptible=False)
+    previous_model = "" if owner else gmsh.model.getCurrent()
+    previous_terminal = gmsh.option.getNumber("General.Terminal")
+    gmsh.option.setNumber("General.Terminal", 0)
+    try:
+        gmsh.model.add(f"fretfe {source.name}")
+        yield gmsh
+    except MeshError:
+        raise
+    except Exception as error:
+        # Gmsh raises bare Exception; anything more specific is a mistake of ours
+        if type(error) is not Exception:
+            raise
+        raise MeshError(f"{source}: Gmsh reports: {error}") from error
+    finally:
+        if owner:
+            gmsh.finalize()
+        else:
+            gmsh.model.remove()
+            gmsh.model.setCurrent(previous_model)
+            gmsh.option.setNumber("General.Terminal", previous_terminal)
+
+
+@contextlib.contextmanager
+def script_model(path: Path, values: Mapping[str, float]) -> Iterator[ModuleType]:
+    """The model that a Gmsh script (.geo) describes, with values of its parameters.
+
+    Gmsh errors inside the block are raised as MeshError.
+    """
+    with gmsh_model(path) as gmsh:
+        # all parameters, defaults too: what an earlier script left in this process does not count
+        for name, value in values.items():
+            gmsh.parser.setNumber(name, [value])
+        # merge, not open: open forgets the numbers set above
+        gmsh.merge(str(path))
+        yield gmsh
+
+
+def raw_mesh(gmsh: ModuleType, source: Path) -> RawMesh:
+    """The named physical groups of the current model, with their nodes and elements.
+
+    Raises:
+        MeshError: a three-dimensional mesh, or surfaces without a named physical group.
+    """
+    if gmsh.model.mesh.getElementTypes(3).size:
+        raise MeshError(
+            f"{source}: expected a plane mesh, found volume elements;"
+            " three-dimensional bodies are not supported yet"
+        )
+    _require_named_surfaces(gmsh, source)
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    order = np.argsort(tags, kind="stable")
+    return RawMesh(
+        points=coordinates.reshape(-1, 3)[order],
+        surfaces=_blocks_by_name(gmsh, 2, tags[order]),
+        curves=_blocks_by_name(gmsh, 1, tags[order]),
+    )
+
+
+def _require_named_surfaces(gmsh: ModuleType, source: Path) -> None:
+    """Every surface that is meshed must be in a physical surface that has a name."""
+    named = {
+        entity
+        for dim, group in gmsh.model.getPhysicalGroups(2)
+        if gmsh.model.getPhysicalName(dim, group)
+        for entity in gmsh.model.getEntitiesForPhysicalGroup(dim, group)
+    }
+    if not named:
+        raise MeshError(
+            f"{source}: expected one named physical surface per body, found none."
+            ' In a .geo file: Physical Surface("pad") = {1};'
+        )
+    meshed = {
+        tag for _, tag in gmsh.model.getEntities(2) if gmsh.model.mesh.getElementTypes(2, tag).size
+    }
+    if loose := sorted(meshed - named):
+        raise MeshError(
+            f"{source}: expected every meshed surface in a named physical surface;"
+            f" surface {', '.join(map(str, loose))} is in none"
+        )
+
+
+def _blocks_by_name(
+    gmsh: ModuleType, dim: int, sorted_tags: NDArray[np.uint64]
+) -> dict[str, list[ElementBlock]]:
+    """Elements of each named physical group; groups of the same name are one group."""
+    blocks: dict[str, list[ElementBlock]] = {}
+    for _, group in gmsh.model.getPhysicalGroups(dim):
+        name = gmsh.model.getPhysicalName(dim, group)
+        if not name:
+            continue
+        for entity in gmsh.model.getEntitiesForPhysicalGroup(dim, group):
+            blocks.setdefault(name, []).extend(_entity_blocks(gmsh, dim, entity, sorted_tags))
+    return {name: parts for name, parts in blocks.items() if parts}
+
+
+def _entity_blocks(
+    gmsh: ModuleType, dim: int, entity: int, sorted_tags: NDArray[np.uint64]
+) -> list[ElementBlock]:
+    types, _, node_tags = gmsh.model.mesh.getElements(dim, entity)
+    counts = [gmsh.model.mesh.getElementProperties(kind)[3] for kind in types]
+    return [
+        ElementBlock(int(kind), np.searchsorted(sorted_tags, tags).reshape(-1, count))
+        for kind, tags, count in zip(types, node_tags, counts, strict=True)
+    ]

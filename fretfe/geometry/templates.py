@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The geometry templates: where they are, what parameters they have, which values make sense.
+
+A template is a Gmsh script (.geo). Its DefineConstant block is the only place where parameters,
+defaults, ranges and descriptions are written; they are read from there.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from fretfe.errors import CaseError, MeshError
+from fretfe.geometry.template_checks import CROSS_CHECKS
+
+_BLOCK = re.compile(r"DefineConstant\s*\[(.*?)\n\s*\];", re.DOTALL)
+_PARAMETER = re.compile(
+    r"(?P<name>\w+)\s*=\s*\{\s*(?P<default>[^,]+),\s*Min\s+(?P<minimum>[^,]+),"
+    r'\s*Max\s+(?P<maximum>[^,]+),\s*Name\s+"Parameters/\d+ (?P<text>[^"\[]+) \[(?P<unit>[^]]+)\]"'
+    r"(?P<whole>,\s*Step\s+1\b)?"
+)
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that a template takes, with its default and its range (both ends allowed).
+
+    Only whole numbers are allowed where the script says `Step 1`.
+    """
+
+    name: str
+    default: float
+    minimum: float
+    maximum: float
+    description: str
+    unit: str
+    whole: bool = False
+
+    @property
+    def is_mesh_size(self) -> bool:
+        """Whether it is about the mesh only: the size of elements or its growth."""
+        return self.name == "growth" or self.name.endswith("size")
+
+
+@dataclass(frozen=True)
+class Template:
+    """A parametric geometry in a .geo file; the summary is the first sentence of its comment."""
+
+    name: str
+    path: Path
+    summary: str
+    parameters: tuple[Parameter, ...]
+
+
+def template_directory() -> Path:
+    """The folder `meshes`: inside the installed package, or next to it in a checkout."""
+    package = Path(__file__).resolve().parent
+    installed = package / "meshes"
+    return installed if installed.is_dir() else package.parent / "meshes"
+
+
+def template_names() -> tuple[str, ...]:
+    """Names of all templates, sorted."""
+    return tuple(sorted(path.stem for path in template_directory().glob("*.geo")))
+
+
+def find_template(name: str, where: str = "geometry.template") -> Template:
+    """The template of this name.
+
+    Args:
+        name: of the template.
+        where: the name was given, for the message.
+
+    Raises:
+        CaseError: There is no such template.
+    """
+    names = template_names()
+    if name not in names:
+        raise CaseError(
+            f"{where}: no template is called '{name}'{did_you_mean(name, names)};"
+            f" there are: {', '.join(names)} (in {template_directory()})"
+        )
+    return replace(read_template(template_directory() / f"{name}.geo"), name=name)
+
+
+def read_template(path: Path) -> Template:
+    """The Gmsh script in a file, whoever wrote it, with the file as its name.
+
+    Its parameters are those that are defined as in the templates; there may be none.
+
+    Raises:
+        MeshError: The file cannot be read.
+    """
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except OSError as error:
+        raise MeshError(f"{path}: cannot read the Gmsh script: {error.strerror}") from error
+    try:
+        parameters = _read_parameters(text)
+    except ValueError:
+        # numbers written as formulas: the script knows its defaults, nobody else does
+        parameters = ()
+    return Template(str(path), path, _read_summary(text), parameters)
+
+
+def check_parameters(template: Template, values: Mapping[str, float]) -> dict[str, float]:
+    """All parameters of the template: the given values, and the defaults of the others.
+
+    Raises:
+        CaseError: A name is unknown, a value is no number or outside its range, or the values
+            together describe no valid geometry. Everything found is in the message.
+    """
+    known = {parameter.name: parameter for parameter in template.parameters}
+    problems = [
+        f"no parameter is called '{name}'{did_you_mean(name, known)}"
+        for name in values
+        if name not in known
+    ]
+    if problems:
+        problems.append(f"the parameters are: {', '.join(known)}")
+    problems += [
+        problem
+        for name, value in values.items()
+        if name in known and (problem := _range_problem(known[name], value))
+    ]
+    complete = {name: float(parameter.default) for name, parameter in known.items()}
+    if not problems:
+        complete |= {name: float(value) for name, value in values.items()}
+        checks = CROSS_CHECKS.get(template.name, ())
+        problems = [problem for check in checks if (problem := check(complete))]
+    if problems:
+        lines = "".join(f"\n  - {problem}" for problem in problems)
+        raise CaseError(f"geometry.parameters of template '{template.name}':{lines}")
+    return complete
+
+
+def _read_summary(text: str) -> str:
+    """First sentence of the comment below the licence, without the slashes."""
+    _, _, comment = text.partition("\n//\n")
+    words = " ".join(line.removeprefix("//").strip() for line in comment.splitlines())
+    return words.partition(". ")[0]
+
+
+def _read_parameters(text: str) -> tuple[Parameter, ...]:
+    block = _BLOCK.search(text)
+    return tuple(
+        Parameter(
+            name=match["name"],
+            default=float(match["default"]),
+            minimum=float(match["minimum"]),
+            maximum=float(match["maximum"]),
+            description=match["text"],
+            unit=match["unit"],
+            whole=match["whole"] is not None,
+        )
+        for match in _PARAMETER.finditer(block.group(1) if block else "")
+    )
+
+
+def _range_problem(parameter: Parameter, value: object) -> str | None:
+    kind = "whole number" if parameter.whole else "number"
+    expected = f"expected a {kind} from {parameter.minimum:g} to {parameter.maximum:g}"
+    if parameter.unit != "-":
+        expected += f" {parameter.unit}"
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        return f"{parameter.name}: {expected}, found {value!r}"
+    if not parameter.minimum <= value <= parameter.maximum or (parameter.whole and value % 1):
+        return f"{parameter.name}: {expected}, found {value:g}"
+    return None
+
+
+def did_you_mean(name: str, names: Iterable[str]) -> str:
+    """The valid names that a wrong one resembles, as a hint to add to a message; else nothing."""
+    close = difflib.get_close_matches(name, list(names), n=2)
+    return f" (did you mean {' or '.join(close)}?)" if close else ""

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The mesh of a case: read or made, with all the groups that the case names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+
+from fretfe.case import Case, check_dimension, complaint
+from fretfe.case.selectors import ABAQUS, CAD, GMSH_SCRIPT, XDMF, FileKind, Selector, file_kind
+from fretfe.errors import CaseError, MeshError
+from fretfe.geometry.cad import cad_model
+from fretfe.geometry.gmsh_model import RawMesh, script_model
+from fretfe.geometry.sizing import Sizes, apply_sizes
+from fretfe.geometry.templates import Template, check_parameters, find_template, read_template
+from fretfe.mesh.groups import check_groups, named_boundaries
+from fretfe.mesh.inp_groups import read_inp
+from fretfe.mesh.mesh import Mesh, SetSizes, mesh_from_raw, mesh_model, mesh_template, read_mesh
+from fretfe.mesh.xdmf import read_xdmf
+
+# Growth of the element size per distance from the contact surfaces.
+GROWTH = 0.2
+
+
+@contextmanager
+def naming_case(case: Case) -> Iterator[None]:
+    """Put the case file in front of the messages of errors that do not begin with it."""
+    try:
+        yield
+    except (CaseError, MeshError) as error:
+        if str(error).startswith(str(case.source)):
+            raise
+        raise type(error)(f"{case.source}: {error}") from error
+
+
+def grouped_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
+    """Read or make the mesh of a case and check its groups and dimension. Serial.
+
+    Args:
+        case: validated case.
+        size: sets element sizes in place of those of the geometry.
+
+    Raises:
+        CaseError: if the template or its parameters are not valid, a direction does not fit, a
+            script is not trusted, or the geometry has a mesh already and sizes are to be set.
+        MeshError: if there is no valid mesh with all the groups that the case names.
+    """
+    with naming_case(case):
+        mesh = _mesh_of_case(case, size)
+        check_groups(mesh, case)
+        check_dimension(case, mesh.dimension)
+    return mesh
+
+
+def _mesh_of_case(case: Case, size: SetSizes | None) -> Mesh:
+    geometry = case.geometry
+    if geometry.template is None:
+        assert geometry.file is not None
+        return _mesh_of_file(case, geometry.file, size)
+    template = find_template(geometry.template)
+    if size is not None:
+        _refuse_sizes(case, template)
+    return mesh_template(template, geometry.parameters, geometry.order, size)
+
+
+def _refuse_sizes(case: Case, template: Template) -> None:
+    """A mesh that refines itself takes no element sizes."""
+    given = [each.name for each in template.parameters if each.is_mesh_size]
+    given = [name for name in given if name in case.geometry.parameters]
+    if given:
+        text = f"expected no element sizes together with edges.tolerance, found {', '.join(given)}"
+        raise CaseError(complaint(case.source, ("geometry", "parameters"), text))
+
+
+def _mesh_of_file(case: Case, file: str, size: SetSizes | None) -> Mesh:
+    kind, path = file_kind(file), case.resolve(file)
+    if size is not None and kind not in (GMSH_SCRIPT, CAD):
+        text = f"expected a geometry that can be meshed again, found the mesh {file!r}"
+        raise CaseError(complaint(case.source, ("edges", "tolerance"), text))
+    if not path.exists():
+        text = f"expected a file, found nothing at {path.absolute()}"
+        raise MeshError(complaint(case.source, ("geometry", "file"), text))
+    if kind is GMSH_SCRIPT:
+        return _mesh_of_script(case, path, size)
+    if kind is CAD:
+        return _mesh_of_cad_file(case, path, size)
+    if kind is XDMF:
+        return mesh_from_raw(_read_xdmf(case, path), str(path))
+    if kind is ABAQUS:
+        return mesh_from_raw(_read_inp(case, path), str(path))
+    return read_mesh(path)
+
+
+def _mesh_of_script(case: Case, path: Path, size: SetSizes | None) -> Mesh:
+    if not case.trust_geo:
+        text = (
+            f"{path} is a Gmsh script and was not opened: a script can start any program and "
+            "write any file (SystemCall, Save). If you know what is in it, add the option "
+            "--trust-geo; or mesh it with Gmsh and give the .msh file"
+        )
+        raise CaseError(complaint(case.source, ("geometry", "file"), text))
+    template, given = read_template(path), case.geometry.parameters
+    if given and not template.parameters:
+        text = (
+            f"expected none, as {path} has no DefineConstant block in the form that templates "
+            f"have, found {', '.join(given)}"
+        )
+        raise CaseError(complaint(case.source, ("geometry", "parameters"), text))
+    if size is not None:
+        _refuse_sizes(case, template)
+    model = script_model(path, check_parameters(template, given))
+    return mesh_model(model, path, case.geometry.order, size, str(path))
+
+
+def _mesh_of_cad_file(case: Case, path: Path, size: SetSizes | None) -> Mesh:
+    geometry = case.geometry
+    _require_names(case, CAD)
+    if (size is None) == (geometry.size is None):
+        found = "none" if size is None else f"{geometry.size:g} together with edges.tolerance"
+        text = f"expected an element size for {path.name}, or edges.tolerance, found {found}"
+        raise CaseError(complaint(case.source, ("geometry", "size"), text))
+    if geometry.size is not None:
+        contacts = case.contacts.values()
+        surfaces = [name for each in contacts for name in (each.surface1, each.surface2)]
+        sizes = Sizes(dict.fromkeys(surfaces, geometry.size), GROWTH)
+        size = partial(apply_sizes, sizes=sizes)
+    model = cad_model(path, geometry, case.units.length)
+    return mesh_model(model, path, geometry.order, size, str(path))
+
+
+def _read_xdmf(case: Case, path: Path) -> RawMesh:
+    geometry = case.geometry
+    _require_names(case, XDMF)
+    facets = case.resolve(geometry.facets) if geometry.facets is not None else None
+    return read_xdmf(path, facets, geometry.bodies, geometry.boundaries)
+
+
+def _read_inp(case: Case, path: Path) -> RawMesh:
+    geometry = case.geometry
+    bodies = dict.fromkeys([*case.bodies, *geometry.bodies])
+    named = [name for _, name in named_boundaries(case)]
+    boundaries = dict.fromkeys([*named, *geometry.boundaries])
+    return read_inp(path, bodies, boundaries, (geometry.bodies, geometry.boundaries))
+
+
+def _require_names(case: Case, kind: FileKind) -> None:
+    """A file without names of its own needs a selector for every name in the case."""
+    uses = [("bodies", f"bodies.{name}", name) for name in case.bodies]
+    uses += [("boundaries", key, name) for key, name in named_boundaries(case)]
+    tables: dict[str, Mapping[str, Selector]] = {
+        "bodies": case.geometry.bodies,
+        "boundaries": case.geometry.boundaries,
+    }
+    missing = {
+        complaint(
+            case.source,
+            ("geometry", table),
+            f"expected '{name}', which is {key} and has no name in a {kind.text} unless given here",
+        )
+        for table, key, name in uses
+        if name not in tables[table]
+    }
+    if missing:
+        raise CaseError("\n".join(sorted(missing)))

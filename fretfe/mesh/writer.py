@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Write the meshes of the bodies as one Gmsh file with named groups."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fretfe.errors import OutputError
+from fretfe.geometry.gmsh_model import gmsh_model
+from fretfe.mesh.mesh import BodyMesh, Mesh
+
+CELL_NUMBERS = {
+    ("triangle", 1): 2,
+    ("triangle", 2): 9,
+    ("quadrilateral", 1): 3,
+    ("quadrilateral", 2): 10,
+    ("tetrahedron", 1): 4,
+    ("tetrahedron", 2): 11,
+}
+# by dimension of the mesh and order
+FACET_NUMBERS = {(2, 1): 1, (2, 2): 8, (3, 1): 2, (3, 2): 9}
+
+
+def write_mesh(mesh: Mesh, path: Path) -> None:
+    """Write a `.msh` file; `read_mesh` reads it back if the mesh is plane.
+
+    Raises:
+        OutputError: if the file does not end in .msh or cannot be written.
+    """
+    if path.suffix != ".msh":
+        raise OutputError(f"{path}: expected a mesh file that ends in .msh, found {path.suffix!r}")
+    with gmsh_model(path) as gmsh:
+        first_node = 1
+        facet_dimension, boundary = mesh.dimension - 1, 1
+        for entity, body in enumerate(mesh.bodies.values(), start=1):
+            _add_body(gmsh, body, entity, first_node)
+            for name, facets in body.boundaries.items():
+                gmsh.model.addDiscreteEntity(facet_dimension, boundary, [])
+                gmsh.model.mesh.addElementsByType(
+                    boundary,
+                    FACET_NUMBERS[mesh.dimension, body.order],
+                    [],
+                    (facets + first_node).ravel(),
+                )
+                gmsh.model.addPhysicalGroup(facet_dimension, [boundary], name=name)
+                boundary += 1
+            first_node += len(body.points)
+        gmsh.write(str(path))
+
+
+def _add_body(gmsh: Any, body: BodyMesh, entity: int, first_node: int) -> None:
+    """Nodes and cells of one body as a discrete surface or volume with its name."""
+    dimension = body.points.shape[1]
+    gmsh.model.addDiscreteEntity(dimension, entity, [])
+    points = np.zeros((len(body.points), 3))
+    points[:, :dimension] = body.points
+    tags = np.arange(first_node, first_node + len(points))
+    gmsh.model.mesh.addNodes(dimension, entity, tags, points.ravel())
+    number = CELL_NUMBERS[body.cell, body.order]
+    cells = (body.cells + first_node).ravel()
+    gmsh.model.mesh.addElementsByType(entity, number, [], cells)
+    gmsh.model.addPhysicalGroup(dimension, [entity], name=body.name)

@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What one run says about itself: two extractions of each factor, and the formulas."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from fretfe.backends import EdgeHistories
+from fretfe.edges import analyse_tractions
+from fretfe.edges.evaluate import ContactSummary, Edge
+from fretfe.edges.slip_zones import SlipZone
+from fretfe.quality.validate.rows import Row, Verdict, compared, missing
+
+# Normal increments below this fraction of the tangential ones leave the edges where they are.
+CONSTANT_NORMAL = 0.05
+K_N_AGREEMENT = 0.02
+K_T_AGREEMENT = 0.01
+SHEAR_AGREEMENT = 0.03
+# A slip zone is located to about a tenth of an element, and to this fraction of its length.
+BORDER_ELEMENTS, BORDER_FRACTION = 0.2, 0.02
+# The expected error of the asymptote is a first-order estimate: trusted within this factor, and
+# not at all where it is large.
+ESTIMATE_FACTOR, LARGEST_ERROR = 1.5, 0.1
+CERTIFIED, BALANCED = 1e-6, 1e-8
+
+
+def own_rows(result: EdgeHistories) -> Iterator[Row]:
+    """Rows for each contact and edge of a run."""
+    for contact in result.contacts:
+        yield from _contact_rows(contact)
+        size = element_size(result, contact)
+        for edge in contact.edges:
+            yield from _edge_rows(contact, edge, size)
+            yield from _traction_rows(result, contact, edge, size)
+    yield from _solution_rows(result)
+
+
+def element_size(result: EdgeHistories, contact: ContactSummary) -> float:
+    """Element size at the edges, the coarser one; 0 without elements."""
+    if result.solution is None:
+        return 0.0
+    history = next(each for each in result.solution.contacts if each.name == contact.name)
+    sizes = np.diff(history.arc)
+    places = [edge.position[-1] for edge in contact.edges]
+    return float(max(sizes[np.clip(np.searchsorted(history.arc[1:-1], places), 0, None)]))
+
+
+def _contact_rows(contact: ContactSummary) -> Iterator[Row]:
+    quantity = "Q by ΔK_T / by ∫q"
+    if math.isnan(contact.shear_mismatch):
+        yield missing(contact.name, "", quantity, "no cycle, or no shear force in it")
+    else:
+        yield compared(
+            contact.name,
+            "",
+            quantity,
+            1 + contact.shear_mismatch,
+            1.0,
+            SHEAR_AGREEMENT,
+            "no free parameter, but bodies are no half-planes: outside, use K_T as computed",
+            "outside",
+        )
+    if math.isnan(contact.cycle_change):
+        reason = "no cycle, no friction, or a backend that gives the steady cycle itself"
+        yield missing(contact.name, "", "change of q", reason)
+    else:
+        reason = "relative to f p_max: the cycle is steady"
+        yield compared(contact.name, "", "change of q", contact.cycle_change, 0.0, 1e-3, reason)
+
+
+def _edge_rows(contact: ContactSummary, edge: Edge, size: float) -> Iterator[Row]:
+    name, side = contact.name, edge.side
+    k_n = float(edge.k_n[-1])
+    if math.isnan(edge.k_n_moved):
+        reason = "no two load levels: the edge does not move, or reaches the end of its surface"
+        yield missing(name, side, "K_N, by moving edge", reason)
+    else:
+        tolerance = K_N_AGREEMENT * k_n + float(edge.k_n_spread[-1])
+        reason = f"{K_N_AGREEMENT:.0%} and the spread of the fits"
+        yield compared(name, side, "K_N, by moving edge", k_n, edge.k_n_moved, tolerance, reason)
+    if math.isnan(edge.k_t_range_fitted):
+        yield missing(name, side, "ΔK_T, by fit", "only one way with this backend")
+    else:
+        tolerance = K_T_AGREEMENT * edge.k_t_range + edge.k_t_range_spread
+        reason = f"{K_T_AGREEMENT:.0%} and the spread over three radii"
+        yield compared(
+            name,
+            side,
+            "ΔK_T, by fit",
+            edge.k_t_range,
+            edge.k_t_range_fitted,
+            tolerance,
+            reason,
+        )
+    yield from _slip_rows(contact, edge, size)
+
+
+def _slip_rows(contact: ContactSummary, edge: Edge, size: float) -> Iterator[Row]:
+    zones = edge.slip_zones[-2:]
+    if not zones:
+        yield missing(contact.name, edge.side, "slip zone", "no friction")
+        return
+    for number, zone in enumerate(zones, start=1):
+        yield asymptote_row(contact, edge, zone, f"d, by formula, half cycle {number}", size)
+    if len(zones) == 2:
+        # Slip does not repeat itself where both half cycles end.
+        tolerance = BORDER_ELEMENTS * size + BORDER_FRACTION * max(z.length for z in zones)
+        yield compared(
+            contact.name,
+            edge.side,
+            "inner end, both ways",
+            zones[1].border,
+            zones[0].border,
+            tolerance,
+            "the same material point in a steady cycle, to the accuracy of the border",
+        )
+
+
+def _traction_rows(
+    result: EdgeHistories, contact: ContactSummary, edge: Edge, size: float
+) -> Iterator[Row]:
+    """Slip zones once more, from where the shear leaves the friction bound."""
+    if result.solution is None or not edge.slip_zones:
+        return
+    if edge.k_i_range > CONSTANT_NORMAL * edge.k_t_range:
+        reason = "the normal load varies: the shear keeps traces of slip with other edges"
+        yield missing(contact.name, edge.side, "d, by traction", reason)
+        return
+    history = next(each for each in result.solution.contacts if each.name == contact.name)
+    for number, zone in enumerate(edge.slip_zones[-2:], start=1):
+        label = f"d, by traction, half cycle {number}"
+        if zone.gross or not zone.length > 0:
+            continue
+        pressure, shear = history.traction[zone.end].T
+        friction = float(history.friction[zone.end])
+        analysis = analyse_tractions(history.arc, pressure, shear, friction=friction)
+        found = analysis.edges[0 if edge.side == "left" else 1].slip_from_traction
+        if not found.known:
+            yield missing(contact.name, edge.side, label, found.remark)
+            continue
+        tolerance = found.spread + size / 2 + BORDER_FRACTION * zone.length
+        reason = (
+            "by slip, and where the shear leaves the friction bound: error bar, half an element"
+        )
+        yield compared(contact.name, edge.side, label, zone.length, found.value, tolerance, reason)
+
+
+def asymptote_row(
+    contact: ContactSummary, edge: Edge, zone: SlipZone, label: str, size: float
+) -> Row:
+    """A slip zone, found and predicted by (11) or (8).
+
+    Args:
+        contact: of the zone.
+        edge: of the zone.
+        zone: one of the last two of the edge.
+        label: what the row is called.
+        size: of the elements at the edge.
+    """
+    name, side = contact.name, edge.side
+    predicted = zone.prediction
+    if zone.gross:
+        reason = "the whole contact slips in this half cycle: there is no slip zone"
+        return missing(name, side, label, reason)
+    if math.isnan(predicted):
+        return missing(name, side, label, "no prediction outside the evaluated cycle")
+    # An edge that moves is described over the longer of the two zones, which ends where it was.
+    longest = max(each.length for each in edge.slip_zones[-2:] if not each.gross)
+    error = expected_error(edge, longest)
+    if math.isnan(error):
+        reason = "the error to expect of the formula is not known: the edge does not move"
+        return missing(name, side, label, reason)
+    resolution = BORDER_ELEMENTS * size
+    # An estimate of a large error is none: it must not excuse whatever comes out.
+    share = ESTIMATE_FACTOR * min(error, LARGEST_ERROR) + BORDER_FRACTION
+    tolerance = share * zone.length + resolution
+    reason = (
+        f"the asymptote's own error at the longer of the two lengths, about {error:.0%}, and "
+        f"{resolution:.2g} for the mesh"
+    )
+    if error > LARGEST_ERROR:
+        reason += ". Long against the edge's own length: use the computed length"
+    otherwise: Verdict = "outside" if error > LARGEST_ERROR else "FAIL"
+    return compared(
+        name,
+        side,
+        label,
+        zone.length,
+        predicted,
+        tolerance,
+        reason,
+        otherwise,
+    )
+
+
+def expected_error(edge: Edge, length: float) -> float:
+    """Relative error that (9) and (11) are expected to have for a slip zone of this length.
+
+    First order: half the length times the relative growth of dP/da with a, which is d/(2a) for
+    Hertz, d/(2(a - b)) or less for a flat with rounded ends, nothing for a wedge.
+    """
+    return 0.5 * length * edge.stiffening
+
+
+def _solution_rows(result: EdgeHistories) -> Iterator[Row]:
+    if result.solution is None:
+        return
+    certificates = result.solution.certificates
+    worst = float(certificates["worst"].max())
+    reason = "relative violation of penetration, friction cone, stick, slip direction"
+    yield compared("all", "", "contact conditions", worst, 0.0, CERTIFIED, reason)
+    scale = float(certificates["force_scale"].max())
+    balance = float(certificates["force_imbalance"].max()) / scale
+    yield compared("all", "", "balance of forces", balance, 0.0, BALANCED, "relative, any body")

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Published cylinder contacts under one loading: Cattaneo-Mindlin, NAFEMS, a fretting specimen."""
+
+from __future__ import annotations
+
+from fretfe.quality.verify import measures
+from fretfe.quality.verify.cases import HOLD, Pad, pad_case, press, ramp
+from fretfe.quality.verify.model import Benchmark, Measure, Quantity
+
+# Published numbers have six digits. Fits of K_N promise a thousandth.
+DIGITS, FITTED = 5e-6, 1e-3
+SHEAR_STEPS = 8
+
+
+def relative(
+    name: str,
+    reference: float,
+    measure: Measure,
+    tolerances: dict[str, float],
+    *,
+    needs_tractions: bool = False,
+) -> Quantity:
+    """A quantity whose differences are fractions of its known value."""
+    return Quantity(name, reference, abs(reference), tolerances, measure, needs_tractions)
+
+
+def hertz_parameters(radius: float, half_width: float) -> dict[str, float]:
+    """A cylindrical pad on a block, in half-widths a: 40 wide, 20 high on one 120 wide, 60 high.
+
+    Elements of 0.02 a. Smaller bodies change a by 0.2 %, the K_T of a bulk tension by 2 %.
+    """
+    sizes = {"upper_width": 20.0, "upper_height": 20.0, "lower_width": 60.0, "lower_height": 60.0}
+    sizes |= {"zone": 1.15, "size": 0.02}
+    return {
+        "upper_radius": radius,
+        "lower_radius": 0.0,
+        "growth": 0.2,
+        **{name: value * half_width for name, value in sizes.items()},
+    }
+
+
+def two_cylinders() -> Benchmark:
+    """Two equal cylinders, pressed and sheared once."""
+    half_width = 0.680778
+    # As wide as the radius allows. Tall bodies turn under the shear force, and a common rotation
+    # moves the two curved faces past each other: 12 half-widths leave K_T 0.6 % high.
+    body = {"width": 7.0, "height": 8.0, "radius": 8.0}
+    parameters = {f"{side}_{key}": body[key] for side in ("upper", "lower") for key in body}
+    pad = Pad("cylinder", parameters, friction=0.2, young=(200.0, 200.0), poisson=0.3)
+    return Benchmark(
+        name="two cylinders, Cattaneo-Mindlin",
+        source="Cattaneo 1938; Mindlin 1949; data of Yang, Laursen and Meng 2005 (Ansys VM272)",
+        case=pad_case(pad, normal=[press(10.0)], shear=[HOLD, ramp(0.93616, SHEAR_STEPS)]),
+        quantities=(*_cylinder_factors(half_width), *_cylinder_shear()),
+    )
+
+
+def _cylinder_factors(half_width: float) -> tuple[Quantity, ...]:
+    # Half-planes: the fits at the edge, on elements of 0.003 a there; the border of the stick zone
+    # is found to a tenth of an element. Finite elements: bodies of 12 a,
+    # which leave 0.3 to 0.6 % in K_T.
+    width = {"analytic": DIGITS, "halfplane": 6e-5, "fem": 0.005}
+    factor = width | {"halfplane": FITTED}
+    shear_factor = width | {"halfplane": 2e-5, "fem": 0.01}
+    length = {"analytic": DIGITS, "halfplane": 5e-4, "fem": 0.002}
+    return (
+        relative("a", half_width, measures.half_width, width),
+        relative("p0", 9.351351, measures.peak_pressure, width, needs_tractions=True),
+        relative("K_N", 16.02826, measures.k_n, factor),
+        relative("K_T", 0.255377, measures.k_t, shear_factor),
+        Quantity("d", 0.184267, half_width, length, measures.mean_slip_length),
+    )
+
+
+def _cylinder_shear() -> tuple[Quantity, ...]:
+    values = {0.0: 0.5062, 0.2: 0.5393, 0.4: 0.7053, 0.55: 1.1022, 0.6: 0.8837}
+    largest = max(values.values())
+    # Four digits are given. Finite elements: next to the border of the stick zone q has a kink, and
+    # a shift of that by 0.002 a is what 0.5 % are.
+    tolerances = {"halfplane": 3e-4, "fem": 0.01}
+    return tuple(
+        Quantity(f"q at x = {x:g}", q, largest, tolerances, measures.shear_at(x), True)
+        for x, q in values.items()
+    )
+
+
+def cylinder_on_block() -> Benchmark:
+    """A steel cylinder on an aluminium block, pressed without friction."""
+    half_width, radius = 6.2146, 50.0
+    parameters = hertz_parameters(radius, half_width) | {
+        # A cylinder is at most twice its radius wide.
+        "upper_width": 45.0,
+        "upper_height": 60.0,
+    }
+    pad = Pad("cylinder", parameters, friction=0.0, young=(210e3, 70e3), poisson=0.3)
+    # Five digits are given for a. Finite elements: the face is a circle, which rises 0.4 % more
+    # than the parabola at the edge, and the cylinder is 14 a wide.
+    width = {"analytic": 1e-5, "halfplane": 6e-5, "fem": 0.0013}
+    pressure = width | {"fem": 0.004}
+    factor = {"analytic": DIGITS, "halfplane": FITTED, "fem": 0.01}
+    return Benchmark(
+        name="cylinder on block, frictionless",
+        source="Hertz 1882; data of NAFEMS contact benchmark 1 (Konter 2006)",
+        case=pad_case(pad, normal=[press(35e3)]),
+        quantities=(
+            relative("a", half_width, measures.half_width, width),
+            relative("p0", 3585.36, measures.peak_pressure, pressure, needs_tractions=True),
+            relative("K_N", 2033.95, measures.k_n, factor),
+        ),
+    )
+
+
+def fretting_specimens() -> tuple[Benchmark, ...]:
+    """A pad on a specimen under shear force and bulk tension in proportion."""
+    return _specimen(0.85, 0.81497, 0.07035), _specimen(2.0, 0.92589, 0.02990)
+
+
+def _specimen(friction: float, stick: float, centre: float) -> Benchmark:
+    half_width, radius = 0.206698, 10.0
+    parameters = hertz_parameters(radius, half_width)
+    pad = Pad("cylinder", parameters, friction, (72.1e3, 72.1e3), 0.33, thickness=4.0)
+    width = {"analytic": DIGITS, "halfplane": 6e-5, "fem": 0.001}
+    factor = {"analytic": DIGITS, "halfplane": FITTED, "fem": 0.0015}
+    # Five digits are given. The borders of the stick zone are found to a tenth of an element.
+    length = {"analytic": 1e-5, "halfplane": 3e-4, "fem": 0.0025}
+    return Benchmark(
+        name=f"fretting specimen, f = {friction:g}",
+        source="Nowell and Hills 1987; data of Kosec, Slak, Abdel Wahab et al. 2019",
+        case=pad_case(
+            pad,
+            normal=[press(543.0)],
+            shear=[HOLD, ramp(155.0, SHEAR_STEPS)],
+            tension=[HOLD, ramp(100.0, SHEAR_STEPS)],
+        ),
+        quantities=(
+            relative("a", half_width, measures.half_width, width),
+            relative("p0", 418.104, measures.peak_pressure, width, needs_tractions=True),
+            relative("K_N", 1300.56, measures.k_n, factor),
+            Quantity("c/a", stick, 1.0, length, measures.stick_half_width_ratio),
+            Quantity("e/a", centre, 1.0, length, measures.stick_centre_ratio),
+        ),
+    )

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Numbers that the benchmarks compare, read from the results of any backend.
+
+All of them belong to the last state, or to the evaluated cycle, of the first contact. They are NaN
+where the backend found none.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fretfe.backends import EdgeHistories
+from fretfe.edges.evaluate import ContactSummary, Edge
+from fretfe.quality.verify.model import Measure
+
+LEFT, RIGHT = 0, 1
+NAMES = ("left", "right")
+
+
+def _contact(result: EdgeHistories) -> ContactSummary:
+    return result.contacts[0]
+
+
+def half_width(result: EdgeHistories) -> float:
+    """Half-width of the contact."""
+    return float(_contact(result).half_width[-1])
+
+
+def k_n(result: EdgeHistories) -> float:
+    """K_N, mean of both edges."""
+    return float(np.mean([edge.k_n[-1] for edge in _contact(result).edges]))
+
+
+def k_t(result: EdgeHistories) -> float:
+    """The part of K_T that has opposite signs at the two edges: that of the shear force."""
+    left, right = _contact(result).edges
+    return float(left.k_t[-1] - right.k_t[-1]) / 2
+
+
+def dissipation(result: EdgeHistories) -> float:
+    """Friction work in the cycle."""
+    return float(_contact(result).dissipation)
+
+
+def position(side: int) -> Measure:
+    """Position of an edge."""
+    return lambda result: float(_contact(result).edges[side].position[-1])
+
+
+def k_t_range(side: int) -> Measure:
+    """Range of K_T at an edge over the cycle."""
+    return lambda result: float(_contact(result).edges[side].k_t_range)
+
+
+def slip_length(side: int) -> Measure:
+    """Length of the last slip zone at an edge."""
+    return lambda result: _slip_length(_contact(result).edges[side])
+
+
+def _slip_length(edge: Edge) -> float:
+    return float(edge.slip_zones[-1].length) if edge.slip_zones else np.nan
+
+
+def predicted_length(side: int) -> Measure:
+    """Length of the last slip zone at an edge as K_T and K_N predict it."""
+
+    def measure(result: EdgeHistories) -> float:
+        zones = _contact(result).edges[side].slip_zones
+        return float(zones[-1].predicted) if zones else np.nan
+
+    return measure
+
+
+def mean_slip_length(result: EdgeHistories) -> float:
+    """Length of the last slip zones, mean of both edges."""
+    return float(np.mean([_slip_length(edge) for edge in _contact(result).edges]))
+
+
+def stick_half_width_ratio(result: EdgeHistories) -> float:
+    """c/a: half-width of the stick zone that the last slip zones leave, in half-widths."""
+    return 1 - mean_slip_length(result) / half_width(result)
+
+
+def stick_centre_ratio(result: EdgeHistories) -> float:
+    """e/a: centre of the same stick zone, in half-widths from the centre of the contact."""
+    left, right = (_slip_length(edge) for edge in _contact(result).edges)
+    return (left - right) / (2 * half_width(result))
+
+
+def stick_border(side: int) -> Measure:
+    """Position of the inner end of the last slip zone at an edge."""
+
+    def measure(result: EdgeHistories) -> float:
+        zones = _contact(result).edges[side].slip_zones
+        return float(zones[-1].border) if zones else np.nan
+
+    return measure
+
+
+def peak_pressure(result: EdgeHistories) -> float:
+    """Largest pressure."""
+    assert result.solution is not None
+    return float(result.solution.contacts[0].mean_traction[-1, :, 0].max())
+
+
+def shear_at(x: float) -> Measure:
+    """Shear at a distance from the centre, mean of both sides."""
+
+    def measure(result: EdgeHistories) -> float:
+        assert result.solution is not None
+        contact = result.solution.contacts[0]
+        places = _contact(result).centre[-1] + np.array([-x, x])
+        shear = contact.mean_traction[-1, :, 1]
+        return float(np.interp(places, contact.arc, shear).mean())
+
+    return measure
+
+
+def force_ratio(numerator: str, denominator: str) -> Measure:
+    """Ratio of the forces of two platen loads."""
+
+    def measure(result: EdgeHistories) -> float:
+        assert result.solution is not None
+        forces = dict(zip(result.solution.coordinates, result.solution.forces[-1], strict=True))
+        return float(forces[numerator] / forces[denominator])
+
+    return measure

@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The results of a run, read back from its folder into the types that the run had.
+
+Numbers that do not exist, null in JSON, are NaN here; so is what was infinite. The integrals and
+neighbouring loads behind the edge factors are not stored: `ContactHistory.integrals` and
+`neighbours` are None.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+
+import h5py
+import numpy as np
+
+from fretfe._typing import Array, Indices
+from fretfe.backends import EdgeHistories
+from fretfe.case import Case, parse_case
+from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.refinement import Refinement
+from fretfe.errors import CaseError, ConvergenceError, OutputError
+from fretfe.loads import History
+from fretfe.results.solution import BondedUnits, ContactHistory, Solution
+from fretfe.results.writer import ARRAYS, NUMBERS, SCHEMA
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class StoredBody:
+    """The mesh of a body; see `fretfe.backends.BodyArrays`."""
+
+    points: Array
+    cells: Indices
+    cell: str
+    order: int
+    boundaries: dict[str, Indices]
+
+
+@dataclass(frozen=True)
+class Results:
+    """A run as its folder has it.
+
+    Attributes:
+        directory: the folder.
+        case: the case as it was run.
+        backend: name of the backend.
+        result: what the backend returned; `versions` are those of everything that took part.
+    """
+
+    directory: Path
+    case: Case
+    backend: str
+    result: EdgeHistories
+
+
+def read_results(directory: Path) -> Results:
+    """Read `results.json` and, if the run has tractions, `results.h5`.
+
+    Raises:
+        OutputError: if a file is missing, cannot be read, or is not of this schema, or the two are
+            of different runs.
+    """
+    path = directory / NUMBERS
+    numbers = read_numbers(directory)
+    try:
+        case = parse_case(numbers["case"], source="case")
+        result = _edge_histories(directory, case, numbers)
+        return Results(directory, case, str(numbers["backend"]), result)
+    except (AttributeError, CaseError, IndexError, KeyError, TypeError, ValueError) as error:
+        found = f"no key {error}" if isinstance(error, KeyError) else str(error)
+        raise OutputError(f"{path}: expected the results of a whole run, found: {found}") from error
+
+
+def read_numbers(directory: Path) -> dict[str, Any]:
+    """Read `results.json` as it stands.
+
+    Raises:
+        OutputError: if it is missing or not of this schema.
+    """
+    path = directory / NUMBERS
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise OutputError(
+            f"{path.parent}: expected a folder with the results of a run, found no readable "
+            f"{path.name}: {error.strerror}"
+        ) from error
+    except ValueError as error:
+        raise OutputError(f"{path}: expected the results of a run, found: {error}") from error
+    schema = data.get("schema") if isinstance(data, dict) else None
+    if schema != SCHEMA:
+        raise OutputError(
+            f"{path}: expected schema {SCHEMA}, found {schema}: run the case again with this "
+            "version of fretfe"
+        )
+    return dict(data)
+
+
+def _edge_histories(directory: Path, case: Case, numbers: Mapping[str, Any]) -> EdgeHistories:
+    times = _numbers(numbers["times"])
+    loads = numbers["loads"]
+    cycle = numbers["cycle"]
+    history = History(
+        tuple(loads), times, _columns(loads.values(), times), tuple(cycle) if cycle else None
+    )
+    solution: Solution | None = None
+    bodies: dict[str, StoredBody] = {}
+    if numbers["steps"] is not None:
+        solution, bodies = _read_arrays(directory / ARRAYS, case, history, numbers)
+    refinement = numbers["refinement"]
+    return EdgeHistories(
+        history=history,
+        contacts=tuple(
+            restored(ContactSummary, {"name": name, **table})
+            for name, table in numbers["contacts"].items()
+        ),
+        notes=tuple(numbers["notes"]),
+        failure=None if numbers["complete"] else ConvergenceError(numbers["failure"]),
+        solution=solution,
+        bodies=bodies,
+        versions=numbers["versions"],
+        seconds=numbers["seconds"],
+        ranks=numbers["ranks"],
+        refinement=restored(Refinement, refinement) if refinement else None,
+    )
+
+
+def restored(cls: type[T], table: Mapping[str, Any]) -> T:
+    """A dataclass from a table with a key for each of its fields; other keys are left out."""
+    assert is_dataclass(cls)
+    hints = get_type_hints(cls)
+    values = {each.name: _as(hints[each.name], table[each.name]) for each in fields(cls)}
+    return cls(**values)
+
+
+def _as(kind: Any, value: Any) -> Any:
+    """A value of JSON as the type that a field is declared with."""
+    if kind is float:
+        return math.nan if value is None else float(value)
+    if is_dataclass(kind):
+        return restored(kind, value)  # type: ignore[arg-type]
+    if get_origin(kind) is tuple:
+        return tuple(_as(get_args(kind)[0], each) for each in value)
+    # The only other lists are arrays.
+    return _numbers(value) if isinstance(value, list) else value
+
+
+def _numbers(values: Any) -> Array:
+    return np.array(values, dtype=float)
+
+
+def _columns(values: Any, times: Array) -> Array:
+    """(T, n) from n lists of T numbers."""
+    return np.column_stack([np.empty((len(times), 0)), *map(_numbers, values)])
+
+
+def _read_arrays(
+    path: Path, case: Case, history: History, numbers: Mapping[str, Any]
+) -> tuple[Solution, dict[str, StoredBody]]:
+    try:
+        with h5py.File(path, "r") as file:
+            found = {"name": file.attrs.get("schema"), "version": file.attrs.get("version")}
+            if found != SCHEMA:
+                raise OutputError(f"{path}: expected schema {SCHEMA}, found {found}")
+            if not np.array_equal(file["times"][:], history.times):
+                raise OutputError(
+                    f"{path}: expected the {len(history.times)} states of {NUMBERS}, found other "
+                    "times: the two files are of different runs"
+                )
+            contacts = tuple(
+                _read_contact(name, file[f"contacts/{name}"]) for name in numbers["contacts"]
+            )
+            bodies = {name: read_body(file[f"mesh/{name}"]) for name in numbers["mesh"]}
+    except OSError as error:
+        reason = str(error) if path.exists() else "no such file"
+        raise OutputError(
+            f"{path}: expected the arrays that belong to {NUMBERS}, found: {reason}"
+        ) from error
+    return _solution(case, history, numbers, contacts), bodies
+
+
+def _solution(
+    case: Case,
+    history: History,
+    numbers: Mapping[str, Any],
+    contacts: tuple[ContactHistory, ...],
+) -> Solution:
+    coordinates, drivers, steps = (numbers[key] for key in ("coordinates", "drivers", "steps"))
+    times = history.times
+    return Solution(
+        degree=case.model.degree,
+        times=times,
+        channels=history.channels,
+        values=history.values,
+        cycle=history.cycle,
+        coordinates=tuple(coordinates),
+        amplitudes=_columns([each["amplitude"] for each in coordinates.values()], times),
+        forces=_columns([each["force"] for each in coordinates.values()], times),
+        drivers=tuple(drivers),
+        driver_values=_columns(drivers.values(), times),
+        contacts=contacts,
+        iterations=np.array(steps["iterations"]),
+        parts=np.array(steps["parts"]),
+        fallbacks=np.array(steps["fallbacks"]),
+        certificates={name: _numbers(values) for name, values in steps["certificate"].items()},
+    )
+
+
+def _read_contact(name: str, group: h5py.Group) -> ContactHistory:
+    arrays: dict[str, Any] = {
+        each.name: group[each.name][:]
+        for each in fields(ContactHistory)
+        if isinstance(group.get(each.name), h5py.Dataset)
+    }
+    bonded = BondedUnits(group["bonded/fields"][:], group["bonded/area"][:])
+    body1, body2 = str(group.attrs["body1"]), str(group.attrs["body2"])
+    return ContactHistory(name=name, body1=body1, body2=body2, **arrays, bonded=bonded)
+
+
+def read_body(group: h5py.Group) -> StoredBody:
+    """The mesh of a body from its group in `results.h5`."""
+    return StoredBody(
+        points=group["points"][:],
+        cells=group["cells"][:],
+        cell=str(group.attrs["cell"]),
+        order=int(group.attrs["order"]),
+        boundaries={name: facets[:] for name, facets in group.get("boundaries", {}).items()},
+    )

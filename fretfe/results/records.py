@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""One flat record per contact edge: the numbers that tables are made of."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from fretfe.backends import EdgeHistories
+from fretfe.edges.evaluate import ContactSummary, Edge
+
+# Slip zones of a record: those of the last two half cycles.
+ZONES = 2
+
+
+def edge_records(result: EdgeHistories) -> list[dict[str, Any]]:
+    """Texts, numbers and truth values of every edge, by name; numbers that do not exist are NaN.
+
+    ``slip_1`` and ``slip_2`` are the lengths of the slip zones of the last two half cycles, in the
+    order of time, ``predicted_1`` and ``predicted_2`` what the edge factors predict for them. With
+    one half cycle only it is the second.
+    """
+    return [_record(contact, edge) for contact in result.contacts for edge in contact.edges]
+
+
+def _record(contact: ContactSummary, edge: Edge) -> dict[str, Any]:
+    zones = edge.slip_zones[-ZONES:]
+    first = ZONES - len(zones) + 1
+    lengths = {f"slip_{n}": zone.length for n, zone in enumerate(zones, start=first)}
+    predictions = {f"predicted_{n}": zone.prediction for n, zone in enumerate(zones, start=first)}
+    numbers = [f"{name}_{n}" for name in ("slip", "predicted") for n in range(1, ZONES + 1)]
+    return {
+        "contact": contact.name,
+        "edge": edge.side,
+        "position": float(edge.position[-1]),
+        "half_width": float(contact.half_width[-1]),
+        "k_n": float(edge.k_n[-1]),
+        "k_n_spread": float(edge.k_n_spread[-1]),
+        "k_t_range": float(edge.k_t_range),
+        "k_i_range": float(edge.k_i_range),
+        **{name: float((lengths | predictions).get(name, math.nan)) for name in numbers},
+        "gross": any(zone.gross for zone in zones),
+        "resolved": all(zone.resolved for zone in zones),
+        "dissipation": float(edge.dissipation),
+        "steady": bool(contact.steady),
+        "warnings": "; ".join(contact.warnings),
+    }

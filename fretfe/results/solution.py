@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a solved history consists of: arrays that every later stage reads, whoever computed them.
+
+T is the number of states (steps plus the unloaded state 0), N the number of nodes of a contact, d
+the number of space dimensions. Tractions are in the stress unit, lengths in the length unit, forces
+and work per unit thickness. Components of vectors in a contact's frame are ordered normal, then
+tangents; in the plane the one tangent is the x axis of the contact (see the theory guide).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from fretfe._typing import Array, Indices
+
+OPEN, STICK, SLIP = 0, 1, 2
+
+
+@dataclass(frozen=True)
+class BondedUnits:
+    """Traction increments of the stuck contact, one field for each driver, by contact area.
+
+    A driver is a load that moves the bodies: a platen or prescribed displacement (by its force, per
+    unit thickness) or a distributed load (by its amplitude).
+
+    Attributes:
+        fields: (U, N, d, J) traction per unit of each of J drivers, for U different areas.
+        area: (T,) which of the U areas a state has, -1 where nothing is in contact.
+    """
+
+    fields: Array
+    area: Indices
+
+
+@dataclass(frozen=True)
+class EdgeIntegrals:
+    """Edge factors from displacements around the edges, by interaction integrals.
+
+    Attributes:
+        areas: (S,) contact areas, as counted in `BondedUnits`.
+        positions: (S, 2) left and right edge at these areas.
+        reaches: (R,) radii of the circles.
+        factors: (S, R, 2, 2, J) edge, factor (K_T, K_I), for a unit of each driver.
+    """
+
+    areas: Indices
+    positions: Array
+    reaches: Array
+    factors: Array
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """A lower and a higher load than that of the last state.
+
+    Attributes:
+        pressure: (2, N) at these loads.
+        k_i: (R, 2) K_I of the difference between them at both edges, determined in R ways.
+    """
+
+    pressure: Array
+    k_i: Array
+
+
+@dataclass(frozen=True)
+class ContactHistory:
+    """One contact through the whole history.
+
+    Attributes:
+        name: name in the case.
+        body1, body2: names of the bodies.
+        arc: (N,) arc length along the surface that carries the tractions, increasing in +x.
+        points: (N, d) coordinates of the nodes before deformation.
+        frames: (N, d, d) rows: outward normal of body 2, tangents.
+        weights: (N,) length that belongs to each node (integral of its hat function).
+        friction: (T,) coefficient in the step that ends at each state.
+        traction: (T, N, d) pressure, then shear that body 1 exerts on body 2: nodal values of the
+            piecewise-linear multiplier field.
+        mean_traction: (T, N, d) mean of that field around each node: the nodal force over the
+            length that belongs to the node. The better point value: where the traction has a
+            square root or a kink, nodal values of the field alternate about it.
+        gap: (T, N) mean gap at the node.
+        slip: (T, N, d-1) tangential displacement of body 1 relative to body 2.
+        status: (T, N) OPEN, STICK or SLIP in the step that ends at each state.
+        dissipation: (T, N) friction work in that step.
+        bonded: companion increments.
+        integrals: edge factors from displacements; None where there are no displacements.
+        neighbours: two load levels that tell how the edges move; None if they have no solution.
+    """
+
+    name: str
+    body1: str
+    body2: str
+    arc: Array
+    points: Array
+    frames: Array
+    weights: Array
+    friction: Array
+    traction: Array
+    mean_traction: Array
+    gap: Array
+    slip: Array
+    status: npt.NDArray[np.int8]
+    dissipation: Array
+    bonded: BondedUnits
+    integrals: EdgeIntegrals | None = None
+    neighbours: Neighbours | None = None
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A solved load history.
+
+    Attributes:
+        degree: polynomial degree of the displacements.
+        times: (T,) clock.
+        channels: names of the loads.
+        values: (T, C) value of each load.
+        cycle: first and last state of the evaluated cycle, or None.
+        coordinates: names of the rigid boundaries' amplitudes.
+        amplitudes: (T, m) amplitude of each coordinate.
+        forces: (T, m) force on each coordinate, per unit thickness.
+        drivers: names of the drivers.
+        driver_values: (T, J) force or amplitude of each driver.
+        contacts: contacts in the order of the case.
+        iterations: (T,) Newton iterations of each step; 0 for state 0.
+        parts: (T,) number of parts that a step was cut into.
+        fallbacks: (T,) how often the slow method was needed.
+        certificates: (T,) arrays by name; see the results guide.
+    """
+
+    degree: int
+    times: Array
+    channels: tuple[str, ...]
+    values: Array
+    cycle: tuple[int, int] | None
+    coordinates: tuple[str, ...]
+    amplitudes: Array
+    forces: Array
+    drivers: tuple[str, ...]
+    driver_values: Array
+    contacts: tuple[ContactHistory, ...]
+    iterations: Indices
+    parts: Indices
+    fallbacks: Indices
+    certificates: dict[str, Array]

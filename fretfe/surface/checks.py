@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Do the contact surfaces of a mesh look at each other, without overlap, before any load acts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.case import Case
+from fretfe.errors import MeshError
+from fretfe.mesh.body_overlap import BodyOverlap, body_overlaps
+from fretfe.mesh.mesh import Mesh
+from fretfe.surface.gap import Facing, face
+from fretfe.surface.mortar import search_reach
+from fretfe.surface.surface import Surface, build_surface
+
+
+def check_contacts(mesh: Mesh, case: Case) -> None:
+    """Every contact must be able to close, and no two bodies may be in the same place.
+
+    A gap is no problem: loads may close it. Nor is an overlap of the size of what straight facets
+    make of arcs that fit into each other.
+
+    Args:
+        mesh: plane bodies that have all the groups that the case names.
+        case: validated case.
+
+    Raises:
+        MeshError: Contact surfaces are no open curves, overlap, face the wrong way or never face
+            each other, or bodies overlap. Everything found is in the message.
+    """
+    unit = case.units.length
+    overlaps = {frozenset((o.body1, o.body2)): o for o in body_overlaps(mesh)}
+    problems = []
+    for name, facing in face_contacts(mesh, case).items():
+        bodies = frozenset((facing.surface1.body, facing.surface2.body))
+        found = list(_problems(name, facing, unit, bodies in overlaps))
+        if found:
+            problems += found
+            overlaps.pop(bodies, None)
+    problems += [_bodies_overlap(overlap, unit) for overlap in overlaps.values()]
+    if problems:
+        lines = "".join(f"\n  - {problem}" for problem in problems)
+        raise MeshError(f"the bodies are not where contact can begin:{lines}")
+
+
+def face_contacts(mesh: Mesh, case: Case) -> dict[str, Facing]:
+    """Where the surfaces of each contact face each other, by contact.
+
+    Raises:
+        MeshError: A contact surface is not one open curve.
+    """
+    bodies = {name: body for body in mesh.bodies.values() for name in body.boundaries}
+    return {
+        name: face(*(build_surface(bodies[s], s) for s in (contact.surface1, contact.surface2)))
+        for name, contact in case.contacts.items()
+    }
+
+
+def _problems(name: str, facing: Facing, unit: str, bodies_overlap: bool) -> Iterator[str]:
+    if len(facing.gap):
+        yield from _interpenetration(name, facing, unit)
+    elif not bodies_overlap:
+        yield f"{_heading(name, facing)} {_why_apart(facing, unit)}"
+
+
+def _heading(name: str, facing: Facing) -> str:
+    first, second = facing.surface1, facing.surface2
+    return (
+        f"contacts.{name}: '{first.name}' of body '{first.body}' and '{second.name}' of body"
+        f" '{second.body}'"
+    )
+
+
+def _interpenetration(name: str, facing: Facing, unit: str) -> Iterator[str]:
+    excess = -facing.gap - facing.allowed_overlap()
+    if excess.max() <= 0:
+        return
+    deepest = int(np.argmin(facing.gap))
+    length = facing.length[facing.gap < 0].sum()
+    yield (
+        f"{_heading(name, facing)} overlap before any load acts: by up to"
+        f" {-facing.gap[deepest]:.4g} {unit} at {place(facing.points[deepest])}, over a length of"
+        f" {length:.4g} {unit}; expected at most {facing.allowed_overlap()[deepest]:.2g} {unit}"
+        " there, which the mesh does not resolve. Move the bodies until they touch or stand"
+        " apart, and let a load bring them together. An intended interference (press fit) is not"
+        " supported"
+    )
+
+
+def _why_apart(facing: Facing, unit: str) -> str:
+    """Why surfaces never face each other: in words that follow their names."""
+    first, second = facing.surface1, facing.surface2
+    points, partners, normals, opposite = _nearest_places(first, second)
+    distance = np.linalg.norm(points - partners, axis=1)
+    chosen = int(np.argmin(distance))
+    cosines = np.sum(normals * opposite, axis=1)
+    # Neighbours of the nearest place count too: the normal at the end of a curve is that of its
+    # last facet.
+    near = distance <= distance[chosen] + second.lengths.max()
+    where = (
+        f"{distance[chosen]:.4g} {unit} apart at {place(points[chosen])} and"
+        f" {place(partners[chosen])}"
+    )
+    if cosines[near].min() >= 0:
+        return (
+            f"face the wrong way: where they are nearest, {where}, the outward normals are"
+            f" {place(opposite[chosen], 3)} and {place(normals[chosen], 3)}; expected them to"
+            " oppose each other. Is one of the surfaces the back or a side of its body?"
+        )
+    reach = search_reach(first, second)
+    if distance[chosen] > reach:
+        return (
+            f"are too far apart: nearest {where}; expected less than {reach:.4g} {unit}, half the"
+            " length of the shorter one. Check the names, and that the bodies are in their working"
+            " position"
+        )
+    return (
+        f"pass by each other: nearest {where}, but no normal of the one meets the other. Check"
+        " the names, and that the bodies are in their working position"
+    )
+
+
+def _nearest_places(first: Surface, second: Surface) -> tuple[Array, Array, Array, Array]:
+    """(n, 2) nodes of the second surface, places of the first nearest to them, both normals."""
+    points, normals = second.nodes.reshape(-1, 2), second.normals.reshape(-1, 2)
+    partners, opposite = first.nearest(points)
+    return points, partners, normals, opposite
+
+
+def _bodies_overlap(overlap: BodyOverlap, unit: str) -> str:
+    return (
+        f"bodies '{overlap.body1}' and '{overlap.body2}' overlap: a point of"
+        f" '{overlap.body1}' at {place(overlap.point)} is {overlap.depth:.4g} {unit} inside"
+        f" '{overlap.body2}'; expected separate bodies that touch at most"
+    )
+
+
+def place(point: Array, digits: int = 6) -> str:
+    """Coordinates of a point in words."""
+    # Adding zero turns -0 into 0.
+    return f"({', '.join(f'{round(float(v), 12) + 0.0:.{digits}g}' for v in point)})"
