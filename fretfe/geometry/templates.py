@@ -58,7 +58,7 @@ class Template:
 
 def template_directory() -> Path:
     """The folder `meshes`: inside the installed package, or next to it in a checkout."""
-    package = Path(__file__).resolve().parent
+    package = Path(__file__).resolve().parents[1]
     installed = package / "meshes"
     return installed if installed.is_dir() else package.parent / "meshes"
 
