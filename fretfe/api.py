@@ -33,8 +33,8 @@ from fretfe.cli.run import (
 )
 from fretfe.cli.sweep import write_files
 from fretfe.errors import CaseError, OutputError
-from fretfe.report.figures import draw_tractions
-from fretfe.report.histories import draw_factors, draw_loads
+from fretfe.report.figures.history import draw_factors, draw_loads
+from fretfe.report.figures.tractions import draw_tractions
 from fretfe.results.records import edge_records
 from fretfe.sweeps import Sweep, make_variants, run_sweep
 

@@ -119,7 +119,7 @@ def test_wheel_has_the_package_and_no_more(wheel_files: set[str]) -> None:
     templates = {f"fretfe/{name}" for name in sources(Path("meshes"))}
     assert package == python | templates | {extension}
     # The report and a check read these files when they run.
-    assert {"fretfe/report/report.css", "fretfe/report/report.html.j2"} < package
+    assert {"fretfe/report/page/report.css", "fretfe/report/page/report.html.j2"} < package
     assert {"fretfe/meshes/dovetail.geo", "fretfe/verify/sliding_wedge.msh"} < package
 
 

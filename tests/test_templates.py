@@ -17,7 +17,7 @@ from fretfe.errors import CaseError
 from fretfe.geometry import templates
 from fretfe.geometry.template_checks import CROSS_CHECKS
 from fretfe.geometry.templates import Parameter, check_parameters, find_template, template_names
-from fretfe.report.tables import parameter_rows
+from fretfe.report.page.tables import parameter_rows
 
 NAMES = ("cylinder", "dovetail", "firtree", "flat_rounded", "wedge")
 

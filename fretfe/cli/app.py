@@ -123,7 +123,7 @@ def make_report(
     directory: Results,
 ) -> None:
     """Make report.html again from the results in a folder."""
-    from fretfe.report.page import write_report
+    from fretfe.report.page.html import write_report
 
     if rank_from_environment() == 0:
         typer.echo(f"Report in {write_report(directory)}")

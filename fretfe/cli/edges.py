@@ -16,7 +16,7 @@ from rich.table import Table
 from fretfe.edges import EdgeAnalysis, Estimate, TractionAnalysis, analyse_tractions
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_table
-from fretfe.report.numbers import MISSING, with_error
+from fretfe.report.texts import MISSING, with_error
 
 ROWS = {
     "position": "position",

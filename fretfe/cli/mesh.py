@@ -24,7 +24,7 @@ from fretfe.loads import History, build_history
 from fretfe.mesh.extrude import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.mesh.writer import write_mesh
-from fretfe.report.mesh_picture import write_mesh_picture
+from fretfe.report.pictures.mesh import write_mesh_picture
 from fretfe.results.writer import prepare_directory
 
 COMM = MPI.COMM_WORLD

@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 
 from fretfe.errors import CaseError, OutputError
-from fretfe.report.child import draw_in_child
+from fretfe.report.pictures.child import draw_in_child
 from fretfe.results.reader import read_numbers
 
 

@@ -33,9 +33,8 @@ from fretfe.quality.verify.controls import controls
 from fretfe.quality.verify.model import Row, failed
 from fretfe.quality.verify.report import as_numbers, print_rows, print_summary
 from fretfe.quality.verify.run import run_benchmark
-from fretfe.report.page import REPORT, write_report
-from fretfe.report.pictures import make_pictures, remove_pictures
-from fretfe.report.tables import (
+from fretfe.report.page.html import REPORT, write_report
+from fretfe.report.page.tables import (
     backend_table,
     contact_table,
     edge_table,
@@ -43,6 +42,7 @@ from fretfe.report.tables import (
     mesh_table,
     timing_table,
 )
+from fretfe.report.pictures.folder import make_pictures, remove_pictures
 from fretfe.results.solution import Solution
 from fretfe.results.writer import FIELDS, prepare_directory, remove_fields, write_results
 

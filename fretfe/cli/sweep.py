@@ -15,7 +15,7 @@ from fretfe.cli.progress import StepReport
 from fretfe.cli.run import OneProcess, processes_of, read_case, write_case
 from fretfe.cli.verbosity import Verbosity
 from fretfe.errors import ConvergenceError, OutputError
-from fretfe.report.sweep_figure import write_sweep
+from fretfe.report.figures.sweep import write_sweep
 from fretfe.sweeps import Sweep, make_variants, parse_ranges, run_sweep
 from fretfe.sweeps.table import MOST_ROWS, sweep_table, write_table
 

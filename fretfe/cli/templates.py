@@ -7,7 +7,7 @@ from rich.console import Console
 
 from fretfe.environment import rank_from_environment
 from fretfe.geometry.templates import find_template, template_names
-from fretfe.report.tables import parameter_table, template_table
+from fretfe.report.page.tables import parameter_table, template_table
 
 
 def show_templates(name: str | None) -> None:

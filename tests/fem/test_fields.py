@@ -93,7 +93,7 @@ def test_states_that_are_written(shared_path: Path, fields: Any, expected: list[
         assert times_of(shared_path / "fields" / f"{name}.pvd") == pytest.approx(expected)
     pyvista = pytest.importorskip("pyvista")
     del pyvista
-    from fretfe.report.field_files import read_body
+    from fretfe.report.pictures.fields import read_body
 
     assert outcome.mesh is not None
     for name, mesh in outcome.mesh.bodies.items():
@@ -110,8 +110,8 @@ def test_states_that_are_written(shared_path: Path, fields: Any, expected: list[
 def test_quadrilaterals_are_read_in_the_order_they_are_written(tmp_path: Path, degree: int) -> None:
     """A rectangle of 4 × 3 elements: pieces fill it, middles of edges are where they belong."""
     pytest.importorskip("pyvista")
-    from fretfe.report.field_files import EDGES, PIECES, read_body
-    from fretfe.report.picture_scale import polygon_areas
+    from fretfe.report.pictures.fields import EDGES, PIECES, read_body
+    from fretfe.report.pictures.stress import polygon_areas
 
     kind = CellType.quadrilateral
     mesh = create_rectangle(MPI.COMM_SELF, [[0, 0], [2, 1]], [4, 3], kind)

@@ -18,9 +18,15 @@ from numpy.typing import NDArray
 from fretfe._typing import Array
 from fretfe.backends import BodyArrays
 from fretfe.case import Case, parse_case
-from fretfe.report.boundary_labels import spread
-from fretfe.report.mesh_picture import DPI, draw_mesh, write_mesh_picture
-from fretfe.report.outlines import CURVE_PIECES, boundary_curves, cell_outlines
+from fretfe.report.pictures.mesh import (
+    CURVE_PIECES,
+    boundary_curves,
+    cell_outlines,
+    draw_mesh,
+    spread,
+    write_mesh_picture,
+)
+from fretfe.report.theme import FILE_DPI
 
 STEEL = {"young": 2e5, "poisson": 0.3}
 
@@ -115,7 +121,7 @@ def test_picture_is_written_without_a_display(
     pixels = imread(tmp_path / "mesh.png")
     width, height = draw_mesh(case, bodies).get_size_inches()
     # Sizes are cut to whole pixels.
-    assert np.allclose(pixels.shape[:2], [DPI * height, DPI * width], atol=1)
+    assert np.allclose(pixels.shape[:2], [FILE_DPI * height, FILE_DPI * width], atol=1)
     # Both surfaces are to be seen: their colours, in the middle of a line, are not mixed.
     for colour in ("0072B2", "E69F00"):
         wanted = np.array([int(colour[i : i + 2], 16) for i in (0, 2, 4)]) / 255

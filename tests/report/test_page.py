@@ -19,7 +19,7 @@ from stored_runs import REASON, RUNS, edit_numbers, solved, write_many_contacts,
 from fretfe.case import parse_case
 from fretfe.edges.refinement import EdgeValues, Pass, Refinement
 from fretfe.errors import OutputError
-from fretfe.report.page import REPORT, render, write_report
+from fretfe.report.page.html import REPORT, render, write_report
 from fretfe.results.writer import write_results
 
 SCRIPT = "<script>alert(1)</script>"
@@ -287,7 +287,7 @@ class Block:
             raise ImportError(f"{name} is blocked in this test")
 sys.meta_path.insert(0, Block())
 from pathlib import Path
-from fretfe.report.page import write_report
+from fretfe.report.page.html import write_report
 print(write_report(Path(sys.argv[1])))
 """
 

@@ -8,6 +8,7 @@ import json
 import os
 import shutil
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +19,13 @@ from matplotlib import colormaps
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
-from fretfe.report.child import _run
-from fretfe.report.picture_frames import largest_grid
-from fretfe.report.picture_plan import FOLDER, LIST, MOST_EDGES, plan_pictures
-from fretfe.report.picture_source import open_source
-from fretfe.report.pictures import make_pictures
-from fretfe.report.status_pictures import STATUS
-from fretfe.report.stress_pictures import find_look
+from fretfe.report.pictures.child import _run
+from fretfe.report.pictures.fields import open_fields
+from fretfe.report.pictures.folder import FOLDER, LIST, MOST_EDGES, make_pictures, plan_pictures
+from fretfe.report.pictures.panels import Pixels
+from fretfe.report.pictures.status import STATUS
+from fretfe.report.pictures.stress import draw_bodies, find_look
+from fretfe.report.source import read_run
 from fretfe.results.solution import SLIP, STICK
 from fretfe.results.writer import FIELDS, NUMBERS, remove_fields
 
@@ -89,21 +90,31 @@ def test_captions_tell_states_scale_and_where_colours_end(drawn: Path) -> None:
     assert not any(mark in text for text in (bodies, edges, status) for mark in "<>*_`")
 
 
+class Blank:
+    """A scene without bodies, to learn where panels are."""
+
+    def image(self, *arguments: Any) -> Pixels:
+        width, height = arguments[-1]
+        return np.zeros((height, width, 3), dtype=np.uint8)
+
+
 def test_colours_are_where_the_stress_is(drawn: Path) -> None:
     """Pixels of the picture against the colour map at the stress of these places."""
     image = imread(drawn / "pictures" / "stress.png")[..., :3]
-    look = find_look(open_source(drawn), [7, 9])
-    aspect = look.view.half_size[1] / look.view.half_size[0]
-    grid = largest_grid(2, aspect, bar=True)
-    assert grid.size == (image.shape[1], image.shape[0])
-    for number, time in enumerate((2.25, 2.75)):
+    source = open_fields(drawn)
+    look = find_look(source, [7, 9])
+    figure = draw_bodies(source, [7, 9], look, Blank())  # type: ignore[arg-type]
+    assert np.floor(figure.bbox.size).tolist() == [image.shape[1], image.shape[0]]
+    for axes, time in zip(figure.axes, (2.25, 2.75), strict=False):
+        box = axes.get_window_extent()
+        # Images are drawn for whole pixels.
+        assert box.extents == pytest.approx(np.round(box.extents), abs=1e-6)
         for place in np.array([(-1.5, 1.2), (1.5, 1.2), (-2.3, -1.2), (2.3, -0.7)]):
             displacement, stress = fields(place[None], time)
             seen = look.view.local(place + look.scale * displacement[0]) - look.view.origin
             part = (seen / look.view.half_size + 1) / 2
-            left, low = grid.corner(number)
-            column = left + part[0] * grid.panel[0]
-            row = image.shape[0] - (low + part[1] * grid.panel[1])
+            column = box.x0 + part[0] * box.width
+            row = image.shape[0] - (box.y0 + part[1] * box.height)
             von_mises = np.sqrt(1 - 0.3 + 0.09) * stress[0, 0]
             expected = colormaps["viridis"](von_mises / look.limit)[:3]
             # The palette has 216 tones, which are up to 0.01 apart.
@@ -245,11 +256,12 @@ def test_an_earlier_run_leaves_nothing(folder: Path) -> None:
 
 def test_many_contacts_share_pictures(source: Path) -> None:
     """Six contacts with twelve edges, each edge and contact once, in eight pictures at most."""
-    numbers = json.loads((source / NUMBERS).read_text())
+    run = read_run(source)
     names = [f"tooth {i}" for i in range(6)]
-    wanted = plan_pictures({**numbers, "contacts": {n: numbers["contacts"]["main"] for n in names}})
+    contacts = tuple(replace(run.contacts[0], name=name) for name in names)
+    wanted = plan_pictures(replace(run, contacts=contacts))
     assert len(wanted) <= 8 and len({each.file for each in wanted}) == len(wanted)
-    edges = [(edge.contact, edge.side) for each in wanted for edge in each.edges]
-    assert edges == [(name, side) for name in names for side in ("left", "right")]
+    edges = [(edge.contact, edge.title) for each in wanted for edge in each.edges]
+    assert edges == [(name, f"{name}, {side} edge") for name in names for side in ("left", "right")]
     assert max(len(each.edges) for each in wanted) <= MOST_EDGES
     assert [name for each in wanted for name in each.contacts] == names

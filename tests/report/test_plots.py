@@ -13,28 +13,26 @@ from stored_runs import write_run
 
 from fretfe.analytic.partial_slip import hertz_dissipation
 from fretfe.analytic.profiles import Hertz, composite_modulus
-from fretfe.report.drawing import make_plot
-from fretfe.report.numbers import number, percent, with_error
-from fretfe.report.plots_edges import _near, _stuck_change
-from fretfe.report.plots_history import _tension_varies
-from fretfe.report.plots_loops import loop_area, without_slope, work_loop_plots
-from fretfe.report.plots_slip import slip_plot
-from fretfe.report.states import Shown
-from fretfe.results.reader import Results, read_results
+from fretfe.report.figures.edges import _near, _stuck_change
+from fretfe.report.figures.history import _tension_varies
+from fretfe.report.figures.loops import loop_area, without_slope, work_loop_plots
+from fretfe.report.figures.plot import make_plot
+from fretfe.report.figures.slip import slip_plot
+from fretfe.report.source import Run, Shown, read_run, shown_contacts
+from fretfe.report.texts import number, percent, with_error
 
 P, Q, FRICTION = 600.0, 60.0, 0.4
 PROFILE = Hertz(50.0, composite_modulus(210e3, 0.3, 210e3, 0.3))
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
-    return read_results(write_run(tmp_path_factory.mktemp("cycle"), "halfplane"))
+def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    return read_run(write_run(tmp_path_factory.mktemp("cycle"), "halfplane"))
 
 
 @pytest.fixture(scope="module")
-def shown(results: Results) -> Shown:
-    assert results.result.solution is not None
-    return Shown(results, results.result.contacts[0], results.result.solution.contacts[0], "c")
+def shown(run: Run) -> Shown:
+    return shown_contacts(run)[0]
 
 
 @pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
@@ -42,12 +40,12 @@ def test_change_of_the_stuck_contact_is_that_of_the_closed_form(shown: Shown, si
     """2 Q/(pi sqrt(a^2 - x^2)) between Q and -Q, positive in the sense of ΔK_T at both edges."""
     near = _near(shown, shown.summary.edges[side])
     assert near is not None
-    solution = shown.results.result.solution
+    solution = shown.run.solution
     assert solution is not None
     change = _stuck_change(solution, shown, near)
     assert change is not None
     a = float(PROFILE.half_width(P))
-    x = shown.history.arc
+    x = shown.tractions.arc
     inside = np.abs(x) < 0.9 * a
     exact = 2 * Q / (np.pi * np.sqrt(a**2 - x[inside] ** 2))
     # 300 elements over the contact; nodal values of a singular field.
@@ -57,7 +55,7 @@ def test_change_of_the_stuck_contact_is_that_of_the_closed_form(shown: Shown, si
 
 
 def test_states_that_are_compared_are_the_reversals(shown: Shown) -> None:
-    first, last = shown.results.result.history.cycle or (0, 0)
+    first, last = shown.run.loads.cycle or (0, 0)
     near = _near(shown, shown.summary.edges[0])
     assert near is not None
     states = [near.earlier, near.later]
@@ -67,15 +65,14 @@ def test_states_that_are_compared_are_the_reversals(shown: Shown) -> None:
 
 
 def test_without_a_cycle_first_loading_is_compared(tmp_path: Path) -> None:
-    results = read_results(write_run(tmp_path, "no cycle"))
-    assert results.result.solution is not None
-    shown = Shown(results, results.result.contacts[0], results.result.solution.contacts[0], "c")
+    run = read_run(write_run(tmp_path, "no cycle"))
+    (shown,) = shown_contacts(run)
     near = _near(shown, shown.summary.edges[0])
     assert near is not None
-    times = results.result.history.times
+    times = run.loads.times
     # Friction begins at 1, where the shear begins too.
     assert (times[near.earlier], times[near.later]) == (1.0, 2.0)
-    assert work_loop_plots(results) == []
+    assert work_loop_plots(run) == []
 
 
 def test_area_of_a_loop_survives_the_change_of_its_slope() -> None:
@@ -95,8 +92,8 @@ def test_loop_at_constant_force_keeps_its_displacement() -> None:
     assert loop_area(np.full(3, 4.0), displacement) == pytest.approx(8.0)
 
 
-def test_loop_of_the_boundary_has_the_area_of_the_friction_work(results: Results) -> None:
-    (plot,) = work_loop_plots(results)
+def test_loop_of_the_boundary_has_the_area_of_the_friction_work(run: Run) -> None:
+    (plot,) = work_loop_plots(run)
     exact = float(hertz_dissipation(PROFILE, P, FRICTION, Q))
     found = [float(each) for each in re.findall(r": ([0-9.e-]+[0-9])", plot.caption)]
     # Area of this loop, of all loops, friction work: 8 steps for the cycle.
@@ -105,9 +102,9 @@ def test_loop_of_the_boundary_has_the_area_of_the_friction_work(results: Results
     assert "equal but for the size of the load steps" in plot.caption
 
 
-def test_tension_of_round_off_is_not_shown(results: Results) -> None:
-    contact = results.result.contacts[0]
-    assert not _tension_varies(results, contact)
+def test_tension_of_round_off_is_not_shown(run: Run) -> None:
+    contact = run.contacts[0]
+    assert not _tension_varies(run, contact)
 
 
 def test_map_has_pixels_and_both_directions_of_slip(shown: Shown) -> None:

@@ -19,19 +19,18 @@ from fretfe._typing import Array
 from fretfe.cli.pictures import animate, export
 from fretfe.edges.extremes import load_extremes
 from fretfe.errors import CaseError, FretfeError, OutputError
-from fretfe.report.field_files import BodyField, field_times, find_time, read_body
-from fretfe.report.picture_plan import EdgePlace
-from fretfe.report.picture_scale import (
+from fretfe.report.pictures.fields import BodyField, field_times, find_time, read_body
+from fretfe.report.pictures.folder import EdgePlace
+from fretfe.report.pictures.panels import View
+from fretfe.report.pictures.status import shares_text, visible_status
+from fretfe.report.pictures.stress import (
     colour_limit,
     deformation_scale,
     edge_view,
     round_down,
     round_up,
 )
-from fretfe.report.results_arrays import StoredContact
-from fretfe.report.status_pictures import shares_text, visible_status
-from fretfe.report.view import View
-from fretfe.results.solution import OPEN, SLIP, STICK
+from fretfe.results.solution import OPEN, SLIP, STICK, BondedUnits, ContactHistory
 
 needs_pyvista = pytest.mark.skipif(
     importlib.util.find_spec("pyvista") is None, reason="PyVista is not installed"
@@ -98,7 +97,7 @@ def test_round_numbers(value: float, down: float, up: float) -> None:
     assert round_up(value) == pytest.approx(up)
 
 
-def contact(gap: list[list[float]], **changes: Any) -> StoredContact:
+def contact(gap: list[list[float]], **changes: Any) -> ContactHistory:
     count = len(gap[0])
     arc = np.linspace(0.0, 1.0, count)
     values: dict[str, Any] = {
@@ -111,7 +110,18 @@ def contact(gap: list[list[float]], **changes: Any) -> StoredContact:
         "status": np.zeros((len(gap), count), dtype=np.int8),
         **changes,
     }
-    return StoredContact("upper", "lower", **values)
+    zeros = np.zeros((len(gap), count, 2))
+    return ContactHistory(
+        name="main",
+        body1="upper",
+        body2="lower",
+        friction=np.zeros(len(gap)),
+        traction=zeros,
+        mean_traction=zeros,
+        dissipation=np.zeros(len(gap)),
+        bonded=BondedUnits(np.zeros((0, count, 2, 0)), np.full(len(gap), -1)),
+        **values,
+    )
 
 
 def test_drawn_displacements_are_seen_and_overlap_little() -> None:
@@ -142,13 +152,15 @@ def test_edges_are_at_the_origin_on_both_bodies() -> None:
         "upper": square(displacement=np.full((6, 2), [0.3, -0.1])),
         "lower": square(displacement=np.full((6, 2), [0.01, -0.1])),
     }
-    place = EdgePlace("main", "left", position=1.0, slip=0.02, half_width=5.0)
+    place = EdgePlace("main", "left edge", position=1.0, slip=0.02, half_width=5.0)
     view, moved = edge_view(contact([[0.0] * 101] * 2), place, bodies)
     for body in moved.values():
         assert view.local(body.deformed(1.0)[1]) == pytest.approx([0.0, 0.0], abs=1e-15)
     # Ten elements of 0.01 are more than three slip zones.
     assert view.half_size == pytest.approx([0.1, 0.08])
-    wide, _ = edge_view(contact([[0.0] * 101] * 2), EdgePlace("m", "left", 1.0, 0.0, 5.0), bodies)
+    wide, _ = edge_view(
+        contact([[0.0] * 101] * 2), EdgePlace("m", "left edge", 1.0, 0.0, 5.0), bodies
+    )
     assert wide.half_size[0] == pytest.approx(0.3 * 5.0)
 
 

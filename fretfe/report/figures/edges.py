@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Pressure and change of the shear next to an edge, with the asymptotes K_N √s and ΔK_T/√s.
+
+The shear of a contact that slips has no term in 1/√s. K_T belongs to the contact that is kept from
+slipping: shown are therefore its increments, summed up over the steps like K_T itself, and the true
+change of the shear, which follows them beyond the slip zone and stays at the friction bound in it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from fretfe._typing import Array, Bools
+from fretfe.edges.evaluate import Edge
+from fretfe.edges.extremes import load_extremes
+from fretfe.report.figures.plot import Plot, legend_above, log_axis, make_plot
+from fretfe.report.source import Shown, edge_title, inward
+from fretfe.report.theme import BLUE, DOUBLE, GREEN, GREY, PALE, VERMILLION
+from fretfe.results.solution import Solution
+
+# Decades below the half-width that are shown at most.
+DECADES = 4
+# Edges that move by less than this fraction of the half-width stay where they are.
+SMALL_MOVE = 1e-3
+INTRO = (
+    "s is the distance from the edge in the later of two states. All axes are logarithmic, so that "
+    "asymptotes are straight lines. Above: the pressure and its asymptote K_N √s. Below, positive "
+    "in the sense of ΔK_T: the change of the shear between the two states; the same for a contact "
+    "that is kept from slipping, summed up over the steps like K_T, and its asymptote ΔK_T/√s; and "
+    "the most that friction allows, f times the pressures of both states (of the later one for "
+    "first loading). A contact that slips has no shear like 1/√s: its change follows the stuck one "
+    "far from the edge and the friction bound in the slip zone, which ends where they part."
+)
+MOVED = (
+    " This edge moves by {:.2g} {} between them: nearer to it than that, asymptotes of one edge "
+    "position do not apply."
+)
+
+
+@dataclass(frozen=True)
+class _Near:
+    """What is drawn next to one edge.
+
+    Attributes:
+        edge: the edge.
+        earlier, later: the two states that are compared.
+        sign: of ΔK_T in terms of q.
+        range: |ΔK_T|.
+        moved: by how much the edge moves between the two.
+    """
+
+    edge: Edge
+    earlier: int
+    later: int
+    sign: float
+    range: float
+    moved: float
+
+
+def edge_plot(shown: Shown, edge: Edge) -> Plot | None:
+    """Asymptotes and tractions at one edge; None if there is no edge or nothing to compare."""
+    near = _near(shown, edge)
+    if near is None:
+        return None
+    times = [shown.run.when(state) for state in (near.earlier, near.later)]
+    caption = f"From {times[0]} to {times[1]}."
+    if near.moved > SMALL_MOVE * shown.summary.half_width[near.later]:
+        caption += MOVED.format(near.moved, shown.run.case.units.length)
+    return make_plot(
+        f"{shown.key}-{edge.side}",
+        f"Contact {shown.summary.name}, {edge_title(edge)}",
+        caption,
+        DOUBLE,
+        lambda figure: _draw(figure, shown, near),
+    )
+
+
+def _near(shown: Shown, edge: Edge) -> _Near | None:
+    cycle = shown.run.loads.cycle
+    if cycle is None:
+        friction = np.flatnonzero(shown.tractions.friction > 0)
+        states = [int(friction[0]) - 1, len(edge.k_t) - 1] if len(friction) else []
+    else:
+        states = load_extremes([edge.k_t], [edge.k_i], cycle)
+    if len(states) < 2 or not np.isfinite([edge.position[states[1]], edge.k_n[states[1]]]).all():
+        return None
+    change = float(edge.k_t[states[1]] - edge.k_t[states[0]])
+    sign = np.sign(change) * inward(edge)
+    moved = abs(edge.position[states[1]] - edge.position[states[0]])
+    if change == 0.0:
+        return None
+    return _Near(edge, states[0], states[1], sign, abs(change), float(np.nan_to_num(moved)))
+
+
+def _draw(figure: Figure, shown: Shown, near: _Near) -> None:
+    top, bottom = figure.subplots(2, 1, sharex=True)
+    units = shown.run.case.units
+    s = inward(near.edge) * (shown.tractions.arc - near.edge.position[near.later])
+    half_width = float(shown.summary.half_width[near.later])
+    inside = (s > max(10.0**-DECADES * half_width, _smallest(s))) & (s < half_width)
+    line = np.geomspace(s[inside].min(), half_width, 60)
+    _pressure(top, shown, near, s, inside, line)
+    _shear(bottom, shown, near, s, inside, line)
+    _zone_lines(bottom, shown, near)
+    for axes in (top, bottom):
+        log_axis(axes, "x")
+        log_axis(axes, "y")
+        axes.grid(True, color=PALE, lw=0.5)
+    top.set_ylabel(f"p [{units.stress}]")
+    bottom.set_ylabel(f"change of q [{units.stress}]")
+    bottom.set_xlabel(f"distance s from the {edge_title(near.edge)} [{units.length}]")
+    legend_above(top, columns=2)
+    legend_above(bottom, columns=2)
+
+
+def _smallest(s: Array) -> float:
+    """Half an element at the edge: means around nodes know nothing nearer than that."""
+    nearest = int(np.argmin(np.abs(s)))
+    sizes = np.abs(np.diff(s[max(nearest - 1, 0) : nearest + 2]))
+    return float(sizes.max(initial=0.0)) / 2
+
+
+def _pressure(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line: Array) -> None:
+    p = shown.tractions.mean_traction[near.later, inside, 0]
+    axes.plot(s[inside], _positive(p), ".-", ms=4, lw=0.8, color=BLUE, label="p, mean at the nodes")
+    k_n = near.edge.k_n[near.later]
+    axes.plot(line, k_n * np.sqrt(line), "--", color=VERMILLION, label="K_N √s")
+
+
+def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line: Array) -> None:
+    tractions = shown.tractions
+    before, after = (tractions.mean_traction[state, inside] for state in (near.earlier, near.later))
+    change = near.sign * (after[:, 1] - before[:, 1])
+    friction = tractions.friction[near.later]
+    cyclic = shown.run.loads.cycle is not None
+    bound = friction * (after[:, 0] + before[:, 0] * cyclic)
+    s = s[inside]
+    axes.plot(s, _positive(change), ".-", ms=4, lw=1.2, color=BLUE, label="change of q")
+    axes.plot(s, _positive(bound), ":", color=GREY, label="friction bound")
+    solution = shown.run.solution
+    assert solution is not None
+    stuck = _stuck_change(solution, shown, near)
+    if stuck is not None:
+        axes.plot(
+            s, _positive(near.sign * stuck[inside]), "-.", color=GREEN, label="the same, kept stuck"
+        )
+    axes.plot(line, near.range / np.sqrt(line), "--", color=VERMILLION, label="ΔK_T/√s")
+    finite = np.concatenate([_positive(change), _positive(bound)])
+    finite = finite[np.isfinite(finite)]
+    if len(finite):
+        axes.set_ylim(finite.min() / 2, 3 * max(finite.max(), near.range / np.sqrt(line[-1])))
+
+
+def _stuck_change(solution: Solution, shown: Shown, near: _Near) -> Array | None:
+    """(N,) shear that the stuck contact gains between the two states.
+
+    Each step with the mean of the unit fields of the areas before and after it, as for K_T.
+    """
+    bonded = shown.tractions.bonded
+    if not len(bonded.fields):
+        return None
+    total = np.zeros(len(shown.tractions.arc))
+    for state in range(near.earlier + 1, near.later + 1):
+        areas = [area for area in bonded.area[state - 1 : state + 1] if area >= 0]
+        if areas and shown.tractions.friction[state] > 0:
+            step = solution.driver_values[state] - solution.driver_values[state - 1]
+            total += np.mean([bonded.fields[area, :, 1] for area in areas], axis=0) @ step
+    return total
+
+
+def _zone_lines(axes: Axes, shown: Shown, near: _Near) -> None:
+    """The slip zone that ends at the later state, found and predicted."""
+    zone = next((each for each in near.edge.slip_zones if each.end == near.later), None)
+    if zone is None:
+        return
+    lengths = ((zone.length, "-", "d found"), (zone.prediction, "--", "d predicted"))
+    for length, style, label in lengths:
+        if np.isfinite(length) and length > 0:
+            axes.axvline(length, color="black", lw=0.9, ls=style, label=label)
+
+
+def _positive(values: Array) -> Array:
+    return np.where(values > 0, values, np.nan)

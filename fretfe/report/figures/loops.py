@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Loops of force and displacement: what friction dissipates in the evaluated cycle."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from fretfe._typing import Array
+from fretfe.report.figures.plot import Plot, make_plot, plain_axis
+from fretfe.report.source import Run, Shown
+from fretfe.report.texts import number
+from fretfe.report.theme import BLUE, SINGLE
+from fretfe.results.solution import OPEN, Solution
+
+INTRO = (
+    "Contacts: the shear force over the displacement of body 1 relative to body 2, as a mean over "
+    "the nodes that stay in contact; the area is the friction work only if all nodes slip alike. "
+    "Boundaries that are driven: the force per unit thickness over the displacement, and to the "
+    "right the same without the part of the displacement that goes with the force; that leaves the "
+    "area as it is, the work that is done in the cycle."
+)
+# A boundary whose force times displacement is below this fraction of the largest does no work.
+NO_WORK = 1e-6
+ROUND_OFF = 1e-9
+
+
+def slip_loop_plot(shown: Shown) -> Plot | None:
+    """Q over the mean slip of a contact; None if no node stays in contact."""
+    first, last = shown.run.span
+    states = slice(first, last + 1)
+    closed = np.all(shown.tractions.status[max(first, 1) : last + 1] != OPEN, axis=0)
+    if not closed.any() or last - first < 2:
+        return None
+    slip = shown.tractions.slip[states, :, 0] @ (shown.tractions.weights * closed)
+    slip = (slip - slip[0]) / shown.tractions.weights[closed].sum()
+    cycle = shown.run.loads.cycle is not None
+    units = shown.run.case.units
+    work = f"{number(shown.summary.dissipation)} {units.force}·{units.length}/{units.length}"
+    when = "evaluated cycle" if cycle else "whole history, which is shown: there is no cycle"
+    caption = f"Friction work of this contact in the {when}: {work}."
+
+    def draw(figure: Figure) -> None:
+        axes = figure.subplots()
+        axes.plot(slip, shown.summary.shear_force[states], ".-", ms=4, lw=1.2, color=BLUE)
+        plain_axis(axes, "x")
+        axes.set_xlabel(f"mean slip since the first of these states [{units.length}]")
+        axes.set_ylabel(f"Q [{units.force}/{units.length}]")
+
+    return make_plot(f"{shown.key}-loop", f"Contact {shown.summary.name}", caption, SINGLE, draw)
+
+
+def work_loop_plots(run: Run) -> list[Plot]:
+    """Force over displacement of each boundary that works during the cycle."""
+    solution = run.solution
+    if solution is None or solution.cycle is None:
+        return []
+    states = slice(solution.cycle[0], solution.cycle[1] + 1)
+    forces, amplitudes = solution.forces[states], solution.amplitudes[states]
+    scales = np.ptp(amplitudes, axis=0) * np.abs(forces).max(axis=0)
+    working = np.flatnonzero(scales > NO_WORK * scales.max(initial=0.0))
+    areas = [loop_area(forces[:, i], amplitudes[:, i]) for i in working]
+    balance = _balance(run, solution, sum(areas))
+    return [
+        _work_loop(run, solution.coordinates[i], int(i), area, balance)
+        for i, area in zip(working, areas, strict=True)
+    ]
+
+
+def loop_area(force: Array, displacement: Array) -> float:
+    """Work of a force over a closed path: the trapezoidal rule for ∮ F du."""
+    return float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(displacement)))
+
+
+def without_slope(force: Array, displacement: Array) -> Array:
+    """The displacement less its best multiple of the force, which leaves the area of a loop."""
+    centred = force - force.mean()
+    size = float(centred @ centred)
+    if size <= ROUND_OFF * float(force @ force):
+        return displacement - displacement.mean()
+    return displacement - displacement.mean() - centred * float(centred @ displacement) / size
+
+
+def _balance(run: Run, solution: Solution, total: float) -> str:
+    """Work of all boundaries next to the friction work of all contacts."""
+    first, last = run.span
+    friction = sum(contact.dissipation for contact in run.contacts)
+    text = (
+        f"All loops of boundaries together: {number(total)}; friction work of all contacts in the "
+        f"cycle: {number(float(friction))}."
+    )
+    others = [
+        name
+        for name, values in zip(solution.drivers, solution.driver_values.T, strict=True)
+        if name not in solution.coordinates and np.ptp(values[first : last + 1]) > 0
+    ]
+    if others:
+        return f"{text} They differ by the work of {', '.join(others)}."
+    return f"{text} In a steady cycle they are equal but for the size of the load steps."
+
+
+def _work_loop(run: Run, label: str, index: int, area: float, balance: str) -> Plot:
+    solution, units = run.solution, run.case.units
+    assert solution is not None and solution.cycle is not None
+    states = slice(solution.cycle[0], solution.cycle[1] + 1)
+    force, displacement = solution.forces[states, index], solution.amplitudes[states, index]
+    caption = f"Area: {number(area)} {units.force}·{units.length}/{units.length}. {balance}"
+
+    def draw(figure: Figure) -> None:
+        panels = figure.subplots(1, 2, sharey=True)
+        reduced = without_slope(force, displacement)
+        for axes, values in zip(panels, (displacement, reduced), strict=True):
+            axes.plot(values, force, ".-", ms=4, lw=1.2, color=BLUE)
+            plain_axis(axes, "x")
+            axes.set_xlabel(f"displacement [{units.length}]")
+            axes.tick_params(axis="x", labelrotation=30)
+        panels[1].set_xlabel(f"the same less its slope [{units.length}]")
+        panels[0].set_ylabel(f"force [{units.force}/{units.length}]")
+
+    return make_plot(f"work{index}", f"Force and displacement: {label}", caption, SINGLE, draw)

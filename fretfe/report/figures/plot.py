@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Plots as SVG that can stand in a page next to each other: ids of their own, no dates."""
+
+from __future__ import annotations
+
+import io
+import re
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
+
+from fretfe.report.theme import MAP_DPI, STYLE, WIDTH
+
+# A logarithmic axis over less than this factor has numbers between the powers of ten.
+FEW_DECADES = 200
+# Nothing of the day or the machine: the same results give the same file.
+METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A plot in a page.
+
+    Attributes:
+        title: what it shows, in a few words.
+        caption: what is said of it alone; may be empty.
+        svg: the drawing, an `svg` element.
+    """
+
+    title: str
+    caption: str
+    svg: str
+
+
+def make_plot(
+    key: str, title: str, caption: str, height: float, draw: Callable[[Figure], None]
+) -> Plot:
+    """Draw a plot.
+
+    Args:
+        key: starts all ids in the drawing; a letter, then letters, digits and hyphens.
+        title: of the plot.
+        caption: what is said of it alone; may be empty.
+        height: in inches; the width is the same for all.
+        draw: draws into an empty figure.
+    """
+    with mpl.rc_context({**STYLE, "svg.hashsalt": key}), warnings.catch_warnings():
+        # A unit in letters that the font does not have is drawn as boxes.
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")
+        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        draw(figure)
+        buffer = io.StringIO()
+        figure.savefig(buffer, format="svg", metadata=METADATA, dpi=MAP_DPI)
+    return Plot(title, caption, _inline(buffer.getvalue(), key))
+
+
+def _inline(svg: str, key: str) -> str:
+    """The `svg` element of a file, with the key before all ids and references to them."""
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->|<style.*?</style>", "", svg, flags=re.DOTALL)
+    # Hundredths of a point, a seventh of a thousandth of the width, are not to be seen.
+    svg = re.sub(r' d="[^"]*"', lambda path: _shortened(path[0]), svg)
+    svg = re.sub(r'\bid="', f'id="{key}-', svg)
+    svg = re.sub(r'href="#', f'href="#{key}-', svg)
+    svg = svg.replace("url(#", f"url(#{key}-")
+    return re.sub(r"\n\s*\n+|\n +", "\n", svg).strip()
+
+
+def _shortened(path: str) -> str:
+    """Coordinates of a path to two decimals."""
+    return re.sub(r"-?\d+\.\d{3,}", lambda found: f"{float(found[0]):.2f}", path)
+
+
+def log_axis(axes: Axes, which: str) -> None:
+    """A logarithmic axis, "x" or "y", with plain numbers; its limits must be known."""
+    getattr(axes, f"set_{which}scale")("log")
+    axis = getattr(axes, f"{which}axis")
+    low, high = axis.get_view_interval()
+    few = high < FEW_DECADES * low
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,), numticks=7))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(FuncFormatter(lambda *_: ""))
+
+
+def plain_axis(axes: Axes, which: str) -> None:
+    """A linear axis, "x" or "y", with whole numbers at its ticks: no factor or offset aside."""
+    axis = getattr(axes, f"{which}axis")
+    axis.set_major_locator(MaxNLocator(5))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
+
+
+def legend_above(axes: Axes, columns: int) -> None:
+    """A legend above the axes, where it hides nothing."""
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)

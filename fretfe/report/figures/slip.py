@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Where a contact is open, sticks and slips, over place and time."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from fretfe._typing import Array
+from fretfe.edges.evaluate import Edge
+from fretfe.report.figures.plot import Plot, make_plot
+from fretfe.report.source import Shown, edge_title, inward
+from fretfe.report.theme import DOUBLE, PALE, SKY, VERMILLION
+from fretfe.results.solution import OPEN, SLIP, STICK
+
+# By status, the direction of slip, and whether there is friction; from light to dark in grey too.
+KINDS = {
+    OPEN: ("open", "#FFFFFF"),
+    STICK: ("sticks", PALE),
+    SLIP: ("slips, q > 0", SKY),
+    SLIP + 1: ("slips, q < 0", VERMILLION),
+    SLIP + 2: ("in contact, no friction", "#333333"),
+}
+# The windows at the edges are this many slip zones wide, and not less than this fraction of the
+# half-width.
+ZONES, NARROWEST = 2.5, 0.02
+INTRO = (
+    "Each row is a load step. Body 1 slips over body 2 towards larger x where q > 0, towards "
+    "smaller x where q < 0. Lines: the contact edges. Above: the whole contact and history, the "
+    "evaluated cycle between dashed lines. Below: the two edges in the evaluated cycle, or in the "
+    "whole history without one; circles mark the inner ends of the slip zones that were found, "
+    "crosses those that were predicted. A row in which the load turns round may show slip beyond "
+    "the circle that is too small to count."
+)
+
+
+def slip_plot(shown: Shown) -> Plot:
+    """Space-time map of a contact."""
+    return make_plot(
+        f"{shown.key}-slip", shown.title, "", DOUBLE, lambda figure: _draw(figure, shown)
+    )
+
+
+def _draw(figure: Figure, shown: Shown) -> None:
+    panels = figure.subplot_mosaic([["whole", "whole"], ["left", "right"]])
+    times, units = shown.run.loads.times, shown.run.case.units
+    first, last = shown.run.span
+    positions = np.concatenate([edge.position for edge in shown.summary.edges])
+    low, high = _limits(shown, positions)
+    _map(panels["whole"], shown, low, high, (0, len(times) - 1))
+    panels["whole"].set_ylim(times[0], times[-1])
+    if shown.run.loads.cycle is not None:
+        for time in times[[first, last]]:
+            panels["whole"].axhline(time, color="black", lw=0.8, ls="--")
+    for edge in shown.summary.edges:
+        axes = panels[edge.side]
+        _map(axes, shown, *_window(shown, edge, first, last), (first, last))
+        _zone_ends(axes, shown, edge, first, last)
+        axes.set_ylim(times[first], times[last])
+        axes.set_title(edge_title(edge))
+        axes.tick_params(axis="x", labelrotation=30)
+    for axes in panels.values():
+        axes.set_xlabel(f"x [{units.length}]")
+    for name in ("whole", "left"):
+        panels[name].set_ylabel(f"time [{units.time}]")
+    handles = [
+        Patch(facecolor=colour, edgecolor="black", lw=0.4, label=name)
+        for kind, (name, colour) in KINDS.items()
+        if kind <= SLIP + 1 or not shown.tractions.friction[1:].all()
+    ]
+    figure.legend(handles=handles, loc="outside upper center", ncols=3)
+
+
+def _limits(shown: Shown, positions: Array) -> tuple[float, float]:
+    """What was in contact at any time, and a little beyond."""
+    arc, known = shown.tractions.arc, positions[np.isfinite(positions)]
+    closed = arc[np.any(shown.tractions.status != OPEN, axis=0)]
+    places = np.concatenate([known, closed]) if len(closed) else arc
+    margin = 0.04 * float(np.ptp(places))
+    return max(places.min() - margin, arc[0]), min(places.max() + margin, arc[-1])
+
+
+def _window(shown: Shown, edge: Edge, first: int, last: int) -> tuple[float, float]:
+    """Places that an edge and its slip zones reach in some states, and as much again."""
+    places = edge.position[first : last + 1]
+    half_width = np.nanmax(shown.summary.half_width, initial=0.0)
+    zones = [zone for zone in edge.slip_zones[-2:] if zone.end > first]
+    lengths = [length for z in zones for length in (z.length, z.prediction) if length > 0]
+    depth = ZONES * max(lengths, default=0.0)
+    if not np.isfinite(places).any() or any(zone.gross for zone in zones):
+        return _limits(shown, np.concatenate([each.position for each in shown.summary.edges]))
+    low, high = np.nanmin(places), np.nanmax(places)
+    depth = min(max(depth, high - low, NARROWEST * half_width), 2 * half_width)
+    below, above = (0.25 * depth, depth)[:: int(inward(edge))]
+    return low - below, high + above
+
+
+def _map(axes: Axes, shown: Shown, low: float, high: float, states: tuple[int, int]) -> None:
+    """Colours of all nodes in the steps between two states, and the lines of the edges."""
+    tractions, times = shown.tractions, shown.run.loads.times
+    steps = slice(states[0] + 1, states[1] + 1)
+    kind = tractions.status[steps].astype(int)
+    kind = np.where((kind == SLIP) & (tractions.traction[steps, :, 1] < 0), SLIP + 1, kind)
+    frictionless = tractions.friction[steps, None] == 0
+    kind = np.where(frictionless & (kind != OPEN), SLIP + 2, kind)
+    arc = tractions.arc
+    borders = np.concatenate([[arc[0]], (arc[1:] + arc[:-1]) / 2, [arc[-1]]])
+    seen = np.flatnonzero((borders[1:] >= low) & (borders[:-1] <= high))
+    nodes = slice(seen[0], seen[-1] + 1)
+    axes.pcolormesh(
+        borders[seen[0] : seen[-1] + 2],
+        times[states[0] : states[1] + 1],
+        kind[:, nodes],
+        cmap=ListedColormap([colour for _, colour in KINDS.values()]),
+        norm=BoundaryNorm(np.arange(len(KINDS) + 1) - 0.5, len(KINDS)),
+        rasterized=True,
+    )
+    for edge in shown.summary.edges:
+        axes.plot(edge.position, times, color="black", lw=0.7)
+    axes.set_xlim(low, high)
+
+
+def _zone_ends(axes: Axes, shown: Shown, edge: Edge, first: int, last: int) -> None:
+    times = shown.run.loads.times
+    for zone in edge.slip_zones:
+        if first < zone.end <= last:
+            predicted = edge.position[zone.end] + inward(edge) * zone.prediction
+            for place, mark in ((zone.border, "o"), (predicted, "x")):
+                (point,) = axes.plot(place, times[zone.end], mark, mfc="none", color="black", ms=6)
+                # Whole at the first and last state too, beyond the frame.
+                point.set(clip_on=False, in_layout=False)

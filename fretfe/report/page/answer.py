@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The answer of a run: edge factors, slip zones, and whether the edge formulas describe them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+from fretfe.edges.evaluate import ContactSummary, Edge
+from fretfe.edges.slip_zones import SlipZone
+from fretfe.quality.validate.single import asymptote_row, element_size
+from fretfe.report.source import Run
+from fretfe.report.texts import number, with_error
+
+# Slip zones of an edge that are shown: those of the last loading and unloading.
+ZONES = 2
+WORDS = {"pass": "agrees", "FAIL": "differs", "outside": "outside", "-": "no verdict"}
+
+
+@dataclass(frozen=True)
+class ZoneAnswer:
+    """A slip zone as text.
+
+    Attributes:
+        time: of the half cycle.
+        found, predicted, ratio: lengths, and the second over the first.
+        verdict: one word, or two.
+        reason: what the verdict rests on.
+    """
+
+    time: str
+    found: str
+    predicted: str
+    ratio: str
+    verdict: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class EdgeAnswer:
+    """An edge as text, at the last state; `zones` are the last ones in time order."""
+
+    contact: str
+    side: str
+    position: str
+    k_n: str
+    k_t_range: str
+    uncertain: bool
+    zones: tuple[ZoneAnswer, ...]
+
+
+def edge_answers(run: Run) -> tuple[EdgeAnswer, ...]:
+    """One answer for each edge."""
+    return tuple(
+        _edge_answer(run, contact, edge) for contact in run.contacts for edge in contact.edges
+    )
+
+
+def _edge_answer(run: Run, contact: ContactSummary, edge: Edge) -> EdgeAnswer:
+    size = element_size(run, contact)
+    return EdgeAnswer(
+        contact=contact.name,
+        side=edge.side,
+        position=number(float(edge.position[-1])),
+        k_n=with_error(float(edge.k_n[-1]), float(edge.k_n_spread[-1])),
+        k_t_range=with_error(edge.k_t_range, edge.k_t_range_spread),
+        uncertain=edge.uncertain,
+        zones=tuple(
+            _zone_answer(run, contact, edge, zone, size) for zone in edge.slip_zones[-ZONES:]
+        ),
+    )
+
+
+def _zone_answer(
+    run: Run, contact: ContactSummary, edge: Edge, zone: SlipZone, size: float
+) -> ZoneAnswer:
+    row = asymptote_row(contact, edge, zone, "", size)
+    verdict = WORDS[row.verdict]
+    if zone.gross:
+        verdict = "gross"
+    elif not zone.resolved:
+        verdict = "not resolved"
+    times = run.loads.times
+    predicted = zone.prediction
+    ratio = predicted / zone.length if zone.length > 0 else float("nan")
+    return ZoneAnswer(
+        time=f"{times[zone.start]:g} … {times[zone.end]:g}",
+        found="gross" if zone.gross else number(zone.length, 3),
+        predicted=number(predicted, 3),
+        ratio=number(ratio, 3),
+        verdict=verdict,
+        reason=row.reason,
+    )
+
+
+def summary(run: Run, answers: tuple[EdgeAnswer, ...]) -> tuple[str, ...]:
+    """The answer in a few sentences: slip zones, solution, cycle."""
+    return tuple(text for text in (_zone_text(answers), _step_text(run), _cycle_text(run)) if text)
+
+
+def _zone_text(answers: tuple[EdgeAnswer, ...]) -> str:
+    words = Counter(zone.verdict for answer in answers for zone in answer.zones)
+    agreeing, zones = words.pop("agrees", 0), words.total()
+    if not agreeing + zones:
+        return f"{len(answers)} contact edges, no slip zones."
+    others = ", ".join(f"{count} {word}" for word, count in words.items())
+    return (
+        f"{len(answers)} contact edges. In {agreeing} of the last {agreeing + zones} half cycles "
+        "the slip zone that was found agrees with the one that the edge factors predict"
+        f"{f' ({others})' if others else ''}."
+    )
+
+
+def _step_text(run: Run) -> str:
+    solution = run.solution
+    if solution is None or run.failure is not None:
+        return ""
+    worst = float(solution.certificates["worst"].max())
+    return (
+        f"All {len(solution.times) - 1} load steps are solved; the largest violation of a contact "
+        f"condition is {number(worst, 2)} of its scale."
+    )
+
+
+def _cycle_text(run: Run) -> str:
+    if run.loads.cycle is None:
+        return "There is no evaluated cycle: ranges over it are missing."
+    changing = [contact.name for contact in run.contacts if not contact.steady]
+    if changing:
+        return f"The evaluated cycle is not steady, or not known to be, at {', '.join(changing)}."
+    return "The evaluated cycle is steady."

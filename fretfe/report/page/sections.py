@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The plots of the page in their order, with the reasons where there are none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from fretfe.report.figures import edges, history, loops, slip, solver, tractions
+from fretfe.report.figures.plot import Plot
+from fretfe.report.source import Run, Shown, shown_contacts
+
+
+@dataclass(frozen=True)
+class Section:
+    """Some plots below a heading.
+
+    Attributes:
+        anchor: of the heading.
+        title: the heading.
+        intro: how to read the plots, or why there are none.
+        plots: the plots.
+    """
+
+    anchor: str
+    title: str
+    intro: str
+    plots: tuple[Plot, ...]
+
+
+def plot_sections(run: Run) -> tuple[Section, ...]:
+    """Everything that is drawn from the results, section by section."""
+    if len(run.loads.times) < 2:
+        return ()
+    shown = shown_contacts(run)
+    histories = (
+        _section("factors", "Edge factors", history.FACTORS_INTRO, _factors(run)),
+        _section("loads", "Loads", history.LOADS_INTRO, _loads(run)),
+    )
+    if not shown:
+        none = f"The backend {run.backend} gives no tractions along the contact."
+        return (Section("tractions", "Along the contacts", none, ()), *histories)
+    asymptotes = (edges.edge_plot(each, edge) for each in shown for edge in each.summary.edges)
+    sections = (
+        _section(
+            "tractions", "Along the contacts", tractions.INTRO, map(tractions.traction_plot, shown)
+        ),
+        _section("edges", "Next to the edges", edges.INTRO, asymptotes),
+        _section("slip", "Stick and slip", slip.INTRO, map(slip.slip_plot, shown)),
+        *histories,
+        _section("loops", "Hysteresis", loops.INTRO, _loops(run, shown)),
+    )
+    return tuple(section for section in sections if section.plots)
+
+
+def solver_plots(run: Run) -> tuple[Plot, ...]:
+    """How the steps were solved, and the meshes."""
+    plots: list[Plot | None] = []
+    if run.solution is not None and len(run.loads.times) > 1:
+        plots += [solver.iteration_plot(run.solution), solver.certificate_plot(run.solution)]
+    if run.refinement is not None:
+        plots.append(solver.refinement_plot(run.refinement))
+    return tuple(plot for plot in plots if plot is not None)
+
+
+def _factors(run: Run) -> Iterable[Plot]:
+    for place, contact in enumerate(run.contacts):
+        yield history.factor_plot(run, contact, f"contact{place}")
+
+
+def _loads(run: Run) -> Iterable[Plot | None]:
+    yield history.load_plot(run)
+    for place, contact in enumerate(run.contacts):
+        yield history.path_plot(run, contact, f"contact{place}")
+
+
+def _loops(run: Run, shown: list[Shown]) -> Iterable[Plot | None]:
+    yield from map(loops.slip_loop_plot, shown)
+    yield from loops.work_loop_plots(run)
+
+
+def _section(anchor: str, title: str, intro: str, plots: Iterable[Plot | None]) -> Section:
+    return Section(anchor, title, intro, tuple(plot for plot in plots if plot is not None))

@@ -1,0 +1,338 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A picture of a plane mesh: the bodies with all their elements, and each contact enlarged.
+
+Names of boundaries stand in two columns left and right of the bodies, each with a line to its
+place. Nothing overlaps because the columns are as wide as their longest name and the names in them
+keep their distance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.transforms import Affine2D
+
+from fretfe._typing import Array, Bools, Indices
+from fretfe.backends import BodyArrays
+from fretfe.case import Case
+from fretfe.report.pictures.panels import few_ticks, name_axes
+from fretfe.report.theme import BOUNDARY, ELEMENTS, FILE_DPI, FRAMED, HEADING, SURFACES, TINTS
+
+# Line widths of elements of meshes with fewer cells than this, and with more.
+MANY_CELLS, FEW_WIDTH, MANY_WIDTH = 20_000, 0.2, 0.12
+# Inches: the bodies without the names beside them, and the panel of a contact.
+BODIES_HEIGHT, BODIES_WIDTH, PANEL_WIDTH, PANEL_HEIGHT = 6.4, 4.8, 3.6, 3.2
+# Width of the bodies over their height, at least.
+BODIES_ASPECT = 0.6
+# Panels below each other before there is another column, and those that there is room for.
+ROWS, FEWEST_ROWS = 4, 2
+# Around the surfaces of a contact and around the bodies, as a fraction of their size.
+SURROUNDINGS = 0.08
+# Of names, in inches: distance from the next one, from the frame, from their place up or down if
+# there is room, from their line; and room for the lines between a column and the bodies.
+SPACING, MARGIN, OFFSET, CLEARANCE, LEADERS = 0.2, 0.12, 0.18, 0.05, 0.45
+CORNERS = {"triangle": 3, "quadrilateral": 4}
+# Straight pieces that a curved edge is drawn with.
+CURVE_PIECES = 6
+# Edges whose middle is off their chord by less than this fraction of it are drawn straight.
+VISIBLE_BULGE = 1e-3
+
+
+def write_mesh_picture(path: Path, case: Case, bodies: Mapping[str, BodyArrays]) -> None:
+    """Draw the bodies of a plane mesh, and the surroundings of each contact.
+
+    Args:
+        path: picture to write; its ending says which format.
+        case: names the contacts and the unit of length.
+        bodies: plane meshes, by body.
+    """
+    draw_mesh(case, bodies).savefig(path, dpi=FILE_DPI)
+
+
+@mpl.rc_context(FRAMED)
+def draw_mesh(case: Case, bodies: Mapping[str, BodyArrays]) -> Figure:
+    """The figure of `write_mesh_picture`."""
+    labels = boundary_labels(bodies)
+    figure = Figure(dpi=FILE_DPI, layout="constrained")
+    margins = column_widths(figure, labels)
+    main, *panels = _layout(figure, len(case.contacts), len(labels), sum(margins))
+    main.set_title(case.title or "Mesh", fontsize=HEADING)
+    _add_legend(figure, bodies)
+    surroundings = []
+    for panel, (name, contact) in zip(panels, case.contacts.items(), strict=True):
+        surfaces = (contact.surface1, contact.surface2)
+        panel.set_title(f"{name}\n1: {surfaces[0]}\n2: {surfaces[1]}", linespacing=1.1)
+        owners = [(body, s) for body in bodies.values() for s in surfaces if s in body.boundaries]
+        curves = [curve for pair in owners for curve in boundary_curves(*pair)]
+        surroundings.append(np.concatenate(curves))
+    points = np.concatenate([body.points for body in bodies.values()])
+    for axes in (main, *panels):
+        few_ticks(axes)
+        name_axes(axes, "x", "y", case.units.length)
+    # Limits have numbers, which need room, which sets the limits.
+    for final in (False, False, True):
+        figure.draw_without_rendering()
+        if final:
+            figure.set_layout_engine("none")
+        _set_view(main, points, margins)
+        for panel, places in zip(panels, surroundings, strict=True):
+            _set_view(panel, places)
+    for axes in (main, *panels):
+        _draw(axes, case, bodies)
+    draw_labels(main, labels)
+    return figure
+
+
+def _layout(figure: Figure, contacts: int, names: int, margin: float) -> list[Axes]:
+    """Empty axes for the bodies, `margin` inches of it for names, and for each contact."""
+    columns = -(-contacts // ROWS)
+    rows = max(-(-contacts // columns), FEWEST_ROWS)
+    height = max(BODIES_HEIGHT, rows * PANEL_HEIGHT, (names / 2 + 3) * SPACING)
+    width = max(BODIES_WIDTH, BODIES_ASPECT * height) + margin
+    # About an inch for numbers and names of axes.
+    figure.set_size_inches(width + 1 + columns * (PANEL_WIDTH + 1), height + 1)
+    grid = figure.add_gridspec(rows, 1 + columns, width_ratios=[width, *[PANEL_WIDTH] * columns])
+    places = [grid[number % rows, 1 + number // rows] for number in range(contacts)]
+    return [figure.add_subplot(place) for place in (grid[:, 0], *places)]
+
+
+def _size(axes: Axes) -> Array:
+    """(2,) width and height of axes in inches."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    return np.asarray(axes.get_window_extent().size / figure.dpi)
+
+
+def _set_view(axes: Axes, points: Array, margins: tuple[float, float] = (0.0, 0.0)) -> None:
+    """Limits that show all points at the same scale in x and y.
+
+    Args:
+        axes: their limits are set.
+        points: (n, 2) what has to be seen.
+        margins: inches to keep free on the left and on the right.
+    """
+    size = _size(axes)
+    low, high = points.min(axis=0), points.max(axis=0)
+    border = SURROUNDINGS * (high - low).max()
+    low, high = low - border, high + border
+    room = size - [sum(margins), 0.0]
+    per_inch = ((high - low) / room).max()
+    centre = (low + high) / 2
+    left = centre[0] - per_inch * (room[0] / 2 + margins[0])
+    axes.set_xlim(left, left + per_inch * size[0])
+    axes.set_ylim(centre[1] - per_inch * size[1] / 2, centre[1] + per_inch * size[1] / 2)
+
+
+def _draw(axes: Axes, case: Case, bodies: Mapping[str, BodyArrays]) -> None:
+    """All that is within the limits of the axes; these stay."""
+    limits = np.array([axes.get_xlim(), axes.get_ylim()]).T
+    for number, body in enumerate(bodies.values()):
+        _draw_cells(axes, body, TINTS[number % len(TINTS)], limits)
+    styles = {}
+    for contact in case.contacts.values():
+        styles[contact.surface1], styles[contact.surface2] = SURFACES
+    for body in bodies.values():
+        for name in body.boundaries:
+            style = styles.get(name, BOUNDARY)
+            # Wide lines first: narrow ones are seen upon them.
+            order = 4 - style["linewidth"] / 4
+            lines = LineCollection(boundary_curves(body, name), capstyle="butt", **_plural(style))
+            axes.add_collection(lines, autolim=False)
+            lines.set_zorder(order)
+
+
+def _plural(style: dict[str, Any]) -> dict[str, Any]:
+    return {f"{key}s": value for key, value in style.items()}
+
+
+def _draw_cells(axes: Axes, body: BodyArrays, tint: str, limits: Array) -> None:
+    outlines, boxes = cell_outlines(body)
+    shown = (boxes[:, 0] < limits[1]).all(axis=1) & (boxes[:, 1] > limits[0]).all(axis=1)
+    width = FEW_WIDTH if np.count_nonzero(shown) < MANY_CELLS else MANY_WIDTH
+    starts = np.cumsum([len(part) for part in outlines])[:-1]
+    for part, seen in zip(outlines, np.split(shown, starts), strict=True):
+        axes.add_collection(
+            PolyCollection(
+                part[seen], facecolors=tint, edgecolors=ELEMENTS["colors"], linewidths=width
+            ),
+            autolim=False,
+        )
+
+
+def _add_legend(figure: Figure, bodies: Mapping[str, BodyArrays]) -> None:
+    handles: list[Any] = [
+        Patch(
+            facecolor=TINTS[number % len(TINTS)],
+            edgecolor=ELEMENTS["colors"],
+            label=f"{name}, {len(body.cells)} {body.cell}s of order {body.order}",
+        )
+        for number, (name, body) in enumerate(bodies.items())
+    ]
+    texts = ("surface 1 of a contact", "surface 2 of a contact", "other boundaries with a name")
+    handles += [
+        Line2D([], [], label=text, **style)
+        for text, style in zip(texts, (*SURFACES, BOUNDARY), strict=True)
+    ]
+    figure.legend(handles=handles, loc="outside lower left", ncols=3)
+
+
+@dataclass(frozen=True)
+class Label:
+    """The name of a boundary, and a place (2,) on it."""
+
+    text: str
+    place: Array
+
+
+def boundary_labels(bodies: Mapping[str, BodyArrays]) -> list[Label]:
+    """One label for each boundary of each body, at the facet nearest to the boundary's centre."""
+    labels = []
+    for body in bodies.values():
+        for name, facets in body.boundaries.items():
+            middles = body.points[facets[:, :2]].mean(axis=1)
+            centre = (middles.min(axis=0) + middles.max(axis=0)) / 2
+            nearest = np.linalg.norm(middles - centre, axis=1).argmin()
+            labels.append(Label(name, body.points[facets[nearest, 0]]))
+    return labels
+
+
+def columns(labels: Sequence[Label]) -> tuple[list[Label], list[Label]]:
+    """The left and the right half of the labels, each from bottom to top."""
+    ordered = sorted(labels, key=lambda label: (label.place[0], label.place[1]))
+    half = (len(ordered) + 1) // 2
+    left, right = (
+        sorted(part, key=lambda label: (label.place[1], label.text))
+        for part in (ordered[:half], ordered[half:])
+    )
+    return left, right
+
+
+def column_widths(figure: Figure, labels: Sequence[Label]) -> tuple[float, float]:
+    """Width of both columns with their margins, in inches."""
+    left, right = (
+        MARGIN + _longest(figure, column) + LEADERS if column else MARGIN
+        for column in columns(labels)
+    )
+    return left, right
+
+
+def draw_labels(axes: Axes, labels: Sequence[Label]) -> None:
+    """Write the labels into axes whose place and limits are set."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    width, height = _size(axes)
+    to_inches = axes.transData + axes.transAxes.inverted() + Affine2D().scale(width, height)
+    from_inches = Affine2D().scale(1 / width, 1 / height) + axes.transAxes
+    left, right = columns(labels)
+    for column, sign, edge, align in ((left, 1, 0.0, "left"), (right, -1, width, "right")):
+        places = [to_inches.transform(label.place) for label in column]
+        # Lines to horizontal boundaries must not lie upon them.
+        wanted = [y + (OFFSET if y > height / 2 else -OFFSET) for _, y in places]
+        heights = spread(np.array(wanted), SPACING, SPACING, height - SPACING)
+        knee = edge + sign * (MARGIN + _longest(figure, column) + CLEARANCE)
+        for label, place, y in zip(column, places, heights, strict=True):
+            x = edge + sign * MARGIN
+            axes.text(x, y, label.text, transform=from_inches, ha=align, va="center")
+            end = x + sign * (_width(figure, label.text) + CLEARANCE)
+            line = np.array([(end, y), (knee, y), place])
+            axes.plot(*line.T, transform=from_inches, color="black", linewidth=0.5)
+            axes.plot(*place, ".", transform=from_inches, color="black", markersize=3, zorder=5)
+
+
+def spread(wanted: Array, spacing: float, low: float, high: float) -> Array:
+    """Places (n,) near sorted wanted ones, at least `spacing` apart, from `low` to `high`.
+
+    If there is no room for that, they go beyond `low`.
+    """
+    places = wanted.copy()
+    for i in range(len(places)):
+        places[i] = max(places[i], places[i - 1] + spacing if i else low)
+    for i in reversed(range(len(places))):
+        limit = places[i + 1] - spacing if i + 1 < len(places) else high
+        places[i] = min(places[i], limit)
+    return places
+
+
+def _longest(figure: Figure, labels: Sequence[Label]) -> float:
+    return max((_width(figure, label.text) for label in labels), default=0.0)
+
+
+def _width(figure: Figure, text: str) -> float:
+    """Width of a text in the current font, in inches."""
+    probe = figure.text(0.0, 0.0, text)
+    width = probe.get_window_extent().width / figure.dpi
+    probe.remove()
+    return float(width)
+
+
+def cell_outlines(body: BodyArrays) -> tuple[list[Array], Array]:
+    """The outlines of all cells, and the boxes (m, 2, 2) with their lowest and highest corners.
+
+    Returns:
+        Arrays (cells, places, 2): one of the cells with straight edges and, if there are any, one
+        of those with curved edges. The boxes are in the same order.
+    """
+    corners = CORNERS[body.cell]
+    straight = body.points[body.cells[:, :corners]]
+    parts = [straight]
+    if body.order == 2:
+        ends = np.roll(straight, -1, axis=1)
+        middles = body.points[body.cells[:, corners : 2 * corners]]
+        curved = _bulges(straight, ends, middles).any(axis=1)
+        edges = [each[curved] for each in (straight, ends, middles)]
+        outlines = _along(*edges)[..., :-1, :].reshape(-1, corners * CURVE_PIECES, 2)
+        parts = [straight[~curved], *([outlines] if curved.any() else [])]
+    boxes = [np.stack([part.min(axis=1), part.max(axis=1)], axis=1) for part in parts]
+    return parts, np.concatenate(boxes)
+
+
+def boundary_curves(body: BodyArrays, name: str) -> list[Array]:
+    """The boundary of this name as curves (n, 2), one for each connected piece."""
+    facets = body.boundaries[name]
+    return [_curve(body.points, facets[chain]) for chain in _chains(facets)]
+
+
+def _curve(points: Array, facets: Indices) -> Array:
+    first, last = points[facets[:, 0]], points[facets[:, 1]]
+    if facets.shape[1] == 2:
+        return np.concatenate([first, last[-1:]])
+    places = _along(first, last, points[facets[:, 2]])
+    return np.concatenate([places[:, :-1].reshape(-1, 2), last[-1:]])
+
+
+def _chains(facets: Indices) -> list[list[int]]:
+    """The facets of each connected piece in the order in which they follow each other."""
+    by_start = {int(start): number for number, start in enumerate(facets[:, 0])}
+    starts = np.setdiff1d(facets[:, 0], facets[:, 1])
+    chains = []
+    while by_start:
+        node = next((int(s) for s in starts if int(s) in by_start), next(iter(by_start)))
+        chain = []
+        while node in by_start:
+            chain.append(by_start.pop(node))
+            node = int(facets[chain[-1], 1])
+        chains.append(chain)
+    return chains
+
+
+def _bulges(first: Array, last: Array, middle: Array) -> Bools:
+    """Whether edges are visibly curved."""
+    bulge = np.linalg.norm(middle - (first + last) / 2, axis=-1)
+    return bulge > VISIBLE_BULGE * np.linalg.norm(last - first, axis=-1)
+
+
+def _along(first: Array, last: Array, middle: Array) -> Array:
+    """(..., CURVE_PIECES + 1, 2) places along quadratic edges (..., 2)."""
+    t = np.linspace(0.0, 1.0, CURVE_PIECES + 1)[:, None]
+    first, last, middle = (each[..., None, :] for each in (first, last, middle))
+    return first * (1 - t) * (1 - 2 * t) + last * t * (2 * t - 1) + middle * 4 * t * (1 - t)

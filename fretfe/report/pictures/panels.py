@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Panels that show a part of the plane, laid out by Matplotlib and set to whole pixels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import Bbox
+from PIL import Image as Pillow
+
+from fretfe._typing import Array, Bools
+from fretfe.report.theme import PICTURE_DPI, PICTURE_HEIGHT, PICTURE_WIDTH
+
+Pixels = npt.NDArray[np.uint8]
+
+# Panels that are this part of the largest ones will do.
+SLIGHTLY = 0.9
+# Inches that the texts around a panel take, roughly: enough to choose the number of columns.
+TEXTS = 0.8
+# Layouts until a picture has its size: colour bars change a little with it.
+PASSES = 3
+# Tones of a colour map and of grey in a file: finer ones are not seen, and it is much smaller.
+TONES, GREYS = 216, 40
+
+
+@dataclass(frozen=True)
+class View:
+    """A rectangle to look at.
+
+    Attributes:
+        centre: (2,) its middle.
+        half_size: (2,) half its width and height.
+        normal: (2,) unit vector that points up in the picture.
+        origin: (2,) what the axes of the picture say in the middle.
+    """
+
+    centre: Array
+    half_size: Array
+    normal: Array
+    origin: Array = field(default_factory=lambda: np.zeros(2))
+
+    @property
+    def tangent(self) -> Array:
+        """(2,) unit vector that points to the right."""
+        return np.array([self.normal[1], -self.normal[0]])
+
+    @property
+    def aspect(self) -> float:
+        """Height over width."""
+        return float(self.half_size[1] / self.half_size[0])
+
+    def local(self, points: Array) -> Array:
+        """Places (..., 2) in the picture, along its axes."""
+        turned = (points - self.centre) @ np.stack([self.tangent, self.normal], axis=1)
+        return turned + self.origin
+
+    def overlaps(self, shapes: Array) -> Bools:
+        """Find shapes (m, k, 2) whose boxes reach into the rectangle."""
+        local = self.local(shapes) - self.origin
+        low, high = local.min(axis=1), local.max(axis=1)
+        return ((low < self.half_size) & (high > -self.half_size)).all(axis=1)
+
+
+def panels(
+    count: int,
+    aspect: float,
+    *,
+    columns: int | None = None,
+    width: float = PICTURE_WIDTH,
+) -> tuple[Figure, list[Axes]]:
+    """A picture with empty panels, read like a text.
+
+    Args:
+        count: number of panels.
+        aspect: height of a panel over its width.
+        columns: of panels; None for as many as make the panels large and the picture low.
+        width: of the picture in inches, at most.
+    """
+    columns = columns or _columns(count, aspect, width)
+    rows = -(-count // columns)
+    figure = Figure(figsize=(width, PICTURE_HEIGHT), dpi=PICTURE_DPI, layout="constrained")
+    axes = list(figure.subplots(rows, columns, squeeze=False).ravel())
+    for each in axes:
+        few_ticks(each)
+    for each in axes[count:]:
+        each.remove()
+    return figure, axes[:count]
+
+
+def _columns(count: int, aspect: float, width: float) -> int:
+    """Number of columns with the largest panels; a low picture is better than slightly larger."""
+    sizes = {}
+    for columns in range(1, count + 1):
+        height = PICTURE_HEIGHT / -(-count // columns) - TEXTS
+        sizes[columns] = min(width / columns - TEXTS, height / aspect)
+    good = [each for each, size in sizes.items() if size > SLIGHTLY * max(sizes.values())]
+    return min(good, key=lambda each: -(-count // each) * (sizes[each] * aspect + TEXTS))
+
+
+def few_ticks(axes: Axes) -> None:
+    """Four to six ticks on each axis."""
+    axes.xaxis.set_major_locator(MaxNLocator(5, min_n_ticks=2))
+    axes.yaxis.set_major_locator(MaxNLocator(6, min_n_ticks=2))
+
+
+def settle(figure: Figure, axes: Sequence[Axes], aspect: float, heading: str) -> None:
+    """Give panels with all their texts, but no images, their places at whole pixels.
+
+    Args:
+        figure: shrunk until its panels have their aspect and no room is left over.
+        axes: the panels.
+        aspect: height of a panel over its width.
+        heading: of the picture, above its first panel.
+    """
+    title = figure.suptitle(heading, ha="left")
+    grid = axes[0].get_gridspec()
+    assert grid is not None
+    for _ in range(PASSES):
+        figure.draw_without_rendering()
+        panel = axes[0].get_window_extent().size / figure.dpi
+        spare = panel - min(panel[0], panel[1] / aspect) * np.array([1.0, aspect])
+        pixels = np.ceil((figure.get_size_inches() - spare * (grid.ncols, grid.nrows)) * figure.dpi)
+        # A little more, or the size in inches may be rounded to a pixel less.
+        figure.set_size_inches((pixels + 0.01) / figure.dpi)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    size = panel_pixels(axes[0])
+    for each in axes:
+        corner = np.round(each.get_window_extent().min)
+        each.set_position(Bbox(np.array([corner, corner + size]) / figure.bbox.size))
+    title.set_x(axes[0].get_position().x0)
+
+
+def panel_pixels(axes: Axes) -> tuple[int, int]:
+    """Width and height of a panel in pixels."""
+    width, height = np.round(axes.get_window_extent().size)
+    return int(width), int(height)
+
+
+def name_axes(axes: Axes, x: str, y: str, unit: str) -> None:
+    """Names and unit of both axes."""
+    axes.set_xlabel(f"{x} [{unit}]")
+    axes.set_ylabel(f"{y} [{unit}]")
+
+
+def set_limits(axes: Axes, view: View) -> None:
+    """Let a panel show a view."""
+    axes.set_xlim(view.origin[0] - view.half_size[0], view.origin[0] + view.half_size[0])
+    axes.set_ylim(view.origin[1] - view.half_size[1], view.origin[1] + view.half_size[1])
+
+
+def show_image(axes: Axes, image: Pixels) -> None:
+    """An image (height, width, 3) that fills the panel, whose limits stay."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    axes.imshow(image, extent=(left, right, low, high), interpolation="nearest", aspect="auto")
+
+
+def draw_lines(axes: Axes, lines: Sequence[Array], **style: Any) -> None:
+    """Lines (n, k, 2), several arrays of them."""
+    for each in lines:
+        axes.add_collection(LineCollection(list(each), **style), autolim=False)
+
+
+def save_png(figure: Figure, path: Path, colours: str | None = None) -> tuple[int, int]:
+    """Write a picture as a small file.
+
+    Args:
+        figure: the picture.
+        path: file to write.
+        colours: the colour map that it has besides greys; None for any colours.
+
+    Returns:
+        Its width and height in pixels.
+    """
+    image = pixels(figure, colours)
+    image.save(path, optimize=True)
+    return image.size
+
+
+def pixels(figure: Figure, colours: str | None = None) -> Pillow.Image:
+    """A picture as an image; arguments as for `save_png`."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    image = Pillow.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    if colours is None:
+        return image
+    return image.quantize(palette=_palette(colours), dither=Pillow.Dither.NONE)
+
+
+def _palette(colours: str) -> Pillow.Image:
+    tones = colormaps[colours](np.linspace(0.0, 1.0, TONES))[:, :3]
+    greys = np.linspace(0.0, 1.0, GREYS)[:, None] * np.ones(3)
+    palette = Pillow.new("P", (1, 1))
+    palette.putpalette(np.round(255 * np.concatenate([tones, greys])).astype(int).ravel().tolist())
+    return palette

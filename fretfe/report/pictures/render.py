@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Draws the pictures that need OpenGL: `python -m fretfe.report.pictures.render TASK DIR FILE ...`.
+
+A process of its own: where OpenGL does not work VTK does not raise errors but ends the process.
+Each file is reported on standard output, as a line of JSON, once it is written.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import warnings
+from pathlib import Path
+from typing import Any
+
+from fretfe.report.pictures.fields import Fields, Scene, open_fields
+from fretfe.report.pictures.folder import FOLDER, Wanted, plan_pictures
+from fretfe.report.pictures.panels import pixels, save_png
+from fretfe.report.pictures.stress import bodies_caption, draw_bodies, draw_edges, find_look
+from fretfe.report.theme import COLOURS
+
+# Of an animation: its width in inches, and how long a cycle takes in milliseconds.
+FRAME_WIDTH, DURATION = 6.4, 4000
+
+
+def draw_pictures(directory: Path, files: list[str]) -> None:
+    """Draw some of the pictures of a results folder.
+
+    Args:
+        directory: results folder.
+        files: names of the pictures.
+    """
+    source = open_fields(directory)
+    for wanted in plan_pictures(source.run):
+        if wanted.file in files:
+            print(json.dumps({"file": wanted.file, **_draw(source, wanted)}), flush=True)
+
+
+def _draw(source: Fields, wanted: Wanted) -> dict[str, Any]:
+    """Caption and size, and why states are missing."""
+    states = source.available(wanted.states)
+    absent = [source.run.when(each) for each in wanted.states if each not in states]
+    report: dict[str, Any] = {}
+    if absent:
+        report["reason"] = f"no fields of {' and '.join(absent)} in fields"
+    if not states:
+        return report
+    if wanted.kind == "bodies":
+        look = find_look(source, states)
+        scene = Scene(look.limit)
+        figure = draw_bodies(source, states, look, scene)
+        caption = bodies_caption(source, states, look)
+        scene.close()
+    else:
+        figure, caption = draw_edges(source, states[-1], wanted.edges)
+    width, height = save_png(figure, source.run.directory / FOLDER / wanted.file, COLOURS)
+    return {**report, "caption": caption, "width": width, "height": height}
+
+
+def draw_animation(directory: Path, files: list[str]) -> None:
+    """Draw the evaluated cycle as a GIF file.
+
+    Args:
+        directory: results folder.
+        files: the one to write.
+    """
+    source = open_fields(directory)
+    first, last = source.run.span
+    # The last state of a cycle looks like the first one; nothing is loaded at the first of all.
+    states = range(first, last) if source.run.loads.cycle else range(1, last + 1)
+    found = len(source.available(states))
+    if found < len(states):
+        reason = (
+            f"expected fields of all {len(states)} states of the cycle, found {found}: run the "
+            "case with 'fields = \"all\"' in its table [output]"
+        )
+        print(json.dumps({"file": files[0], "reason": reason}), flush=True)
+        return
+    look = find_look(source, source.run.extremes)
+    scene = Scene(look.limit)
+    frames = []
+    for state in states:
+        frames.append(pixels(draw_bodies(source, [state], look, scene, FRAME_WIDTH), COLOURS))
+        source.forget()
+    scene.close()
+    duration = round(DURATION / len(frames))
+    frames[0].save(files[0], save_all=True, append_images=frames[1:], duration=duration, loop=0)
+    print(json.dumps({"file": files[0]}), flush=True)
+
+
+def export_scene(directory: Path, files: list[str]) -> None:
+    """Write the bodies at the last state as a glTF file.
+
+    Args:
+        directory: results folder.
+        files: the one to write.
+    """
+    source = open_fields(directory)
+    states = source.available(range(len(source.run.loads.times)))
+    if not states:
+        print(json.dumps({"file": files[0], "reason": "there are no fields"}), flush=True)
+        return
+    look = find_look(source, states[-1:])
+    scene = Scene(look.limit)
+    scene.export(list(source.bodies(states[-1]).values()), look.scale, Path(files[0]))
+    print(json.dumps({"file": files[0], "scale": look.scale, "limit": look.limit}), flush=True)
+
+
+TASKS = {"pictures": draw_pictures, "animation": draw_animation, "scene": export_scene}
+
+# Before 0.45 PyVista says so where VTK then ends the process; that is found out without it.
+NO_DISPLAY = r"\s*This system does not appear to be running an xserver"
+
+if __name__ == "__main__":
+    warnings.filterwarnings("ignore", NO_DISPLAY)
+    TASKS[sys.argv[1]](Path(sys.argv[2]), sys.argv[3:])

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Numbers as text, with no more digits than they are worth; - for those that do not exist."""
+
+from __future__ import annotations
+
+import math
+
+MISSING = "-"
+
+
+def number(value: float, digits: int = 4) -> str:
+    """A number with so many significant digits."""
+    # Without a minus before zero.
+    return f"{value + 0.0:.{digits}g}" if math.isfinite(value) else MISSING
+
+
+def percent(value: float, decimals: int = 2) -> str:
+    """A fraction in per cent."""
+    return f"{value:.{decimals}%}" if math.isfinite(value) else MISSING
+
+
+def with_error(value: float, spread: float) -> str:
+    """Value and error, with two digits of the error: 0.5749 ± 0.0012.
+
+    Six digits without an error if that is zero or not known.
+    """
+    if not math.isfinite(value):
+        return MISSING
+    if not (math.isfinite(spread) and spread > 0.0):
+        return f"{value:.6g}"
+    digits = 1 - math.floor(math.log10(spread))
+    if digits < -3 or digits > 9:  # numbers with an exponent
+        return f"{value:.6g} ± {spread:.2g}"
+    decimals = max(digits, 0)
+    return f"{value:.{decimals}f} ± {spread:.{decimals}f}"
+
+
+def rounded(value: float) -> str:
+    """A number with three digits; no exponent where it can do without."""
+    return f"{float(f'{value:.3g}'):.6g}"
