@@ -17,6 +17,7 @@ import halfplane_galerkin as galerkin
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.contact.compliance import DenseCompliance
 from fretfe.contact.interface import Coordinate, Interface
 from fretfe.contact.state import StepLoads
 
@@ -97,7 +98,7 @@ def build(
     labels = ("x", "y", "rotation")
     return Interface(
         components=2,
-        compliance=compliance,
+        compliance=DenseCompliance(compliance),
         gap=gap.ravel(),
         motion=np.vstack([rigid_motion(flank) for flank in flanks]),
         stiffness=np.zeros((3, 3)),
@@ -118,10 +119,12 @@ def build(
 def converted(interface: Interface, length: float, stress: float) -> Interface:
     """The same problem in other units: so many new ones in an old one. Rotation stays an angle."""
     root = np.sqrt(length)
+    components = np.arange(len(interface.gap))
+    matrix = interface.compliance.block(components, components)
     units = np.array([length, length, 1.0])
     return replace(
         interface,
-        compliance=interface.compliance * length / stress,
+        compliance=DenseCompliance(matrix * length / stress),
         gap=interface.gap * length * root,
         motion=interface.motion * (length * root / units),
         roots=interface.roots * root,

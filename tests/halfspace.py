@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.contact.compliance import DenseCompliance
 from fretfe.contact.interface import Coordinate, Interface
 from fretfe.contact.state import StepLoads
 
@@ -107,7 +108,7 @@ def build(
     motion[:, range(3), range(3)] = root * np.array([1.0, -1.0, -1.0])
     return Interface(
         components=3,
-        compliance=compliance(problem),
+        compliance=DenseCompliance(compliance(problem)),
         gap=gap.ravel(),
         motion=motion.reshape(-1, 3),
         stiffness=np.zeros((3, 3)),

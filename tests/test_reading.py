@@ -48,8 +48,8 @@ def test_arrays_are_read(tmp_path: Path, name: str) -> None:
     for each in fields(ContactHistory):
         if isinstance(getattr(other, each.name), np.ndarray):
             np.testing.assert_array_equal(getattr(mine, each.name), getattr(other, each.name))
-    np.testing.assert_array_equal(mine.bonded.fields, other.bonded.fields)
-    np.testing.assert_array_equal(mine.bonded.area, other.bonded.area)
+    np.testing.assert_array_equal(mine.full_stick.fields, other.full_stick.fields)
+    np.testing.assert_array_equal(mine.full_stick.area, other.full_stick.area)
 
 
 def test_a_refinement_is_restored() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from fretfe.edges import Side
 from fretfe.edges.slip_zones import slip_border_of, slip_reversals, slip_zones
-from fretfe.results.solution import OPEN, SLIP, STICK, BondedUnits, ContactHistory
+from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 
 H, EDGE, ZONE = 0.05, 1.02, 0.31
 X = np.linspace(-22 * H, 22 * H, 45)
@@ -39,7 +39,7 @@ def history(increments: np.ndarray) -> ContactHistory:
         slip=slip,
         status=status.astype(np.int8),
         dissipation=zero,
-        bonded=BondedUnits(np.zeros((0, len(X), 2, 0)), np.full(STATES, -1)),
+        full_stick=FullStickUnits(np.zeros((0, len(X), 2, 0)), np.full(STATES, -1)),
     )
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The slow method that converges where Newton does not.
+"""The slow method that converges where Newton's does not.
 
 Fixed point on the friction bound: with the bound f p taken from the last pressure, the step is a
 convex problem (pressures not negative, shear within a fixed disc), which the alternating direction
@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.contact.interface import Interface, coordinate_scale
+from fretfe.contact.operator import InterfaceOperator
 from fretfe.contact.state import OPEN, SLIP, STICK, Status, StepLoads
 
 MAX_BOUNDS = 40
@@ -23,18 +23,17 @@ OVER_RELAXATION = 1.6
 
 
 def status_by_fixed_point(
-    interface: Interface, loads: StepLoads, reference: Array, start: Array
+    operator: InterfaceOperator, loads: StepLoads, reference: Array, start: Array
 ) -> tuple[Status, Array]:
     """Status and shear direction of all nodes at the end of a step, to the method's tolerance.
 
     Args:
-        interface: the interface problem.
+        operator: solves linear systems of the interface problem.
         loads: loads at the end of the step.
         reference: (N, d-1) tangential displacement before the step.
         start: (N, d) tractions to start from.
     """
-    d = interface.components
-    solve = _Proximal(interface, loads, reference)
+    solve = _Proximal(operator, loads, reference)
     traction, multiplier = start.copy(), np.zeros_like(start)
     # Stuck at first: with a bound too low for the loads the convex problem has no solution, and its
     # iteration drifts away.
@@ -53,7 +52,7 @@ def status_by_fixed_point(
     shear = np.linalg.norm(traction[:, 1:], axis=1)
     on_bound = shear >= bound * (1 - TRACTION_TOLERANCE)
     status = np.where(traction[:, 0] <= 0, OPEN, np.where(on_bound, SLIP, STICK)).astype(np.int8)
-    direction = np.zeros((len(traction), d - 1))
+    direction = np.zeros_like(traction[:, 1:])
     moving = (status == SLIP) & (shear > 0)
     direction[moving] = traction[moving, 1:] / shear[moving, None]
     return status, direction
@@ -62,29 +61,24 @@ def status_by_fixed_point(
 class _Proximal:
     """Minimiser of the elastic energy plus a quadratic penalty on the distance to a target."""
 
-    def __init__(self, interface: Interface, loads: StepLoads, reference: Array) -> None:
-        d, n = interface.components, interface.size * interface.components
-        held = interface.prescribed
-        released = np.flatnonzero(~held)
-        free = (interface.gap + interface.loads @ loads.amplitudes).reshape(-1, d)
+    def __init__(self, operator: InterfaceOperator, loads: StepLoads, reference: Array) -> None:
+        interface = operator.interface
+        known, released = interface.prescribed, ~interface.prescribed
+        free = (interface.gap + interface.loads @ loads.amplitudes).reshape(len(reference), -1)
         free[:, 1:] -= reference
-        free = free.ravel() + interface.motion[:, held] @ loads.values[held]
+        free = free.ravel() + interface.motion[:, known] @ loads.values[known]
         forces = (interface.coordinate_loads @ loads.amplitudes)[released]
         forces += loads.values[released]
-        forces -= interface.stiffness[np.ix_(released, held)] @ loads.values[held]
-        self._penalty = np.trace(interface.compliance) / n
-        scale = coordinate_scale(interface)[released] * self._penalty
-        matrix = np.zeros((n + len(released), n + len(released)))
-        matrix[:n, :n] = interface.compliance + self._penalty * np.eye(n)
-        matrix[:n, n:] = interface.motion[:, released] * scale
-        matrix[n:, :n] = matrix[:n, n:].T
-        matrix[n:, n:] = -interface.stiffness[np.ix_(released, released)] * np.outer(scale, scale)
-        inverse = np.linalg.inv(matrix)
-        self._response = self._penalty * inverse[:n, :n]
-        self._offset = -inverse[:n] @ np.concatenate([free, forces * scale])
+        forces -= interface.stiffness[np.ix_(released, known)] @ loads.values[known]
+        self._penalty = interface.compliance.level
+        self._layer = operator.regularised(self._penalty)
+        self._offset = self._layer.tractions(-free, -forces)
+        self._no_forces = np.zeros_like(forces)
 
     def __call__(self, target: Array) -> Array:
-        return (self._response @ target.ravel() + self._offset).reshape(target.shape)
+        stretch = self._penalty * target.ravel()
+        elastic = self._layer.tractions(stretch, self._no_forces)
+        return (elastic + self._offset).reshape(target.shape)
 
 
 def _project(traction: Array, bound: Array) -> Array:

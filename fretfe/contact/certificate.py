@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""How well an accepted step satisfies the contact conditions, in physical units."""
+"""Violations of the contact conditions in an accepted step, in physical units."""
 
 from __future__ import annotations
 

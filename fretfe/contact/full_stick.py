@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Companion increments: the contact of a solved state stuck everywhere, under a unit of each load.
+"""Full-stick increments: the contact area of a solved state without any slip, for unit loads.
 
 The edge factor K_T is the strength of the singularity that the shear has when all slip is
 prevented. It is linear in the loads, so its history follows by superposition from one solution for
@@ -14,14 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.contact.interface import Interface, free_motions
-from fretfe.contact.newton import Newton
-from fretfe.contact.state import ContactState
+from fretfe.contact.interface import Interface, unresisted_motions
+from fretfe.contact.operator import Conditions, InterfaceOperator
+from fretfe.contact.state import OPEN, STICK, ContactState
 
 
 @dataclass(frozen=True)
 class Drivers:
-    """Loads that companion increments are made for.
+    """Loads that have a full-stick increment.
 
     Attributes:
         names: channels.
@@ -41,7 +41,7 @@ class Drivers:
 
 
 def find_drivers(interface: Interface, load_channels: list[str]) -> Drivers:
-    """Every driven coordinate and every distributed load."""
+    """Find every driven coordinate and every distributed load."""
     driven = [j for j, c in enumerate(interface.coordinates) if c.channel]
     names = [interface.coordinates[j].channel for j in driven] + load_channels
     count = len(load_channels)
@@ -54,7 +54,7 @@ def find_drivers(interface: Interface, load_channels: list[str]) -> Drivers:
 
 @dataclass(frozen=True)
 class Increments:
-    """Stuck increments for a unit of each of J drivers.
+    """Full-stick increments for a unit of each of J drivers.
 
     Attributes:
         traction: (N, d, J) weighted tractions y.
@@ -65,64 +65,50 @@ class Increments:
     coordinates: Array
 
 
-class BondedSolver:
-    """Unit increments for any contact area; shares the stuck operator with the march."""
+class FullStickSolver:
+    """Solver of full-stick increments for any contact area.
 
-    def __init__(self, interface: Interface, newton: Newton, drivers: Drivers) -> None:
-        self._interface = interface
-        self._newton = newton
-        self._drivers = drivers
-        held = np.array([c.control == "fixed" for c in interface.coordinates], dtype=bool)
-        self._held = np.flatnonzero(held)
-        # Driven by displacement: held in the step, driven by its force here.
-        self._freed = np.flatnonzero(interface.prescribed & ~held)
+    Args:
+        operator: solves linear systems of the interface problem.
+        drivers: loads that have an increment.
+    """
+
+    def __init__(self, operator: InterfaceOperator, drivers: Drivers) -> None:
+        interface = operator.interface
+        self._operator = operator
+        # Boundaries driven by displacement are driven by their force here.
+        self._fixed = np.array([c.control == "fixed" for c in interface.coordinates], dtype=bool)
         # Bodies that only these displacements hold float now; the loads on them are in equilibrium.
-        self._floats = free_motions(interface, ~held).shape[1] > 0
+        self._floating = unresisted_motions(interface, ~self._fixed).shape[1] > 0
+        self._free, self._forces = _unit_loads(interface, drivers)
 
     def increments(self, state: ContactState) -> Increments:
-        """Increments for a unit of each driver, the contact area of a state stuck."""
-        interface, d = self._interface, self._interface.components
-        operator = self._newton.operator_for(state.closed, state.relative[:, 0])
-        rhs = self._right_hand_sides(operator.rows)
-        split = len(operator.rows)
-        start = np.flatnonzero(~state.closed[operator.nodes]) * d
-        opened = (start[:, None] + np.arange(d)).ravel()
-        zero = np.concatenate([opened, split + self._held])
-        freed = split + self._freed
-        released = np.concatenate([zero, freed])
-        known = rhs.copy()
-        known[released] = 0.0
-        held = operator.inverse @ known
-        response = operator.inverse[released].T
-        matrix, target = response[released], -held[released]
-        # The operator holds freed coordinates by a spring: its force is taken away again.
-        rows = slice(len(zero), len(released))
-        springs = operator.springs[self._freed]
-        matrix[rows] = springs[:, None] * matrix[rows] + np.eye(len(released))[rows]
-        target[rows] = springs[:, None] * target[rows] + rhs[freed]
-        solve = _least_squares if self._floats else np.linalg.solve
-        solution = held + response @ solve(matrix, target)
-        traction = np.zeros((interface.size * d, rhs.shape[1]))
-        traction[operator.rows] = solution[:split]
-        nodal = traction.reshape(interface.size, d, -1)
-        nodal[~state.closed] = 0.0
-        return Increments(nodal, solution[split:])
-
-    def _right_hand_sides(self, rows: Indices) -> Array:
-        """(n + m, J) right-hand sides of the stuck operator for a unit of each driver."""
-        interface, drivers = self._interface, self._drivers
-        split = len(rows)
-        rhs = np.zeros((split + len(interface.coordinates), len(drivers.names)))
-        for j, (coordinate, load) in enumerate(
-            zip(drivers.coordinates, drivers.loads, strict=True)
-        ):
-            if coordinate >= 0:
-                rhs[split + coordinate, j] = -1.0
-            else:
-                rhs[:split, j] = -interface.loads[rows, load]
-                rhs[split:, j] = -interface.coordinate_loads[:, load]
-        return rhs
+        """Increments for a unit of each driver in the contact area of a state."""
+        interface, closed = self._operator.interface, state.closed
+        count, tangents = len(closed), interface.components - 1
+        conditions = Conditions(
+            status=np.where(closed, STICK, OPEN).astype(np.int8),
+            pull=np.zeros((count, tangents)),
+            turning=np.zeros((count, tangents, tangents)),
+            penalty=np.zeros(count),
+            known=self._fixed,
+            amplitudes=np.zeros((self._fixed.sum(), self._forces.shape[1])),
+            floating=self._floating,
+        )
+        area = self._operator.area(closed, state.relative[:, 0])
+        response = area.stuck(self._free, self._forces).release(conditions)
+        traction = np.where(closed[:, None, None], response.traction, 0.0)
+        return Increments(traction, response.coordinates)
 
 
-def _least_squares(matrix: Array, target: Array) -> Array:
-    return np.linalg.lstsq(matrix, target, rcond=1e-10)[0]
+def _unit_loads(interface: Interface, drivers: Drivers) -> tuple[Array, Array]:
+    """(N, d, J) displacements without tractions and (m, J) forces, for a unit of each driver."""
+    free = np.zeros((interface.size * interface.components, len(drivers.names)))
+    forces = np.zeros((len(interface.coordinates), len(drivers.names)))
+    for j, (coordinate, load) in enumerate(zip(drivers.coordinates, drivers.loads, strict=True)):
+        if coordinate >= 0:
+            forces[coordinate, j] = 1.0
+        else:
+            free[:, j] = interface.loads[:, load]
+            forces[:, j] = interface.coordinate_loads[:, load]
+    return free.reshape(interface.size, interface.components, -1), forces

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The interface problem: elastic bodies reduced to what they do at the contact nodes.
+"""The interface problem: elastic bodies reduced to their contact nodes and rigid motions.
 
 Everything is written in weighted nodal quantities of N multiplier nodes with d components each
 (normal, then tangents). With W_i the integral of hat function i and λ_i
@@ -14,8 +14,9 @@ turn into
     w = w0 + A y + G c + L a            (A symmetric, positive semi-definite)
     R + H a = −Gᵀ y + K c
 
-with the coordinates c (rigid boundaries and free motions of bodies), the forces R on them and the
-load amplitudes a. The number of space dimensions appears only as d.
+with the coordinates c (amplitudes of rigid boundaries, and of rigid modes that only contact
+restrains), the forces R on them and the load amplitudes a. The number of space dimensions appears
+only as d.
 """
 
 from __future__ import annotations
@@ -25,10 +26,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array, Bools
+from fretfe.contact.compliance import Compliance
 from fretfe.errors import ModelError
 
 # Relative size below which a motion is resisted by nothing but round-off.
-FREE_MOTION = 1e-9
+UNRESISTED = 1e-9
 
 
 @dataclass(frozen=True)
@@ -36,10 +38,10 @@ class Coordinate:
     """One amplitude c_j of the interface problem.
 
     Attributes:
-        label: what it is, for messages and results.
+        label: name in messages and results.
         body: name of the body.
-        control: "force" or "displacement" (driven by a channel), "fixed", or "free" (a motion that
-            nothing but contact prevents; no force acts on it).
+        control: "force" or "displacement" (driven by a channel), "fixed", or "free" (a rigid mode
+            restrained only by contact; no force acts on it).
         channel: name of the load that drives it, "" if none.
     """
 
@@ -50,7 +52,7 @@ class Coordinate:
 
     @property
     def prescribed(self) -> bool:
-        """Whether the amplitude is known and the force unknown."""
+        """True if the amplitude is known and the force is not."""
         return self.control in ("displacement", "fixed")
 
 
@@ -60,7 +62,7 @@ class Interface:
 
     Attributes:
         components: d.
-        compliance: (N*d, N*d) A.
+        compliance: A, (N*d, N*d).
         gap: (N*d,) w0 of the unloaded bodies.
         motion: (N*d, m) G.
         stiffness: (m, m) K.
@@ -72,7 +74,7 @@ class Interface:
     """
 
     components: int
-    compliance: Array
+    compliance: Compliance
     gap: Array
     motion: Array
     stiffness: Array
@@ -89,50 +91,54 @@ class Interface:
 
     @property
     def prescribed(self) -> Bools:
-        """(m,) which coordinates have a known amplitude."""
+        """(m,) coordinates of known amplitude."""
         return np.array([c.prescribed for c in self.coordinates], dtype=bool)
 
 
 def coordinate_range(coordinates: list[Coordinate] | tuple[Coordinate, ...], body: str) -> slice:
-    """Where the coordinates of a body stand; they follow each other."""
+    """Range of the coordinates of a body, which follow each other."""
     own = [number for number, c in enumerate(coordinates) if c.body == body]
     return slice(own[0], own[-1] + 1) if own else slice(0, 0)
 
 
-def free_motions(interface: Interface, released: Bools) -> Array:
-    """(m, k) motions of the released coordinates that neither contact nor stiffness resists.
+def unresisted_motions(interface: Interface, released: Bools) -> Array:
+    """Combinations of released coordinates that neither contact nor stiffness resists.
 
-    Contact is taken as stuck at every node, so a motion that remains is resisted by nothing at all.
-    Columns are orthonormal after scaling each coordinate with its effect on the contact.
+    Contact is taken as stuck at every node, so that nothing at all resists a motion that remains.
+
+    Args:
+        interface: the interface problem.
+        released: (m,) coordinates that may move.
+
+    Returns:
+        (m, k) motions, orthonormal after scaling each coordinate with its effect on the contact.
     """
     chosen = np.flatnonzero(released)
     if not len(chosen):
         return np.zeros((len(released), 0))
     scale = coordinate_scale(interface)
-    compliance = np.trace(interface.compliance) / len(interface.compliance)
-    resisted = np.vstack(
-        [interface.motion * scale, compliance * interface.stiffness * scale * scale[:, None]]
-    )[:, chosen]
+    stiffness = interface.compliance.level * interface.stiffness
+    resisted = np.vstack([interface.motion * scale, stiffness * scale * scale[:, None]])[:, chosen]
     _, values, rows = np.linalg.svd(resisted, full_matrices=False)
-    null = rows[values < FREE_MOTION * max(values[0], 1e-300)].T
+    null = rows[values < UNRESISTED * max(values[0], 1e-300)].T
     motions = np.zeros((len(released), null.shape[1]))
     motions[chosen] = null * scale[chosen, None]
     return motions
 
 
 def coordinate_scale(interface: Interface) -> Array:
-    """(m,) amplitude of each coordinate that moves the contact by about one."""
+    """(m,) amplitudes by which each coordinate moves the contact by about one."""
     effect = np.linalg.norm(interface.motion, axis=0)
     return 1 / np.where(effect > 0, effect, 1.0)
 
 
-def require_held(interface: Interface) -> None:
-    """Check that the contacts, if stuck, would hold every body.
+def require_restraint(interface: Interface) -> None:
+    """Check that bodies whose contacts are stuck cannot move rigidly.
 
     Raises:
         ModelError: names the bodies that could still move, and in which coordinates.
     """
-    motions = free_motions(interface, ~interface.prescribed)
+    motions = unresisted_motions(interface, ~interface.prescribed)
     if not motions.shape[1]:
         return
     moving = np.flatnonzero(np.any(np.abs(motions) > 0.01 * np.abs(motions).max(axis=0), axis=1))

@@ -13,13 +13,15 @@ from fretfe._typing import Array, Bools
 from fretfe.contact.admm import status_by_fixed_point
 from fretfe.contact.certificate import Certificate, certify, dissipation
 from fretfe.contact.interface import Interface
+from fretfe.contact.inverse import InverseOperator
 from fretfe.contact.newton import Newton, NotConverged
+from fretfe.contact.operator import InterfaceOperator
 from fretfe.contact.state import OPEN, STICK, ContactState, StepLoads, unloaded
 from fretfe.errors import ConvergenceError
 
 # A step is halved at most this often before the run gives up.
 MAX_CUTS = 6
-# Nodes taken as closed when nothing but contact holds a body and none is in contact yet.
+# Nodes taken as closed when contact alone restrains a body and none is in contact yet.
 FIRST_TOUCH_FRACTION = 0.05
 FIRST_TOUCH_NODES = 3
 
@@ -32,8 +34,8 @@ class StepResult:
         state: contact state at the end of the step.
         dissipation: (N,) friction work done at each node in the step, per unit thickness.
         iterations: Newton iterations, of all parts of the step together.
-        parts: into how many parts the step was cut; 1 if it converged at first attempt.
-        fallbacks: how often the slow method was needed.
+        parts: number of parts that the step was cut into; 1 if it converged at first attempt.
+        fallbacks: number of times that the slow method was needed.
         certificate: violations of the contact conditions.
     """
 
@@ -46,22 +48,27 @@ class StepResult:
 
     @property
     def summary(self) -> str:
-        """How the step went, in words."""
+        """Iterations and largest violation, in words."""
         cut = f", cut into {self.parts} parts" if self.parts > 1 else ""
         return f"{self.iterations} iterations{cut}, violation {self.certificate.worst:.0e}"
 
 
 class March:
-    """Advances the contact state step by step; history is committed when a step is accepted.
+    """Load history of a contact, solved step by step; a step counts once it is accepted.
 
     Args:
         interface: the interface problem.
-        memory: as for `Newton`.
+        memory: bytes for what the operator keeps of other contact areas.
+
+    Attributes:
+        interface: the interface problem.
+        operator: solves its linear systems.
     """
 
     def __init__(self, interface: Interface, memory: int = 0) -> None:
         self.interface = interface
-        self.newton = Newton(interface, memory)
+        self.operator: InterfaceOperator = InverseOperator(interface, memory)
+        self._newton = Newton(self.operator)
 
     def run(self, steps: list[StepLoads]) -> Iterator[StepResult]:
         """Solve steps one after the other.
@@ -116,13 +123,13 @@ class March:
         status, direction = self._start(state)
         fallbacks = 0
         try:
-            solved, iterations = self.newton.solve(loads, reference, status, direction)
+            solved, iterations = self._newton.solve(loads, reference, status, direction)
         except NotConverged as failure:
             fallbacks, spent = 1, failure.iterations
             status, direction = status_by_fixed_point(
-                self.interface, loads, reference, state.traction
+                self.operator, loads, reference, state.traction
             )
-            solved, iterations = self.newton.solve(loads, reference, status, direction)
+            solved, iterations = self._newton.solve(loads, reference, status, direction)
             iterations += spent
         return StepResult(
             state=solved,
@@ -134,10 +141,10 @@ class March:
         )
 
     def _start(self, state: ContactState) -> tuple[npt.NDArray[np.int8], Array]:
-        """Every node in contact stuck; the nearest nodes if contact alone holds a body."""
+        """Every node in contact stuck; the nearest nodes if contact alone restrains a body."""
         closed = state.closed
-        held_by_contact = not self.interface.prescribed.all()
-        if held_by_contact and not closed.any():
+        restrained_by_contact = not self.interface.prescribed.all()
+        if restrained_by_contact and not closed.any():
             closed = self._nearest(state.relative[:, 0] / self.interface.roots)
         status = np.where(closed, STICK, OPEN).astype(np.int8)
         return status, np.zeros_like(state.direction)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Two load levels next to a solved state: how far the edges move tells K_N without any profile."""
+"""Two load levels next to a solved state, between which the edges move as K_N has it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FRACTION = 0.05
 def neighbour_states(
     march: March, state: ContactState, loads: StepLoads
 ) -> tuple[ContactState, ContactState] | None:
-    """The states after all loads are lowered, or raised, by a fraction; None without a solution."""
+    """States after all loads are lowered, and raised, by a fraction; None without a solution."""
     try:
         low, high = (
             march.advance(state, loads, _scaled(loads, 1 + change)).state

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Collects accepted steps and turns them into a `Solution` in physical units."""
+"""Record of accepted steps, and the `Solution` in physical units that it makes."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.contact.certificate import Certificate
-from fretfe.contact.full_stick import BondedSolver, Increments, find_drivers
+from fretfe.contact.full_stick import FullStickSolver, Increments, find_drivers
 from fretfe.contact.interface import Interface
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.state import ContactState, StepLoads, unloaded
 from fretfe.loads import History
-from fretfe.results.solution import BondedUnits, ContactHistory, Solution
+from fretfe.results.solution import ContactHistory, FullStickUnits, Solution
 
 # Tractions and gaps below this fraction of what the motion of the bodies would cause are round-off.
 ROUND_OFF = 1e-9
@@ -64,10 +64,10 @@ class Place:
 
 
 class Recorder:
-    """Keeps every accepted state, and the bonded increments of every contact area met.
+    """All accepted states, and the full-stick increments of every contact area met.
 
     Args:
-        march: advances the states; the companion solutions share its stuck operator.
+        march: advances the states; the full-stick increments share its interface operator.
         places: the contacts, in the order of the interface.
         steps: loads of all steps, the unloaded state first.
         channels: channel of each distributed load of the interface.
@@ -88,7 +88,7 @@ class Recorder:
         self._degree = degree
         self._steps = steps
         self.drivers = find_drivers(interface, channels)
-        self._bonded = BondedSolver(interface, march.newton, self.drivers)
+        self._full_stick = FullStickSolver(march.operator, self.drivers)
         self._areas: dict[bytes, int] = {}
         self.increments: list[Increments] = []
         self.area_of_state = [-1]
@@ -96,7 +96,7 @@ class Recorder:
         self.results: list[StepResult] = []
 
     def add(self, result: StepResult) -> None:
-        """Keep an accepted step."""
+        """Record an accepted step."""
         self.states.append(result.state)
         self.results.append(result)
         closed = result.state.closed
@@ -106,16 +106,16 @@ class Recorder:
         key = closed.tobytes()
         if key not in self._areas:
             self._areas[key] = len(self.increments)
-            self.increments.append(self._bonded.increments(result.state))
+            self.increments.append(self._full_stick.increments(result.state))
         self.area_of_state.append(self._areas[key])
 
     def nodes_of(self, contact: str) -> slice:
-        """Where the nodes of a contact stand among all nodes."""
+        """Range of the nodes of a contact among all nodes."""
         return self._interface.contacts[contact]
 
     @property
     def steps(self) -> list[StepLoads]:
-        """Loads of the states kept so far."""
+        """Loads of the states recorded so far."""
         return self._steps[: len(self.states)]
 
     def requests(self, states: list[int]) -> list[tuple[ContactState, StepLoads]]:
@@ -134,20 +134,19 @@ class Recorder:
         return float(ROUND_OFF * largest)
 
     def contact_carries(self) -> bool:
-        """Whether any contact deforms the bodies by more than round-off of their motion."""
+        """Tell whether any contact deforms the bodies by more than round-off of their motion."""
         interface = self._interface
-        level = np.trace(interface.compliance) / len(interface.compliance)
         pressure = max(state.traction[:, 0].max() for state in self.states)
         motion = max(np.abs(interface.motion * state.coordinates).max() for state in self.states)
-        return bool(level * pressure > ROUND_OFF * motion)
+        return bool(interface.compliance.level * pressure > ROUND_OFF * motion)
 
-    def bodies_with_free_motions(self) -> list[str]:
-        """Bodies that only contact holds in some direction."""
+    def bodies_restrained_by_contact(self) -> list[str]:
+        """Bodies with rigid modes restrained only by contact."""
         coordinates = self._interface.coordinates
         return sorted({c.body for c in coordinates if c.control == "free"})
 
     def solution(self, history: History, balance: dict[str, Array]) -> Solution:
-        """Everything kept so far, in physical units.
+        """Everything recorded so far, in physical units.
 
         Args:
             history: the loads.
@@ -203,7 +202,7 @@ class Recorder:
             slip=-relative[..., 1:] / roots[:, None],
             status=np.array([state.status[nodes] for state in self.states]),
             dissipation=np.array([zero] + [r.dissipation[nodes] for r in self.results]),
-            bonded=BondedUnits(
+            full_stick=FullStickUnits(
                 fields=np.array(units) if units else np.zeros(shape),
                 area=np.array(self.area_of_state),
             ),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The state of the contact nodes and what a load step prescribes."""
+"""State of the contact nodes, and loads of a step."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["OPEN", "SLIP", "STICK", "ContactState", "StepLoads", "unloaded"]
 
 @dataclass(frozen=True)
 class StepLoads:
-    """What is known at the end of a load step.
+    """Loads, prescribed amplitudes and friction at the end of a step.
 
     Attributes:
         amplitudes: (l,) load amplitudes.
@@ -62,7 +62,7 @@ class ContactState:
 
     @property
     def closed(self) -> Bools:
-        """(N,) which nodes are in contact."""
+        """(N,) nodes in contact."""
         return self.status != OPEN
 
 

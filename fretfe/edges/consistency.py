@@ -43,7 +43,7 @@ def stuck_shear_force(solution: Solution, contact: ContactHistory) -> Array:
     Where slip changes how the loads divide between several contacts, this is not the Q of the
     contact itself, but the one that belongs to K_T. Without increments it is the Q of the contact.
     """
-    bonded = contact.bonded
+    bonded = contact.full_stick
     if not len(bonded.fields):
         return np.asarray(contact.traction[:, :, 1] @ contact.weights)
     # Area -1, the last entry, is that of states without contact.

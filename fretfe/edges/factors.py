@@ -72,12 +72,12 @@ def companion_units(solution: Solution, contact: ContactHistory, positions: Arra
         positions: (2, T) of the edges.
     """
     factors = np.full((len(solution.times), 2, 2, len(solution.drivers)), np.nan)
-    areas = np.where(positions[1] > positions[0], contact.bonded.area, -1)
+    areas = np.where(positions[1] > positions[0], contact.full_stick.area, -1)
     for area in np.unique(areas[areas >= 0]):
         states = np.flatnonzero(areas == area)
         factors[states] = _area_factors(
             contact.arc,
-            contact.bonded.fields[area],
+            contact.full_stick.fields[area],
             positions[:, states].T,
             OVERHANG[solution.degree],
         )
@@ -118,7 +118,7 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     order = np.argsort(half_widths)
     correction = _interpolate((positions[1] - positions[0]) / 2, half_widths[order], missed[order])
     for number, area in enumerate(integrals.areas):
-        correction[:, contact.bonded.area == area] = missed[number][:, None]
+        correction[:, contact.full_stick.area == area] = missed[number][:, None]
     return UnitFactors(fits + correction, fits)
 
 
@@ -128,7 +128,7 @@ def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Arr
     The edges of a discrete increment are a fraction of an element away from those of the contact,
     and the integral is that of the increment.
     """
-    fields, overhang = contact.bonded.fields[area], OVERHANG[solution.degree]
+    fields, overhang = contact.full_stick.fields[area], OVERHANG[solution.degree]
     increments = fields[:, [1, 0]].transpose(1, 2, 0)
     edges = effective_edges(contact.arc, increments, overhang)
     return _area_factors(contact.arc, fields, edges[None], overhang)[0]

@@ -257,9 +257,9 @@ def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
     cycle = cycle_states(solution.cycle)
     states = cycle if len(cycle) else np.array([len(solution.times) - 1])
     sizes = np.count_nonzero(contact.traction[states, :, 0] > 0, axis=1)
-    if sizes.min() < FEWEST_NODES or contact.bonded.area[states].min() < 0:
+    if sizes.min() < FEWEST_NODES or contact.full_stick.area[states].min() < 0:
         return None
-    numbers, firsts = np.unique(contact.bonded.area[states], return_index=True)
+    numbers, firsts = np.unique(contact.full_stick.area[states], return_index=True)
     order = np.argsort(sizes[firsts], kind="stable")
     # Areas that differ by a node or two have the same factors but for that difference.
     count = AREAS if np.ptp(sizes) > SAME_AREA * sizes.max() else 1

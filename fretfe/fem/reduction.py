@@ -10,7 +10,8 @@ from scipy import sparse
 from scipy.linalg import cholesky, solve_triangular
 
 from fretfe._typing import Array
-from fretfe.contact.interface import Coordinate, Interface, coordinate_range, require_held
+from fretfe.contact.compliance import DenseCompliance
+from fretfe.contact.interface import Coordinate, Interface, coordinate_range, require_restraint
 from fretfe.fem.condensation import CondensedBody
 from fretfe.surface.mortar import Coupling
 
@@ -128,9 +129,10 @@ def build_interface(
         roots=roots,
         coordinates=tuple(everything),
         contacts=_node_ranges(pairs),
+        compliance=DenseCompliance(system.pop("compliance")),
         **system,
     )
-    require_held(interface)
+    require_restraint(interface)
     return interface, reduced
 
 

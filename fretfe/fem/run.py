@@ -214,7 +214,7 @@ def _require_contact(recorder: Recorder) -> None:
     """A history in which contact never carries anything is a mistake in the case."""
     if recorder.contact_carries():
         return
-    adrift = recorder.bodies_with_free_motions()
+    adrift = recorder.bodies_restrained_by_contact()
     reason = (
         f"nothing but contact holds {' and '.join(repr(name) for name in adrift)}, which gave way: "
         "support it, or press it against the other body with a force"

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.contact.compliance import DenseCompliance
 from fretfe.contact.interface import Coordinate, Interface
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.neighbours import FRACTION, neighbour_states
@@ -84,7 +85,7 @@ def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
     motion[:, 0, 2] = hats.integrate(lambda at: at) / roots
     return Interface(
         components=2,
-        compliance=compliance.reshape(2 * size, -1),
+        compliance=DenseCompliance(compliance.reshape(2 * size, -1)),
         gap=gap.ravel(),
         motion=motion.reshape(2 * size, 3),
         stiffness=np.diag([SPRING * problem.profile.e_star, 0.0, 0.0]),

@@ -25,7 +25,7 @@ from fretfe.edges.evaluate import ContactSummary
 from fretfe.edges.refinement import Refinement
 from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.loads import History
-from fretfe.results.solution import BondedUnits, ContactHistory, Solution
+from fretfe.results.solution import ContactHistory, FullStickUnits, Solution
 from fretfe.results.writer import ARRAYS, NUMBERS, SCHEMA
 
 T = TypeVar("T")
@@ -218,9 +218,9 @@ def _read_contact(name: str, group: h5py.Group) -> ContactHistory:
         for each in fields(ContactHistory)
         if isinstance(group.get(each.name), h5py.Dataset)
     }
-    bonded = BondedUnits(group["bonded/fields"][:], group["bonded/area"][:])
+    full_stick = FullStickUnits(group["bonded/fields"][:], group["bonded/area"][:])
     body1, body2 = str(group.attrs["body1"]), str(group.attrs["body2"])
-    return ContactHistory(name=name, body1=body1, body2=body2, **arrays, bonded=bonded)
+    return ContactHistory(name=name, body1=body1, body2=body2, **arrays, full_stick=full_stick)
 
 
 def read_body(group: h5py.Group) -> StoredBody:

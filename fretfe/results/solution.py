@@ -20,8 +20,8 @@ OPEN, STICK, SLIP = 0, 1, 2
 
 
 @dataclass(frozen=True)
-class BondedUnits:
-    """Traction increments of the stuck contact, one field for each driver, by contact area.
+class FullStickUnits:
+    """Full-stick traction increments, one field for each driver, by contact area.
 
     A driver is a load that moves the bodies: a platen or prescribed displacement (by its force, per
     unit thickness) or a distributed load (by its amplitude).
@@ -40,7 +40,7 @@ class EdgeIntegrals:
     """Edge factors from displacements around the edges, by interaction integrals.
 
     Attributes:
-        areas: (S,) contact areas, as counted in `BondedUnits`.
+        areas: (S,) contact areas, as counted in `FullStickUnits`.
         positions: (S, 2) left and right edge at these areas.
         reaches: (R,) radii of the circles.
         factors: (S, R, 2, 2, J) edge, factor (K_T, K_I), for a unit of each driver.
@@ -86,7 +86,7 @@ class ContactHistory:
         slip: (T, N, d-1) tangential displacement of body 1 relative to body 2.
         status: (T, N) OPEN, STICK or SLIP in the step that ends at each state.
         dissipation: (T, N) friction work in that step.
-        bonded: companion increments.
+        full_stick: full-stick increments.
         integrals: edge factors from displacements; None where there are no displacements.
         neighbours: two load levels that tell how the edges move; None if they have no solution.
     """
@@ -105,7 +105,7 @@ class ContactHistory:
     slip: Array
     status: npt.NDArray[np.int8]
     dissipation: Array
-    bonded: BondedUnits
+    full_stick: FullStickUnits
     integrals: EdgeIntegrals | None = None
     neighbours: Neighbours | None = None
 

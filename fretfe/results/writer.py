@@ -190,8 +190,8 @@ def _write_contact(group: h5py.Group, contact: ContactHistory) -> None:
         value = getattr(contact, field.name)
         if isinstance(value, np.ndarray):
             group.create_dataset(field.name, data=value)
-    group["bonded/fields"] = contact.bonded.fields
-    group["bonded/area"] = contact.bonded.area
+    group["bonded/fields"] = contact.full_stick.fields
+    group["bonded/area"] = contact.full_stick.area
 
 
 def _write_mesh(group: h5py.Group, body: BodyArrays) -> None:

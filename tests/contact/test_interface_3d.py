@@ -15,10 +15,13 @@ from numpy.typing import NDArray
 
 from fretfe._typing import Array
 from fretfe.contact.certificate import certify
+from fretfe.contact.compliance import DenseCompliance
 from fretfe.contact.interface import Interface
+from fretfe.contact.inverse import InverseOperator
 from fretfe.contact.march import March, StepResult
-from fretfe.contact.newton import Guess, Newton, _Solution, _Step
+from fretfe.contact.newton import LoadedStep, Newton
 from fretfe.contact.state import OPEN, SLIP, STICK, StepLoads
+from fretfe.contact.status_rules import Guess, LinearSolution, StatusRules
 from fretfe.errors import ConvergenceError
 
 FRICTION = 0.4
@@ -290,7 +293,7 @@ def small_problem(rng: np.random.Generator) -> Interface:
     root = rng.standard_normal((12, 12))
     return Interface(
         components=3,
-        compliance=root @ root.T / 12 + np.eye(12),
+        compliance=DenseCompliance(root @ root.T / 12 + np.eye(12)),
         gap=np.zeros(12),
         motion=np.zeros((12, 0)),
         stiffness=np.zeros((0, 0)),
@@ -307,7 +310,7 @@ STATUS = np.array([SLIP, STICK, SLIP, OPEN], np.int8)
 
 def conditions(traction: Array, interface: Interface, penalty: Array, free: Array) -> Array:
     """(N, 3) what is zero at the solution, in tractions and displacements; complex is welcome."""
-    relative = (interface.compliance @ traction.ravel()).reshape(4, 3) + free
+    relative = interface.compliance.apply(traction.ravel()).reshape(4, 3) + free
     residual = relative.copy()
     residual[STATUS == OPEN] = traction[STATUS == OPEN]
     trial = traction[:, 1:] - penalty[:, None] * relative[:, 1:]
@@ -339,8 +342,8 @@ def test_tangent_of_the_slip_conditions(seed: int, slip: float) -> None:
     below to far above what the shear could do elastically, next to stuck and open nodes."""
     rng = np.random.default_rng(seed)
     interface = small_problem(rng)
-    newton = Newton(interface)
-    penalty = 1 / np.diagonal(interface.compliance).reshape(4, 3)[:, 1:].mean(axis=1)
+    newton = Newton(InverseOperator(interface))
+    penalty = 1 / interface.compliance.diagonal.reshape(4, 3)[:, 1:].mean(axis=1)
     traction = np.column_stack([rng.uniform(1, 2, 4), np.zeros((4, 2))])
     angle = rng.uniform(0, 2 * np.pi, 4)
     along = np.column_stack([np.cos(angle), np.sin(angle)])
@@ -348,19 +351,19 @@ def test_tangent_of_the_slip_conditions(seed: int, slip: float) -> None:
     traction[:, 1:] = 1.05 * FRICTION * traction[:, :1] * along
     increment = -slip * (along + 0.5 * np.column_stack([-along[:, 1], along[:, 0]]))
     relative = np.column_stack([rng.uniform(-1, 1, 4), increment])
-    free = relative - (interface.compliance @ traction.ravel()).reshape(4, 3)
+    free = relative - interface.compliance.apply(traction.ravel()).reshape(4, 3)
     start = Guess(STATUS, np.where((STATUS == SLIP)[:, None], along, 0.0), np.ones(4))
-    linearised = newton._update(
+    linearised = StatusRules(interface).following(
         start,
-        _Solution(traction, relative, np.empty(0), motion=0.0),
+        LinearSolution(traction, relative, np.empty(0), motion=0.0),
         np.full(4, FRICTION),
     )
     linearised = Guess(
         STATUS, np.where((STATUS == SLIP)[:, None], linearised.direction, 0.0), linearised.turning
     )
     loads = StepLoads(free.ravel(), np.empty(0), np.full(4, FRICTION))
-    step = _Step(interface, loads, np.zeros((4, 2)))
-    found = newton._linear_solution(step, linearised, 1).traction
+    step = LoadedStep(interface, loads, np.zeros((4, 2)))
+    found = newton._linear_solution(step, linearised).traction
     expected = newton_step_by_differences(traction, interface, penalty, free)
     # Round-off of a system whose entries span the decades of slip.
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-11 * max(1.0, slip))

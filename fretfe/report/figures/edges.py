@@ -160,15 +160,15 @@ def _stuck_change(solution: Solution, shown: Shown, near: _Near) -> Array | None
 
     Each step with the mean of the unit fields of the areas before and after it, as for K_T.
     """
-    bonded = shown.tractions.bonded
-    if not len(bonded.fields):
+    full_stick = shown.tractions.full_stick
+    if not len(full_stick.fields):
         return None
     total = np.zeros(len(shown.tractions.arc))
     for state in range(near.earlier + 1, near.later + 1):
-        areas = [area for area in bonded.area[state - 1 : state + 1] if area >= 0]
+        areas = [area for area in full_stick.area[state - 1 : state + 1] if area >= 0]
         if areas and shown.tractions.friction[state] > 0:
             step = solution.driver_values[state] - solution.driver_values[state - 1]
-            total += np.mean([bonded.fields[area, :, 1] for area in areas], axis=0) @ step
+            total += np.mean([full_stick.fields[area, :, 1] for area in areas], axis=0) @ step
     return total
 
 
