@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from contact_runs import Run, run
 from meshes_b1 import write_b1
+from monolithic import Iterate, MonolithicSolver, MonolithicStep, cone_projection
 
 from fretfe._typing import Array
 from fretfe.contact.state import SLIP, STICK
 from fretfe.errors import ConvergenceError, FretfeError
 from fretfe.fem.model import Model
-from fretfe.fem.monolithic import Iterate, MonolithicSolver, MonolithicStep, cone_projection
 from fretfe.geometry.templates import find_template
 from fretfe.mesh.mesh import BodyMesh, mesh_template, read_mesh
 

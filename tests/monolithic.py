@@ -3,7 +3,7 @@
 
 It solves the same discrete problem as the condensed path by other means, so that each checks the
 other. Shared are only the meshes, the elastic operators and the mortar coupling. With x the
-unknowns of `fretfe.fem.full_system`, λ_i = (p_i, q_i) the nodal tractions and w_i the nodal means
+unknowns of `full_system`, λ_i = (p_i, q_i) the nodal tractions and w_i the nodal means
 of gap and tangential displacement, a step is
 
     K x − F a − R − Bᵀ λ = 0
@@ -28,13 +28,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from full_system import assemble_system
 from scipy import sparse
 
 from fretfe._typing import Array
 from fretfe.contact.state import StepLoads
 from fretfe.errors import ConvergenceError, FretfeError
 from fretfe.fem._compat import PETSc
-from fretfe.fem.full_system import assemble_system
 from fretfe.fem.model import Model
 
 MAX_ITERATIONS = 60
