@@ -71,7 +71,7 @@ def run(data: dict[str, Any], *meshes: BodyMesh) -> Run:
     tractions, forces = None, None
     if model.reduction is not None:
         interface = model.reduction.interface
-        steps = step_loads(case, history, interface, model.reduction.plan)
+        steps = step_loads(case, history, interface, model.reduction.definition)
         results = list(March(interface).run(steps))
         roots = interface.roots[:, None]
         tractions = np.array([result.state.traction / roots for result in results])

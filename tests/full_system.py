@@ -11,7 +11,7 @@ from scipy import sparse
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import coordinate_range
 from fretfe.fem.condensation import Body, constraint_shapes
-from fretfe.fem.definition import BodyPlan, ModelPlan
+from fretfe.fem.definition import BodyDefinition, ModelDefinition
 from fretfe.fem.model import Reduction
 
 
@@ -58,11 +58,12 @@ class FullSystem:
 
 def assemble_system(bodies: dict[str, Body], reduction: Reduction) -> FullSystem:
     """Assemble the system of all bodies. Serial."""
-    plans = reduction.plan.bodies
-    expansions = [_expansion(bodies[plan.name], plan) for plan in plans]
+    definitions = reduction.definition.bodies
+    expansions = [_expansion(bodies[each.name], each) for each in definitions]
     expansion = sparse.block_diag(expansions).tocsr()
-    stiffness = sparse.block_diag([_raw_stiffness(bodies[plan.name]) for plan in plans])
-    loads = np.vstack([_load_columns(bodies[plan.name], reduction.plan) for plan in plans])
+    own = [bodies[definition.name] for definition in definitions]
+    stiffness = sparse.block_diag([_raw_stiffness(body) for body in own])
+    loads = np.vstack([_load_columns(body, reduction.definition) for body in own])
     starts = _starts([e.shape[0] for e in expansions])
     couplings = [pair.coupling for pair in reduction.pairs]
     weights = np.concatenate([c.weights for c in couplings])
@@ -77,8 +78,8 @@ def assemble_system(bodies: dict[str, Body], reduction: Reduction) -> FullSystem
         weights=weights,
         modulus=_moduli(reduction),
         fields={
-            plan.name: expansion[start:end]
-            for plan, start, end in zip(plans, starts[:-1], starts[1:], strict=True)
+            definition.name: expansion[start:end]
+            for definition, start, end in zip(definitions, starts[:-1], starts[1:], strict=True)
         },
         contacts=tuple(reduction.interface.contacts.values()),
         constraints=constraints,
@@ -92,11 +93,11 @@ def _starts(sizes: list[int]) -> Indices:
     return np.concatenate([[0], np.cumsum(sizes)])
 
 
-def _expansion(body: Body, plan: BodyPlan) -> sparse.csr_matrix:
+def _expansion(body: Body, definition: BodyDefinition) -> sparse.csr_matrix:
     """Displacements of a body in terms of its free ones, then the amplitudes of its constraints."""
-    columns = np.zeros((_size(body), len(plan.constraints)))
+    columns = np.zeros((_size(body), len(definition.constraints)))
     for column, shape in zip(
-        columns.T, constraint_shapes(body.elastic, list(plan.constraints)), strict=True
+        columns.T, constraint_shapes(body.elastic, list(definition.constraints)), strict=True
     ):
         column[:] = shape.x.array
     free = sparse.identity(len(columns), format="csc")[:, ~np.any(columns != 0, axis=1)]
@@ -110,15 +111,15 @@ def _size(body: Body) -> int:
 
 
 def _raw_stiffness(body: Body) -> sparse.csr_matrix:
-    """Stiffness of a body that nothing holds."""
+    """Stiffness of a body without constraints."""
     rows, columns, values = body.elastic.stiffness(np.empty(0, np.int32)).getValuesCSR()
     return sparse.csr_matrix((values, columns, rows))
 
 
-def _load_columns(body: Body, plan: ModelPlan) -> Array:
+def _load_columns(body: Body, definition: ModelDefinition) -> Array:
     """(n_b, l) nodal forces of unit loads."""
-    columns = np.zeros((_size(body), len(plan.loads)))
-    for column, load in zip(columns.T, plan.loads, strict=True):
+    columns = np.zeros((_size(body), len(definition.loads)))
+    for column, load in zip(columns.T, definition.loads, strict=True):
         column[:] = body.elastic.load_vector(load).array
     return columns
 
@@ -126,7 +127,9 @@ def _load_columns(body: Body, plan: ModelPlan) -> Array:
 def _coupling(bodies: dict[str, Body], reduction: Reduction, starts: Indices) -> sparse.csr_matrix:
     """(N*d, all displacements) operators of all contacts, one below the other."""
     # The retained unknowns of a body are those of its contact surfaces in the order of the pairs.
-    first = {body.name: start for body, start in zip(reduction.plan.bodies, starts, strict=False)}
+    first = {
+        body.name: start for body, start in zip(reduction.definition.bodies, starts, strict=False)
+    }
     used = dict.fromkeys(first, 0)
     rows = []
     for pair in reduction.pairs:
@@ -149,9 +152,9 @@ def _coupling(bodies: dict[str, Body], reduction: Reduction, starts: Indices) ->
 def _constraints(reduction: Reduction, sizes: list[int]) -> tuple[Indices, Indices]:
     """(m,) places of the constraints in x, and their numbers in the interface problem."""
     places, numbers = [], []
-    for plan, end in zip(reduction.plan.bodies, _starts(sizes)[1:], strict=True):
-        count = len(plan.constraints)
-        first = coordinate_range(reduction.interface.coordinates, plan.name).start
+    for definition, end in zip(reduction.definition.bodies, _starts(sizes)[1:], strict=True):
+        count = len(definition.constraints)
+        first = coordinate_range(reduction.interface.coordinates, definition.name).start
         places.append(np.arange(end - count, end))
         numbers.append(np.arange(first, first + count))
     return np.concatenate(places), np.concatenate(numbers)
@@ -159,7 +162,7 @@ def _constraints(reduction: Reduction, sizes: list[int]) -> tuple[Indices, Indic
 
 def _moduli(reduction: Reduction) -> Array:
     """(N,) Young's moduli of the two bodies of each contact in series."""
-    young = {body.name: body.material.young for body in reduction.plan.bodies}
+    young = {body.name: body.material.young for body in reduction.definition.bodies}
     return np.concatenate(
         [
             np.full(len(pair.coupling.weights), 1 / (1 / young[pair.body1] + 1 / young[pair.body2]))

@@ -64,7 +64,7 @@ class MonolithicStep:
             relative to body 1 since the unloaded state (length).
         displacements: (n_b,) degrees of freedom by body, in the order of its displacement space.
         coordinates: (m,) amplitude of each constraint (length), body after body: the coordinates of
-            the interface problem without the free motions.
+            the interface problem without the rigid modes.
         forces: (m,) force on each of these coordinates, per unit thickness in the plane.
         iterations: Newton iterations; each is one factorisation.
     """
@@ -127,8 +127,8 @@ class MonolithicSolver:
     """Solves load steps with all unknowns at once, on one process.
 
     Args:
-        model: its bodies, coupling and plan are used; of its interface problem only the numbers
-            that the coordinates have in `StepLoads`.
+        model: its bodies, coupling and definition are used; of its interface problem only the
+            numbers that the coordinates have in `StepLoads`.
 
     Raises:
         FretfeError: on more than one MPI rank.
@@ -143,9 +143,9 @@ class MonolithicSolver:
             )
         assert model.reduction is not None
         self.system = system = assemble_system(model.bodies, model.reduction)
-        held = system.constraints[system.prescribed]
+        prescribed = system.constraints[system.prescribed]
         #: (k,) unknowns in x that are not prescribed.
-        self.free = np.setdiff1d(np.arange(system.stiffness.shape[0]), held)
+        self.free = np.setdiff1d(np.arange(system.stiffness.shape[0]), prescribed)
         d = system.gap.shape[1]
         #: (N,) r (stress over length).
         self.penalty = system.modulus / (2 * system.weights ** (1 / (d - 1)))

@@ -15,11 +15,11 @@ from fretfe.environment import blas_libraries, reference_blas, versions
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
 from fretfe.fem.backend import BACKEND
-from fretfe.fem.definition import plan_model
+from fretfe.fem.definition import define_model
 from fretfe.fem.model import contact_surfaces, couple_contacts
 from fretfe.fem.parallel import on_root
 from fretfe.fem.refine import starting_mesh
-from fretfe.fem.rigid_modes import free_motions
+from fretfe.fem.rigid_modes import modes_restrained_by_contact
 from fretfe.loads import History, build_history
 from fretfe.mesh.extrude import extrude
 from fretfe.mesh.mesh import Mesh
@@ -46,11 +46,11 @@ def check_case(path: Path, overrides: Sequence[str] = (), *, trust_geo: bool = F
 
 
 def _print_check(case: Case, history: History, mesh: Mesh) -> None:
-    plan = plan_model(case, mesh)
-    pairs = couple_contacts(case, contact_surfaces(plan, mesh))
+    definition = define_model(case, mesh)
+    pairs = couple_contacts(case, contact_surfaces(definition, mesh))
     console = Console()
     print_mesh(console, case, mesh)
-    for body in plan.bodies:
+    for body in definition.bodies:
         console.print(f"{body.name}: E = {body.material.young:g}, ν = {body.material.poisson:g}")
         for coordinate in body.coordinates:
             console.print(f"  {coordinate.label}: {coordinate.control}", highlight=False)
@@ -60,7 +60,7 @@ def _print_check(case: Case, history: History, mesh: Mesh) -> None:
             f"{len(pair.coupling.weights)} multiplier nodes",
             highlight=False,
         )
-    for name, motion in free_motions(plan, mesh).items():
+    for name, motion in modes_restrained_by_contact(definition, mesh).items():
         text = f"Note: without contact {name} is free {motion}."
         console.print(text, highlight=False, markup=False)
     cycle = "no cycle to evaluate"

@@ -10,7 +10,7 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.contact.interface import coordinate_range
 from fretfe.contact.state import ContactState, StepLoads
-from fretfe.fem.definition import BodyPlan
+from fretfe.fem.definition import BodyDefinition
 from fretfe.fem.model import Reduction
 
 
@@ -27,11 +27,11 @@ def force_balance(
     imbalance, scale = np.zeros(len(states)), np.zeros(len(states))
     amplitudes = np.array([step.amplitudes for step in steps])
     tractions = np.array([state.traction.ravel() for state in states])
-    for plan in reduction.plan.bodies:
-        body = reduction.bodies[plan.name]
+    for definition in reduction.definition.bodies:
+        body = reduction.bodies[definition.name]
         parts = np.stack(
             [
-                _reactions(reduction, plan, states),
+                _reactions(reduction, definition, states),
                 amplitudes @ body.body.load_resultants.T,
                 body.contact_forces(tractions),
             ]
@@ -41,10 +41,12 @@ def force_balance(
     return {"force_imbalance": imbalance, "force_scale": scale}
 
 
-def _reactions(reduction: Reduction, plan: BodyPlan, states: Sequence[ContactState]) -> Array:
+def _reactions(
+    reduction: Reduction, definition: BodyDefinition, states: Sequence[ContactState]
+) -> Array:
     """(T, d) sum of the forces that the constrained boundaries exert on a body."""
-    d, count = reduction.interface.components, len(plan.constraints)
-    own = coordinate_range(reduction.interface.coordinates, plan.name)
-    directions = np.array([c.direction for c in plan.constraints]).reshape(count, d)
-    # Free motions come last, and no force acts on them.
+    d, count = reduction.interface.components, len(definition.constraints)
+    own = coordinate_range(reduction.interface.coordinates, definition.name)
+    directions = np.array([c.direction for c in definition.constraints]).reshape(count, d)
+    # Rigid modes restrained by contact come last, and no force acts on them.
     return np.array([state.forces[own][:count] @ directions for state in states])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""One body condensed to its contact surfaces and its rigid boundaries.
+"""Static condensation of a body to its contact surfaces and rigid boundaries.
 
 The retained unknowns are the displacements u of the nodes on the contact surfaces and the
 coordinates c: the amplitude of every constrained boundary (platen, prescribed displacement,
@@ -49,7 +49,7 @@ class Constraint:
 
 @dataclass(frozen=True)
 class CondensedBody:
-    """What the interface problem needs to know of a body; see the module's docstring.
+    """Condensed operators of a body; see the module's docstring.
 
     n surface unknowns (node by node, components together), m coordinates, l loads. Forces are per
     unit thickness in the plane.
@@ -62,7 +62,8 @@ class CondensedBody:
         surface_loads: (n, l) F.
         coordinate_loads: (m, l) H.
         prescribed: (n, m) T, zero but for surface nodes on constrained boundaries.
-        modes: (n, k) orthonormal motions of the surface nodes that no constraint prevents.
+        modes: (n, k) orthonormal motions of the surface nodes in the rigid modes that are
+            restrained only by contact.
         load_resultants: (gdim, l) total force of each load.
     """
 
@@ -82,7 +83,7 @@ class Body:
 
     Args:
         elastic: space and operators of the body.
-        constraints: in order of precedence: where boundaries share a node, the first one holds it.
+        constraints: in order of precedence: where boundaries share a node, the first one moves it.
         loads: distributed loads.
         surface_points: (n, gdim) displacement points of the contact surfaces.
         clock: for timings.
@@ -105,7 +106,7 @@ class Body:
             self._matrix = elastic.stiffness(self._constrained.astype(np.int32))
         with clock("condensation"):
             self._factor = SchurFactorization(self._matrix, self.retained)
-        # Displacement fields of a unit coordinate and a unit load with all else held at zero.
+        # Displacement fields of a unit coordinate and a unit load with all else at zero.
         self._coordinate_fields: list[PETSc.Vec] = []
         self._load_fields: list[PETSc.Vec] = []
         with clock("load columns"):
@@ -144,11 +145,11 @@ class Body:
         for vector in load_vectors:
             self._load_fields.append(self._interior_response(vector))
         coupling = [
-            self._gather_free(force + self._matrix * field)
+            self._gather_unconstrained(force + self._matrix * field)
             for force, field in zip(coordinate_forces, self._coordinate_fields, strict=True)
         ]
         surface_loads = [
-            self._gather_free(vector - self._matrix * field)
+            self._gather_unconstrained(vector - self._matrix * field)
             for vector, field in zip(load_vectors, self._load_fields, strict=True)
         ]
         self._shapes = shapes
@@ -160,7 +161,7 @@ class Body:
             coordinate_forces, self._load_fields
         )
         resultants = self._resultants(load_vectors)
-        modes = self._free_modes()
+        modes = self._rigid_modes()
         prescribed = [self._gather(vector) for vector in shape_vectors]
         if self.elastic.comm.rank != 0:
             return None
@@ -179,7 +180,7 @@ class Body:
         )
 
     def _interior_response(self, forces: PETSc.Vec) -> PETSc.Vec:
-        """Displacement under nodal forces with surface nodes and coordinates held at zero."""
+        """Displacement under nodal forces with surface nodes and coordinates at zero."""
         rhs = forces.copy()
         rhs.array[self._own_constrained()] = 0.0
         rhs.array[self._own_local] = 0.0
@@ -191,8 +192,8 @@ class Body:
         owned = self._index_map.size_local * self.elastic.gdim
         return self._constrained[self._constrained < owned]
 
-    def _gather_free(self, vector: PETSc.Vec) -> Array | None:
-        """(n,) values at the retained unknowns, zero where a constraint holds them; on rank 0."""
+    def _gather_unconstrained(self, vector: PETSc.Vec) -> Array | None:
+        """(n,) values at the retained unknowns, zero where they are constrained; on rank 0."""
         vector.array[self._own_constrained()] = 0.0
         return self._gather(vector)
 
@@ -213,8 +214,8 @@ class Body:
         local = np.array([v.array.reshape(-1, gdim).sum(axis=0) for v in vectors])
         return self.elastic.comm.allreduce(local.reshape(len(vectors), gdim)).T
 
-    def _free_modes(self) -> Array:
-        """(n, k) rigid motions of the surface nodes that no constraint prevents."""
+    def _rigid_modes(self) -> Array:
+        """(n, k) motions of the surface nodes in rigid modes that no constraint restrains."""
         gdim = self.elastic.gdim
         points = self.elastic.space.tabulate_dof_coordinates()
         centre = self._surface_points.mean(axis=0)
@@ -224,7 +225,7 @@ class Body:
         rows = values[np.arange(len(own)), own % gdim]
         gram = self.elastic.comm.allreduce(rows.T @ rows)
         stretch, combinations = np.linalg.eigh(gram)
-        # A prevented motion moves many constrained nodes by about one; a free one none at all.
+        # A restrained mode moves many constrained nodes by about one, any other none at all.
         free = combinations[:, stretch < 1e-8 * max(stretch[-1], 1.0)]
         surface = rigid_motions((self._surface_points - centre) / size)
         return np.linalg.qr(surface.reshape(-1, surface.shape[2]) @ free)[0]
@@ -237,11 +238,11 @@ class Body:
             coordinates: (m,) amplitudes of the constraints.
             amplitudes: (l,) load amplitudes.
         """
-        held = self._matrix.createVecRight()
-        held.array[self._own_local] = surface[self._own_positions]
-        held.array[self._own_constrained()] = 0.0
-        field = self._interior_response(-1.0 * (self._matrix * held))
-        field.axpy(1.0, held)
+        moved = self._matrix.createVecRight()
+        moved.array[self._own_local] = surface[self._own_positions]
+        moved.array[self._own_constrained()] = 0.0
+        field = self._interior_response(-1.0 * (self._matrix * moved))
+        field.axpy(1.0, moved)
         for c, shape, response in zip(
             coordinates, self._shapes, self._coordinate_fields, strict=True
         ):
@@ -256,7 +257,7 @@ class Body:
 
 
 def constraint_shapes(elastic: ElasticBody, constraints: list[Constraint]) -> list[fem.Function]:
-    """The displacement of the constrained nodes by a unit amplitude of each constraint."""
+    """Displacements of the constrained nodes by a unit amplitude of each constraint."""
     gdim = elastic.gdim
     shapes = [fem.Function(elastic.space) for _ in constraints]
     holder = np.full((len(elastic.space.tabulate_dof_coordinates()), gdim), "", dtype=object)

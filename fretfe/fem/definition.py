@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What a case asks of each body: material, constrained boundaries, loads, contact surfaces."""
+"""Definition of the model: materials, constrained boundaries, loads and contact surfaces."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ AXES = "xyz"
 
 
 @dataclass(frozen=True)
-class BodyPlan:
-    """One body of the model.
+class BodyDefinition:
+    """Definition of one body.
 
     Attributes:
         name: physical group of the body.
@@ -38,27 +38,27 @@ class BodyPlan:
 
 
 @dataclass(frozen=True)
-class ModelPlan:
-    """All bodies, and the distributed loads that act on whichever body has their boundary."""
+class ModelDefinition:
+    """Definition of all bodies, and of the loads on whichever body has their boundary."""
 
-    bodies: tuple[BodyPlan, ...]
+    bodies: tuple[BodyDefinition, ...]
     loads: tuple[DistributedLoad, ...]
 
 
-def plan_model(case: Case, mesh: Mesh) -> ModelPlan:
+def define_model(case: Case, mesh: Mesh) -> ModelDefinition:
     """Translate a case into bodies, coordinates and loads.
 
     Raises:
         ModelError: if a body has no contact surface.
     """
     gdim = next(iter(mesh.bodies.values())).points.shape[1]
-    return ModelPlan(
-        bodies=tuple(_plan_body(case, mesh, name, gdim) for name in case.bodies),
+    return ModelDefinition(
+        bodies=tuple(_define_body(case, mesh, name, gdim) for name in case.bodies),
         loads=distributed_loads(case, gdim),
     )
 
 
-def _plan_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyPlan:
+def _define_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyDefinition:
     own = mesh.bodies[name].boundaries
     surfaces = [
         surface
@@ -71,18 +71,18 @@ def _plan_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyPlan:
             f"body {name!r} has no contact surface: expected one of its boundaries "
             f"({', '.join(sorted(own)) or 'none'}) in a contact of the case."
         )
-    held = [
-        pair
-        for pair in _platens(case, gdim) + _displacements(case, gdim) + _supports(case, gdim)
-        if pair[0].boundary in own
+    constrained = [
+        entry
+        for entry in _platens(case, gdim) + _displacements(case, gdim) + _supports(case, gdim)
+        if entry[0].boundary in own
     ]
-    return BodyPlan(
+    return BodyDefinition(
         name=name,
         material=_material(case, name),
-        constraints=tuple(constraint for constraint, _, _ in held),
+        constraints=tuple(constraint for constraint, _, _ in constrained),
         coordinates=tuple(
             Coordinate(constraint.label, name, control, channel)
-            for constraint, control, channel in held
+            for constraint, control, channel in constrained
         ),
         surfaces=tuple(surfaces),
     )
@@ -99,18 +99,18 @@ def _platens(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
     for name, load in case.loads.items():
         if isinstance(load, PlatenLoad):
             platens.setdefault(load.boundary, []).append(name)
-    held: list[tuple[Constraint, str, str]] = []
+    constrained: list[tuple[Constraint, str, str]] = []
     for boundary, names in platens.items():
         directions: list[tuple[float, ...]] = []
         for name in names:
             load = case.loads[name]
             assert isinstance(load, PlatenLoad)
             directions.append(unit_vector(load.direction, gdim))
-            held.append((Constraint(name, boundary, directions[-1]), load.control, name))
+            constrained.append((Constraint(name, boundary, directions[-1]), load.control, name))
         for direction in _complement(directions, gdim):
             label = f"{boundary} guide {_direction_name(direction)}"
-            held.append((Constraint(label, boundary, direction), "fixed", ""))
-    return held
+            constrained.append((Constraint(label, boundary, direction), "fixed", ""))
+    return constrained
 
 
 def _displacements(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:

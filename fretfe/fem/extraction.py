@@ -142,7 +142,7 @@ def _forms(model: Model, probes: tuple[Probe, ...]) -> Forms:
     for probe in probes:
         for name, upper in zip(probe.bodies, UPPER, strict=True):
             if (name, upper) not in forms:
-                surfaces = list(model.plan_of(name).surfaces)
+                surfaces = list(model.body_definition(name).surfaces)
                 forms[name, upper] = InteractionForm(model.bodies[name].elastic, surfaces, upper)
     return forms
 

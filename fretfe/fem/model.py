@@ -15,7 +15,7 @@ from fretfe.contact.interface import Interface, coordinate_range
 from fretfe.contact.state import ContactState, StepLoads
 from fretfe.fem._compat import MPI
 from fretfe.fem.condensation import Body
-from fretfe.fem.definition import BodyPlan, ModelPlan, plan_model
+from fretfe.fem.definition import BodyDefinition, ModelDefinition, define_model
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.parallel import on_root
 from fretfe.fem.reduction import Pair, ReducedBody, build_interface
@@ -28,9 +28,9 @@ from fretfe.surface.surface import Surface, build_surface
 
 @dataclass(frozen=True)
 class Reduction:
-    """The interface problem and what leads back from it to the bodies; rank 0 only."""
+    """The interface problem, and the way back from it to the bodies; rank 0 only."""
 
-    plan: ModelPlan
+    definition: ModelDefinition
     interface: Interface
     bodies: dict[str, ReducedBody]
     pairs: tuple[Pair, ...]
@@ -50,36 +50,36 @@ class Model:
         self.comm = comm
         self.case = case
         degree = case.model.degree
-        plan = on_root(comm, lambda: plan_model(case, mesh))  # type: ignore[arg-type]
-        assert plan is not None
+        definition = on_root(comm, lambda: define_model(case, mesh))  # type: ignore[arg-type]
+        assert definition is not None
         with clock("surfaces"):
-            surfaces = on_root(comm, lambda: contact_surfaces(plan, mesh))  # type: ignore[arg-type]
+            surfaces = on_root(comm, lambda: contact_surfaces(definition, mesh))  # type: ignore[arg-type]
             assert surfaces is not None
             self.surfaces = surfaces
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
-        self._plan = plan
+        self._definition = definition
         self.bodies: dict[str, Body] = {}
-        for body in plan.bodies:
+        for body in definition.bodies:
             with clock("assembly"):
                 own = mesh.bodies[body.name] if mesh else None
                 elastic = ElasticBody(comm, own, body.material, degree)
             points = np.vstack([surfaces[s].displacement_points(degree) for s in body.surfaces])
             self.bodies[body.name] = Body(
-                elastic, list(body.constraints), list(plan.loads), points, clock
+                elastic, list(body.constraints), list(definition.loads), points, clock
             )
         with clock("interface"):
-            self.reduction = on_root(comm, lambda: self._reduce(plan, pairs), share=False)
+            self.reduction = on_root(comm, lambda: self._reduce(definition, pairs), share=False)
 
-    def _reduce(self, plan: ModelPlan, pairs: tuple[Pair, ...] | None) -> Reduction:
+    def _reduce(self, definition: ModelDefinition, pairs: tuple[Pair, ...] | None) -> Reduction:
         assert pairs is not None
         condensed = [b.condensed for b in self.bodies.values() if b.condensed is not None]
-        coordinates = [c for body in plan.bodies for c in body.coordinates]
+        coordinates = [c for body in definition.bodies for c in body.coordinates]
         interface, reduced = build_interface(condensed, list(pairs), coordinates)
-        return Reduction(plan, interface, reduced, pairs)
+        return Reduction(definition, interface, reduced, pairs)
 
-    def plan_of(self, body: str) -> BodyPlan:
-        """What the case asks of a body."""
-        return next(plan for plan in self._plan.bodies if plan.name == body)
+    def body_definition(self, body: str) -> BodyDefinition:
+        """Definition of a body by its name."""
+        return next(definition for definition in self._definition.bodies if definition.name == body)
 
     def recover(
         self, states: Sequence[tuple[ContactState, StepLoads]] | None
@@ -121,11 +121,11 @@ class Model:
         return retained
 
 
-def contact_surfaces(plan: ModelPlan, mesh: Mesh) -> dict[str, Surface]:
+def contact_surfaces(definition: ModelDefinition, mesh: Mesh) -> dict[str, Surface]:
     """All contact surfaces, oriented, by name."""
     return {
         name: build_surface(mesh.bodies[body.name], name)
-        for body in plan.bodies
+        for body in definition.bodies
         for name in body.surfaces
     }
 
@@ -141,16 +141,16 @@ def couple_contacts(case: Case, surfaces: dict[str, Surface]) -> tuple[Pair, ...
 
 
 def step_loads(
-    case: Case, history: History, interface: Interface, plan: ModelPlan
+    case: Case, history: History, interface: Interface, definition: ModelDefinition
 ) -> list[StepLoads]:
-    """What each step of a history prescribes; forces are per unit thickness."""
+    """Loads of every step of a history; forces are per unit thickness."""
     column = {name: number for number, name in enumerate(history.channels)}
-    rotations = {load.channel for load in plan.loads if load.kind == "rotation"}
+    rotations = {load.channel for load in definition.loads if load.kind == "rotation"}
     steps = []
     for time, values in zip(history.times, history.values, strict=True):
-        amplitudes = np.array([values[column[load.channel]] for load in plan.loads])
+        amplitudes = np.array([values[column[load.channel]] for load in definition.loads])
         # The body force goes with the square of the angular speed.
-        squared = np.array([load.channel in rotations for load in plan.loads], dtype=bool)
+        squared = np.array([load.channel in rotations for load in definition.loads], dtype=bool)
         amplitudes[squared] **= 2
         steps.append(
             StepLoads(

@@ -29,8 +29,8 @@ class Pair:
 class ReducedBody:
     """A condensed body solved for its surface displacements.
 
-    u = C (f + F a − S_c c) + T c + Q g with C the (generalised) inverse of S where no constraint
-    holds a node, Q the free motions.
+    u = C (f + F a − S_c c) + T c + Q g with C the (generalised) inverse of S at unconstrained nodes
+    and Q the rigid modes restrained only by contact.
 
     Args:
         body: condensed body.
@@ -40,35 +40,35 @@ class ReducedBody:
     def __init__(self, body: CondensedBody, operator: sparse.csr_matrix) -> None:
         self.body = body
         self._operator = operator
-        # Free motions get an artificial stiffness; equilibrium makes the forces on them vanish.
+        # Rigid modes get an artificial stiffness; equilibrium makes the forces on them vanish.
         level = np.trace(body.stiffness) / len(body.stiffness)
-        held = body.stiffness + level * body.modes @ body.modes.T
-        self._factor = cholesky(held, lower=True, overwrite_a=True, check_finite=False)
-        not_held = ~body.prescribed.any(axis=1)
-        self._own = operator @ sparse.diags(not_held.astype(float))
+        pinned = body.stiffness + level * body.modes @ body.modes.T
+        self._factor = cholesky(pinned, lower=True, overwrite_a=True, check_finite=False)
+        unconstrained = ~body.prescribed.any(axis=1)
+        self._own = operator @ sparse.diags(unconstrained.astype(float))
         self._half = self._forward(self._own.T.toarray())
 
     def _forward(self, rhs: Array) -> Array:
         return solve_triangular(self._factor, rhs, lower=True, check_finite=False)
 
     def add_to(self, system: dict[str, Array], columns: slice) -> None:
-        """Add this body to A, L, G, K and H; `columns` are its coordinates, free motions last."""
+        """Add this body to A, L, G, K and H; `columns` are its coordinates, rigid modes last."""
         body = self.body
         half_loads = self._forward(body.surface_loads)
         half_coupling = self._forward(body.coupling)
         count = body.coupling.shape[1]
-        held = slice(columns.start, columns.start + count)
-        free = slice(held.stop, columns.stop)
+        driven = slice(columns.start, columns.start + count)
+        rigid = slice(driven.stop, columns.stop)
         system["compliance"] += self._half.T @ self._half
         system["loads"] += self._half.T @ half_loads
-        system["motion"][:, held] = self._operator @ body.prescribed
-        system["motion"][:, held] -= self._half.T @ half_coupling
-        system["motion"][:, free] = self._operator @ body.modes
-        system["stiffness"][held, held] = (
+        system["motion"][:, driven] = self._operator @ body.prescribed
+        system["motion"][:, driven] -= self._half.T @ half_coupling
+        system["motion"][:, rigid] = self._operator @ body.modes
+        system["stiffness"][driven, driven] = (
             body.coordinate_stiffness - half_coupling.T @ half_coupling
         )
-        system["coordinate_loads"][held] = body.coordinate_loads - half_coupling.T @ half_loads
-        system["coordinate_loads"][free] = body.modes.T @ body.surface_loads
+        system["coordinate_loads"][driven] = body.coordinate_loads - half_coupling.T @ half_loads
+        system["coordinate_loads"][rigid] = body.modes.T @ body.surface_loads
 
     def contact_forces(self, y: Array) -> Array:
         """(T, d) sum of the contact forces on this body for weighted tractions (T, N*d)."""
@@ -80,7 +80,7 @@ class ReducedBody:
 
         Args:
             y: (N*d,) weighted tractions.
-            coordinates: (m_b + k,) coordinates of this body, free motions last.
+            coordinates: (m_b + k,) coordinates of this body, rigid modes last.
             amplitudes: (l,) load amplitudes.
         """
         body = self.body
@@ -103,13 +103,13 @@ def build_interface(
         coordinates: one for each constraint of each body, in the order of `bodies`.
 
     Returns:
-        The interface problem, whose coordinates hold the free motions too, and the reduced bodies.
+        The interface problem, whose coordinates include the rigid modes, and the reduced bodies.
     """
     d = pairs[0].coupling.frames.shape[1]
     roots = np.sqrt(np.concatenate([pair.coupling.weights for pair in pairs]))
     scale = sparse.diags(np.repeat(1 / roots, d))
     reduced = {b.name: ReducedBody(b, scale @ _stacked_operator(b.name, pairs)) for b in bodies}
-    everything = _with_free_motions(bodies, coordinates)
+    everything = _with_rigid_modes(bodies, coordinates)
     size, count = len(roots) * d, len(everything)
     load_count = bodies[0].surface_loads.shape[1]
     system = {
@@ -159,7 +159,7 @@ def _stacked_operator(body: str, pairs: list[Pair]) -> sparse.csr_matrix:
     return sparse.vstack(rows).tocsr()
 
 
-def _with_free_motions(
+def _with_rigid_modes(
     bodies: list[CondensedBody], coordinates: list[Coordinate]
 ) -> list[Coordinate]:
     everything = []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Which rigid motions of each body nothing but contact prevents, told from the geometry alone."""
+"""Rigid-body modes restrained only by contact, found from the geometry alone."""
 
 from __future__ import annotations
 
@@ -9,29 +9,29 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.fem.condensation import rigid_motions
-from fretfe.fem.definition import BodyPlan, ModelPlan
+from fretfe.fem.definition import BodyDefinition, ModelDefinition
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.checks import place
 
-# Singular values below this fraction of the largest belong to free motions: a prevented motion
-# moves held nodes by about one.
-FREE = 1e-6
+# Singular values below this fraction of the largest belong to modes that no constraint restrains: a
+# restrained one moves constrained nodes by about one.
+UNRESTRAINED = 1e-6
 # Components of a motion below this fraction of the largest are round-off.
 ROUND_OFF = 1e-9
 
 
-def free_motions(plan: ModelPlan, mesh: Mesh) -> dict[str, str]:
-    """For each body of a plane mesh that is free to move without contact: how, in words.
+def modes_restrained_by_contact(definition: ModelDefinition, mesh: Mesh) -> dict[str, str]:
+    """Rigid-body modes restrained only by contact, in words, for each body that has some.
 
-    Supports and prescribed displacements hold their boundary. A platen holds it too, but for the
-    directions in which a force acts on it.
+    Supports and prescribed displacements restrain their boundary. A platen restrains it too, but
+    for the directions in which a force acts on it. A mesh in space has no entries.
     """
     found: dict[str, str] = {}
     if mesh.dimension != 2:
         return found
-    for body in plan.bodies:
+    for body in definition.bodies:
         own = mesh.bodies[body.name]
-        motions = _free(body, own)
+        motions = _modes(body, own)
         if motions.shape[1]:
             found[body.name] = _in_words(motions, own)
     return found
@@ -41,30 +41,32 @@ def _centre_and_size(body: BodyMesh) -> tuple[Array, float]:
     return body.points.mean(axis=0), float(np.ptp(body.points, axis=0).max())
 
 
-def _free(plan: BodyPlan, body: BodyMesh) -> Array:
-    """(3, k) rigid motions in the order of `rigid_motions`, about the centre of the body."""
-    driven = [i for i, c in enumerate(plan.coordinates) if c.control == "force"]
-    rows = list(_held_rows(plan, body, driven))
+def _modes(definition: BodyDefinition, body: BodyMesh) -> Array:
+    """(3, k) modes in the order of `rigid_motions`, about the centre of the body."""
+    driven = [i for i, c in enumerate(definition.coordinates) if c.control == "force"]
+    rows = list(_constraint_rows(definition, body, driven))
     if not rows:
         return np.eye(3)
     _, values, directions = np.linalg.svd(np.array(rows))
     values = np.concatenate([values, np.zeros(len(directions) - len(values))])
-    return directions[values < FREE * values[0], :3].T
+    return directions[values < UNRESTRAINED * values[0], :3].T
 
 
-def _held_rows(plan: BodyPlan, body: BodyMesh, driven: list[int]) -> Iterator[Array]:
-    """Conditions (3 + forces,) on the rigid motion and the displacements of driven platens."""
+def _constraint_rows(
+    definition: BodyDefinition, body: BodyMesh, driven: list[int]
+) -> Iterator[Array]:
+    """Constraints (3 + forces,) on the rigid motion and the displacements of driven platens."""
     centre, size = _centre_and_size(body)
     holder: dict[tuple[int, int], str] = {}
-    for constraint in plan.constraints:
+    for constraint in definition.constraints:
         for node in np.unique(body.boundaries[constraint.boundary]).tolist():
             for component in np.flatnonzero(constraint.direction).tolist():
                 holder.setdefault((node, component), constraint.boundary)
     for (node, component), boundary in holder.items():
         motion = rigid_motions((body.points[[node]] - centre) / size)[0, component]
         platen = [
-            plan.constraints[i].direction[component]
-            if plan.constraints[i].boundary == boundary
+            definition.constraints[i].direction[component]
+            if definition.constraints[i].boundary == boundary
             else 0.0
             for i in driven
         ]

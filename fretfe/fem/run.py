@@ -193,9 +193,9 @@ def _march(prepared: Prepared, case: Case, history: History, progress: Progress)
     reduction, march = prepared.model.reduction, prepared.march
     assert reduction is not None
     assert march is not None
-    steps = step_loads(case, history, reduction.interface, reduction.plan)
+    steps = step_loads(case, history, reduction.interface, reduction.definition)
     places = [Place(p.name, p.body1, p.body2, p.coupling) for p in reduction.pairs]
-    channels = [load.channel for load in reduction.plan.loads]
+    channels = [load.channel for load in reduction.definition.loads]
     recorder = Recorder(march, places, steps, channels, case.model.degree)
     try:
         for number, result in enumerate(march.run(steps), start=1):

@@ -19,7 +19,7 @@ from fretfe.fem._compat import PETSc, petsc_library
 # faster than the default, nested dissection, which does not pay before some million unknowns.
 ORDERING_CONTROL = 7
 MINIMUM_DEGREE = 0
-# MUMPS control: no pivoting. Of a body held at the retained unknowns nothing needs it.
+# MUMPS control: no pivoting. A body fixed at the retained unknowns does not need it.
 PIVOTING_CONTROL = 1
 # MUMPS control: what a solve does with the Schur unknowns. 0: solve for all others, these fixed.
 SCHUR_SOLVE_CONTROL = 26
@@ -48,7 +48,7 @@ class SchurFactorization:
             self._interior = solver
         else:  # PETSc cannot solve with a distributed factor that has a Schur complement
             solver.destroy()
-            self._interior = _unfactored(_hold(matrix, retained))
+            self._interior = _unfactored(_fix(matrix, retained))
             self._interior.setUp()
 
     def solve_interior(self, rhs: PETSc.Vec) -> PETSc.Vec:
@@ -80,14 +80,14 @@ def _unfactored(matrix: PETSc.Mat) -> PETSc.PC:
     return solver
 
 
-def _hold(matrix: PETSc.Mat, retained: npt.NDArray[np.integer]) -> PETSc.Mat:
+def _fix(matrix: PETSc.Mat, retained: npt.NDArray[np.integer]) -> PETSc.Mat:
     """The matrix with unit rows and columns at the retained unknowns."""
     start, end = matrix.getOwnershipRange()
     own = retained[(retained >= start) & (retained < end)]
-    held = matrix.copy()
-    held.zeroRowsColumns(own.astype(PETSc.IntType), diag=1.0)
-    held.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-    return held
+    fixed = matrix.copy()
+    fixed.zeroRowsColumns(own.astype(PETSc.IntType), diag=1.0)
+    fixed.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    return fixed
 
 
 def _read_complement(factor: PETSc.Mat, rank: int, size: int) -> Array | None:

@@ -12,8 +12,8 @@ from chains import surface
 
 from fretfe._typing import Array
 from fretfe.case import parse_case
-from fretfe.fem.definition import plan_model
-from fretfe.fem.rigid_modes import free_motions
+from fretfe.fem.definition import define_model
+from fretfe.fem.rigid_modes import modes_restrained_by_contact
 from fretfe.mesh.groups import mesh_summary
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.checks import face_contacts
@@ -199,13 +199,13 @@ EVERYWHERE = "to move in every direction and to turn"
         pytest.param({"p": platen("y")}, fix(a=("bottom", ["y"])), None, id="support against it"),
     ],
 )
-def test_what_only_contact_holds(
+def test_rigid_modes_restrained_only_by_contact(
     loads: dict[str, Any], supports: dict[str, Any], motion: str | None
 ) -> None:
     case = parse_case({**CASE, "loads": loads, "supports": supports})
     mesh = Mesh({name: small(name) for name in ("upper", "lower")})
     expected = {"lower": EVERYWHERE} if motion is None else {"upper": motion, "lower": EVERYWHERE}
-    assert free_motions(plan_model(case, mesh), mesh) == expected
+    assert modes_restrained_by_contact(define_model(case, mesh), mesh) == expected
 
 
 def small(name: str) -> BodyMesh:
