@@ -81,7 +81,8 @@ class StuckContact(Protocol):
             conditions: stick or slip within the contact area only.
 
         Raises:
-            numpy.linalg.LinAlgError: if the conditions leave a motion without resistance.
+            numpy.linalg.LinAlgError: if the conditions leave a motion without any resistance. Where
+                round-off resists it, it is out of all proportion to that in full stick.
         """
 
 

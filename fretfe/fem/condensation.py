@@ -99,7 +99,7 @@ class Body:
     ) -> None:
         self.elastic = elastic
         self._index_map = elastic.space.dofmap.index_map
-        shapes = constraint_shapes(elastic, constraints)
+        self._shapes = shapes = constraint_shapes(elastic, constraints)
         self._constrained = np.flatnonzero(np.any([s.x.array != 0 for s in shapes], axis=0))
         self._retain(surface_points)
         with clock("assembly"):
@@ -152,7 +152,6 @@ class Body:
             self._gather_unconstrained(vector - self._matrix * field)
             for vector, field in zip(load_vectors, self._load_fields, strict=True)
         ]
-        self._shapes = shapes
         shape_vectors = [shape.x.petsc_vec for shape in shapes]
         stiffness = _products(shape_vectors, coordinate_forces) + _products(
             coordinate_forces, self._coordinate_fields

@@ -54,7 +54,7 @@ class SurfaceNodes:
 
 @dataclass(frozen=True)
 class HalfPlaneOutcome:
-    """All accepted steps, and why the history was not finished, or None."""
+    """All accepted steps, and the reason why the history was not finished, or None."""
 
     solution: Solution
     failure: ConvergenceError | None

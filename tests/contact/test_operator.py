@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What every interface operator has to do, on random problems solved directly."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fretfe._typing import Array, Bools
+from fretfe.contact.compliance import DenseCompliance
+from fretfe.contact.interface import Coordinate, Interface
+from fretfe.contact.inverse import InverseOperator
+from fretfe.contact.operator import Conditions, InterfaceOperator
+from fretfe.contact.state import OPEN, SLIP, STICK
+
+NODES = 40
+CASES = 3
+CONTROLS = ("force", "displacement", "fixed", "displacement")
+# Round-off of random systems of a hundred unknowns.
+SAME = 1e-9
+
+OPERATORS = pytest.mark.parametrize("make", [InverseOperator])
+DIMENSIONS = pytest.mark.parametrize("d", [2, 3])
+
+
+def problem(d: int) -> Interface:
+    rng = np.random.default_rng(d)
+    size, count = NODES * d, len(CONTROLS)
+    root, stiff = rng.standard_normal((size, size)), rng.standard_normal((count, count))
+    return Interface(
+        components=d,
+        compliance=DenseCompliance(root @ root.T / size + np.eye(size)),
+        gap=rng.standard_normal(size),
+        motion=rng.standard_normal((size, count)),
+        stiffness=stiff @ stiff.T,
+        loads=np.zeros((size, 0)),
+        coordinate_loads=np.zeros((count, 0)),
+        roots=np.ones(NODES),
+        coordinates=tuple(Coordinate(f"c{j}", "body", c) for j, c in enumerate(CONTROLS)),
+        contacts={"main": slice(0, NODES)},
+    )
+
+
+def conditions(interface: Interface, known: Bools) -> Conditions:
+    """Every third node open, stuck and slipping; directions that turn."""
+    rng, tangents = np.random.default_rng(9), interface.components - 1
+    return Conditions(
+        status=np.tile([STICK, SLIP, OPEN], NODES)[:NODES].astype(np.int8),
+        pull=0.5 * rng.standard_normal((NODES, tangents)),
+        turning=0.3 * rng.standard_normal((NODES, tangents, tangents)) * (tangents > 1),
+        penalty=rng.uniform(0.5, 1.5, NODES),
+        known=known,
+        amplitudes=rng.standard_normal((known.sum(), CASES)),
+    )
+
+
+def matrix_of(interface: Interface) -> Array:
+    """A, column by column."""
+    unit = np.eye(len(interface.gap))
+    return np.array([interface.compliance.apply(column) for column in unit]).T
+
+
+def solved_directly(
+    interface: Interface, wanted: Conditions, free: Array, forces: Array
+) -> tuple[Array, Array, Array]:
+    """y, w and c by one system for the tractions and coordinates, one row for each condition."""
+    d, size = interface.components, NODES * interface.components
+    flat = free.reshape(size, -1)
+    displacement = np.hstack([matrix_of(interface), interface.motion])
+    system = np.vstack(
+        [displacement, np.hstack([-interface.motion.T, interface.stiffness])]
+    )  # w - free and R + H a by all unknowns
+    rhs = np.vstack([-flat, forces])
+    traction = np.eye(*displacement.shape)
+    for node, status in enumerate(wanted.status):
+        rows = np.arange(d * node, d * (node + 1))
+        if status == OPEN:
+            system[rows], rhs[rows] = traction[rows], 0.0
+        if status == SLIP:
+            shear, turning = rows[1:], wanted.turning[node]
+            r = wanted.penalty[node]
+            trial = traction[shear] - r * displacement[shear]
+            system[shear] = traction[shear] - turning @ trial
+            system[shear] -= np.outer(wanted.pull[node], traction[rows[0]])
+            rhs[shear] = -r * turning @ flat[shear]
+    known = size + np.flatnonzero(wanted.known)
+    system[known], rhs[known] = np.eye(len(system))[known], wanted.amplitudes
+    solve = np.linalg.pinv(system, 1e-12) if wanted.floating else np.linalg.inv(system)
+    unknowns = solve @ rhs
+    relative = flat + displacement @ unknowns
+    return unknowns[:size].reshape(NODES, d, -1), relative.reshape(NODES, d, -1), unknowns[size:]
+
+
+def loads(interface: Interface) -> tuple[Array, Array]:
+    rng = np.random.default_rng(5)
+    free = rng.standard_normal((NODES, interface.components, CASES))
+    return free, rng.standard_normal((len(interface.coordinates), CASES))
+
+
+@OPERATORS
+@DIMENSIONS
+@pytest.mark.parametrize(
+    "known",
+    [[False, True, True, True], [False, False, True, False]],
+    ids=["driven by displacement", "driven by force"],
+)
+def test_release_meets_the_conditions(make: type[InverseOperator], d: int, known: Bools) -> None:
+    interface = problem(d)
+    operator: InterfaceOperator = make(interface)
+    wanted = conditions(interface, np.array(known))
+    free, forces = loads(interface)
+    area = operator.area(wanted.status != OPEN, free[:, 0, 0])
+    found = area.stuck(free, forces).release(wanted)
+    traction, relative, coordinates = solved_directly(interface, wanted, free, forces)
+    np.testing.assert_allclose(found.traction, traction, atol=SAME)
+    np.testing.assert_allclose(found.relative, relative, atol=SAME)
+    np.testing.assert_allclose(found.coordinates, coordinates, atol=SAME)
+
+
+@OPERATORS
+@DIMENSIONS
+def test_bodies_that_float_in_equilibrium(make: type[InverseOperator], d: int) -> None:
+    """Two coordinates that move everything alike: only their difference acts on the contact."""
+    interface = problem(d)
+    motion = interface.motion.copy()
+    motion[:, 3] = -motion[:, 1]
+    interface = replace(interface, motion=motion, stiffness=np.zeros((4, 4)))
+    wanted = conditions(interface, np.array([False, False, True, False]))
+    wanted = replace(wanted, floating=True)
+    free, forces = loads(interface)
+    forces[3] = -forces[1]
+    area = make(interface).area(wanted.status != OPEN, free[:, 0, 0])
+    found = area.stuck(free, forces).release(wanted)
+    traction, _, coordinates = solved_directly(interface, wanted, free, forces)
+    np.testing.assert_allclose(found.traction, traction, atol=SAME)
+    np.testing.assert_allclose(
+        found.coordinates[1] - found.coordinates[3], coordinates[1] - coordinates[3], atol=SAME
+    )
+
+
+@OPERATORS
+def test_motion_without_resistance_is_singular(make: type[InverseOperator]) -> None:
+    interface = problem(2)
+    interface = replace(interface, stiffness=np.zeros((4, 4)))
+    wanted = conditions(interface, np.zeros(4, bool))
+    # Four forces on one node that slides without friction: its pressure can balance only one.
+    status = np.where(np.arange(NODES) == 0, SLIP, OPEN).astype(np.int8)
+    wanted = replace(wanted, status=status, pull=np.zeros((NODES, 1)))
+    free, forces = loads(interface)
+    stuck = make(interface).area(wanted.status != OPEN, free[:, 0, 0]).stuck(free, forces)
+    try:
+        motion = np.abs(stuck.release(wanted).coordinates).max()
+    except np.linalg.LinAlgError:
+        return
+    assert motion > 1e7 * np.abs(stuck.coordinates).max()
+
+
+@OPERATORS
+def test_area_is_the_same_while_it_serves(make: type[InverseOperator]) -> None:
+    interface = problem(2)
+    operator = make(interface)
+    gap, closed = np.arange(float(NODES)), np.arange(NODES) < 20
+    first = operator.area(closed, gap)
+    assert operator.area(np.arange(NODES) < 21, gap) is first
+    assert operator.area(np.arange(NODES) >= 20, gap) is not first
+
+
+@OPERATORS
+@DIMENSIONS
+def test_elastic_layer(make: type[InverseOperator], d: int) -> None:
+    interface, penalty = problem(d), 0.7
+    rng = np.random.default_rng(3)
+    traction, moved = rng.standard_normal(NODES * d), rng.standard_normal(1)
+    free_coordinate = ~interface.prescribed
+    motion = interface.motion[:, free_coordinate]
+    displacement = interface.compliance.apply(traction) + penalty * traction + motion @ moved
+    stiffness = interface.stiffness[np.ix_(free_coordinate, free_coordinate)]
+    forces = motion.T @ traction - stiffness @ moved
+    found = make(interface).regularised(penalty).tractions(displacement, forces)
+    np.testing.assert_allclose(found, traction, atol=SAME)
+
+
+@DIMENSIONS
+def test_operations_of_the_compliance(d: int) -> None:
+    compliance = problem(d).compliance
+    matrix = matrix_of(problem(d))
+    np.testing.assert_array_equal(compliance.diagonal, np.diagonal(matrix))
+    assert compliance.level == pytest.approx(np.trace(matrix) / len(matrix))
+    rows, columns = np.array([3, 1]), np.array([0, 5, 2])
+    np.testing.assert_array_equal(compliance.block(rows, columns), matrix[[3, 1]][:, [0, 5, 2]])
