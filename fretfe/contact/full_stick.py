@@ -81,6 +81,7 @@ class FullStickSolver:
         # Bodies that only these displacements hold float now; the loads on them are in equilibrium.
         self._floating = unresisted_motions(interface, ~self._fixed).shape[1] > 0
         self._free, self._forces = _unit_loads(interface, drivers)
+        self._forces[self._fixed] = 0.0
 
     def increments(self, state: ContactState) -> Increments:
         """Increments for a unit of each driver in the contact area of a state."""
@@ -96,7 +97,9 @@ class FullStickSolver:
             floating=self._floating,
         )
         area = self._operator.area(closed, state.relative[:, 0])
-        response = area.stuck(self._free, self._forces).release(conditions)
+        # Displacements where the bodies are apart make no difference, but for round-off.
+        free = np.where(closed[:, None, None], self._free, 0.0)
+        response = area.stuck(free, self._forces).release(conditions)
         traction = np.where(closed[:, None, None], response.traction, 0.0)
         return Increments(traction, response.coordinates)
 

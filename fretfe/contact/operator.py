@@ -68,11 +68,11 @@ class Response:
 
 
 class StuckContact(Protocol):
-    """A loaded interface with a contact area and all prescribed coordinates held."""
+    """A loaded interface in full stick, with all prescribed coordinates on springs."""
 
     @property
     def coordinates(self) -> Array:
-        """(m, J) c; prescribed ones are held at about zero by springs."""
+        """(m, J) c; those of prescribed coordinates are as the springs have it."""
 
     def release(self, conditions: Conditions) -> Response:
         """Let go of whatever the conditions do not hold.
@@ -94,8 +94,8 @@ class ContactArea(Protocol):
 
         Args:
             free: (N, d, J) gap and increment without tractions and coordinates.
-            forces: (m, J) forces on the coordinates, R + H a; those on prescribed coordinates need
-                not be known.
+            forces: (m, J) forces on the coordinates, R + H a; where the amplitude is known they
+                make no difference.
         """
 
 

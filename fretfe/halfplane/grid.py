@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Nodes on the surface of a half-plane, graded towards where the contact edges are."""
+"""Nodes on the surface of a half-plane, graded towards the contact edges."""
 
 from __future__ import annotations
 
@@ -21,11 +21,12 @@ SAMPLES = 20_001
 
 @dataclass(frozen=True)
 class EdgeRange:
-    """Where one edge is during the loads that matter.
+    """Range of positions of one edge under the loads that the grid resolves.
 
     Attributes:
         low, high: extreme positions.
-        length: over which the pressure near the edge changes: the half-width, or the rounded part.
+        length: distance over which the pressure changes near the edge: the half-width, or the
+            rounded part.
     """
 
     low: float

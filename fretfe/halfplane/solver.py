@@ -190,7 +190,7 @@ def _nodes(hats: HatFunctions) -> SurfaceNodes:
 
 
 def _balance(recorder: Recorder, hats: HatFunctions) -> dict[str, Array]:
-    """(T,) difference between the contact forces and the loads Q and -P, and the largest load."""
+    """(T,) imbalance of the contact forces and the loads Q and -P, and the largest load."""
     loads = np.array([step.values[:2] for step in recorder.steps])
     roots = np.sqrt(hats.weights)
     contact = np.array([roots @ state.traction for state in recorder.states])
