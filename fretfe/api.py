@@ -21,22 +21,22 @@ from fretfe._typing import Array
 from fretfe.backends import EdgeHistories, Processes, RunOptions, find_backend
 from fretfe.backends.protocol import Announce, Progress, mute, silent
 from fretfe.case import Case, load_case
-from fretfe.cli.run import (
-    FIELDS,
+from fretfe.errors import CaseError, OutputError
+from fretfe.report.figures import draw_tractions
+from fretfe.report.histories import draw_factors, draw_loads
+from fretfe.results.records import edge_records
+from fretfe.results.writer import FIELDS
+from fretfe.runner import (
     OneProcess,
     draw_report,
-    prepare,
+    prepare_folder,
     processes_of,
     require_supported,
     write_case,
     write_numbers,
 )
-from fretfe.cli.sweep import write_files
-from fretfe.errors import CaseError, OutputError
-from fretfe.report.figures import draw_tractions
-from fretfe.report.histories import draw_factors, draw_loads
-from fretfe.results.records import edge_records
 from fretfe.sweeps import Sweep, make_variants, run_sweep
+from fretfe.sweeps.files import write_files
 
 __all__ = ["Result", "load_case", "run", "sweep"]
 
@@ -155,7 +155,7 @@ def run(
     options = RunOptions(progress=progress)
     if output is not None:
         directory = Path(output)
-        _write(processes, lambda: prepare(directory, case))
+        _write(processes, lambda: prepare_folder(directory, case))
         fields = None if case.output.fields == "none" else directory / FIELDS
         options = RunOptions(progress=progress, fields=fields)
     result = solver.solve(case, options)

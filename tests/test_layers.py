@@ -38,6 +38,7 @@ LAYERS = (
     "fretfe.quality.*",
     "fretfe.report.*",
     "fretfe.sweeps.*",
+    "fretfe.runner",
     "fretfe.api",
     "fretfe.cli.*",
     "fretfe.__main__",

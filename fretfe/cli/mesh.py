@@ -10,42 +10,44 @@ from rich.console import Console
 
 from fretfe.case import Case
 from fretfe.cli.mesh_report import print_mesh
-from fretfe.cli.run import read_case, require_supported
 from fretfe.environment import blas_libraries, reference_blas, versions
-from fretfe.fem import _compat
-from fretfe.fem._compat import MPI
-from fretfe.fem.backend import BACKEND
-from fretfe.fem.definition import plan_model
-from fretfe.fem.model import contact_surfaces, couple_contacts
-from fretfe.fem.parallel import on_root
-from fretfe.fem.refine import starting_mesh
-from fretfe.fem.rigid_modes import free_motions
 from fretfe.loads import History, build_history
 from fretfe.mesh.extrude import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.mesh.writer import write_mesh
 from fretfe.report.mesh_picture import write_mesh_picture
 from fretfe.results.writer import prepare_directory
-
-COMM = MPI.COMM_WORLD
+from fretfe.runner import read_case, require_supported
 
 
 def _load(path: Path, overrides: Sequence[str], trust_geo: bool) -> Case:
-    case = on_root(COMM, lambda: read_case(path, overrides, trust_geo=trust_geo))
+    from fretfe.fem._compat import MPI
+    from fretfe.fem.parallel import on_root
+
+    case = on_root(MPI.COMM_WORLD, lambda: read_case(path, overrides, trust_geo=trust_geo))
     assert case is not None
     return case
 
 
 def check_case(path: Path, overrides: Sequence[str] = (), *, trust_geo: bool = False) -> None:
     """Print what a case would solve."""
+    from fretfe.fem._compat import MPI
+    from fretfe.fem.backend import BACKEND
+    from fretfe.fem.parallel import on_root
+    from fretfe.fem.refine import starting_mesh
+
     case = _load(path, overrides, trust_geo)
     require_supported(BACKEND, "fem", case)
-    history = on_root(COMM, lambda: build_history(case))
+    history = on_root(MPI.COMM_WORLD, lambda: build_history(case))
     assert history is not None
-    on_root(COMM, lambda: _print_check(case, history, starting_mesh(case)))
+    on_root(MPI.COMM_WORLD, lambda: _print_check(case, history, starting_mesh(case)))
 
 
 def _print_check(case: Case, history: History, mesh: Mesh) -> None:
+    from fretfe.fem.definition import plan_model
+    from fretfe.fem.model import contact_surfaces, couple_contacts
+    from fretfe.fem.rigid_modes import free_motions
+
     plan = plan_model(case, mesh)
     pairs = couple_contacts(case, contact_surfaces(plan, mesh))
     console = Console()
@@ -78,11 +80,16 @@ def write_mesh_file(
     path: Path, target: Path, overrides: Sequence[str] = (), *, trust_geo: bool = False
 ) -> None:
     """Write the mesh of a case."""
+    from fretfe.fem._compat import MPI
+    from fretfe.fem.parallel import on_root
+
     case = _load(path, overrides, trust_geo)
-    on_root(COMM, lambda: _write_mesh(case, target))
+    on_root(MPI.COMM_WORLD, lambda: _write_mesh(case, target))
 
 
 def _write_mesh(case: Case, target: Path) -> None:
+    from fretfe.fem.refine import starting_mesh
+
     prepare_directory(target.parent)
     mesh = starting_mesh(case)
     console = Console()
@@ -110,12 +117,15 @@ def _print_solid(console: Console, mesh: Mesh) -> None:
 
 def show_info() -> None:
     """Print versions and libraries."""
-    if COMM.rank != 0:
+    from fretfe.fem import _compat
+    from fretfe.fem._compat import MPI
+
+    if MPI.COMM_WORLD.rank != 0:
         return
     console = Console()
     for name, version in {**versions(), **_compat.versions()}.items():
         console.print(f"{name:12s} {version}", highlight=False)
-    console.print(f"{'MPI ranks':12s} {COMM.size}", highlight=False)
+    console.print(f"{'MPI ranks':12s} {MPI.COMM_WORLD.size}", highlight=False)
     libraries = blas_libraries()
     for library in libraries:
         console.print(f"{'BLAS':12s} {library}", highlight=False, soft_wrap=True)

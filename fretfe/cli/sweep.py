@@ -12,14 +12,13 @@ from rich.console import Console
 from fretfe.backends import RunOptions, find_backend
 from fretfe.backends.protocol import mute
 from fretfe.cli.progress import StepReport
-from fretfe.cli.run import OneProcess, processes_of, read_case, write_case
 from fretfe.cli.verbosity import Verbosity
-from fretfe.errors import ConvergenceError, OutputError
-from fretfe.report.sweep_figure import write_sweep
+from fretfe.errors import ConvergenceError
+from fretfe.runner import OneProcess, processes_of, read_case, write_case
 from fretfe.sweeps import Sweep, make_variants, parse_ranges, run_sweep
-from fretfe.sweeps.table import MOST_ROWS, sweep_table, write_table
+from fretfe.sweeps.files import FIGURE, TABLE, write_files
+from fretfe.sweeps.table import MOST_ROWS, sweep_table
 
-TABLE, FIGURE = "sweep.csv", "sweep.png"
 NARROWEST = 100
 NO_PICTURE = "it takes one or two keys that vary, and a case that was solved"
 
@@ -68,21 +67,6 @@ def sweep_case(
         raise ConvergenceError(
             f"no variant could be solved; the first: {sweep.failures[0].failure}"
         )
-
-
-def write_files(sweep: Sweep, directory: Path) -> bool:
-    """Write table and picture; whether there is a picture.
-
-    Raises:
-        OutputError: if a file cannot be written.
-    """
-    try:
-        write_table(directory / TABLE, sweep)
-        # A picture of an earlier sweep would not belong to this table.
-        (directory / FIGURE).unlink(missing_ok=True)
-        return write_sweep(directory / FIGURE, sweep.keys, sweep.records(), sweep.units)
-    except OSError as error:
-        raise OutputError(f"{directory}: cannot write the sweep: {error}") from error
 
 
 def _print(

@@ -11,16 +11,11 @@ from rich.console import Console
 
 from fretfe.backends import RunOptions, find_backend
 from fretfe.cli.progress import StepReport
-from fretfe.cli.run import (
-    OneProcess,
-    processes_of,
-    read_case,
-    require_supported,
-)
 from fretfe.cli.verbosity import Verbosity
 from fretfe.quality.validate import Validation, validate
 from fretfe.quality.validate.report import as_numbers, print_validation
 from fretfe.results.writer import prepare_directory, write_results
+from fretfe.runner import OneProcess, processes_of, read_case, require_supported
 
 ROWS = "validation.json"
 NARROWEST = 100

@@ -17,11 +17,11 @@ from fretfe.backends import EdgeHistories, RunOptions, SharingBackend
 from fretfe.backends.analytic import BACKEND as ANALYTIC
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case, changed, parse_case
-from fretfe.cli.sweep import write_files
 from fretfe.errors import ConvergenceError
 from fretfe.report.sweep_figure import write_sweep
 from fretfe.results.records import edge_records
 from fretfe.sweeps import Sweep, make_variants, run_sweep
+from fretfe.sweeps.files import write_files
 from fretfe.sweeps.table import sweep_table
 
 FRICTION, AMPLITUDE = "contacts.main.friction", "loads.shear.amplitude"
