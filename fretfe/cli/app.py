@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import traceback
 from pathlib import Path
@@ -11,7 +10,16 @@ from typing import Annotated
 
 import typer
 
-from fretfe.cli.verbosity import Verbosity
+from fretfe.cli.options import (
+    Backend,
+    CaseFile,
+    Overrides,
+    Quiet,
+    Results,
+    TrustGeo,
+    Verbose,
+    verbosity_of,
+)
 from fretfe.environment import missing_package, rank_from_environment
 from fretfe.errors import DependencyError, FretfeError
 
@@ -48,35 +56,6 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-CaseFile = Annotated[
-    Path, typer.Argument(metavar="CASE", help="Case file (TOML).", show_default=False)
-]
-Overrides = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help="Value in place of that of the case file; can be given several times.",
-        show_default=False,
-    ),
-]
-Backend = Annotated[
-    str, typer.Option(help="analytic, halfplane, fem, or one of `fretfe backends`.")
-]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
-Verbose = Annotated[
-    bool, typer.Option("--verbose", "-v", help="Print every step, on terminals too, and timings.")
-]
-TrustGeo = Annotated[
-    bool,
-    typer.Option(
-        "--trust-geo", help="Run the Gmsh script (.geo) of the case: it can start any program."
-    ),
-]
-Results = Annotated[
-    Path, typer.Argument(metavar="DIR", help="Folder with results.", show_default=False)
-]
-
 
 @app.command(
     epilog=_examples(
@@ -111,22 +90,19 @@ def run(
         output,
         backend,
         overrides or (),
-        _verbosity(quiet, verbose),
+        verbosity_of(quiet, verbose),
         timings=timings,
         report=report,
         trust_geo=trust_geo,
     )
 
 
-@app.command("report", epilog=_examples("fretfe report pad"))
-def make_report(
-    directory: Results,
-) -> None:
+@app.command(epilog=_examples("fretfe report pad"))
+def report(directory: Results) -> None:
     """Make report.html again from the results in a folder."""
-    from fretfe.report.page import write_report
+    from fretfe.cli.report import make_report
 
-    if rank_from_environment() == 0:
-        typer.echo(f"Report in {write_report(directory)}")
+    make_report(directory)
 
 
 @app.command(
@@ -167,7 +143,7 @@ def sweep(
         output,
         backend,
         overrides or (),
-        _verbosity(quiet, verbose),
+        verbosity_of(quiet, verbose),
         trust_geo=trust_geo,
     )
 
@@ -180,7 +156,7 @@ def backends(
     ] = None,
 ) -> None:
     """List the installed backends, and why one cannot be used."""
-    from fretfe.cli.run import show_backends
+    from fretfe.cli.backends import show_backends
 
     show_backends(case)
 
@@ -206,7 +182,7 @@ def validate(
     """
     from fretfe.cli.validate import validate_case
 
-    verbosity = _verbosity(quiet, verbose)
+    verbosity = verbosity_of(quiet, verbose)
     passed = validate_case(
         case,
         output,
@@ -235,7 +211,7 @@ def verify(
 
     Exit code 1 if one of them fails.
     """
-    from fretfe.cli.run import verify_backends
+    from fretfe.cli.verify import verify_backends
 
     if not verify_backends(backend or (), as_json=as_json):
         raise typer.Exit(1)
@@ -248,7 +224,7 @@ def verify(
 )
 def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = False) -> None:
     """Check a case and its mesh, and list what would be solved."""
-    from fretfe.cli.mesh import check_case
+    from fretfe.cli.check import check_case
 
     check_case(case, overrides or (), trust_geo=trust_geo)
 
@@ -330,7 +306,7 @@ def scene(
 @app.command(epilog=_examples("fretfe info", "mpirun -n 2 fretfe info"))
 def info() -> None:
     """Show versions, MPI and the linear-algebra library in use."""
-    from fretfe.cli.mesh import show_info
+    from fretfe.cli.info import show_info
 
     show_info()
 
@@ -338,17 +314,9 @@ def info() -> None:
 @app.command(epilog=_examples("fretfe schema > case.schema.json"))
 def schema() -> None:
     """Print the JSON schema of case files."""
-    from fretfe.case import case_schema
+    from fretfe.cli.schema import show_schema
 
-    typer.echo(json.dumps(case_schema(), indent=2))
-
-
-def _verbosity(quiet: bool, verbose: bool) -> Verbosity:
-    if quiet and verbose:
-        raise typer.BadParameter("expected --quiet or --verbose, found both")
-    if quiet:
-        return Verbosity.QUIET
-    return Verbosity.VERBOSE if verbose else Verbosity.NORMAL
+    show_schema()
 
 
 def main() -> None:

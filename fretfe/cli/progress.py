@@ -17,8 +17,8 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from fretfe.backends import Observer
 from fretfe.cli.verbosity import Verbosity
-from fretfe.errors import StoppedError
 
 # What ends a process from outside: a user, a queue or `timeout`.
 DEFAULTS: dict[signal.Signals, Any] = {
@@ -27,7 +27,7 @@ DEFAULTS: dict[signal.Signals, Any] = {
 }
 
 
-class StepReport:
+class StepReport(Observer):
     """Progress on rank 0: a bar on a terminal, elsewhere a line per step; nothing if quiet.
 
     Ctrl-C and SIGTERM end the history after the step that is being solved, so that nothing is lost
@@ -76,18 +76,16 @@ class StepReport:
             self._bar.stop()
 
     def step(self, number: int, count: int, text: str) -> None:
-        """Report an accepted step.
-
-        Raises:
-            StoppedError: if the process was asked to end; steps up to this one are kept.
-        """
+        """Report an accepted step."""
         self._steps += 1
         if self._bar is not None and self._task is not None:
             self._bar.update(self._task, completed=number, total=count)
         elif self._lines:
             print(f"step {number}/{count}: {text}", flush=True)
-        if self._signal is not None and number < count:
-            raise StoppedError(self._signal, f"after step {number} of {count}, which are kept")
+
+    def stop(self) -> signal.Signals | None:
+        """Return the signal that asked the process to end, if there was one."""
+        return self._signal
 
     def announce(self, text: str) -> None:
         """Say what begins or has ended."""

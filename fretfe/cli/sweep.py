@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What `fretfe sweep` does; rank 0 writes and prints."""
+"""The command `fretfe sweep`; the first process prints."""
 
 from __future__ import annotations
 
@@ -9,14 +9,12 @@ from pathlib import Path
 
 from rich.console import Console
 
-from fretfe.backends import RunOptions, find_backend
-from fretfe.backends.protocol import mute
 from fretfe.cli.progress import StepReport
 from fretfe.cli.verbosity import Verbosity
 from fretfe.errors import ConvergenceError
-from fretfe.runner import OneProcess, processes_of, read_case, write_case
-from fretfe.sweeps import Sweep, make_variants, parse_ranges, run_sweep
-from fretfe.sweeps.files import FIGURE, TABLE, write_files
+from fretfe.runner import Runner
+from fretfe.sweeps import Sweep, parse_ranges
+from fretfe.sweeps.files import FIGURE, TABLE
 from fretfe.sweeps.table import MOST_ROWS, sweep_table
 
 NARROWEST = 100
@@ -48,30 +46,21 @@ def sweep_case(
         ConvergenceError: if no variant could be solved.
     """
     start = time.perf_counter()
-    backend = find_backend(name)
-    processes = processes_of(backend)
-    if isinstance(processes, OneProcess) and processes.rank > 0:
+    runner = Runner.find(name)
+    if runner.idle:
         return
-    case = processes.on_root(lambda: read_case(path, overrides, trust_geo=trust_geo))
-    assert case is not None
-    variants = processes.on_root(lambda: make_variants(case, parse_ranges(vary)))
-    assert variants is not None
-    processes.on_root(lambda: write_case(directory, case))
-    with StepReport(processes.rank, verbosity, steps=False) as report:
-        announce = report.announce if processes.rank == 0 else mute
-        sweep = run_sweep(variants, backend, RunOptions(progress=report.step, announce=announce))
-    drawn = processes.on_root(lambda: write_files(sweep, directory))
-    if processes.rank == 0:
-        _print(sweep, directory, bool(drawn), time.perf_counter() - start, verbosity)
+    case = runner.read_case(path, overrides, trust_geo=trust_geo)
+    with StepReport(runner.processes.rank, verbosity, steps=False) as report:
+        sweep = runner.sweep(case, parse_ranges(vary), directory, report)
+    if runner.processes.rank == 0:
+        _print(sweep, directory, time.perf_counter() - start, verbosity)
     if len(sweep.failures) == len(sweep.variants):
         raise ConvergenceError(
             f"no variant could be solved; the first: {sweep.failures[0].failure}"
         )
 
 
-def _print(
-    sweep: Sweep, directory: Path, drawn: bool, seconds: float, verbosity: Verbosity
-) -> None:
+def _print(sweep: Sweep, directory: Path, seconds: float, verbosity: Verbosity) -> None:
     quiet = verbosity is Verbosity.QUIET
     # Wide enough for all columns: a narrow terminal wraps lines rather than cuts numbers.
     console = Console(width=max(Console().width, NARROWEST), stderr=quiet)
@@ -87,7 +76,11 @@ def _print(
     if quiet:
         return
     console.print(_cost(sweep, seconds), highlight=False)
-    files = f"{TABLE} and {FIGURE}" if drawn else f"{TABLE} (no picture: {NO_PICTURE})"
+    files = (
+        f"{TABLE} and {FIGURE}"
+        if (directory / FIGURE).exists()
+        else f"{TABLE} (no picture: {NO_PICTURE})"
+    )
     console.print(f"{files} in {directory}", highlight=False, soft_wrap=True)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What `fretfe templates` does: list the geometry templates, or the parameters of one."""
+"""The command `fretfe templates`."""
 
 from __future__ import annotations
 

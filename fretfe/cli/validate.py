@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What `fretfe validate` does; rank 0 prints."""
+"""The command `fretfe validate`; the first process prints."""
 
 from __future__ import annotations
 
@@ -9,16 +9,29 @@ from pathlib import Path
 
 from rich.console import Console
 
-from fretfe.backends import RunOptions, find_backend
 from fretfe.cli.progress import StepReport
 from fretfe.cli.verbosity import Verbosity
-from fretfe.quality.validate import Validation, validate
+from fretfe.quality.validate import Validation
 from fretfe.quality.validate.report import as_numbers, print_validation
-from fretfe.results.writer import prepare_directory, write_results
-from fretfe.runner import OneProcess, processes_of, read_case, require_supported
+from fretfe.runner import Runner
 
-ROWS = "validation.json"
 NARROWEST = 100
+
+
+class _PhaseReport(StepReport):
+    """Progress of several runs of a case: each is named where it begins."""
+
+    def __init__(self, name: str, rank: int, verbosity: Verbosity) -> None:
+        super().__init__(rank, verbosity, steps=False)
+        self._name = name
+        self._console = Console(stderr=True, quiet=rank > 0 or verbosity is Verbosity.QUIET)
+
+    def phase(self, text: str) -> None:
+        """Name the run that begins."""
+        self._console.print(f"{self._name}: {text}", highlight=False)
+
+    def announce(self, text: str) -> None:
+        """Leave out the meshes."""
 
 
 def validate_case(
@@ -31,7 +44,7 @@ def validate_case(
     as_json: bool,
     trust_geo: bool = False,
 ) -> bool:
-    """Validate a case, print the rows, and say whether all is well. Collective like the backend.
+    """Validate a case, print the rows, and return True if all is well. Collective like the backend.
 
     Args:
         path: of the case file.
@@ -43,31 +56,15 @@ def validate_case(
         as_json: print one JSON document in place of the table.
         trust_geo: whether a .geo file of the case may run.
     """
-    backend = find_backend(name)
-    processes = processes_of(backend)
-    if isinstance(processes, OneProcess) and processes.rank > 0:
+    runner = Runner.find(name)
+    if runner.idle:
         return True
-    case = processes.on_root(lambda: read_case(path, overrides, trust_geo=trust_geo))
-    assert case is not None
-    processes.on_root(lambda: require_supported(backend, name, case))
-    if directory is not None:
-        processes.on_root(lambda: prepare_directory(directory))
-    quiet = processes.rank > 0 or verbosity is Verbosity.QUIET
-    shown = Console(stderr=True, quiet=quiet)
-    with StepReport(processes.rank, verbosity, steps=False) as report:
-        validation = validate(
-            case,
-            backend,
-            lambda text: shown.print(f"{path.name}: {text}", highlight=False),
-            RunOptions(progress=report.step),
-        )
-    if processes.rank == 0:
-        if directory is not None:
-            write_results(directory, case, name, validation.result)
-            text = json.dumps(as_numbers(validation), indent=1, allow_nan=False)
-            (directory / ROWS).write_text(text + "\n", encoding="utf-8")
-        if as_json or not (verbosity is Verbosity.QUIET and validation.passed):
-            _print(validation, as_json)
+    case = runner.read_case(path, overrides, trust_geo=trust_geo)
+    with _PhaseReport(path.name, runner.processes.rank, verbosity) as report:
+        validation = runner.validate(case, directory, report)
+    quiet = verbosity is Verbosity.QUIET and validation.passed
+    if runner.processes.rank == 0 and (as_json or not quiet):
+        _print(validation, as_json)
     return validation.passed
 
 

@@ -51,10 +51,8 @@ class Model:
         self.case = case
         degree = case.model.degree
         plan = on_root(comm, lambda: plan_model(case, mesh))  # type: ignore[arg-type]
-        assert plan is not None
         with clock("surfaces"):
             surfaces = on_root(comm, lambda: contact_surfaces(plan, mesh))  # type: ignore[arg-type]
-            assert surfaces is not None
             self.surfaces = surfaces
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
         self._plan = plan
