@@ -6,12 +6,11 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
-from fretfe.backends import EdgeHistories
 from fretfe.edges.evaluate import ContactSummary, Edge
 from fretfe.edges.slip_zones import SlipZone
 from fretfe.quality.validate.single import asymptote_row, element_size
 from fretfe.report.numbers import number, with_error
-from fretfe.results.reader import Results
+from fretfe.results.model import Result
 
 # Slip zones of an edge that are shown: those of the last loading and unloading.
 ZONES = 2
@@ -50,16 +49,16 @@ class EdgeAnswer:
     zones: tuple[ZoneAnswer, ...]
 
 
-def edge_answers(results: Results) -> tuple[EdgeAnswer, ...]:
+def edge_answers(results: Result) -> tuple[EdgeAnswer, ...]:
     """One answer for each edge."""
     return tuple(
-        _edge_answer(results.result, contact, edge)
-        for contact in results.result.contacts
+        _edge_answer(results, contact, edge)
+        for contact in results.contacts
         for edge in contact.edges
     )
 
 
-def _edge_answer(result: EdgeHistories, contact: ContactSummary, edge: Edge) -> EdgeAnswer:
+def _edge_answer(result: Result, contact: ContactSummary, edge: Edge) -> EdgeAnswer:
     size = element_size(result, contact)
     return EdgeAnswer(
         contact=contact.name,
@@ -75,7 +74,7 @@ def _edge_answer(result: EdgeHistories, contact: ContactSummary, edge: Edge) -> 
 
 
 def _zone_answer(
-    result: EdgeHistories, contact: ContactSummary, edge: Edge, zone: SlipZone, size: float
+    result: Result, contact: ContactSummary, edge: Edge, zone: SlipZone, size: float
 ) -> ZoneAnswer:
     row = asymptote_row(contact, edge, zone, "", size)
     verdict = WORDS[row.verdict]
@@ -83,7 +82,7 @@ def _zone_answer(
         verdict = "gross"
     elif not zone.resolved:
         verdict = "not resolved"
-    times = result.history.times
+    times = result.loads.times
     predicted = zone.prediction
     ratio = predicted / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
@@ -96,7 +95,7 @@ def _zone_answer(
     )
 
 
-def summary(results: Results, answers: tuple[EdgeAnswer, ...]) -> tuple[str, ...]:
+def summary(results: Result, answers: tuple[EdgeAnswer, ...]) -> tuple[str, ...]:
     """The answer in a few sentences: slip zones, solution, cycle."""
     return tuple(
         text for text in (_zone_text(answers), _step_text(results), _cycle_text(results)) if text
@@ -116,9 +115,9 @@ def _zone_text(answers: tuple[EdgeAnswer, ...]) -> str:
     )
 
 
-def _step_text(results: Results) -> str:
-    solution = results.result.solution
-    if solution is None or results.result.failure is not None:
+def _step_text(results: Result) -> str:
+    solution = results.solution
+    if solution is None or results.failure is not None:
         return ""
     worst = float(solution.certificates["worst"].max())
     return (
@@ -127,10 +126,10 @@ def _step_text(results: Results) -> str:
     )
 
 
-def _cycle_text(results: Results) -> str:
-    if results.result.history.cycle is None:
+def _cycle_text(results: Result) -> str:
+    if results.loads.cycle is None:
         return "There is no evaluated cycle: ranges over it are missing."
-    changing = [contact.name for contact in results.result.contacts if not contact.steady]
+    changing = [contact.name for contact in results.contacts if not contact.steady]
     if changing:
         return f"The evaluated cycle is not steady, or not known to be, at {', '.join(changing)}."
     return "The evaluated cycle is steady."

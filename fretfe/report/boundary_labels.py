@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 
 from fretfe._typing import Array
-from fretfe.backends import BodyArrays
+from fretfe.results.model import BodyArrays
 
 SPACING = 0.2
 MARGIN = 0.12

@@ -18,10 +18,10 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from fretfe._typing import Array
-from fretfe.backends import BodyArrays
 from fretfe.case import Case
 from fretfe.report.boundary_labels import SPACING, boundary_labels, column_widths, draw_labels
 from fretfe.report.outlines import boundary_curves, cell_outlines
+from fretfe.results.model import BodyArrays
 
 STYLE: Any = {"font.size": 9, "axes.linewidth": 0.6, "axes.formatter.useoffset": False}
 DPI = 160

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.backends import BodyArrays
+from fretfe.results.model import BodyArrays
 
 CORNERS = {"triangle": 3, "quadrilateral": 4}
 # Straight pieces that a curved edge is drawn with.

@@ -20,7 +20,8 @@ from fretfe.report.numbers import number
 from fretfe.report.picture_list import read_pictures
 from fretfe.report.sections import plot_sections, solver_plots
 from fretfe.report.tables import contact_table, limit_table, mesh_table, timing_table
-from fretfe.results.reader import Results, read_results
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result
 from fretfe.results.solution import Solution
 
 REPORT = "report.html"
@@ -59,7 +60,7 @@ def render(directory: Path) -> str:
     Raises:
         OutputError: if the folder has no complete set of results.
     """
-    results, pictures = read_results(directory), read_pictures(directory)
+    results, pictures = load_result(directory), read_pictures(directory)
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
@@ -67,28 +68,27 @@ def render(directory: Path) -> str:
     package = files("fretfe.report")
     template = environment.from_string(package.joinpath(TEMPLATE).read_text(encoding="utf-8"))
     answers = edge_answers(results)
-    result = results.result
     return template.render(
         style=Markup(package.joinpath(STYLE).read_text(encoding="utf-8")),
         results=results,
-        result=result,
+        result=results,
         case=results.case,
         units=results.case.units,
         answers=answers,
         summary=summary(results, answers),
-        contacts=contact_table(results.case, result.history.cycle, result.contacts),
+        contacts=contact_table(results.case, results.loads.cycle, results.contacts),
         works=[
             f"{contact.name} {number(contact.dissipation)}"
-            for contact in result.contacts
+            for contact in results.contacts
             if math.isfinite(contact.dissipation)
         ],
         pictures=pictures,
         sections=plot_sections(results),
         solver_plots=solver_plots(results),
         certificate=_certificate_rows(results),
-        checks=tuple(own_rows(result)) if _solved(result.solution) else (),
+        checks=tuple(own_rows(results)) if _solved(results.solution) else (),
         meshes=_mesh_tables(results),
-        timings=timing_table(result.seconds),
+        timings=timing_table(results.seconds),
         case_text=_case_text(results),
     )
 
@@ -98,9 +98,9 @@ def _solved(solution: Solution | None) -> bool:
     return solution is None or len(solution.times) > 1
 
 
-def _certificate_rows(results: Results) -> list[tuple[str, str, str]]:
+def _certificate_rows(results: Result) -> list[tuple[str, str, str]]:
     """What is violated, by how much at most in any step, and over its scale."""
-    solution, units = results.result.solution, results.case.units
+    solution, units = results.solution, results.case.units
     if solution is None or not _solved(solution):
         return []
     labels = {
@@ -123,15 +123,15 @@ def _certificate_rows(results: Results) -> list[tuple[str, str, str]]:
     return rows
 
 
-def _case_text(results: Results) -> str:
+def _case_text(results: Result) -> str:
     """The case as it was understood, as TOML."""
     return tomli_w.dumps(
         results.case.model_dump(mode="json", exclude_unset=True, exclude_none=True)
     )
 
 
-def _mesh_tables(results: Results) -> list[Table]:
-    refinement = results.result.refinement
+def _mesh_tables(results: Result) -> list[Table]:
+    refinement = results.refinement
     return [] if refinement is None else [mesh_table(refinement), limit_table(refinement)]
 
 

@@ -12,8 +12,8 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.report.field_files import CORNERS, BodyField
 from fretfe.report.picture_plan import EdgePlace
-from fretfe.report.results_arrays import StoredContact
 from fretfe.report.view import View, view_of_box
+from fretfe.results.solution import ContactHistory
 
 # Largest displacement that is drawn, and largest overlap of the bodies, as fractions of their size.
 DRAWN_DISPLACEMENT, DRAWN_OVERLAP = 0.04, 0.003
@@ -28,7 +28,7 @@ EDGE_ASPECT = 0.8
 
 
 def deformation_scale(
-    fields: Sequence[BodyField], contacts: Sequence[StoredContact], states: Sequence[int]
+    fields: Sequence[BodyField], contacts: Sequence[ContactHistory], states: Sequence[int]
 ) -> float:
     """Round factor of the displacements that shows them and lets no bodies overlap visibly.
 
@@ -107,7 +107,7 @@ def surroundings(points: Sequence[Array]) -> View:
 
 
 def edge_view(
-    contact: StoredContact, edge: EdgePlace, bodies: Mapping[str, BodyField]
+    contact: ContactHistory, edge: EdgePlace, bodies: Mapping[str, BodyField]
 ) -> tuple[View, dict[str, BodyField]]:
     """The surroundings of an edge at its displaced place, body 2 below, and the bodies there.
 

@@ -11,8 +11,8 @@ from typing import Any
 from fretfe._typing import Array
 from fretfe.report.field_files import BodyField, field_times, find_time, read_body
 from fretfe.report.picture_texts import time_text
-from fretfe.report.results_arrays import StoredArrays, read_arrays
-from fretfe.results.reader import read_numbers
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result, read_numbers
 from fretfe.results.writer import FIELDS
 
 
@@ -23,13 +23,13 @@ class Source:
     Attributes:
         folder: where they are.
         numbers: contents of `results.json`.
-        arrays: of `results.h5`.
+        result: of the run.
         times: of the fields.
     """
 
     folder: Path
     numbers: Mapping[str, Any]
-    arrays: StoredArrays
+    result: Result
     times: Array
     _read: dict[int, dict[str, BodyField]] = field(default_factory=dict)
 
@@ -44,7 +44,7 @@ class Source:
             assert number is not None
             self._read[state] = {
                 name: read_body(self.folder / FIELDS, name, number, self._poisson(name))
-                for name in self.arrays.bodies
+                for name in self.result.bodies
             }
         return self._read[state]
 
@@ -72,6 +72,6 @@ def open_source(directory: Path) -> Source:
     Raises:
         OutputError: if they are missing.
     """
-    arrays = read_arrays(directory)
-    times = field_times(directory / FIELDS, list(arrays.bodies))
-    return Source(directory, read_numbers(directory), arrays, times)
+    result = load_result(directory)
+    times = field_times(directory / FIELDS, list(result.bodies))
+    return Source(directory, read_numbers(directory), result, times)

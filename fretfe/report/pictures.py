@@ -16,9 +16,9 @@ from fretfe.errors import OutputError
 from fretfe.report.child import draw_in_child
 from fretfe.report.picture_frames import save_png
 from fretfe.report.picture_plan import FOLDER, LIST, Wanted, plan_pictures
-from fretfe.report.results_arrays import StoredArrays, read_arrays
 from fretfe.report.status_pictures import draw_status
-from fretfe.results.reader import read_numbers
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result, read_numbers
 from fretfe.results.writer import FIELDS
 
 
@@ -67,9 +67,9 @@ def _draw(
     """Caption and size of each picture, or why there is none."""
     if not wanted:
         return {}
-    arrays = read_arrays(directory)
+    result = load_result(directory)
     reports = {
-        each.file: _draw_status(directory, numbers, arrays, each)
+        each.file: _draw_status(directory, numbers, result, each)
         for each in wanted
         if each.kind == "status"
     }
@@ -84,9 +84,9 @@ def _draw(
 
 
 def _draw_status(
-    directory: Path, numbers: Mapping[str, Any], arrays: StoredArrays, wanted: Wanted
+    directory: Path, numbers: Mapping[str, Any], result: Result, wanted: Wanted
 ) -> dict[str, Any]:
-    figure, caption = draw_status(numbers, arrays, wanted.contacts, wanted.states)
+    figure, caption = draw_status(numbers, result, wanted.contacts, wanted.states)
     width, height = save_png(figure, directory / FOLDER / wanted.file)
     return {"caption": caption, "width": width, "height": height}
 

@@ -88,12 +88,12 @@ def edge_plot(shown: Shown, edge: Edge) -> Plot | None:
 
 
 def _near(shown: Shown, edge: Edge) -> _Near | None:
-    result = shown.results.result
-    if result.history.cycle is None:
+    result = shown.results
+    if result.loads.cycle is None:
         friction = np.flatnonzero(shown.history.friction > 0)
         states = [int(friction[0]) - 1, len(edge.k_t) - 1] if len(friction) else []
     else:
-        states = load_extremes([edge.k_t], [edge.k_i], result.history.cycle)
+        states = load_extremes([edge.k_t], [edge.k_i], result.loads.cycle)
     if len(states) < 2 or not np.isfinite([edge.position[states[1]], edge.k_n[states[1]]]).all():
         return None
     change = float(edge.k_t[states[1]] - edge.k_t[states[0]])
@@ -145,12 +145,12 @@ def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line:
     before, after = (history.mean_traction[state, inside] for state in states)
     change = near.sign * (after[:, 1] - before[:, 1])
     friction = history.friction[near.later]
-    cyclic = shown.results.result.history.cycle is not None
+    cyclic = shown.results.loads.cycle is not None
     bound = friction * (after[:, 0] + before[:, 0] * cyclic)
     s = s[inside]
     axes.plot(s, _positive(change), ".-", ms=4, lw=1.2, color=BLUE, label="change of q")
     axes.plot(s, _positive(bound), ":", color=GREY, label="friction bound")
-    solution = shown.results.result.solution
+    solution = shown.results.solution
     assert solution is not None
     stuck = _stuck_change(solution, shown, near)
     if stuck is not None:

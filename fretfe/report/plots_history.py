@@ -21,7 +21,7 @@ from fretfe.report.drawing import (
 )
 from fretfe.report.histories import fill_loads
 from fretfe.report.states import span
-from fretfe.results.reader import Results
+from fretfe.results.model import Result
 
 FACTORS_INTRO = (
     "K_T belongs to the shear and is positive if that on body 2 points inward; K_I belongs to the "
@@ -41,9 +41,9 @@ CONSTANT = 1e-3
 PANEL = 1.5
 
 
-def load_plot(results: Results) -> Plot | None:
+def load_plot(results: Result) -> Plot | None:
     """All loads over time, one panel each; None without loads."""
-    history = results.result.history
+    history = results.loads
     count = len(history.channels)
     if not count:
         return None
@@ -56,22 +56,22 @@ def load_plot(results: Results) -> Plot | None:
     )
 
 
-def _draw_loads(figure: Figure, results: Results) -> None:
-    history = results.result.history
+def _draw_loads(figure: Figure, results: Result) -> None:
+    history = results.loads
     panels = figure.subplots(len(history.channels), 1, sharex=True, squeeze=False)[:, 0]
     fill_loads(list(panels), results.case, history)
 
 
-def _over_time(axes: Axes, results: Results) -> None:
+def _over_time(axes: Axes, results: Result) -> None:
     """Shade the evaluated cycle."""
-    history = results.result.history
+    history = results.loads
     axes.set_xlim(0.0, history.times[-1] or 1.0)
     if history.cycle is not None:
         first, last = history.cycle
         axes.axvspan(history.times[first], history.times[last], color=PALE, lw=0)
 
 
-def factor_plot(results: Results, contact: ContactSummary, key: str) -> Plot:
+def factor_plot(results: Result, contact: ContactSummary, key: str) -> Plot:
     """K_T and K_I of both edges over time."""
     return make_plot(
         f"{key}-factors",
@@ -82,9 +82,9 @@ def factor_plot(results: Results, contact: ContactSummary, key: str) -> Plot:
     )
 
 
-def _draw_factors(figure: Figure, results: Results, contact: ContactSummary) -> None:
+def _draw_factors(figure: Figure, results: Result, contact: ContactSummary) -> None:
     panels = figure.subplots(2, 1, sharex=True)
-    times, units = results.result.history.times, results.case.units
+    times, units = results.loads.times, results.case.units
     for axes, name, label in zip(panels, ("k_t", "k_i"), ("K_T", "K_I"), strict=True):
         _over_time(axes, results)
         for edge, colour, style in zip(
@@ -98,7 +98,7 @@ def _draw_factors(figure: Figure, results: Results, contact: ContactSummary) -> 
     panels[1].set_xlabel(f"time [{units.time}]")
 
 
-def path_plot(results: Results, contact: ContactSummary, key: str) -> Plot:
+def path_plot(results: Result, contact: ContactSummary, key: str) -> Plot:
     """Path of P and Q, and of Q and the tension if that varies."""
     tension = _tension_varies(results, contact)
     return make_plot(
@@ -110,19 +110,19 @@ def path_plot(results: Results, contact: ContactSummary, key: str) -> Plot:
     )
 
 
-def _tension_varies(results: Results, contact: ContactSummary) -> bool:
+def _tension_varies(results: Result, contact: ContactSummary) -> bool:
     """Whether the tension changes K_T, next to what the shear force does.
 
     By (7a) of the theory guide 4Q/(π a) is the tension that changes it as much as Q.
     """
-    first, last = span(results.result)
+    first, last = span(results)
     tension = contact.effective_tension[first : last + 1]
     a = np.nanmax(contact.half_width, initial=0.0)
     scale = 4 * np.abs(contact.shear_force).max() / (np.pi * a) if a > 0 else 0.0
     return bool(np.ptp(tension) > CONSTANT * max(scale, np.abs(tension).max()))
 
 
-def _draw_path(figure: Figure, results: Results, contact: ContactSummary, tension: bool) -> None:
+def _draw_path(figure: Figure, results: Result, contact: ContactSummary, tension: bool) -> None:
     panels = figure.subplots(1, 1 + tension, squeeze=False, sharey=True)[0]
     units = results.case.units
     line_force = f"{units.force}/{units.length}"
@@ -140,8 +140,8 @@ def _draw_path(figure: Figure, results: Results, contact: ContactSummary, tensio
         panels[1].set_xlabel(f"σ0 [{units.stress}]")
 
 
-def _trace(axes: Axes, results: Results, x: Array, y: Array) -> None:
-    first, last = span(results.result)
+def _trace(axes: Axes, results: Result, x: Array, y: Array) -> None:
+    first, last = span(results)
     axes.plot(x, y, color=ORANGE, lw=0.8, ls="--")
     axes.plot(x[first : last + 1], y[first : last + 1], color=BLUE, lw=2.0)
     axes.plot(x[first], y[first], "o", color="black", ms=4)

@@ -10,7 +10,7 @@ from fretfe._typing import Array
 from fretfe.report.drawing import BLUE, Plot, make_plot, plain_axis
 from fretfe.report.numbers import number
 from fretfe.report.states import Shown, span
-from fretfe.results.reader import Results
+from fretfe.results.model import Result
 from fretfe.results.solution import OPEN, Solution
 
 INTRO = (
@@ -27,14 +27,14 @@ ROUND_OFF = 1e-9
 
 def slip_loop_plot(shown: Shown) -> Plot | None:
     """Q over the mean slip of a contact; None if no node stays in contact."""
-    first, last = span(shown.results.result)
+    first, last = span(shown.results)
     states = slice(first, last + 1)
     closed = np.all(shown.history.status[max(first, 1) : last + 1] != OPEN, axis=0)
     if not closed.any() or last - first < 2:
         return None
     slip = shown.history.slip[states, :, 0] @ (shown.history.weights * closed)
     slip = (slip - slip[0]) / shown.history.weights[closed].sum()
-    cycle = shown.results.result.history.cycle is not None
+    cycle = shown.results.loads.cycle is not None
     units = shown.results.case.units
     work = f"{number(shown.summary.dissipation)} {units.force}·{units.length}/{units.length}"
     when = "evaluated cycle" if cycle else "whole history, which is shown: there is no cycle"
@@ -50,9 +50,9 @@ def slip_loop_plot(shown: Shown) -> Plot | None:
     return make_plot(f"{shown.key}-loop", f"Contact {shown.summary.name}", caption, 3.2, draw)
 
 
-def work_loop_plots(results: Results) -> list[Plot]:
+def work_loop_plots(results: Result) -> list[Plot]:
     """Force over displacement of each boundary that works during the cycle."""
-    solution = results.result.solution
+    solution = results.solution
     if solution is None or solution.cycle is None:
         return []
     states = slice(solution.cycle[0], solution.cycle[1] + 1)
@@ -81,10 +81,10 @@ def without_slope(force: Array, displacement: Array) -> Array:
     return displacement - displacement.mean() - centred * float(centred @ displacement) / size
 
 
-def _balance(results: Results, solution: Solution, total: float) -> str:
+def _balance(results: Result, solution: Solution, total: float) -> str:
     """Work of all boundaries next to the friction work of all contacts."""
-    first, last = span(results.result)
-    friction = sum(contact.dissipation for contact in results.result.contacts)
+    first, last = span(results)
+    friction = sum(contact.dissipation for contact in results.contacts)
     text = (
         f"All loops of boundaries together: {number(total)}; friction work of all contacts in the "
         f"cycle: {number(float(friction))}."
@@ -99,8 +99,8 @@ def _balance(results: Results, solution: Solution, total: float) -> str:
     return f"{text} In a steady cycle they are equal but for the size of the load steps."
 
 
-def _work_loop(results: Results, label: str, index: int, area: float, balance: str) -> Plot:
-    solution, units = results.result.solution, results.case.units
+def _work_loop(results: Result, label: str, index: int, area: float, balance: str) -> Plot:
+    solution, units = results.solution, results.case.units
     assert solution is not None and solution.cycle is not None
     states = slice(solution.cycle[0], solution.cycle[1] + 1)
     force, displacement = solution.forces[states, index], solution.amplitudes[states, index]

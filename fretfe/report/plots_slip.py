@@ -43,13 +43,13 @@ def slip_plot(shown: Shown) -> Plot:
 
 def _draw(figure: Figure, shown: Shown) -> None:
     panels = figure.subplot_mosaic([["whole", "whole"], ["left", "right"]])
-    times, units = shown.results.result.history.times, shown.results.case.units
-    first, last = span(shown.results.result)
+    times, units = shown.results.loads.times, shown.results.case.units
+    first, last = span(shown.results)
     positions = np.concatenate([edge.position for edge in shown.summary.edges])
     low, high = _limits(shown, positions)
     _map(panels["whole"], shown, low, high, (0, len(times) - 1))
     panels["whole"].set_ylim(times[0], times[-1])
-    if shown.results.result.history.cycle is not None:
+    if shown.results.loads.cycle is not None:
         for time in times[[first, last]]:
             panels["whole"].axhline(time, color="black", lw=0.8, ls="--")
     for edge in shown.summary.edges:
@@ -99,7 +99,7 @@ def _window(shown: Shown, edge: Edge, first: int, last: int) -> tuple[float, flo
 
 def _map(axes: Axes, shown: Shown, low: float, high: float, states: tuple[int, int]) -> None:
     """Colours of all nodes in the steps between two states, and the lines of the edges."""
-    history, times = shown.history, shown.results.result.history.times
+    history, times = shown.history, shown.results.loads.times
     steps = slice(states[0] + 1, states[1] + 1)
     kind = history.status[steps].astype(int)
     kind = np.where((kind == SLIP) & (history.traction[steps, :, 1] < 0), SLIP + 1, kind)
@@ -123,7 +123,7 @@ def _map(axes: Axes, shown: Shown, low: float, high: float, states: tuple[int, i
 
 
 def _zone_ends(axes: Axes, shown: Shown, edge: Edge, first: int, last: int) -> None:
-    times = shown.results.result.history.times
+    times = shown.results.loads.times
     inward = 1.0 if edge.side == "left" else -1.0
     for zone in edge.slip_zones:
         if first < zone.end <= last:

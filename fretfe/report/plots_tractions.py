@@ -27,6 +27,6 @@ def traction_plot(shown: Shown) -> Plot:
 def _draw(figure: Figure, shown: Shown) -> None:
     axes = figure.subplots()
     results = shown.results
-    assert results.result.solution is not None
-    draw_contact(axes, results.case, results.result.solution, shown.history, shown.summary)
+    assert results.solution is not None
+    draw_contact(axes, results.case, results.solution, shown.history, shown.summary)
     legend_above(axes, columns=2)

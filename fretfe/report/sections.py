@@ -21,7 +21,7 @@ from fretfe.report.plots_slip import slip_plot
 from fretfe.report.plots_solver import certificate_plot, iteration_plot, refinement_plot
 from fretfe.report.plots_tractions import traction_plot
 from fretfe.report.states import Shown
-from fretfe.results.reader import Results
+from fretfe.results.model import Result
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ class Section:
     plots: tuple[Plot, ...]
 
 
-def plot_sections(results: Results) -> tuple[Section, ...]:
+def plot_sections(results: Result) -> tuple[Section, ...]:
     """Everything that is drawn from the results, section by section."""
-    if len(results.result.history.times) < 2:
+    if len(results.loads.times) < 2:
         return ()
     shown = _shown(results)
     histories = (
@@ -66,40 +66,39 @@ def plot_sections(results: Results) -> tuple[Section, ...]:
     return tuple(section for section in sections if section.plots)
 
 
-def solver_plots(results: Results) -> tuple[Plot, ...]:
+def solver_plots(results: Result) -> tuple[Plot, ...]:
     """How the steps were solved, and the meshes."""
-    result = results.result
     plots: list[Plot | None] = []
-    if result.solution is not None and len(result.history.times) > 1:
-        plots += [iteration_plot(result.solution), certificate_plot(result.solution)]
-    if result.refinement is not None:
-        plots.append(refinement_plot(result.refinement))
+    if results.solution is not None and len(results.loads.times) > 1:
+        plots += [iteration_plot(results.solution), certificate_plot(results.solution)]
+    if results.refinement is not None:
+        plots.append(refinement_plot(results.refinement))
     return tuple(plot for plot in plots if plot is not None)
 
 
-def _shown(results: Results) -> list[Shown]:
-    solution = results.result.solution
+def _shown(results: Result) -> list[Shown]:
+    solution = results.solution
     if solution is None:
         return []
-    pairs = zip(results.result.contacts, solution.contacts, strict=True)
+    pairs = zip(results.contacts, solution.contacts, strict=True)
     return [
         Shown(results, summary, history, f"contact{number}")
         for number, (summary, history) in enumerate(pairs)
     ]
 
 
-def _factors(results: Results) -> Iterable[Plot]:
-    for place, contact in enumerate(results.result.contacts):
+def _factors(results: Result) -> Iterable[Plot]:
+    for place, contact in enumerate(results.contacts):
         yield factor_plot(results, contact, f"contact{place}")
 
 
-def _loads(results: Results) -> Iterable[Plot | None]:
+def _loads(results: Result) -> Iterable[Plot | None]:
     yield load_plot(results)
-    for place, contact in enumerate(results.result.contacts):
+    for place, contact in enumerate(results.contacts):
         yield path_plot(results, contact, f"contact{place}")
 
 
-def _loops(results: Results, shown: list[Shown]) -> Iterable[Plot | None]:
+def _loops(results: Result, shown: list[Shown]) -> Iterable[Plot | None]:
     yield from map(slip_loop_plot, shown)
     yield from work_loop_plots(results)
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fretfe.backends import EdgeHistories
 from fretfe.edges.evaluate import ContactSummary
-from fretfe.results.reader import Results
+from fretfe.results.model import Result
 from fretfe.results.solution import ContactHistory
 
 
@@ -22,7 +21,7 @@ class Shown:
         key: starts the ids of its plots.
     """
 
-    results: Results
+    results: Result
     summary: ContactSummary
     history: ContactHistory
     key: str
@@ -33,11 +32,11 @@ class Shown:
         return f"Contact {self.summary.name} ({self.history.body1} on {self.history.body2})"
 
 
-def span(result: EdgeHistories) -> tuple[int, int]:
+def span(result: Result) -> tuple[int, int]:
     """First and last state of the evaluated cycle, or of everything."""
-    return result.history.cycle or (0, len(result.history.times) - 1)
+    return result.loads.cycle or (0, len(result.loads.times) - 1)
 
 
-def time_text(results: Results, state: int) -> str:
+def time_text(results: Result, state: int) -> str:
     """The time of a state."""
-    return f"t = {results.result.history.times[state]:g} {results.case.units.time}"
+    return f"t = {results.loads.times[state]:g} {results.case.units.time}"

@@ -24,9 +24,9 @@ from fretfe.report.picture_frames import (
     set_title,
 )
 from fretfe.report.picture_texts import load_text, time_text
-from fretfe.report.results_arrays import StoredArrays, StoredBody, StoredContact
 from fretfe.report.view import View
-from fretfe.results.solution import OPEN, SLIP, STICK
+from fretfe.results.model import BodyArrays, Result
+from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory
 
 # Height of a panel over its width.
 ASPECT = 0.36
@@ -47,7 +47,7 @@ NAMES = {SLIP: "slip", STICK: "stick", OPEN: "open"}
 @mpl.rc_context(STYLE)
 def draw_status(
     numbers: Mapping[str, Any],
-    arrays: StoredArrays,
+    result: Result,
     contacts: Sequence[str],
     states: Sequence[int],
 ) -> tuple[Figure, str]:
@@ -55,7 +55,7 @@ def draw_status(
 
     Args:
         numbers: contents of `results.json`.
-        arrays: of `results.h5`.
+        result: of the run.
         contacts: names.
         states: that are shown.
     """
@@ -64,11 +64,11 @@ def draw_status(
     figure, axes = panels(grid, columns * len(contacts), "Where the contacts stick and slip")
     _add_legend(figure)
     for row, name in enumerate(contacts):
-        contact = arrays.contacts[name]
+        contact = result.contact_history(name)
         view = contact_view(contact, states)
         for panel, state in zip(axes[row * columns :], states, strict=False):
             set_limits(panel, view.origin, view.half_size)
-            _draw_bodies(panel, arrays.bodies.values(), view)
+            _draw_bodies(panel, result.bodies.values(), view)
             _draw_contact(panel, contact, state, view)
             name_axes(panel, "along x", "along y", numbers["units"]["length"])
             loads = load_text(numbers, state)
@@ -82,7 +82,7 @@ def draw_status(
     )
 
 
-def contact_view(contact: StoredContact, states: Sequence[int]) -> View:
+def contact_view(contact: ContactHistory, states: Sequence[int]) -> View:
     """The part of a contact that is closed in any of the states, or all of it if none is."""
     closed = (contact.status[list(states)] != OPEN).any(axis=0)
     points = contact.points[closed] if closed.any() else contact.points
@@ -101,7 +101,7 @@ def contact_view(contact: StoredContact, states: Sequence[int]) -> View:
     return View(centre, np.array([half, ASPECT * half]), normal, origin)
 
 
-def visible_status(contact: StoredContact, state: int) -> npt.NDArray[np.int8]:
+def visible_status(contact: ContactHistory, state: int) -> npt.NDArray[np.int8]:
     """(N,) status at a state; nodes at the limit of friction that do not move count as sticking.
 
     Which of them count as slipping in the solution is a matter of round-off.
@@ -112,7 +112,7 @@ def visible_status(contact: StoredContact, state: int) -> npt.NDArray[np.int8]:
     return status
 
 
-def shares_text(contact: StoredContact, state: int) -> str:
+def shares_text(contact: ContactHistory, state: int) -> str:
     """How much of the contact sticks and slips."""
     status = visible_status(contact, state)
     lengths = {kind: contact.weights[status == kind].sum() for kind in (STICK, SLIP)}
@@ -122,7 +122,7 @@ def shares_text(contact: StoredContact, state: int) -> str:
     return ", ".join(f"{NAMES[kind]} {length / total:.1%}" for kind, length in lengths.items())
 
 
-def _draw_bodies(panel: Axes, bodies: Iterable[StoredBody], view: View) -> None:
+def _draw_bodies(panel: Axes, bodies: Iterable[BodyArrays], view: View) -> None:
     """Light grey, one a little darker than the other."""
     for number, body in enumerate(bodies):
         colour = BODIES[number % len(BODIES)]
@@ -135,7 +135,7 @@ def _draw_bodies(panel: Axes, bodies: Iterable[StoredBody], view: View) -> None:
             )
 
 
-def _draw_contact(panel: Axes, contact: StoredContact, state: int, view: View) -> None:
+def _draw_contact(panel: Axes, contact: ContactHistory, state: int, view: View) -> None:
     """The contact line, in pieces around the nodes that have the same status."""
     points = view.local(contact.points)
     middles = (points[1:] + points[:-1]) / 2

@@ -66,7 +66,8 @@ class Look:
 def find_look(source: Source, states: Sequence[int]) -> Look:
     """The look that suits some states."""
     fields = [body for state in states for body in source.bodies(state).values()]
-    scale = deformation_scale(fields, list(source.arrays.contacts.values()), states)
+    contacts = [source.result.contact_history(each.name) for each in source.result.contacts]
+    scale = deformation_scale(fields, contacts, states)
     limit, largest = colour_limit([(body, None) for body in fields], BODIES_PERCENTAGE)
     view = surroundings([body.deformed(factor) for body in fields for factor in (0.0, scale)])
     return Look(scale, limit, largest, view)
@@ -108,7 +109,7 @@ def bodies_caption(source: Source, states: Sequence[int], look: Look) -> str:
 def draw_edges(source: Source, state: int, edges: Sequence[EdgePlace]) -> tuple[Figure, str]:
     """The surroundings of some contact edges with their elements, and the caption."""
     bodies = source.bodies(state)
-    views = [edge_view(source.arrays.contacts[edge.contact], edge, bodies) for edge in edges]
+    views = [edge_view(source.result.contact_history(edge.contact), edge, bodies) for edge in edges]
     shown = [(body, view) for view, moved in views for body in moved.values()]
     limit, largest = colour_limit(shown, EDGES_PERCENTAGE)
     grid = largest_grid(len(edges), EDGE_ASPECT, bar=True)

@@ -16,11 +16,11 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from fretfe._typing import Array
-from fretfe.backends import BodyArrays
 from fretfe.case import Case, parse_case
 from fretfe.report.boundary_labels import spread
 from fretfe.report.mesh_picture import DPI, draw_mesh, write_mesh_picture
 from fretfe.report.outlines import CURVE_PIECES, boundary_curves, cell_outlines
+from fretfe.results.model import BodyArrays
 
 STEEL = {"young": 2e5, "poisson": 0.3}
 

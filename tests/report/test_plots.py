@@ -20,21 +20,22 @@ from fretfe.report.plots_history import _tension_varies
 from fretfe.report.plots_loops import loop_area, without_slope, work_loop_plots
 from fretfe.report.plots_slip import slip_plot
 from fretfe.report.states import Shown
-from fretfe.results.reader import Results, read_results
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result
 
 P, Q, FRICTION = 600.0, 60.0, 0.4
 PROFILE = Hertz(50.0, composite_modulus(210e3, 0.3, 210e3, 0.3))
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
-    return read_results(write_run(tmp_path_factory.mktemp("cycle"), "halfplane"))
+def results(tmp_path_factory: pytest.TempPathFactory) -> Result:
+    return load_result(write_run(tmp_path_factory.mktemp("cycle"), "halfplane"))
 
 
 @pytest.fixture(scope="module")
-def shown(results: Results) -> Shown:
-    assert results.result.solution is not None
-    return Shown(results, results.result.contacts[0], results.result.solution.contacts[0], "c")
+def shown(results: Result) -> Shown:
+    assert results.solution is not None
+    return Shown(results, results.contacts[0], results.solution.contacts[0], "c")
 
 
 @pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
@@ -42,7 +43,7 @@ def test_change_of_the_stuck_contact_is_that_of_the_closed_form(shown: Shown, si
     """2 Q/(pi sqrt(a^2 - x^2)) between Q and -Q, positive in the sense of ΔK_T at both edges."""
     near = _near(shown, shown.summary.edges[side])
     assert near is not None
-    solution = shown.results.result.solution
+    solution = shown.results.solution
     assert solution is not None
     change = _stuck_change(solution, shown, near)
     assert change is not None
@@ -57,7 +58,7 @@ def test_change_of_the_stuck_contact_is_that_of_the_closed_form(shown: Shown, si
 
 
 def test_states_that_are_compared_are_the_reversals(shown: Shown) -> None:
-    first, last = shown.results.result.history.cycle or (0, 0)
+    first, last = shown.results.loads.cycle or (0, 0)
     near = _near(shown, shown.summary.edges[0])
     assert near is not None
     states = [near.earlier, near.later]
@@ -67,12 +68,12 @@ def test_states_that_are_compared_are_the_reversals(shown: Shown) -> None:
 
 
 def test_without_a_cycle_first_loading_is_compared(tmp_path: Path) -> None:
-    results = read_results(write_run(tmp_path, "no cycle"))
-    assert results.result.solution is not None
-    shown = Shown(results, results.result.contacts[0], results.result.solution.contacts[0], "c")
+    results = load_result(write_run(tmp_path, "no cycle"))
+    assert results.solution is not None
+    shown = Shown(results, results.contacts[0], results.solution.contacts[0], "c")
     near = _near(shown, shown.summary.edges[0])
     assert near is not None
-    times = results.result.history.times
+    times = results.loads.times
     # Friction begins at 1, where the shear begins too.
     assert (times[near.earlier], times[near.later]) == (1.0, 2.0)
     assert work_loop_plots(results) == []
@@ -95,7 +96,7 @@ def test_loop_at_constant_force_keeps_its_displacement() -> None:
     assert loop_area(np.full(3, 4.0), displacement) == pytest.approx(8.0)
 
 
-def test_loop_of_the_boundary_has_the_area_of_the_friction_work(results: Results) -> None:
+def test_loop_of_the_boundary_has_the_area_of_the_friction_work(results: Result) -> None:
     (plot,) = work_loop_plots(results)
     exact = float(hertz_dissipation(PROFILE, P, FRICTION, Q))
     found = [float(each) for each in re.findall(r": ([0-9.e-]+[0-9])", plot.caption)]
@@ -105,8 +106,8 @@ def test_loop_of_the_boundary_has_the_area_of_the_friction_work(results: Results
     assert "equal but for the size of the load steps" in plot.caption
 
 
-def test_tension_of_round_off_is_not_shown(results: Results) -> None:
-    contact = results.result.contacts[0]
+def test_tension_of_round_off_is_not_shown(results: Result) -> None:
+    contact = results.contacts[0]
     assert not _tension_varies(results, contact)
 
 

@@ -28,10 +28,9 @@ from fretfe.report.picture_scale import (
     round_down,
     round_up,
 )
-from fretfe.report.results_arrays import StoredContact
 from fretfe.report.status_pictures import shares_text, visible_status
 from fretfe.report.view import View
-from fretfe.results.solution import OPEN, SLIP, STICK
+from fretfe.results.solution import OPEN, SLIP, STICK, BondedUnits, ContactHistory
 
 needs_pyvista = pytest.mark.skipif(
     importlib.util.find_spec("pyvista") is None, reason="PyVista is not installed"
@@ -98,20 +97,26 @@ def test_round_numbers(value: float, down: float, up: float) -> None:
     assert round_up(value) == pytest.approx(up)
 
 
-def contact(gap: list[list[float]], **changes: Any) -> StoredContact:
+def contact(gap: list[list[float]], **changes: Any) -> ContactHistory:
     count = len(gap[0])
     arc = np.linspace(0.0, 1.0, count)
+    shape = (len(gap), count)
     values: dict[str, Any] = {
         "arc": arc,
         "points": np.stack([arc, 0 * arc], axis=1),
         "frames": np.tile(np.array([[0.0, 1.0], [1.0, 0.0]]), (count, 1, 1)),
         "weights": np.ones(count),
         "gap": np.array(gap),
-        "slip": np.zeros((len(gap), count, 1)),
-        "status": np.zeros((len(gap), count), dtype=np.int8),
+        "friction": np.zeros(len(gap)),
+        "traction": np.zeros((*shape, 2)),
+        "mean_traction": np.zeros((*shape, 2)),
+        "slip": np.zeros((*shape, 1)),
+        "status": np.zeros(shape, dtype=np.int8),
+        "dissipation": np.zeros(shape),
+        "bonded": BondedUnits(np.zeros((0, count, 2, 0)), np.full(len(gap), -1)),
         **changes,
     }
-    return StoredContact("upper", "lower", **values)
+    return ContactHistory("main", "upper", "lower", **values)
 
 
 def test_drawn_displacements_are_seen_and_overlap_little() -> None:
