@@ -19,7 +19,7 @@ from told import Told
 import fretfe
 from fretfe.api import Result
 from fretfe.case import changed
-from fretfe.cli.run import run_case
+from fretfe.cli.run import run as run_case
 from fretfe.errors import CaseError, DependencyError, ModelError, OutputError, StoppedError
 
 FRICTION = "contacts.main.friction"

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 import fretfe.runner
 from fretfe.cli.app import app
-from fretfe.cli.run import run_case
+from fretfe.cli.run import run as run_case
 
 
 @pytest.fixture

@@ -3,24 +3,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
+from typing import TYPE_CHECKING
 
-from rich.console import Console
+from fretfe.cli.options import CaseFile, Overrides, TrustGeo, examples
 
-from fretfe.api import Checked, check
-from fretfe.cli.mesh_report import print_mesh
-from fretfe.runner import fem_runner
+if TYPE_CHECKING:
+    from fretfe.api import Checked
+
+EXAMPLES = examples(
+    "fretfe check pad.toml", "fretfe check pad.toml --set geometry.parameters.size=0.02"
+)
 
 
-def check_case(path: Path, overrides: Sequence[str] = (), *, trust_geo: bool = False) -> None:
-    """Print what a case would solve. Collective."""
-    checked = check(fem_runner().read_case(path, overrides, trust_geo=trust_geo))
+def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = False) -> None:
+    """Check a case and its mesh, and list what would be solved."""
+    from fretfe.api import check as check_case
+    from fretfe.runner import fem_runner
+
+    checked = check_case(fem_runner().read_case(case, overrides or (), trust_geo=trust_geo))
     if checked is not None:
         _print(checked)
 
 
 def _print(checked: Checked) -> None:
+    from rich.console import Console
+
+    from fretfe.cli.mesh_report import print_mesh
+
     case, history = checked.case, checked.history
     console = Console()
     print_mesh(console, case, checked.mesh)

@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command `fretfe info`."""
+"""The command `fretfe info`; the first process prints."""
 
 from __future__ import annotations
 
-from rich.console import Console
+from fretfe.cli.options import examples
 
-from fretfe.environment import blas_libraries, reference_blas, versions
+EXAMPLES = examples("fretfe info", "mpirun -n 2 fretfe info")
 
 
-def show_info() -> None:
-    """Print versions and libraries; on the first process."""
+def info() -> None:
+    """Show versions, MPI and the linear-algebra library in use."""
+    from rich.console import Console
+
+    from fretfe.environment import blas_libraries, reference_blas, versions
     from fretfe.fem import _compat
     from fretfe.fem._compat import MPI
 

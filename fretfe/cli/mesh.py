@@ -3,34 +3,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from rich.console import Console
+import typer
 
-from fretfe.api import make_mesh
-from fretfe.case import Case
-from fretfe.cli.mesh_report import print_mesh
-from fretfe.mesh.extrude import extrude
-from fretfe.mesh.mesh import Mesh
-from fretfe.mesh.writer import write_mesh
-from fretfe.report.mesh_picture import write_mesh_picture
-from fretfe.results.writer import prepare_directory
-from fretfe.runner import fem_runner
+from fretfe.cli.options import CaseFile, Overrides, TrustGeo, examples
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from fretfe.case import Case
+    from fretfe.mesh.mesh import Mesh
+
+EXAMPLES = examples("fretfe mesh pad.toml -o pad.msh")
 
 
-def write_mesh_file(
-    path: Path, target: Path, overrides: Sequence[str] = (), *, trust_geo: bool = False
+def mesh(
+    case: CaseFile,
+    output: Annotated[Path, typer.Option("--output", "-o", help="Mesh file to write (.msh).")],
+    overrides: Overrides = None,
+    trust_geo: TrustGeo = False,
 ) -> None:
-    """Write the mesh of a case. Collective."""
-    processes = fem_runner().processes
-    case = fem_runner().read_case(path, overrides, trust_geo=trust_geo)
-    processes.on_root(lambda: prepare_directory(target.parent))
-    mesh = make_mesh(case)
-    processes.on_root(lambda: _write(case, mesh, target))
+    """Make the mesh of a case and write it for Gmsh.
+
+    With its named groups, and a picture beside it.
+    """
+    from fretfe.api import make_mesh
+    from fretfe.results.writer import prepare_directory
+    from fretfe.runner import fem_runner
+
+    runner = fem_runner()
+    read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
+    runner.write(lambda: prepare_directory(output.parent))
+    made = make_mesh(read)
+    runner.write(lambda: _write(read, made, output))
 
 
 def _write(case: Case, mesh: Mesh | None, target: Path) -> None:
+    from rich.console import Console
+
+    from fretfe.cli.mesh_report import print_mesh
+    from fretfe.mesh.extrude import extrude
+    from fretfe.mesh.writer import write_mesh
+    from fretfe.report.mesh_picture import write_mesh_picture
+
     assert mesh is not None
     console = Console()
     print_mesh(console, case, mesh)

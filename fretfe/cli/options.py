@@ -51,3 +51,8 @@ def verbosity_of(quiet: bool, verbose: bool) -> Verbosity:
     if quiet:
         return Verbosity.QUIET
     return Verbosity.VERBOSE if verbose else Verbosity.NORMAL
+
+
+def examples(*lines: str) -> str:
+    """Text below the help of a command; the first character keeps the lines as they are."""
+    return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)

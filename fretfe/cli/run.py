@@ -4,51 +4,67 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from rich.console import Console
+import typer
 
-from fretfe.cli.progress import StepReport
+from fretfe.cli.options import (
+    Backend,
+    CaseFile,
+    Overrides,
+    Quiet,
+    TrustGeo,
+    Verbose,
+    examples,
+    verbosity_of,
+)
 from fretfe.cli.verbosity import Verbosity
-from fretfe.report.tables import contact_table, edge_table, limit_table, mesh_table, timing_table
-from fretfe.results.model import Result
-from fretfe.results.solution import Solution
-from fretfe.runner import Runner, draw_report
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from fretfe.results.model import Result
+    from fretfe.results.solution import Solution
+
+EXAMPLES = examples(
+    "fretfe run pad.toml -o pad",
+    "fretfe run pad.toml -o pad70 --set loads.shear.amplitude=70",
+    "fretfe run pad.toml -o half --backend halfplane",
+    "mpirun -n 4 fretfe run pad.toml -o pad",
+)
 
 
-def run_case(
-    path: Path,
-    directory: Path,
-    name: str,
-    overrides: Sequence[str] = (),
-    verbosity: Verbosity = Verbosity.NORMAL,
-    *,
-    timings: bool = False,
-    report: bool = True,
-    trust_geo: bool = False,
+def run(
+    case: CaseFile,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for the results; made if missing.")
+    ],
+    backend: Backend = "fem",
+    overrides: Overrides = None,
+    timings: Annotated[
+        bool, typer.Option("--timings", help="Print the wall time of each phase.")
+    ] = False,
+    report: Annotated[
+        bool, typer.Option("--report/--no-report", help="Make report.html in the folder.")
+    ] = True,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    trust_geo: TrustGeo = False,
 ) -> None:
-    """Solve a case, write everything, print the edges. Collective if the backend is parallel.
+    """Solve a case and write its results."""
+    from fretfe.cli.progress import StepReport
+    from fretfe.runner import Runner
 
-    Args:
-        path: of the case file.
-        directory: for the results.
-        name: of the backend.
-        overrides: values in place of those of the file, like ``loads.shear.amplitude=120``.
-        verbosity: how much is printed.
-        timings: whether the wall time of each phase is, too; it always is if verbose.
-        report: whether report.html is made, with its pictures.
-        trust_geo: whether a .geo file of the case may run.
-    """
-    start = time.perf_counter()
-    runner = Runner.find(name)
+    verbosity, start = verbosity_of(quiet, verbose), time.perf_counter()
+    runner = Runner.find(backend)
     if runner.idle:
         return
-    case = runner.read_case(path, overrides, trust_geo=trust_geo)
+    read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
     with StepReport(runner.processes.rank, verbosity) as shown:
-        result = runner.run(case, directory, shown)
+        result = runner.run(read, output, shown)
     timed = timings or verbosity is Verbosity.VERBOSE
-    runner.write(lambda: _finish(result, directory, start, verbosity, timed, report))
+    runner.write(lambda: _finish(result, output, start, verbosity, timed, report))
     if result.failure is not None:
         raise result.failure
 
@@ -57,6 +73,11 @@ def _finish(
     result: Result, directory: Path, start: float, verbosity: Verbosity, timed: bool, report: bool
 ) -> None:
     """Print, the numbers before anything is drawn; on the first process."""
+    from rich.console import Console
+
+    from fretfe.report.tables import timing_table
+    from fretfe.runner import draw_report
+
     seconds = dict(result.seconds)
     quiet = verbosity is Verbosity.QUIET
     console = Console(stderr=quiet)
@@ -81,6 +102,8 @@ def _finish(
 
 
 def _print_numbers(console: Console, result: Result) -> None:
+    from fretfe.report.tables import contact_table, edge_table, limit_table, mesh_table
+
     console.print(contact_table(result.case, result.loads.cycle, result.contacts))
     console.print(edge_table(result.case, result.contacts))
     if result.refinement is not None:

@@ -5,9 +5,13 @@ from __future__ import annotations
 
 import json
 
-from fretfe.case import case_schema
+from fretfe.cli.options import examples
+
+EXAMPLES = examples("fretfe schema > case.schema.json")
 
 
-def show_schema() -> None:
+def schema() -> None:
     """Print the JSON schema of case files."""
+    from fretfe.case import case_schema
+
     print(json.dumps(case_schema(), indent=2))

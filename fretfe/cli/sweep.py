@@ -4,63 +4,85 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from rich.console import Console
+import typer
 
-from fretfe.cli.progress import StepReport
+from fretfe.cli.options import (
+    Backend,
+    CaseFile,
+    Overrides,
+    Quiet,
+    TrustGeo,
+    Verbose,
+    examples,
+    verbosity_of,
+)
 from fretfe.cli.verbosity import Verbosity
-from fretfe.errors import ConvergenceError
-from fretfe.runner import Runner
-from fretfe.sweeps import Sweep, parse_ranges
-from fretfe.sweeps.files import FIGURE, TABLE
-from fretfe.sweeps.table import MOST_ROWS, sweep_table
+
+if TYPE_CHECKING:
+    from fretfe.sweeps import Sweep
 
 NARROWEST = 100
 NO_PICTURE = "it takes one or two keys that vary, and a case that was solved"
 
+EXAMPLES = examples(
+    "fretfe sweep pad.toml -o mu --vary contacts.main.friction=0.3:0.8:11",
+    "fretfe sweep pad.toml -o map --vary contacts.main.friction=0.4,0.6,0.8 \\",
+    "    --vary loads.shear.amplitude=20:80:4",
+)
 
-def sweep_case(
-    path: Path,
-    vary: Sequence[str],
-    directory: Path,
-    name: str,
-    overrides: Sequence[str] = (),
-    verbosity: Verbosity = Verbosity.NORMAL,
-    *,
-    trust_geo: bool = False,
+
+def sweep(
+    case: CaseFile,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            metavar="KEY=VALUES",
+            help="START:STOP:COUNT or A,B,C; several times for all combinations.",
+            show_default=False,
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for table and picture; made if missing.")
+    ],
+    backend: Backend = "fem",
+    overrides: Overrides = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    trust_geo: TrustGeo = False,
 ) -> None:
-    """Solve all combinations of values, write and print a table. Collective like the backend.
+    """Solve a case with many values of some keys: a table, a picture.
 
-    Args:
-        path: of the case file.
-        vary: keys and values, like ``contacts.main.friction=0.1:0.6:11``.
-        directory: for table and picture.
-        name: of the backend.
-        overrides: values in place of those of the file, like ``loads.shear.amplitude=120``.
-        verbosity: how much is printed.
-        trust_geo: whether a .geo file of the case may run.
-
-    Raises:
-        ConvergenceError: if no variant could be solved.
+    Friction and load histories need no new factorisation: they are cheap to vary.
     """
-    start = time.perf_counter()
-    runner = Runner.find(name)
+    from fretfe.cli.progress import StepReport
+    from fretfe.errors import ConvergenceError
+    from fretfe.runner import Runner
+    from fretfe.sweeps import parse_ranges
+
+    verbosity, start = verbosity_of(quiet, verbose), time.perf_counter()
+    runner = Runner.find(backend)
     if runner.idle:
         return
-    case = runner.read_case(path, overrides, trust_geo=trust_geo)
+    read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
     with StepReport(runner.processes.rank, verbosity, steps=False) as report:
-        sweep = runner.sweep(case, parse_ranges(vary), directory, report)
+        found = runner.sweep(read, parse_ranges(vary), output, report)
     if runner.processes.rank == 0:
-        _print(sweep, directory, time.perf_counter() - start, verbosity)
-    if len(sweep.failures) == len(sweep.variants):
+        _print(found, output, time.perf_counter() - start, verbosity)
+    if len(found.failures) == len(found.variants):
         raise ConvergenceError(
-            f"no variant could be solved; the first: {sweep.failures[0].failure}"
+            f"no variant could be solved; the first: {found.failures[0].failure}"
         )
 
 
 def _print(sweep: Sweep, directory: Path, seconds: float, verbosity: Verbosity) -> None:
+    from rich.console import Console
+
+    from fretfe.sweeps.files import FIGURE, TABLE
+    from fretfe.sweeps.table import MOST_ROWS, sweep_table
+
     quiet = verbosity is Verbosity.QUIET
     # Wide enough for all columns: a narrow terminal wraps lines rather than cuts numbers.
     console = Console(width=max(Console().width, NARROWEST), stderr=quiet)

@@ -4,71 +4,71 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from rich.console import Console
+import typer
 
-from fretfe.cli.progress import StepReport
+from fretfe.cli.options import (
+    Backend,
+    CaseFile,
+    Overrides,
+    Quiet,
+    TrustGeo,
+    Verbose,
+    examples,
+    verbosity_of,
+)
 from fretfe.cli.verbosity import Verbosity
-from fretfe.quality.validate import Validation
-from fretfe.quality.validate.report import as_numbers, print_validation
-from fretfe.runner import Runner
+
+if TYPE_CHECKING:
+    from fretfe.quality.validate import Validation
 
 NARROWEST = 100
 
-
-class _PhaseReport(StepReport):
-    """Progress of several runs of a case: each is named where it begins."""
-
-    def __init__(self, name: str, rank: int, verbosity: Verbosity) -> None:
-        super().__init__(rank, verbosity, steps=False)
-        self._name = name
-        self._console = Console(stderr=True, quiet=rank > 0 or verbosity is Verbosity.QUIET)
-
-    def phase(self, text: str) -> None:
-        """Name the run that begins."""
-        self._console.print(f"{self._name}: {text}", highlight=False)
-
-    def announce(self, text: str) -> None:
-        """Leave out the meshes."""
+EXAMPLES = examples("fretfe validate pad.toml", "fretfe validate pad.toml -o pad --json")
 
 
-def validate_case(
-    path: Path,
-    directory: Path | None,
-    name: str,
-    overrides: Sequence[str] = (),
-    verbosity: Verbosity = Verbosity.NORMAL,
-    *,
-    as_json: bool,
-    trust_geo: bool = False,
-) -> bool:
-    """Validate a case, print the rows, and return True if all is well. Collective like the backend.
+def validate(
+    case: CaseFile,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder for the results.")
+    ] = None,
+    backend: Backend = "fem",
+    overrides: Overrides = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON document in place of the table.")
+    ] = False,
+    trust_geo: TrustGeo = False,
+) -> None:
+    """Run a case and its companions: can its numbers be trusted?
 
-    Args:
-        path: of the case file.
-        directory: for results and rows; None writes nothing.
-        name: of the backend.
-        overrides: values in place of those of the file, like ``loads.shear.amplitude=120``.
-        verbosity: if quiet, nothing is printed unless a comparison fails; if verbose, every step
-            of every run too.
-        as_json: print one JSON document in place of the table.
-        trust_geo: whether a .geo file of the case may run.
+    Exit code 1 if a comparison fails.
     """
-    runner = Runner.find(name)
+    from fretfe.cli.progress import PhaseReport
+    from fretfe.runner import Runner
+
+    verbosity = verbosity_of(quiet, verbose)
+    runner = Runner.find(backend)
     if runner.idle:
-        return True
-    case = runner.read_case(path, overrides, trust_geo=trust_geo)
-    with _PhaseReport(path.name, runner.processes.rank, verbosity) as report:
-        validation = runner.validate(case, directory, report)
-    quiet = verbosity is Verbosity.QUIET and validation.passed
-    if runner.processes.rank == 0 and (as_json or not quiet):
-        _print(validation, as_json)
-    return validation.passed
+        return
+    read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
+    with PhaseReport(case.name, runner.processes.rank, verbosity) as report:
+        found = runner.validate(read, output, report)
+    silent = verbosity is Verbosity.QUIET and found.passed
+    if runner.processes.rank == 0 and (as_json or not silent):
+        _print(found, as_json)
+    if not found.passed:
+        raise typer.Exit(1)
 
 
 def _print(validation: Validation, as_json: bool) -> None:
+    from rich.console import Console
+
+    from fretfe.quality.validate.report import as_numbers, print_validation
+
     if as_json:
         print(json.dumps(as_numbers(validation), indent=1, allow_nan=False), flush=True)
     else:

@@ -1,56 +1,41 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command `fretfe verify`."""
+"""The command `fretfe verify`; the first process prints."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from typing import Annotated
 
-from rich.console import Console
-from rich.status import Status
+import typer
 
-from fretfe.api import verify
-from fretfe.backends import Observer
+from fretfe.cli.options import examples
 from fretfe.environment import rank_from_environment
-from fretfe.quality.verify.model import Benchmark, Row
-from fretfe.quality.verify.report import as_numbers, print_rows, print_summary
+
+EXAMPLES = examples("fretfe verify", "fretfe verify --backend halfplane --backend analytic")
 
 
-class _Screen(Observer):
-    """Tables on the standard output, and beside them what is at work; nothing if quiet."""
+def verify(
+    backend: Annotated[
+        list[str] | None, typer.Option(help="Only this backend; can be given several times.")
+    ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON document in place of tables.")
+    ] = False,
+) -> None:
+    """Run benchmarks with known answers.
 
-    def __init__(self, *, quiet: bool) -> None:
-        self.console = Console(quiet=quiet)
-        self._status = Status("", console=Console(stderr=True, quiet=quiet))
-
-    def phase(self, text: str) -> None:
-        """Name what is at work."""
-        self._status.update(text)
-        self._status.start()
-
-    def show(self, benchmark: Benchmark, rows: Sequence[Row]) -> None:
-        """Print the rows of a benchmark."""
-        self._status.stop()
-        print_rows(self.console, benchmark, rows)
-
-
-def verify_backends(names: Sequence[str], *, as_json: bool) -> bool:
-    """Run all benchmarks, print the comparisons, and return True if all is well.
-
-    Collective if one of the backends is parallel.
-
-    Args:
-        names: of the backends; empty for all that are installed.
-        as_json: print one JSON document at the end in place of tables.
-
-    Raises:
-        CaseError: if no backend of one of these names is installed.
+    Exit code 1 if one of them fails.
     """
+    from fretfe.cli.progress import BenchmarkReport
+    from fretfe.quality.verify.report import as_numbers, print_summary
+    from fretfe.quality.verify.run import verify as run_all
+
     first = rank_from_environment() == 0
-    screen = _Screen(quiet=as_json or not first)
-    found = verify(names, screen, screen.show)
-    print_summary(screen.console, found.rows, found.seconds)
+    report = BenchmarkReport(quiet=as_json or not first)
+    found = run_all(backend or (), report, report.show)
+    print_summary(report.console, found.rows, found.seconds)
     if as_json and first:
         numbers = as_numbers(found.rows, found.seconds)
         print(json.dumps(numbers, indent=1, allow_nan=False), flush=True)
-    return found.passed
+    if not found.passed:
+        raise typer.Exit(1)

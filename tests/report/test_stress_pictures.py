@@ -16,7 +16,7 @@ from launch import python
 from PIL import Image
 
 from fretfe._typing import Array
-from fretfe.cli.pictures import animate, export
+from fretfe.cli.pictures import animate, scene
 from fretfe.edges.extremes import load_extremes
 from fretfe.errors import CaseError, FretfeError, OutputError
 from fretfe.report.field_files import BodyField, field_times, find_time, read_body
@@ -221,12 +221,12 @@ def test_an_animation_needs_all_states(tmp_path: Path) -> None:
 
 @needs_pyvista
 def test_the_bodies_are_a_scene(cycle: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    export(cycle, cycle / "scene.gltf")
+    scene(cycle, cycle / "scene.gltf")
     assert "displacements × 5" in capsys.readouterr().out.replace("\n", " ")
-    scene = json.loads((cycle / "scene.gltf").read_text())
-    assert len(scene["meshes"]) == len(BODIES)
-    assert all("COLOR_0" in mesh["primitives"][0]["attributes"] for mesh in scene["meshes"])
-    colours = [m["pbrMetallicRoughness"]["baseColorFactor"] for m in scene["materials"]]
+    written = json.loads((cycle / "scene.gltf").read_text())
+    assert len(written["meshes"]) == len(BODIES)
+    assert all("COLOR_0" in mesh["primitives"][0]["attributes"] for mesh in written["meshes"])
+    colours = [m["pbrMetallicRoughness"]["baseColorFactor"] for m in written["materials"]]
     assert colours == [[1.0] * 4] * len(BODIES)
 
 
@@ -234,9 +234,9 @@ def test_the_bodies_are_a_scene(cycle: Path, capsys: pytest.CaptureFixture[str])
     ("make", "name", "expected", "words"),
     [
         (animate, "cycle.mp4", CaseError, r"ends in \.gif"),
-        (export, "scene.obj", CaseError, r"ends in \.gltf"),
+        (scene, "scene.obj", CaseError, r"ends in \.gltf"),
         (animate, "nowhere/cycle.gif", OutputError, "existing folder"),
-        (export, "scene.gltf", OutputError, "results of a run"),
+        (scene, "scene.gltf", OutputError, "results of a run"),
     ],
     ids=["not a GIF", "not glTF", "no folder", "no results"],
 )
