@@ -22,7 +22,7 @@ import fretfe
 FLANK_ANGLE = math.radians(50.0)
 
 case = fretfe.load_case(Path(__file__).with_suffix(".toml"))
-result = fretfe.run(case).histories
+result = fretfe.run(case)
 left, right = result.contacts
 
 # Pressure and shear of both flanks, projected on the direction of the pull. The shear of the
@@ -30,7 +30,7 @@ left, right = result.contacts
 pressure = left.normal_force + right.normal_force
 shear = right.shear_force - left.shear_force
 carried = np.cos(FLANK_ANGLE) * pressure + np.sin(FLANK_ANGLE) * shear
-pull = result.history.values[:, 0]
+pull = result.loads.values[:, 0]
 largest = int(np.argmax(pull))
 rows = [Row("pull carried by both flanks [N/mm]", carried[largest], pull[largest], 1e-8)]
 

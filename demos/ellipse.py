@@ -29,7 +29,7 @@ SHEAR_AMPLITUDE, PULL_AMPLITUDE, FRICTION, NORMAL_FORCE = 50.0, 40.0, 0.6, 600.0
 HEIGHT = 20.0
 
 case = fretfe.load_case(Path(__file__).with_suffix(".toml"))
-result = fretfe.run(case).histories
+result = fretfe.run(case)
 (contact,) = result.contacts
 
 profile = Hertz(radius=50.0, e_star=210e3 / (2 * (1 - 0.3**2)))

@@ -18,7 +18,7 @@ from compare import Row, finish
 import fretfe
 
 case = fretfe.load_case(Path(__file__).with_suffix(".toml"))
-result = fretfe.run(case).histories
+result = fretfe.run(case)
 
 flank_angle = math.radians(case.geometry.parameters.get("flank_angle", 45.0))
 carried = 0.0
@@ -30,7 +30,7 @@ for contact in result.contacts:
     share = share + side * math.sin(flank_angle) * contact.shear_force
     carried = carried + share
     lobes[contact.name] = share
-pull = result.history.values[:, 0]
+pull = result.loads.values[:, 0]
 largest = int(np.argmax(pull))
 for name, share in lobes.items():
     print(f"{name:12s} carries {share[largest] / pull[largest]:7.2%} of the pull")

@@ -27,7 +27,7 @@ from fretfe.analytic.profiles import FlatRounded
 NORMAL_FORCE, SHEAR_AMPLITUDE, FRICTION = 26.750084, 1.5, 0.4
 
 case = fretfe.load_case(Path(__file__).with_suffix(".toml"))
-result = fretfe.run(case).histories
+result = fretfe.run(case)
 (contact,) = result.contacts
 
 profile = FlatRounded(1.0, radius=50.0, e_star=210e3 / (2 * (1 - 0.3**2)))

@@ -26,7 +26,7 @@ E_STAR = 210e3 / (2 * (1 - 0.3**2))
 
 # The case file says everything that the solver needs to know.
 case = fretfe.load_case(Path(__file__).with_suffix(".toml"))
-result = fretfe.run(case).histories
+result = fretfe.run(case)
 
 # What half-planes of the same material do.
 half_width = math.sqrt(4 * NORMAL_FORCE * RADIUS / (math.pi * E_STAR))

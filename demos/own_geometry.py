@@ -21,7 +21,7 @@ from fretfe.analytic.profiles import Hertz
 NORMAL_FORCE, SHEAR_AMPLITUDE, FRICTION = 600.0, 60.0, 0.4
 
 case = fretfe.load_case(Path(__file__).with_suffix(".toml"))
-result = fretfe.run(case).histories
+result = fretfe.run(case)
 (contact,) = result.contacts
 
 profile = Hertz(radius=50.0, e_star=210e3 / (2 * (1 - 0.3**2)))

@@ -27,7 +27,7 @@ from fretfe.analytic.profiles import Wedge
 NORMAL_FORCE, SHEAR_AMPLITUDE, FRICTION = 800.0, 60.0, 0.4
 
 case = fretfe.load_case(Path(__file__).with_suffix(".toml"))
-result = fretfe.run(case).histories
+result = fretfe.run(case)
 (contact,) = result.contacts
 
 profile = Wedge(slope=math.tan(math.radians(1.0)), e_star=210e3 / (2 * (1 - 0.3**2)))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Fretting contacts: edge factors K_N and K_T and slip zones of two-body contacts.
 
-``load_case``, ``run``, ``sweep`` and ``Result`` are those of `fretfe.api`, which is imported when
+``load_case``, ``run``, ``load_result`` and others are those of `fretfe.api`, which is imported when
 one of them is used: importing the package alone is quick.
 """
 
@@ -10,7 +10,21 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-API = ("Result", "load_case", "run", "sweep")
+API = (
+    "Observer",
+    "Result",
+    "check",
+    "load_case",
+    "load_result",
+    "make_mesh",
+    "plot_factors",
+    "plot_loads",
+    "plot_tractions",
+    "run",
+    "sweep",
+    "validate",
+    "verify",
+)
 
 
 def __getattr__(name: str) -> Any:

@@ -81,9 +81,8 @@ def write_folder(folder: Path, times: Sequence[float]) -> Path:
     """Results of half-planes with bodies, and fields of them at some times."""
     case = pad_case()
     folder.mkdir()
-    write_results(
-        folder, case, "fem", replace(find_backend("halfplane").solve(case), bodies=BODIES)
-    )
+    result = find_backend("halfplane").solve(case)
+    write_results(folder, replace(result, backend="fem", bodies=BODIES))
     (folder / FIELDS).mkdir()
     for name in BODIES:
         write_fields(folder / FIELDS, name, times)

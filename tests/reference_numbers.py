@@ -25,7 +25,6 @@ from fretfe.case import Case, parse_case
 from fretfe.edges.evaluate import ContactSummary, Edge, evaluate
 from fretfe.fem._compat import MPI, versions
 from fretfe.fem.run import solve
-from fretfe.loads import build_history
 from fretfe.results.solution import ContactHistory
 
 Numbers = dict[str, list[float]]
@@ -58,7 +57,7 @@ def solved_numbers(name: str, folder: Path) -> Numbers:
         folder: where the mesh is unpacked.
     """
     case = stored_case(name, folder)
-    outcome = solve(MPI.COMM_SELF, case, build_history(case), None, lambda *_: None)
+    outcome = solve(MPI.COMM_SELF, case)
     assert outcome.solution is not None and outcome.failure is None
     solution = outcome.solution
     found = {"forces on boundaries": solution.forces.ravel()}

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,12 +14,13 @@ from typing import Any
 import h5py
 from pad_cases import HOLD, TOP, pad, press, shear
 
-from fretfe.backends import Backend, EdgeHistories, RunOptions
+from fretfe.backends import Backend, RunOptions
 from fretfe.backends.analytic import BACKEND as ANALYTIC
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import Case, parse_case
 from fretfe.errors import ConvergenceError
 from fretfe.loads import History, build_history
+from fretfe.results.model import Result
 from fretfe.results.writer import write_results
 
 BACKENDS: dict[str, Backend] = {"analytic": ANALYTIC, "halfplane": HALFPLANE}
@@ -38,24 +40,22 @@ REASON = "step 12 of 20 did not converge: <b>for a test</b>"
 
 
 @cache
-def solved(name: str) -> tuple[Case, str, EdgeHistories]:
-    """Case, backend and result of a run."""
+def solved(name: str) -> Result:
+    """A run."""
     tables, backend, fails = RUNS[name]
     case = parse_case(tables)
     history = build_history(case)
     if fails:
         history = History(history.channels, history.times[:12], history.values[:12], None)
-    result = BACKENDS[backend].solve(case, RunOptions(history=history))
-    if fails:
-        result = EdgeHistories(**{**vars(result), "failure": ConvergenceError(REASON)})
-    return case, backend, result
+    result = replace(BACKENDS[backend].solve(case, RunOptions(history=history)), backend=backend)
+    return replace(result, failure=ConvergenceError(REASON)) if fails else result
 
 
 def write_run(folder: Path, name: str, case: Case | None = None) -> Path:
     """Write the results of a run into a folder, perhaps as those of another case."""
     folder.mkdir(parents=True, exist_ok=True)
-    own, backend, result = solved(name)
-    write_results(folder, case or own, backend, result)
+    result = solved(name)
+    write_results(folder, replace(result, case=case or result.case))
     return folder
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +14,13 @@ import pytest
 from launch import python
 from matplotlib.figure import Figure
 from pads import HERTZ
+from told import Told
 
 import fretfe
 from fretfe.api import Result
 from fretfe.case import changed
-from fretfe.cli.run import run_case
-from fretfe.errors import CaseError, ModelError, OutputError
+from fretfe.cli.run import run as run_case
+from fretfe.errors import CaseError, DependencyError, ModelError, OutputError, StoppedError
 
 FRICTION = "contacts.main.friction"
 
@@ -86,7 +88,7 @@ def test_edges_are_flat_records(solved: Result) -> None:
         ("main", "left"),
         ("main", "right"),
     ]
-    contact = solved.histories.contacts[0]
+    contact = solved.contacts[0]
     for record, edge in zip(records, contact.edges, strict=True):
         assert {type(value) for value in record.values()} <= {str, float, bool}
         assert record["k_n"] == edge.k_n[-1]
@@ -105,7 +107,7 @@ def test_history_of_an_edge(solved: Result) -> None:
     ]  # fmt: skip
     assert {value.shape for value in history.values()} == {(21,)}
     assert history["loads.press"][-1] == -600
-    assert np.array_equal(history["k_t"], solved.histories.contacts[0].edges[1].k_t)
+    assert np.array_equal(history["k_t"], solved.contacts[0].edges[1].k_t)
 
 
 def test_history_of_an_edge_that_is_not_there(solved: Result) -> None:
@@ -117,7 +119,7 @@ def test_history_of_an_edge_that_is_not_there(solved: Result) -> None:
     ("name", "panels"), [("plot_tractions", 1), ("plot_factors", 2), ("plot_loads", 2)]
 )
 def test_figures(solved: Result, name: str, panels: int) -> None:
-    figure = getattr(solved, name)()
+    figure = getattr(fretfe, name)(solved)
     assert isinstance(figure, Figure)
     assert len(figure.axes) == panels
     assert all(panel.get_ylabel() for panel in figure.axes)
@@ -137,7 +139,8 @@ def test_loads_have_the_units_of_their_histories(pad: Path) -> None:
         },
         "units.force": "kN",
     }
-    figure = fretfe.run(fretfe.load_case(pad, overrides), "analytic").plot_loads()
+    result = fretfe.run(fretfe.load_case(pad, overrides), "analytic")
+    figure = fretfe.plot_loads(result)
     labels = [panel.get_ylabel() for panel in figure.axes]
     assert labels == ["press [kN]", "shear [kN]", "pull [MPa]"]
 
@@ -145,7 +148,7 @@ def test_loads_have_the_units_of_their_histories(pad: Path) -> None:
 def test_no_figure_without_tractions(pad: Path) -> None:
     result = fretfe.run(fretfe.load_case(pad), backend="analytic")
     with pytest.raises(OutputError, match="'analytic' has none"):
-        result.plot_tractions()
+        fretfe.plot_tractions(result)
 
 
 def test_notebooks_show_a_table_in_which_nothing_is_markup(pad: Path) -> None:
@@ -170,12 +173,83 @@ def test_output_is_that_of_the_command(pad: Path, tmp_path: Path) -> None:
     assert texts[0] == texts[1]
 
 
-def test_sweep(pad: Path, tmp_path: Path) -> None:
-    case, told = fretfe.load_case(pad), list[str]()
-    frictions = np.linspace(0.3, 0.5, 3)
-    sweep = fretfe.sweep(
-        case, {FRICTION: frictions}, "analytic", output=tmp_path, announce=told.append
+def test_what_is_loaded_is_what_was_run(pad: Path, tmp_path: Path) -> None:
+    run = fretfe.run(fretfe.load_case(pad), backend="halfplane", output=tmp_path)
+    loaded = fretfe.load_result(tmp_path)
+    assert isinstance(loaded, Result)
+    assert (run.directory, run.backend) == (loaded.directory, loaded.backend)
+    assert (loaded.directory, loaded.backend) == (tmp_path, "halfplane")
+    for mine, other in zip(loaded.edges(), run.edges(), strict=True):
+        assert mine == pytest.approx(other, nan_ok=True)
+    np.testing.assert_array_equal(
+        loaded.contact_history("main").traction, run.contact_history("main").traction
     )
+    assert {"writing", "pictures", "report"} & set(loaded.seconds) == set()
+
+
+def test_an_observer_follows_and_ends_a_run(pad: Path, tmp_path: Path) -> None:
+    told = Told(most_steps=5)
+    with pytest.raises(StoppedError, match="stopped by SIGINT after step 5 of 20") as caught:
+        fretfe.run(fretfe.load_case(pad), "halfplane", tmp_path, told)
+    assert caught.value.exit_code == 130
+    assert [number for number, _, _ in told.steps] == [1, 2, 3, 4, 5]
+    stored = fretfe.load_result(tmp_path)
+    assert len(stored.loads.times) == 6
+    assert str(stored.failure) == str(caught.value)
+
+
+def test_edges_as_a_data_frame(solved: Result) -> None:
+    table = solved.to_dataframe()
+    assert list(table.columns) == list(solved.edges()[0])
+    assert list(table["edge"]) == ["left", "right"]
+    assert table["k_n"][1] == solved.contacts[0].edges[1].k_n[-1]
+
+
+def test_histories_and_tractions_as_a_dataset(solved: Result) -> None:
+    data = solved.to_xarray()
+    (contact,) = solved.contacts
+    assert data["k_t"].dims == ("contact", "edge", "time")
+    right = data["k_t"].sel(contact="main", edge="right")
+    np.testing.assert_array_equal(right, contact.edges[1].k_t)
+    np.testing.assert_array_equal(data["loads"].sel(load="press"), solved.loads.values[:, 0])
+    np.testing.assert_array_equal(data["half_width"].sel(contact="main"), contact.half_width)
+    history = solved.contact_history("main")
+    assert data["main.traction"].dims == ("time", "main.node", "component")
+    np.testing.assert_array_equal(data["main.traction"], history.traction)
+    np.testing.assert_array_equal(data["main.arc"], history.arc)
+
+
+def test_a_dataset_without_tractions(pad: Path) -> None:
+    result = fretfe.run(fretfe.load_case(pad), backend="analytic")
+    assert "main.traction" not in result.to_xarray()
+    with pytest.raises(OutputError, match="along the contact 'main', found none: 'analytic'"):
+        result.contact_history("main")
+
+
+@pytest.mark.parametrize(("package", "name"), [("pandas", "to_dataframe"), ("xarray", "to_xarray")])
+def test_a_missing_package_is_named(
+    solved: Result, monkeypatch: pytest.MonkeyPatch, package: str, name: str
+) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(DependencyError, match=f"pip install {package}"):
+        getattr(solved, name)()
+
+
+def test_validation_and_its_files(pad: Path, tmp_path: Path) -> None:
+    told = Told()
+    found = fretfe.validate(fretfe.load_case(pad), "halfplane", tmp_path, told)
+    assert found.passed
+    assert told.phases[0] == "the case itself" and len(told.phases) > 1
+    assert found.result.directory == tmp_path
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "results.json", "results.h5", "validation.json"
+    }  # fmt: skip
+
+
+def test_sweep(pad: Path, tmp_path: Path) -> None:
+    case, told = fretfe.load_case(pad), Told()
+    frictions = np.linspace(0.3, 0.5, 3)
+    sweep = fretfe.sweep(case, {FRICTION: frictions}, "analytic", output=tmp_path, observer=told)
     records = sweep.records()
     assert [record[FRICTION] for record in records] == [0.3, 0.3, 0.4, 0.4, 0.5, 0.5]
     assert {type(record[FRICTION]) for record in records} == {float}
@@ -183,7 +257,7 @@ def test_sweep(pad: Path, tmp_path: Path) -> None:
     for friction in frictions:
         expected += fretfe.run(changed(case, {FRICTION: friction}), "analytic").edges()
     assert [{name: record[name] for name in expected[0]} for record in records] == expected
-    assert len(told) == 3
+    assert len(told.announced) == 3
     assert {path.name for path in tmp_path.iterdir()} == {"case.toml", "sweep.csv", "sweep.png"}
     with (tmp_path / "sweep.csv").open(newline="") as file:
         assert len(list(csv.DictReader(file))) == 6

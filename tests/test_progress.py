@@ -16,6 +16,7 @@ import pytest
 from launch import ENVIRONMENT
 from pads import HERTZ
 
+from fretfe.backends import RunOptions
 from fretfe.cli.progress import StepReport
 from fretfe.cli.verbosity import Verbosity
 from fretfe.errors import StoppedError
@@ -98,9 +99,12 @@ def test_processes_without_steps_leave_a_signal_to_the_first() -> None:
 
 def test_the_last_step_ends_the_history_anyway() -> None:
     with StepReport(0, Verbosity.QUIET) as report:
-        report.step(8, 9, "")
+        options = RunOptions(observer=report)
+        options.progress(7, 9, "")
         signal.raise_signal(signal.SIGINT)
-        report.step(9, 9, "")
+        options.progress(9, 9, "")
+        with pytest.raises(StoppedError, match="SIGINT after step 8 of 9, which are kept"):
+            options.progress(8, 9, "")
 
 
 def test_handlers_of_others_are_put_back() -> None:

@@ -18,7 +18,7 @@ EXAMPLES = re.findall(r"```python\n(.*?)```\s+```text\n(.*?)```", GUIDE, re.DOTA
 
 def test_examples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One after the other, with the case of the README."""
-    assert len(EXAMPLES) == GUIDE.count("```python") == 3
+    assert len(EXAMPLES) == GUIDE.count("```python") == 4
     readme = (ROOT / "README.md").read_text("utf-8")
     (case,) = re.findall(r"```toml\n(title = .*?)```", readme, re.DOTALL)
     (tmp_path / "pad.toml").write_text(case)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ from stored_runs import RUNS, edit_numbers, solved, write_run
 
 from fretfe.edges.refinement import EdgeValues, Pass, Refinement
 from fretfe.errors import OutputError
-from fretfe.results.reader import read_results, restored
+from fretfe.results.reader import load_result, restored
 from fretfe.results.solution import ContactHistory
 from fretfe.results.writer import as_numbers
 
@@ -24,14 +24,15 @@ from fretfe.results.writer import as_numbers
 @pytest.mark.parametrize("name", RUNS)
 def test_what_is_read_is_what_was_written(tmp_path: Path, name: str) -> None:
     folder = write_run(tmp_path, name)
-    found = read_results(folder)
+    found = load_result(folder)
     written = json.loads((folder / "results.json").read_text("utf-8"))
     # Everything once more, in the same words: no key is lost, none changes.
     assert as_numbers(found.case, found.backend, found.result) == written
-    case, backend, result = solved(name)
-    assert (found.case.model_dump(), found.backend) == (case.model_dump(), backend)
-    assert str(found.result.failure) == str(result.failure)
-    for mine, other in zip(found.result.contacts, result.contacts, strict=True):
+    result = solved(name)
+    assert (found.case.model_dump(), found.backend) == (result.case.model_dump(), result.backend)
+    assert (found.directory, result.directory) == (folder, None)
+    assert str(found.failure) == str(result.failure)
+    for mine, other in zip(found.contacts, result.contacts, strict=True):
         assert isinstance(mine.half_width, np.ndarray)
         np.testing.assert_array_equal(mine.half_width, other.half_width)
         assert mine.edges[1].slip_zones[0].length == other.edges[1].slip_zones[0].length
@@ -39,8 +40,8 @@ def test_what_is_read_is_what_was_written(tmp_path: Path, name: str) -> None:
 
 @pytest.mark.parametrize("name", ["halfplane", "incomplete"])
 def test_arrays_are_read(tmp_path: Path, name: str) -> None:
-    found = read_results(write_run(tmp_path, name)).result.solution
-    _, _, result = solved(name)
+    found = load_result(write_run(tmp_path, name)).result.solution
+    result = solved(name)
     assert found is not None and result.solution is not None
     np.testing.assert_array_equal(found.driver_values, result.solution.driver_values)
     np.testing.assert_array_equal(found.amplitudes, result.solution.amplitudes)
@@ -55,8 +56,7 @@ def test_arrays_are_read(tmp_path: Path, name: str) -> None:
 def test_a_refinement_is_restored() -> None:
     edge = EdgeValues("main", "left", 1239.0, 35.6, (0.077, 0.076), 0.3, 0.4)
     refinement = Refinement(0.01, (Pass(6000, 0.01, (edge,), True, 0.5),), False, "enough")
-    case, backend, result = solved("analytic")
-    numbers = as_numbers(case, backend, type(result)(**{**vars(result), "refinement": refinement}))
+    numbers = as_numbers(replace(solved("analytic"), refinement=refinement))
     assert restored(Refinement, numbers["refinement"]) == refinement
 
 
@@ -121,5 +121,5 @@ def test_results_that_are_none_get_a_clear_message(tmp_path: Path, damage: str) 
     change, words = DAMAGE[damage]
     change(folder)
     with pytest.raises(OutputError) as caught:
-        read_results(folder)
+        load_result(folder)
     assert all(word in str(caught.value) for word in (str(folder), *words)), caught.value

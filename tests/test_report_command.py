@@ -11,9 +11,9 @@ from pads import HERTZ
 from stored_runs import write_run
 from typer.testing import CliRunner
 
-import fretfe.cli.run
+import fretfe.runner
 from fretfe.cli.app import app
-from fretfe.cli.run import run_case
+from fretfe.cli.run import run as run_case
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def test_report_that_fails_is_a_warning(
     def fail(directory: Path) -> Path:
         raise ZeroDivisionError("no [red]plot[/red]")
 
-    monkeypatch.setattr(fretfe.cli.run, "write_report", fail)
+    monkeypatch.setattr(fretfe.runner, "write_report", fail)
     run_case(case, tmp_path / "out", "analytic")
     printed = capsys.readouterr().out
     assert "Warning: no report: ZeroDivisionError: no [red]plot[/red]" in printed

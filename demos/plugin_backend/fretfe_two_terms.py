@@ -19,12 +19,13 @@ import numpy as np
 
 from fretfe.analytic.profiles import Hertz
 from fretfe.backends.analytic import solve_closed_form
-from fretfe.backends.protocol import DEFAULTS, EdgeHistories, RunOptions
+from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.edges import SlipBorder
 from fretfe.edges.evaluate import ContactSummary, Edge
 from fretfe.edges.slip_zones import cycle_states, slip_zones
 from fretfe.idealise import HalfPlaneProblem, NotIdealisable, idealise, obstacles
+from fretfe.results.model import Result
 
 
 class TwoTerms:
@@ -36,15 +37,16 @@ class TwoTerms:
         """Reasons why the formula does not hold for a case; empty if it does."""
         return obstacles(case) or tuple(_outside(idealise(case)))
 
-    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> EdgeHistories:
-        """Edge histories; slip lengths by the formula, closed forms for the rest."""
+    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
+        """Solve a case: slip lengths by the formula, closed forms for the rest."""
         if reasons := self.supports(case):
             raise NotIdealisable(case, list(reasons))
         problem = idealise(case)
         contact, _ = solve_closed_form(problem)
         left, right = (_with_formula(edge, contact, problem) for edge in contact.edges)
-        return EdgeHistories(
-            history=problem.history,
+        return Result(
+            case=case,
+            loads=problem.history,
             contacts=(replace(contact, edges=(left, right)),),
             notes=(*problem.notes, "slip lengths by: two terms of the expansion in d/a"),
         )

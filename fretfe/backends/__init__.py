@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
+from fretfe.backends.observer import SILENT, Observer
+from fretfe.backends.processes import OneProcess, processes_of
 from fretfe.backends.protocol import (
     Backend,
-    BodyArrays,
-    EdgeHistories,
     ParallelBackend,
     Processes,
-    Progress,
     RunOptions,
     Session,
     SharingBackend,
@@ -22,17 +21,18 @@ from fretfe.backends.registry import (
 )
 
 __all__ = [
+    "SILENT",
     "Backend",
-    "BodyArrays",
-    "EdgeHistories",
     "Installed",
+    "Observer",
+    "OneProcess",
     "ParallelBackend",
     "Processes",
-    "Progress",
     "RunOptions",
     "Session",
     "SharingBackend",
     "backend_names",
     "find_backend",
     "installed_backends",
+    "processes_of",
 ]

@@ -12,7 +12,7 @@ from fretfe.analytic.edges import dissipation_per_cycle
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.rocking import TiltedContact
 from fretfe.backends.closed_form import ASYMPTOTE, ClosedFormBorders
-from fretfe.backends.protocol import DEFAULTS, EdgeHistories, RunOptions
+from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.edges.consistency import shear_mismatch, tension_history
 from fretfe.edges.evaluate import ContactSummary, Edge
@@ -21,6 +21,7 @@ from fretfe.edges.half_plane import half_plane_units
 from fretfe.edges.slip_zones import SlipZone, cycle_states, slip_zones
 from fretfe.idealise import HalfPlaneProblem, idealise, obstacles
 from fretfe.idealise.edges import contact_edges, governing_length
+from fretfe.results.model import Result
 
 SMALL_STEP = 1e-4
 # Relative slip-zone length from which the asymptote deserves a warning: about 10 % error.
@@ -36,8 +37,8 @@ class AnalyticBackend:
         """Reasons why a case is not a half-plane problem."""
         return obstacles(case)
 
-    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> EdgeHistories:
-        """Edge histories of a case that is a half-plane problem.
+    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
+        """Solve a case that is a half-plane problem.
 
         Raises:
             NotIdealisable: if it is none.
@@ -52,8 +53,9 @@ class AnalyticBackend:
         notes = problem.notes
         if used:
             notes = (*notes, f"slip lengths by: {', '.join(sorted(used))}")
-        return EdgeHistories(
-            history=problem.history,
+        return Result(
+            case=case,
+            loads=problem.history,
             contacts=(summary,),
             notes=notes,
             seconds={"closed forms": time.perf_counter() - start},

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import time
 
-from fretfe.backends.protocol import DEFAULTS, EdgeHistories, RunOptions
+from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.contact.march import StepResult
 from fretfe.edges.evaluate import evaluate
 from fretfe.halfplane.solver import solve_half_planes
 from fretfe.idealise import idealise, obstacles
 from fretfe.loads import History
+from fretfe.results.model import Result
 
 
 class HalfPlaneBackend:
@@ -23,8 +24,8 @@ class HalfPlaneBackend:
         """Reasons why a case is not a half-plane problem."""
         return obstacles(case)
 
-    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> EdgeHistories:
-        """Edge histories of a case that is a half-plane problem.
+    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
+        """Solve a case that is a half-plane problem.
 
         Raises:
             NotIdealisable: if it is none.
@@ -40,8 +41,9 @@ class HalfPlaneBackend:
         solved = time.perf_counter()
         solution = outcome.solution
         contacts = evaluate(solution, outcome.unit_factors)
-        return EdgeHistories(
-            history=History(solution.channels, solution.times, solution.values, solution.cycle),
+        return Result(
+            case=case,
+            loads=History(solution.channels, solution.times, solution.values, solution.cycle),
             contacts=contacts,
             notes=problem.notes,
             failure=outcome.failure,

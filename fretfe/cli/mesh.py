@@ -1,90 +1,54 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What the commands that need a mesh or DOLFINx do; rank 0 prints."""
+"""The command `fretfe mesh`; the first process writes and prints."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from rich.console import Console
+import typer
 
-from fretfe.case import Case
-from fretfe.cli.mesh_report import print_mesh
-from fretfe.cli.run import read_case, require_supported
-from fretfe.environment import blas_libraries, reference_blas, versions
-from fretfe.fem import _compat
-from fretfe.fem._compat import MPI
-from fretfe.fem.backend import BACKEND
-from fretfe.fem.definition import define_model
-from fretfe.fem.model import contact_surfaces, couple_contacts
-from fretfe.fem.parallel import on_root
-from fretfe.fem.refine import starting_mesh
-from fretfe.fem.rigid_modes import modes_restrained_by_contact
-from fretfe.loads import History, build_history
-from fretfe.mesh.extrude import extrude
-from fretfe.mesh.mesh import Mesh
-from fretfe.mesh.writer import write_mesh
-from fretfe.report.pictures.mesh import write_mesh_picture
-from fretfe.results.writer import prepare_directory
+from fretfe.cli.options import CaseFile, Overrides, TrustGeo, examples
 
-COMM = MPI.COMM_WORLD
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from fretfe.case import Case
+    from fretfe.mesh.mesh import Mesh
+
+EXAMPLES = examples("fretfe mesh pad.toml -o pad.msh")
 
 
-def _load(path: Path, overrides: Sequence[str], trust_geo: bool) -> Case:
-    case = on_root(COMM, lambda: read_case(path, overrides, trust_geo=trust_geo))
-    assert case is not None
-    return case
-
-
-def check_case(path: Path, overrides: Sequence[str] = (), *, trust_geo: bool = False) -> None:
-    """Print what a case would solve."""
-    case = _load(path, overrides, trust_geo)
-    require_supported(BACKEND, "fem", case)
-    history = on_root(COMM, lambda: build_history(case))
-    assert history is not None
-    on_root(COMM, lambda: _print_check(case, history, starting_mesh(case)))
-
-
-def _print_check(case: Case, history: History, mesh: Mesh) -> None:
-    definition = define_model(case, mesh)
-    pairs = couple_contacts(case, contact_surfaces(definition, mesh))
-    console = Console()
-    print_mesh(console, case, mesh)
-    for body in definition.bodies:
-        console.print(f"{body.name}: E = {body.material.young:g}, ν = {body.material.poisson:g}")
-        for coordinate in body.coordinates:
-            console.print(f"  {coordinate.label}: {coordinate.control}", highlight=False)
-    for pair in pairs:
-        console.print(
-            f"contact {pair.name}: {pair.body1} (1) on {pair.body2} (2), "
-            f"{len(pair.coupling.weights)} multiplier nodes",
-            highlight=False,
-        )
-    for name, motion in modes_restrained_by_contact(definition, mesh).items():
-        text = f"Note: without contact {name} is free {motion}."
-        console.print(text, highlight=False, markup=False)
-    cycle = "no cycle to evaluate"
-    if history.cycle is not None:
-        first, last = (history.times[state] for state in history.cycle)
-        cycle = f"evaluated cycle t = {first:g} to {last:g} {case.units.time}"
-    if case.edges is not None:
-        text = f"the mesh refines itself to a tolerance of {case.edges.tolerance:g}: first mesh"
-        console.print(text, highlight=False)
-    console.print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")
-    console.print("The case is valid.")
-
-
-def write_mesh_file(
-    path: Path, target: Path, overrides: Sequence[str] = (), *, trust_geo: bool = False
+def mesh(
+    case: CaseFile,
+    output: Annotated[Path, typer.Option("--output", "-o", help="Mesh file to write (.msh).")],
+    overrides: Overrides = None,
+    trust_geo: TrustGeo = False,
 ) -> None:
-    """Write the mesh of a case."""
-    case = _load(path, overrides, trust_geo)
-    on_root(COMM, lambda: _write_mesh(case, target))
+    """Make the mesh of a case and write it for Gmsh.
+
+    With its named groups, and a picture beside it.
+    """
+    from fretfe.api import make_mesh
+    from fretfe.results.writer import prepare_directory
+    from fretfe.runner import fem_runner
+
+    runner = fem_runner()
+    read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
+    runner.write(lambda: prepare_directory(output.parent))
+    made = make_mesh(read)
+    runner.write(lambda: _write(read, made, output))
 
 
-def _write_mesh(case: Case, target: Path) -> None:
-    prepare_directory(target.parent)
-    mesh = starting_mesh(case)
+def _write(case: Case, mesh: Mesh | None, target: Path) -> None:
+    from rich.console import Console
+
+    from fretfe.cli.mesh_report import print_mesh
+    from fretfe.mesh.extrude import extrude
+    from fretfe.mesh.writer import write_mesh
+    from fretfe.report.pictures.mesh import write_mesh_picture
+
+    assert mesh is not None
     console = Console()
     print_mesh(console, case, mesh)
     solid = case.geometry.solid
@@ -106,23 +70,3 @@ def _print_solid(console: Console, mesh: Mesh) -> None:
     for body in mesh.bodies.values():
         text = f"{body.name}, extruded: {len(body.cells)} tetrahedra, {len(body.points)} nodes"
         console.print(text, highlight=False)
-
-
-def show_info() -> None:
-    """Print versions and libraries."""
-    if COMM.rank != 0:
-        return
-    console = Console()
-    for name, version in {**versions(), **_compat.versions()}.items():
-        console.print(f"{name:12s} {version}", highlight=False)
-    console.print(f"{'MPI ranks':12s} {COMM.size}", highlight=False)
-    libraries = blas_libraries()
-    for library in libraries:
-        console.print(f"{'BLAS':12s} {library}", highlight=False, soft_wrap=True)
-    for library in reference_blas(libraries):
-        console.print(
-            f"Warning: {library} is the reference BLAS, which makes factorisations about four "
-            "times slower. Install OpenBLAS (Debian: libopenblas0-pthread).",
-            highlight=False,
-            soft_wrap=True,
-        )

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import signal
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 from rich.console import Console
@@ -16,9 +17,12 @@ from rich.progress import (
     TextColumn,
     TimeRemainingColumn,
 )
+from rich.status import Status
 
+from fretfe.backends import Observer
 from fretfe.cli.verbosity import Verbosity
-from fretfe.errors import StoppedError
+from fretfe.quality.verify.model import Benchmark, Row
+from fretfe.quality.verify.report import print_rows
 
 # What ends a process from outside: a user, a queue or `timeout`.
 DEFAULTS: dict[signal.Signals, Any] = {
@@ -27,7 +31,7 @@ DEFAULTS: dict[signal.Signals, Any] = {
 }
 
 
-class StepReport:
+class StepReport(Observer):
     """Progress on rank 0: a bar on a terminal, elsewhere a line per step; nothing if quiet.
 
     Ctrl-C and SIGTERM end the history after the step that is being solved, so that nothing is lost
@@ -76,18 +80,16 @@ class StepReport:
             self._bar.stop()
 
     def step(self, number: int, count: int, text: str) -> None:
-        """Report an accepted step.
-
-        Raises:
-            StoppedError: if the process was asked to end; steps up to this one are kept.
-        """
+        """Report an accepted step."""
         self._steps += 1
         if self._bar is not None and self._task is not None:
             self._bar.update(self._task, completed=number, total=count)
         elif self._lines:
             print(f"step {number}/{count}: {text}", flush=True)
-        if self._signal is not None and number < count:
-            raise StoppedError(self._signal, f"after step {number} of {count}, which are kept")
+
+    def stop(self) -> signal.Signals | None:
+        """Return the signal that asked the process to end, if there was one."""
+        return self._signal
 
     def announce(self, text: str) -> None:
         """Say what begins or has ended."""
@@ -110,3 +112,37 @@ class StepReport:
         # A handler that was not set from Python, such as that of PETSc, is not known.
         before = self._handlers[number]
         signal.signal(number, DEFAULTS[number] if before is None else before)
+
+
+class PhaseReport(StepReport):
+    """Progress of several runs of a case: each is named where it begins."""
+
+    def __init__(self, name: str, rank: int, verbosity: Verbosity) -> None:
+        super().__init__(rank, verbosity, steps=False)
+        self._name = name
+        self._console = Console(stderr=True, quiet=rank > 0 or verbosity is Verbosity.QUIET)
+
+    def phase(self, text: str) -> None:
+        """Name the run that begins."""
+        self._console.print(f"{self._name}: {text}", highlight=False)
+
+    def announce(self, text: str) -> None:
+        """Leave out the meshes."""
+
+
+class BenchmarkReport(Observer):
+    """Tables on the standard output, and beside them what is at work; nothing if quiet."""
+
+    def __init__(self, *, quiet: bool) -> None:
+        self.console = Console(quiet=quiet)
+        self._status = Status("", console=Console(stderr=True, quiet=quiet))
+
+    def phase(self, text: str) -> None:
+        """Name what is at work."""
+        self._status.update(text)
+        self._status.start()
+
+    def show(self, benchmark: Benchmark, rows: Sequence[Row]) -> None:
+        """Print the rows of a benchmark."""
+        self._status.stop()
+        print_rows(self.console, benchmark, rows)

@@ -1,219 +1,88 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What the commands of the command line do that any backend can serve; rank 0 prints."""
+"""The command `fretfe run`; the first process prints."""
 
 from __future__ import annotations
 
-import json
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, Annotated
 
-from rich.console import Console
+import typer
 
-from fretfe.backends import (
+from fretfe.cli.options import (
     Backend,
-    EdgeHistories,
-    Installed,
-    ParallelBackend,
-    Processes,
-    RunOptions,
-    backend_names,
-    find_backend,
-    installed_backends,
+    CaseFile,
+    Overrides,
+    Quiet,
+    TrustGeo,
+    Verbose,
+    examples,
+    verbosity_of,
 )
-from fretfe.case import Case, as_written, case_text, load_case, parse_assignments
-from fretfe.cli.progress import StepReport
 from fretfe.cli.verbosity import Verbosity
-from fretfe.environment import rank_from_environment
-from fretfe.errors import CaseError, ModelError, OutputError
-from fretfe.quality.verify.benchmarks import benchmarks
-from fretfe.quality.verify.controls import controls
-from fretfe.quality.verify.model import Row, failed
-from fretfe.quality.verify.report import as_numbers, print_rows, print_summary
-from fretfe.quality.verify.run import run_benchmark
-from fretfe.report.page.html import REPORT, write_report
-from fretfe.report.page.tables import (
-    backend_table,
-    contact_table,
-    edge_table,
-    limit_table,
-    mesh_table,
-    timing_table,
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from fretfe.results.model import Result
+    from fretfe.results.solution import Solution
+
+EXAMPLES = examples(
+    "fretfe run pad.toml -o pad",
+    "fretfe run pad.toml -o pad70 --set loads.shear.amplitude=70",
+    "fretfe run pad.toml -o half --backend halfplane",
+    "mpirun -n 4 fretfe run pad.toml -o pad",
 )
-from fretfe.report.pictures.folder import make_pictures, remove_pictures
-from fretfe.results.solution import Solution
-from fretfe.results.writer import FIELDS, prepare_directory, remove_fields, write_results
-
-T = TypeVar("T")
-CASE_COPY = "case.toml"
 
 
-class OneProcess:
-    """A backend that runs on one process; others that a launcher started have nothing to do."""
-
-    @property
-    def rank(self) -> int:
-        """Number of this process, as the launcher announces it."""
-        return rank_from_environment()
-
-    def on_root(self, work: Callable[[], T]) -> T | None:
-        """Do `work`."""
-        return work()
-
-
-def run_case(
-    path: Path,
-    directory: Path,
-    name: str,
-    overrides: Sequence[str] = (),
-    verbosity: Verbosity = Verbosity.NORMAL,
-    *,
-    timings: bool = False,
-    report: bool = True,
-    trust_geo: bool = False,
+def run(
+    case: CaseFile,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for the results; made if missing.")
+    ],
+    backend: Backend = "fem",
+    overrides: Overrides = None,
+    timings: Annotated[
+        bool, typer.Option("--timings", help="Print the wall time of each phase.")
+    ] = False,
+    report: Annotated[
+        bool, typer.Option("--report/--no-report", help="Make report.html in the folder.")
+    ] = True,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    trust_geo: TrustGeo = False,
 ) -> None:
-    """Solve a case, write everything, print the edges. Collective if the backend is parallel.
+    """Solve a case and write its results."""
+    from fretfe.cli.progress import StepReport
+    from fretfe.runner import Runner
 
-    Args:
-        path: of the case file.
-        directory: for the results.
-        name: of the backend.
-        overrides: values in place of those of the file, like ``loads.shear.amplitude=120``.
-        verbosity: how much is printed.
-        timings: whether the wall time of each phase is, too; it always is if verbose.
-        report: whether report.html is made, with its pictures.
-        trust_geo: whether a .geo file of the case may run.
-    """
-    start = time.perf_counter()
-    backend = find_backend(name)
-    processes = processes_of(backend)
-    if isinstance(processes, OneProcess) and processes.rank > 0:
+    verbosity, start = verbosity_of(quiet, verbose), time.perf_counter()
+    runner = Runner.find(backend)
+    if runner.idle:
         return
-    case = processes.on_root(lambda: read_case(path, overrides, trust_geo=trust_geo))
-    assert case is not None
-    processes.on_root(lambda: require_supported(backend, name, case))
-    fields = None if case.output.fields == "none" else directory / FIELDS
-    processes.on_root(lambda: prepare(directory, case))
-    with StepReport(processes.rank, verbosity) as shown:
-        result = backend.solve(
-            case, RunOptions(fields=fields, progress=shown.step, announce=shown.announce)
-        )
-    processes.on_root(
-        lambda: _finish(case, name, result, directory, start, verbosity, timings, report)
-    )
+    read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
+    with StepReport(runner.processes.rank, verbosity) as shown:
+        result = runner.run(read, output, shown)
+    timed = timings or verbosity is Verbosity.VERBOSE
+    runner.write(lambda: _finish(result, output, start, verbosity, timed, report))
     if result.failure is not None:
         raise result.failure
 
 
-def processes_of(backend: Backend | None) -> Processes:
-    """The processes that a backend runs on."""
-    return backend.processes if isinstance(backend, ParallelBackend) else OneProcess()
-
-
-def require_supported(backend: Backend, name: str, case: Case) -> None:
-    """Check that a backend can solve a case.
-
-    Raises:
-        ModelError: with all reasons why not.
-    """
-    reasons = backend.supports(case)
-    if reasons:
-        raise ModelError(
-            f"{case.source}: the backend {name!r} cannot solve this case:\n"
-            + "\n".join(f"  {reason}" for reason in reasons)
-        )
-
-
-def read_case(path: Path, overrides: Sequence[str], *, trust_geo: bool = False) -> Case:
-    """Read a case file, with values like ``loads.shear.amplitude=120`` in place of its own."""
-    return load_case(path, parse_assignments(overrides), trust_geo=trust_geo)
-
-
-def prepare(directory: Path, case: Case) -> None:
-    """Make the folder for results, without pictures and fields of an earlier run.
-
-    Raises:
-        OutputError: as for `write_case`.
-    """
-    write_case(directory, case)
-    # They would not belong to these results.
-    remove_pictures(directory)
-    remove_fields(directory)
-
-
-def write_case(directory: Path, case: Case) -> None:
-    """Write the case as it is run into a folder, so that it can be run again; make the folder.
-
-    Raises:
-        OutputError: if that is not possible, or another case would be written over the case file.
-    """
-    prepare_directory(directory)
-    target = directory / CASE_COPY
-    if target.resolve() != case.source.resolve():
-        target.write_text(case_text(case), encoding="utf-8")
-    elif not as_written(case):
-        raise OutputError(
-            f"{directory}: expected another folder than that of the case file, found {target}, "
-            "which the case with other values would replace"
-        )
-
-
-@dataclass(frozen=True)
-class Drawn:
-    """How drawing went.
-
-    Attributes:
-        seconds: wall time of each phase.
-        problems: what is missing and why, in words.
-    """
-
-    seconds: dict[str, float]
-    problems: tuple[str, ...]
-
-
-def write_numbers(case: Case, backend: str, result: EdgeHistories, directory: Path) -> None:
-    """Write results.json and results.h5; on rank 0."""
-    # A report of an earlier run would not belong to these results.
-    (directory / REPORT).unlink(missing_ok=True)
-    write_results(directory, case, backend, result)
-
-
-def draw_report(directory: Path) -> Drawn:
-    """Draw the pictures of results and write their report; on rank 0.
-
-    What cannot be made takes nothing away from the results.
-    """
-    seconds, problems = {}, []
-    for phase, make in {"pictures": make_pictures, "report": write_report}.items():
-        begin = time.perf_counter()
-        try:
-            make(directory)
-        except Exception as error:
-            problems.append(f"no {phase}: {type(error).__name__}: {error}")
-        seconds[phase] = time.perf_counter() - begin
-    return Drawn(seconds, tuple(problems))
-
-
 def _finish(
-    case: Case,
-    backend: str,
-    result: EdgeHistories,
-    directory: Path,
-    start: float,
-    verbosity: Verbosity,
-    timings: bool,
-    report: bool,
+    result: Result, directory: Path, start: float, verbosity: Verbosity, timed: bool, report: bool
 ) -> None:
-    """Write and print, the numbers before anything is drawn; on rank 0."""
-    begin = time.perf_counter()
-    write_numbers(case, backend, result, directory)
-    seconds = {**result.seconds, "writing": time.perf_counter() - begin}
+    """Print, the numbers before anything is drawn; on the first process."""
+    from rich.console import Console
+
+    from fretfe.report.page.tables import timing_table
+    from fretfe.runner import draw_report
+
+    seconds = dict(result.seconds)
     quiet = verbosity is Verbosity.QUIET
     console = Console(stderr=quiet)
     if not quiet:
-        _print_numbers(console, case, result)
+        _print_numbers(console, result)
     _print_warnings(console, result)
     if report:
         if not quiet:
@@ -224,17 +93,19 @@ def _finish(
             console.print(f"Warning: {problem}", highlight=False, markup=False, soft_wrap=True)
     if quiet:
         return
-    if timings or verbosity is Verbosity.VERBOSE:
+    if timed:
         console.print(timing_table(seconds))
     steps = _step_text(result.solution)
-    text = f"{len(result.history.times) - 1} steps{steps}, {time.perf_counter() - start:.1f} s"
+    text = f"{len(result.loads.times) - 1} steps{steps}, {time.perf_counter() - start:.1f} s"
     console.print(text, highlight=False, soft_wrap=True)
     console.print(f"Results in {directory}", highlight=False, soft_wrap=True)
 
 
-def _print_numbers(console: Console, case: Case, result: EdgeHistories) -> None:
-    console.print(contact_table(case, result.history.cycle, result.contacts))
-    console.print(edge_table(case, result.contacts))
+def _print_numbers(console: Console, result: Result) -> None:
+    from fretfe.report.page.tables import contact_table, edge_table, limit_table, mesh_table
+
+    console.print(contact_table(result.case, result.loads.cycle, result.contacts))
+    console.print(edge_table(result.case, result.contacts))
     if result.refinement is not None:
         console.print(mesh_table(result.refinement))
         console.print(limit_table(result.refinement))
@@ -251,7 +122,7 @@ def _step_text(solution: Solution | None) -> str:
     )
 
 
-def _print_warnings(console: Console, result: EdgeHistories) -> None:
+def _print_warnings(console: Console, result: Result) -> None:
     refinement = result.refinement
     if refinement is not None and not refinement.converged:
         text = f"Warning: the mesh is not fine enough for edges.tolerance: {refinement.reason}"
@@ -259,66 +130,3 @@ def _print_warnings(console: Console, result: EdgeHistories) -> None:
     for contact in result.contacts:
         for warning in contact.warnings:
             console.print(f"Warning: {contact.name}: {warning}", highlight=False, markup=False)
-
-
-def show_backends(path: Path | None) -> None:
-    """List the installed backends and why one cannot be used, or cannot solve a case."""
-    # On every rank: a backend that starts MPI when it is imported waits for the others.
-    backends = installed_backends()
-    if rank_from_environment() > 0:
-        return
-    case = load_case(path) if path is not None else None
-    Console().print(backend_table(backends, case))
-
-
-def verify_backends(names: Sequence[str], *, as_json: bool) -> bool:
-    """Run all benchmarks and negative controls, print the comparisons, and say whether all is well.
-
-    Collective if one of the backends is parallel.
-
-    Args:
-        names: of the backends; empty for all that are installed.
-        as_json: print one JSON document at the end in place of tables.
-
-    Raises:
-        CaseError: if no backend of one of these names is installed.
-    """
-    chosen = _choose(names)
-    rows: list[Row] = []
-    seconds = {installed.name: 0.0 for installed in chosen}
-    shown = OneProcess().rank == 0 and not as_json
-    console, status = Console(quiet=not shown), Console(stderr=True, quiet=not shown)
-    for benchmark in (*benchmarks(), *controls()):
-        found: list[Row] = []
-        for installed in chosen:
-            processes = processes_of(installed.backend)
-            if isinstance(processes, OneProcess) and processes.rank > 0:
-                continue
-            start = time.perf_counter()
-            with status.status(f"{benchmark.name}: {installed.name}"):
-                found += run_benchmark(benchmark, installed, processes)
-            seconds[installed.name] += time.perf_counter() - start
-        print_rows(console, benchmark, found)
-        rows += found
-    print_summary(console, rows, seconds)
-    if as_json and OneProcess().rank == 0:
-        print(json.dumps(as_numbers(rows, seconds), indent=1, allow_nan=False), flush=True)
-    return _agree(chosen, not failed(tuple(rows)))
-
-
-def _choose(names: Sequence[str]) -> tuple[Installed, ...]:
-    unknown = sorted(set(names) - set(backend_names()))
-    if unknown:
-        raise CaseError(
-            f"expected names of installed backends ({', '.join(backend_names())}), found "
-            + ", ".join(repr(name) for name in unknown)
-        )
-    return tuple(each for each in installed_backends() if not names or each.name in names)
-
-
-def _agree(chosen: Sequence[Installed], passed: bool) -> bool:
-    """What rank 0 found, on all processes: the others have not run every backend."""
-    for installed in chosen:
-        if isinstance(installed.backend, ParallelBackend):
-            return bool(processes_of(installed.backend).on_root(lambda: passed))
-    return passed or OneProcess().rank > 0

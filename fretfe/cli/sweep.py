@@ -1,93 +1,88 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What `fretfe sweep` does; rank 0 writes and prints."""
+"""The command `fretfe sweep`; the first process prints."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from rich.console import Console
+import typer
 
-from fretfe.backends import RunOptions, find_backend
-from fretfe.backends.protocol import mute
-from fretfe.cli.progress import StepReport
-from fretfe.cli.run import OneProcess, processes_of, read_case, write_case
+from fretfe.cli.options import (
+    Backend,
+    CaseFile,
+    Overrides,
+    Quiet,
+    TrustGeo,
+    Verbose,
+    examples,
+    verbosity_of,
+)
 from fretfe.cli.verbosity import Verbosity
-from fretfe.errors import ConvergenceError, OutputError
-from fretfe.report.figures.sweep import write_sweep
-from fretfe.sweeps import Sweep, make_variants, parse_ranges, run_sweep
-from fretfe.sweeps.table import MOST_ROWS, sweep_table, write_table
 
-TABLE, FIGURE = "sweep.csv", "sweep.png"
+if TYPE_CHECKING:
+    from fretfe.sweeps import Sweep
+
 NARROWEST = 100
 NO_PICTURE = "it takes one or two keys that vary, and a case that was solved"
 
+EXAMPLES = examples(
+    "fretfe sweep pad.toml -o mu --vary contacts.main.friction=0.3:0.8:11",
+    "fretfe sweep pad.toml -o map --vary contacts.main.friction=0.4,0.6,0.8 \\",
+    "    --vary loads.shear.amplitude=20:80:4",
+)
 
-def sweep_case(
-    path: Path,
-    vary: Sequence[str],
-    directory: Path,
-    name: str,
-    overrides: Sequence[str] = (),
-    verbosity: Verbosity = Verbosity.NORMAL,
-    *,
-    trust_geo: bool = False,
+
+def sweep(
+    case: CaseFile,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            metavar="KEY=VALUES",
+            help="START:STOP:COUNT or A,B,C; several times for all combinations.",
+            show_default=False,
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for table and picture; made if missing.")
+    ],
+    backend: Backend = "fem",
+    overrides: Overrides = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    trust_geo: TrustGeo = False,
 ) -> None:
-    """Solve all combinations of values, write and print a table. Collective like the backend.
+    """Solve a case with many values of some keys: a table, a picture.
 
-    Args:
-        path: of the case file.
-        vary: keys and values, like ``contacts.main.friction=0.1:0.6:11``.
-        directory: for table and picture.
-        name: of the backend.
-        overrides: values in place of those of the file, like ``loads.shear.amplitude=120``.
-        verbosity: how much is printed.
-        trust_geo: whether a .geo file of the case may run.
-
-    Raises:
-        ConvergenceError: if no variant could be solved.
+    Friction and load histories need no new factorisation: they are cheap to vary.
     """
-    start = time.perf_counter()
-    backend = find_backend(name)
-    processes = processes_of(backend)
-    if isinstance(processes, OneProcess) and processes.rank > 0:
+    from fretfe.cli.progress import StepReport
+    from fretfe.errors import ConvergenceError
+    from fretfe.runner import Runner
+    from fretfe.sweeps import parse_ranges
+
+    verbosity, start = verbosity_of(quiet, verbose), time.perf_counter()
+    runner = Runner.find(backend)
+    if runner.idle:
         return
-    case = processes.on_root(lambda: read_case(path, overrides, trust_geo=trust_geo))
-    assert case is not None
-    variants = processes.on_root(lambda: make_variants(case, parse_ranges(vary)))
-    assert variants is not None
-    processes.on_root(lambda: write_case(directory, case))
-    with StepReport(processes.rank, verbosity, steps=False) as report:
-        announce = report.announce if processes.rank == 0 else mute
-        sweep = run_sweep(variants, backend, RunOptions(progress=report.step, announce=announce))
-    drawn = processes.on_root(lambda: write_files(sweep, directory))
-    if processes.rank == 0:
-        _print(sweep, directory, bool(drawn), time.perf_counter() - start, verbosity)
-    if len(sweep.failures) == len(sweep.variants):
+    read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
+    with StepReport(runner.processes.rank, verbosity, steps=False) as report:
+        found = runner.sweep(read, parse_ranges(vary), output, report)
+    if runner.processes.rank == 0:
+        _print(found, output, time.perf_counter() - start, verbosity)
+    if len(found.failures) == len(found.variants):
         raise ConvergenceError(
-            f"no variant could be solved; the first: {sweep.failures[0].failure}"
+            f"no variant could be solved; the first: {found.failures[0].failure}"
         )
 
 
-def write_files(sweep: Sweep, directory: Path) -> bool:
-    """Write table and picture; whether there is a picture.
+def _print(sweep: Sweep, directory: Path, seconds: float, verbosity: Verbosity) -> None:
+    from rich.console import Console
 
-    Raises:
-        OutputError: if a file cannot be written.
-    """
-    try:
-        write_table(directory / TABLE, sweep)
-        # A picture of an earlier sweep would not belong to this table.
-        (directory / FIGURE).unlink(missing_ok=True)
-        return write_sweep(directory / FIGURE, sweep.keys, sweep.records(), sweep.units)
-    except OSError as error:
-        raise OutputError(f"{directory}: cannot write the sweep: {error}") from error
+    from fretfe.sweeps.files import FIGURE, TABLE
+    from fretfe.sweeps.table import MOST_ROWS, sweep_table
 
-
-def _print(
-    sweep: Sweep, directory: Path, drawn: bool, seconds: float, verbosity: Verbosity
-) -> None:
     quiet = verbosity is Verbosity.QUIET
     # Wide enough for all columns: a narrow terminal wraps lines rather than cuts numbers.
     console = Console(width=max(Console().width, NARROWEST), stderr=quiet)
@@ -103,7 +98,11 @@ def _print(
     if quiet:
         return
     console.print(_cost(sweep, seconds), highlight=False)
-    files = f"{TABLE} and {FIGURE}" if drawn else f"{TABLE} (no picture: {NO_PICTURE})"
+    files = (
+        f"{TABLE} and {FIGURE}"
+        if (directory / FIGURE).exists()
+        else f"{TABLE} (no picture: {NO_PICTURE})"
+    )
     console.print(f"{files} in {directory}", highlight=False, soft_wrap=True)
 
 

@@ -1,21 +1,27 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What `fretfe templates` does: list the geometry templates, or the parameters of one."""
+"""The command `fretfe templates`; the first process prints."""
 
 from __future__ import annotations
 
-from rich.console import Console
+from typing import Annotated
 
+import typer
+
+from fretfe.cli.options import examples
 from fretfe.environment import rank_from_environment
-from fretfe.geometry.templates import find_template, template_names
-from fretfe.report.page.tables import parameter_table, template_table
+
+EXAMPLES = examples("fretfe templates", "fretfe templates dovetail")
 
 
-def show_templates(name: str | None) -> None:
-    """Print one line per template, or the parameters of one; on rank 0.
+def templates(
+    name: Annotated[str | None, typer.Argument(help="Template: list its parameters.")] = None,
+) -> None:
+    """List the geometry templates, or the parameters of one of them."""
+    from rich.console import Console
 
-    Raises:
-        CaseError: there is no template of this name.
-    """
+    from fretfe.geometry.templates import find_template, template_names
+    from fretfe.report.page.tables import parameter_table, template_table
+
     if name is None:
         table = template_table([find_template(each) for each in template_names()])
     else:

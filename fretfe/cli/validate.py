@@ -1,82 +1,74 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What `fretfe validate` does; rank 0 prints."""
+"""The command `fretfe validate`; the first process prints."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from rich.console import Console
+import typer
 
-from fretfe.backends import RunOptions, find_backend
-from fretfe.cli.progress import StepReport
-from fretfe.cli.run import (
-    OneProcess,
-    processes_of,
-    read_case,
-    require_supported,
+from fretfe.cli.options import (
+    Backend,
+    CaseFile,
+    Overrides,
+    Quiet,
+    TrustGeo,
+    Verbose,
+    examples,
+    verbosity_of,
 )
 from fretfe.cli.verbosity import Verbosity
-from fretfe.quality.validate import Validation, validate
-from fretfe.quality.validate.report import as_numbers, print_validation
-from fretfe.results.writer import prepare_directory, write_results
 
-ROWS = "validation.json"
+if TYPE_CHECKING:
+    from fretfe.quality.validate import Validation
+
 NARROWEST = 100
 
+EXAMPLES = examples("fretfe validate pad.toml", "fretfe validate pad.toml -o pad --json")
 
-def validate_case(
-    path: Path,
-    directory: Path | None,
-    name: str,
-    overrides: Sequence[str] = (),
-    verbosity: Verbosity = Verbosity.NORMAL,
-    *,
-    as_json: bool,
-    trust_geo: bool = False,
-) -> bool:
-    """Validate a case, print the rows, and say whether all is well. Collective like the backend.
 
-    Args:
-        path: of the case file.
-        directory: for results and rows; None writes nothing.
-        name: of the backend.
-        overrides: values in place of those of the file, like ``loads.shear.amplitude=120``.
-        verbosity: if quiet, nothing is printed unless a comparison fails; if verbose, every step
-            of every run too.
-        as_json: print one JSON document in place of the table.
-        trust_geo: whether a .geo file of the case may run.
+def validate(
+    case: CaseFile,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder for the results.")
+    ] = None,
+    backend: Backend = "fem",
+    overrides: Overrides = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON document in place of the table.")
+    ] = False,
+    trust_geo: TrustGeo = False,
+) -> None:
+    """Run a case and its companions: can its numbers be trusted?
+
+    Exit code 1 if a comparison fails.
     """
-    backend = find_backend(name)
-    processes = processes_of(backend)
-    if isinstance(processes, OneProcess) and processes.rank > 0:
-        return True
-    case = processes.on_root(lambda: read_case(path, overrides, trust_geo=trust_geo))
-    assert case is not None
-    processes.on_root(lambda: require_supported(backend, name, case))
-    if directory is not None:
-        processes.on_root(lambda: prepare_directory(directory))
-    quiet = processes.rank > 0 or verbosity is Verbosity.QUIET
-    shown = Console(stderr=True, quiet=quiet)
-    with StepReport(processes.rank, verbosity, steps=False) as report:
-        validation = validate(
-            case,
-            backend,
-            lambda text: shown.print(f"{path.name}: {text}", highlight=False),
-            RunOptions(progress=report.step),
-        )
-    if processes.rank == 0:
-        if directory is not None:
-            write_results(directory, case, name, validation.result)
-            text = json.dumps(as_numbers(validation), indent=1, allow_nan=False)
-            (directory / ROWS).write_text(text + "\n", encoding="utf-8")
-        if as_json or not (verbosity is Verbosity.QUIET and validation.passed):
-            _print(validation, as_json)
-    return validation.passed
+    from fretfe.cli.progress import PhaseReport
+    from fretfe.runner import Runner
+
+    verbosity = verbosity_of(quiet, verbose)
+    runner = Runner.find(backend)
+    if runner.idle:
+        return
+    read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
+    with PhaseReport(case.name, runner.processes.rank, verbosity) as report:
+        found = runner.validate(read, output, report)
+    silent = verbosity is Verbosity.QUIET and found.passed
+    if runner.processes.rank == 0 and (as_json or not silent):
+        _print(found, as_json)
+    if not found.passed:
+        raise typer.Exit(1)
 
 
 def _print(validation: Validation, as_json: bool) -> None:
+    from rich.console import Console
+
+    from fretfe.quality.validate.report import as_numbers, print_validation
+
     if as_json:
         print(json.dumps(as_numbers(validation), indent=1, allow_nan=False), flush=True)
     else:

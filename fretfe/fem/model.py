@@ -51,10 +51,8 @@ class Model:
         self.case = case
         degree = case.model.degree
         definition = on_root(comm, lambda: define_model(case, mesh))  # type: ignore[arg-type]
-        assert definition is not None
         with clock("surfaces"):
             surfaces = on_root(comm, lambda: contact_surfaces(definition, mesh))  # type: ignore[arg-type]
-            assert surfaces is not None
             self.surfaces = surfaces
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
         self._definition = definition

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""A model that is kept from case to case, until a case needs another one. Collective.
+"""Cache of one model from case to case, until a case needs another one. Collective.
 
 Friction, load histories and the evaluated cycle do not enter the model: mesh, stiffness,
 factorisations and condensed bodies stay, and so do the inverses for contact areas that were met.
@@ -7,15 +7,15 @@ factorisations and condensed bodies stay, and so do the inverses for contact are
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
+from fretfe.backends.protocol import RunOptions
 from fretfe.case import Case
 from fretfe.fem._compat import MPI
 from fretfe.fem.parallel import release
-from fretfe.fem.run import LoadMesh, Outcome, Prepared, Progress, prepare, solve_prepared
+from fretfe.fem.run import LoadMesh, Prepared, build_model, load_history, solve_prepared
 from fretfe.fem.timing import Clock
-from fretfe.loads import History
+from fretfe.results.model import Result
 
 # Bytes for the inverses.
 MEMORY = 2**30
@@ -31,14 +31,14 @@ FREE: dict[str, Any] = {
 
 
 def model_key(case: Case) -> str:
-    """What two cases have in common that can be solved with one model."""
+    """Text that is equal for two cases that can be solved with one model."""
     file = case.geometry.file
     # The label of the unit of length decides how a STEP file is read.
     place = f"{case.resolve(file).absolute()} {case.units.length} " if file is not None else ""
     return place + repr(case.model_dump(mode="json", exclude=FREE))
 
 
-class KeptModel:
+class ModelCache:
     """Solves cases one after the other; builds a model only if the one that it has does not fit."""
 
     def __init__(self, comm: MPI.Comm) -> None:
@@ -46,23 +46,17 @@ class KeptModel:
         self._key = ""
         self._prepared: Prepared | None = None
 
-    def solve(
-        self,
-        case: Case,
-        history: History,
-        fields: Path | None,
-        progress: Progress,
-        load: LoadMesh,
-    ) -> Outcome:
+    def solve(self, case: Case, options: RunOptions, load: LoadMesh) -> Result:
         """Solve the load history of a case; arguments and errors as `fretfe.fem.run.solve`."""
         clock, key = Clock(), model_key(case)
+        history = load_history(self._comm, case, options)
         if self._prepared is None or key != self._key:
-            self.drop()
-            self._prepared = prepare(self._comm, case, clock, load, MEMORY)
+            self.clear()
+            self._prepared = build_model(self._comm, case, clock, load, MEMORY)
             self._key = key
-        return solve_prepared(self._prepared, case, history, fields, progress, clock)
+        return solve_prepared(self._prepared, case, history, options, clock)
 
-    def drop(self) -> None:
+    def clear(self) -> None:
         """Give the model back."""
         meshes = self._prepared.meshes if self._prepared is not None else []
         self._prepared = None

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Work that one rank does for all, and what all ranks have to let go together."""
+"""Work done by one rank for all, and collective release of PETSc objects."""
 
 from __future__ import annotations
 
 import gc
 import time
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Literal, TypeVar, overload
 
 import dolfinx.mesh
 
@@ -17,6 +17,14 @@ T = TypeVar("T")
 
 # How long waiting ranks sleep before they look again (s), and as a part of their waiting so far.
 LONGEST_SLEEP, SLEEP_FRACTION = 0.005, 0.1
+
+
+@overload
+def on_root(comm: MPI.Comm, work: Callable[[], T]) -> T: ...
+
+
+@overload
+def on_root(comm: MPI.Comm, work: Callable[[], T], *, share: Literal[False]) -> T | None: ...
 
 
 def on_root(comm: MPI.Comm, work: Callable[[], T], *, share: bool = True) -> T | None:

@@ -5,15 +5,15 @@ from __future__ import annotations
 
 import math
 import shutil
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 
-from fretfe.backends.protocol import Announce, mute
+from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.edges.evaluate import ContactSummary
 from fretfe.edges.refinement import (
@@ -28,11 +28,11 @@ from fretfe.edges.refinement import (
 from fretfe.errors import FretfeError, MeshError
 from fretfe.fem._compat import MPI
 from fretfe.fem.parallel import on_root
-from fretfe.fem.run import Outcome, Progress, solve
+from fretfe.fem.run import solve
 from fretfe.geometry.sizing import Sizes, Source, apply_sizes, curves_of_groups, length_of
-from fretfe.loads import History
 from fretfe.mesh.groups import count_unknowns
 from fretfe.mesh.mesh import Mesh
+from fretfe.results.model import Result
 from fretfe.results.solution import Solution
 from fretfe.surface.load import load_mesh
 from fretfe.surface.surface import build_surface
@@ -73,68 +73,44 @@ def starting_mesh(case: Case) -> Mesh:
     Raises:
         FretfeError: as for `load_mesh`.
     """
-    return load_mesh(case) if case.edges is None else _Passes(case, mute).load()
+    return load_mesh(case) if case.edges is None else _Passes(case, DEFAULTS.announce).load()
 
 
-@dataclass(frozen=True)
-class Evaluated:
-    """A solved case and what it means; the same on all ranks but for its outcome.
-
-    Attributes:
-        outcome: what solving it produced.
-        refinement: the meshes that led to it, None if there was one mesh only.
-    """
-
-    outcome: Outcome
-    refinement: Refinement | None = None
-
-
-def refine(
-    comm: MPI.Comm,
-    case: Case,
-    history: History,
-    fields: Path | None,
-    progress: Progress,
-    announce: Announce,
-) -> Evaluated:
+def refine(comm: MPI.Comm, case: Case, options: RunOptions) -> Result:
     """Solve a case on finer and finer meshes, the whole history on each. Collective.
 
     Args:
         comm: communicator.
         case: validated case that asks for an accuracy.
-        history: as for `solve`.
-        fields: as for `solve`; those of the pass that counts.
-        progress: as for `solve`.
-        announce: called on rank 0 with each mesh.
+        options: as for `solve`; fields are those of the pass that counts, and each mesh is
+            announced.
 
     Returns:
-        The last pass that was solved to its end.
+        The last pass that was solved to its end, with all meshes in its `refinement`.
 
     Raises:
         FretfeError: for whatever keeps the first pass from being started. A later pass that fails
             ends the refinement, and the one before counts.
     """
-    passes = _Passes(case, announce)
-    result: Evaluated | None = None
+    passes, fields = _Passes(case, options.announce), options.fields
+    last: Result | None = None
     # Fields of a pass take the place of those of the one before only when it counts.
     staged = fields.with_name(f"{fields.name}-of-next-mesh") if fields is not None else None
     while True:
         try:
-            outcome = solve(comm, case, history, staged, progress, passes.load)
-            if outcome.failure is not None and result is not None:
-                raise outcome.failure
+            result = solve(comm, case, replace(options, fields=staged), passes.load)
+            if result.failure is not None and last is not None:
+                raise result.failure
         except FretfeError as error:
-            if result is None or result.refinement is None:
+            if last is None or last.refinement is None:
                 raise
             on_root(comm, partial(_drop, staged))
-            ended = replace(result.refinement, reason=str(error))
-            return replace(result, refinement=ended)
+            return replace(last, refinement=replace(last.refinement, reason=str(error)))
         on_root(comm, partial(_keep, staged, fields))
-        refinement = on_root(comm, partial(passes.judge, outcome))
-        assert refinement is not None
-        result = Evaluated(outcome, refinement)
+        refinement = on_root(comm, partial(passes.judge, result))
+        last = replace(result, refinement=refinement)
         if refinement.reason:
-            return result
+            return last
 
 
 def _drop(folder: Path | None) -> None:
@@ -152,7 +128,7 @@ def _keep(staged: Path | None, fields: Path | None) -> None:
 class _Passes:
     """The meshes of a case one after the other, and what they gave; rank 0 only."""
 
-    def __init__(self, case: Case, announce: Announce) -> None:
+    def __init__(self, case: Case, announce: Callable[[str], None]) -> None:
         assert case.edges is not None
         self._case = case
         self._announce = announce
@@ -161,6 +137,7 @@ class _Passes:
         self._sources: tuple[Source, ...] = ()
         self._level = 0
         self._passes: tuple[Pass, ...] = ()
+        self._mesh: Mesh | None = None
 
     def load(self) -> Mesh:
         """The next mesh.
@@ -176,20 +153,21 @@ class _Passes:
                 f"{unknowns} unknowns, expected at most {self._edges.unknowns}"
             )
         self._announce(f"mesh {len(self._passes) + 1}: {unknowns} unknowns")
+        self._mesh = mesh
         return mesh
 
     def _set_sizes(self, gmsh: ModuleType) -> None:
         even = first_sizes(self._case, self._growth, gmsh)
         apply_sizes(gmsh, replace(even, sources=self._sources))
 
-    def judge(self, outcome: Outcome) -> Refinement:
+    def judge(self, result: Result) -> Refinement:
         """All passes so far, this one included; without a reason to end there is another."""
-        solution, mesh = outcome.solution, outcome.mesh
+        solution, mesh = result.solution, self._mesh
         assert solution is not None
         assert mesh is not None
-        contacts = outcome.contacts
-        if outcome.failure is not None:
-            return self._refinement(reason=str(outcome.failure))
+        contacts = result.contacts
+        if result.failure is not None:
+            return self._refinement(reason=str(result.failure))
         before = self._passes[-1] if self._passes else None
         self._passes += (self._pass(solution, mesh, contacts),)
         last = self._passes[-1]

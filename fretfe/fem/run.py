@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Solve a case with finite elements, from its geometry to a `Solution`."""
+"""Solve a case with finite elements, from its geometry to a `Result`."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
-from fretfe.contact.march import March, StepResult
+from fretfe.contact.march import March
 from fretfe.contact.recorder import Place, Recorder
 from fretfe.edges.evaluate import ContactSummary, evaluate
 from fretfe.edges.extremes import load_extremes
 from fretfe.errors import ConvergenceError, ModelError, StoppedError
+from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
 from fretfe.fem.balance import force_balance
 from fretfe.fem.extraction import add_integrals
@@ -22,32 +24,13 @@ from fretfe.fem.fields import write_fields
 from fretfe.fem.model import Model, step_loads
 from fretfe.fem.parallel import on_root, release
 from fretfe.fem.timing import Clock
-from fretfe.loads import History
+from fretfe.loads import History, build_history
 from fretfe.mesh.mesh import Mesh
+from fretfe.results.model import Result
 from fretfe.results.solution import Solution
 from fretfe.surface.load import load_mesh
 
-Progress = Callable[[int, int, StepResult], None]
 LoadMesh = Callable[[], Mesh]
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What solving a case produced; the same on all ranks but for what only rank 0 has.
-
-    Attributes:
-        solution: all accepted steps; rank 0 only.
-        contacts: its evaluation.
-        mesh: the bodies' meshes; rank 0 only.
-        failure: why the history was not finished, or None.
-        seconds: wall time of each phase on this rank.
-    """
-
-    solution: Solution | None
-    contacts: tuple[ContactSummary, ...]
-    mesh: Mesh | None
-    failure: ConvergenceError | None
-    seconds: dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -70,7 +53,7 @@ class Prepared:
         return [body.elastic.mesh for body in self.model.bodies.values()]
 
 
-def prepare(
+def build_model(
     comm: MPI.Comm, case: Case, clock: Clock, load: LoadMesh | None = None, memory: int = 0
 ) -> Prepared:
     """Mesh and model of a case. Collective.
@@ -94,71 +77,59 @@ def prepare(
 
 
 def solve(
-    comm: MPI.Comm,
-    case: Case,
-    history: History,
-    fields: Path | None,
-    progress: Progress,
-    load: LoadMesh | None = None,
-) -> Outcome:
+    comm: MPI.Comm, case: Case, options: RunOptions = DEFAULTS, load: LoadMesh | None = None
+) -> Result:
     """Solve the load history of a case and evaluate it. Collective.
 
     Args:
         comm: communicator.
         case: validated case, the same on all ranks.
-        history: its load history, the same on all ranks.
-        fields: folder for the fields that the case asks for; None writes none.
-        progress: called on rank 0 with each accepted step, the number of steps, and its result.
+        options: folder for fields, other loads, observer.
         load: gives the mesh, called on rank 0; None for `load_mesh`.
 
     Raises:
-        FretfeError: for whatever keeps the history from being started; see `Outcome.failure` for
+        FretfeError: for whatever keeps the history from being started; see `Result.failure` for
             a history that was not finished.
     """
-    outcome, meshes = _solve(comm, case, history, fields, progress, load)
+    result, meshes = _solve(comm, case, options, load)
     release(meshes)
-    return outcome
+    return result
 
 
 def _solve(
-    comm: MPI.Comm,
-    case: Case,
-    history: History,
-    fields: Path | None,
-    progress: Progress,
-    load: LoadMesh | None,
-) -> tuple[Outcome, list[Any]]:
-    """Outcome, and the meshes whose models nobody refers to any more."""
+    comm: MPI.Comm, case: Case, options: RunOptions, load: LoadMesh | None
+) -> tuple[Result, list[Any]]:
+    """Result, and the meshes whose models nobody refers to any more."""
     clock = Clock()
-    prepared = prepare(comm, case, clock, load)
-    return solve_prepared(prepared, case, history, fields, progress, clock), prepared.meshes
+    history = load_history(comm, case, options)
+    prepared = build_model(comm, case, clock, load)
+    return solve_prepared(prepared, case, history, options, clock), prepared.meshes
+
+
+def load_history(comm: MPI.Comm, case: Case, options: RunOptions) -> History:
+    """Load history of a run, that of the case unless there is another one. Collective."""
+    return on_root(comm, lambda: options.history or build_history(case))
 
 
 def solve_prepared(
-    prepared: Prepared,
-    case: Case,
-    history: History,
-    fields: Path | None,
-    progress: Progress,
-    clock: Clock,
-) -> Outcome:
-    """Solve the load history of a case. Collective.
+    prepared: Prepared, case: Case, history: History, options: RunOptions, clock: Clock
+) -> Result:
+    """Solve a load history with a model that is there. Collective.
 
     Args:
         prepared: mesh and model of a case that differs in friction and load histories at most.
         case: as for `solve`.
-        history: as for `solve`.
-        fields: as for `solve`.
-        progress: as for `solve`.
+        history: the loads, the same on all ranks.
+        options: folder for fields, and observer.
         clock: for timings, of the preparation too if that belongs to this case.
 
     Raises:
         FretfeError: as for `solve`.
     """
-    model = prepared.model
+    model, mesh = prepared.model, prepared.mesh
     comm = model.comm
     with clock("steps"):
-        marched = on_root(comm, lambda: _march(prepared, case, history, progress), share=False)
+        marched = on_root(comm, lambda: _march(prepared, case, history, options), share=False)
     failure = comm.bcast(marched.failure if marched else None)
     recorder = marched.recorder if marched else None
     solution = _solution(model, history, marched.recorder) if marched else None
@@ -166,12 +137,25 @@ def solve_prepared(
         solution = add_integrals(model, case, recorder, prepared.march, solution)
     with clock("evaluation"):
         contacts = on_root(comm, lambda: evaluate(solution) if solution else ())
-        assert contacts is not None
-    if fields is not None:
+    if options.fields is not None:
         with clock("fields"):
             chosen = _field_states(case, history, solution, contacts) if solution else None
-            _write_fields(model, history, recorder, chosen, fields)
-    return Outcome(solution, contacts, prepared.mesh, failure, clock.seconds)
+            _write_fields(model, history, recorder, chosen, options.fields)
+    return Result(
+        case=case,
+        loads=comm.bcast(_solved_history(solution) if solution else None),
+        contacts=contacts,
+        solution=solution,
+        failure=failure,
+        bodies=mesh.bodies if mesh else {},
+        versions=_compat.versions(),
+        seconds=clock.seconds,
+        ranks=comm.size,
+    )
+
+
+def _solved_history(solution: Solution) -> History:
+    return History(solution.channels, solution.times, solution.values, solution.cycle)
 
 
 def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
@@ -188,7 +172,7 @@ class _Marched:
     failure: ConvergenceError | None
 
 
-def _march(prepared: Prepared, case: Case, history: History, progress: Progress) -> _Marched:
+def _march(prepared: Prepared, case: Case, history: History, options: RunOptions) -> _Marched:
     """Solve all steps; one that fails ends the history and keeps what was computed."""
     reduction, march = prepared.model.reduction, prepared.march
     assert reduction is not None
@@ -200,7 +184,7 @@ def _march(prepared: Prepared, case: Case, history: History, progress: Progress)
     try:
         for number, result in enumerate(march.run(steps), start=1):
             recorder.add(result)
-            progress(number, len(steps) - 1, result)
+            options.progress(number, len(steps) - 1, result.summary)
     except ConvergenceError as failure:
         if recorder.contact_carries() or isinstance(failure, StoppedError):
             return _Marched(recorder, failure)

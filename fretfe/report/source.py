@@ -4,16 +4,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from fretfe.backends import EdgeHistories
-from fretfe.case import Case
 from fretfe.edges.evaluate import ContactSummary, Edge
 from fretfe.edges.extremes import load_extremes
-from fretfe.loads import History
-from fretfe.results.reader import read_results
+from fretfe.results.model import Result
 from fretfe.results.solution import ContactHistory
 
 # More loads than this are not named in a title.
@@ -22,59 +18,31 @@ MOST_LOADS = 3
 ROUND_OFF = 1e-12
 
 
-@dataclass(frozen=True, kw_only=True)
-class Run(EdgeHistories):
-    """Results of a run, read back from its folder.
-
-    Attributes:
-        directory: the folder.
-        case: the case as it was run.
-        backend: name of the backend.
-    """
-
-    directory: Path
-    case: Case
-    backend: str
-
-    @property
-    def loads(self) -> History:
-        """The load history, as far as it was solved."""
-        return self.history
-
-    @property
-    def span(self) -> tuple[int, int]:
-        """First and last state of the evaluated cycle, or of everything."""
-        return self.loads.cycle or (0, len(self.loads.times) - 1)
-
-    @property
-    def extremes(self) -> list[int]:
-        """The load extremes of all contacts together."""
-        edges = [edge for contact in self.contacts for edge in contact.edges]
-        return load_extremes([e.k_t for e in edges], [e.k_i for e in edges], self.loads.cycle)
-
-    def when(self, state: int) -> str:
-        """The time of a state, with its unit."""
-        return f"t = {self.loads.times[state]:.6g} {self.case.units.time}"
-
-    def loading(self, state: int) -> str:
-        """The values of the loads at a state, if they are not too many for a title."""
-        if len(self.loads.channels) > MOST_LOADS:
-            return ""
-        largest = np.abs(self.loads.values).max(axis=0)
-        values = self.loads.values[state]
-        shown = np.where(np.abs(values) > ROUND_OFF * largest, values, 0.0)
-        pairs = zip(self.loads.channels, shown, strict=True)
-        return ", ".join(f"{name} = {value:.5g}" for name, value in pairs)
+def span(run: Result) -> tuple[int, int]:
+    """First and last state of the evaluated cycle, or of everything."""
+    return run.loads.cycle or (0, len(run.loads.times) - 1)
 
 
-def read_run(directory: Path) -> Run:
-    """Read the results of a run.
+def extremes(run: Result) -> list[int]:
+    """The load extremes of all contacts together."""
+    edges = [edge for contact in run.contacts for edge in contact.edges]
+    return load_extremes([e.k_t for e in edges], [e.k_i for e in edges], run.loads.cycle)
 
-    Raises:
-        OutputError: if they are missing or cannot be read.
-    """
-    stored = read_results(directory)
-    return Run(**vars(stored.result), directory=directory, case=stored.case, backend=stored.backend)
+
+def when(run: Result, state: int) -> str:
+    """The time of a state, with its unit."""
+    return f"t = {run.loads.times[state]:.6g} {run.case.units.time}"
+
+
+def loading(run: Result, state: int) -> str:
+    """The values of the loads at a state, if they are not too many for a title."""
+    if len(run.loads.channels) > MOST_LOADS:
+        return ""
+    largest = np.abs(run.loads.values).max(axis=0)
+    values = run.loads.values[state]
+    shown = np.where(np.abs(values) > ROUND_OFF * largest, values, 0.0)
+    pairs = zip(run.loads.channels, shown, strict=True)
+    return ", ".join(f"{name} = {value:.5g}" for name, value in pairs)
 
 
 @dataclass(frozen=True)
@@ -88,7 +56,7 @@ class Shown:
         key: starts the ids of its plots.
     """
 
-    run: Run
+    run: Result
     summary: ContactSummary
     tractions: ContactHistory
     key: str
@@ -99,7 +67,7 @@ class Shown:
         return f"Contact {self.summary.name} ({self.tractions.body1} on {self.tractions.body2})"
 
 
-def shown_contacts(run: Run) -> list[Shown]:
+def shown_contacts(run: Result) -> list[Shown]:
     """The contacts whose tractions are known."""
     if run.solution is None:
         return []

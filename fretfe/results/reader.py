@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The results of a run, read back from its folder into the types that the run had.
+"""The results of a run, read back from its folder as the `Result` that the run returned.
 
 Numbers that do not exist, null in JSON, are NaN here; so is what was infinite. The integrals and
 neighbouring loads behind the edge factors are not stored: `ContactHistory.integrals` and
@@ -19,12 +19,12 @@ import h5py
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.backends import EdgeHistories
 from fretfe.case import Case, parse_case
 from fretfe.edges.evaluate import ContactSummary
 from fretfe.edges.refinement import Refinement
 from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.loads import History
+from fretfe.results.model import Result
 from fretfe.results.solution import ContactHistory, FullStickUnits, Solution
 from fretfe.results.writer import ARRAYS, NUMBERS, SCHEMA
 
@@ -33,7 +33,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class StoredBody:
-    """The mesh of a body; see `fretfe.backends.BodyArrays`."""
+    """The mesh of a body; see `fretfe.results.model.BodyArrays`."""
 
     points: Array
     cells: Indices
@@ -42,36 +42,24 @@ class StoredBody:
     boundaries: dict[str, Indices]
 
 
-@dataclass(frozen=True)
-class Results:
-    """A run as its folder has it.
-
-    Attributes:
-        directory: the folder.
-        case: the case as it was run.
-        backend: name of the backend.
-        result: what the backend returned; `versions` are those of everything that took part.
-    """
-
-    directory: Path
-    case: Case
-    backend: str
-    result: EdgeHistories
-
-
-def read_results(directory: Path) -> Results:
+def load_result(directory: Path | str) -> Result:
     """Read `results.json` and, if the run has tractions, `results.h5`.
+
+    Args:
+        directory: folder that `fretfe run` or `fretfe.run` has written.
+
+    Returns:
+        The result as the run returned it, with this folder and all versions that took part.
 
     Raises:
         OutputError: if a file is missing, cannot be read, or is not of this schema, or the two are
             of different runs.
     """
+    directory = Path(directory)
     path = directory / NUMBERS
     numbers = read_numbers(directory)
     try:
-        case = parse_case(numbers["case"], source="case")
-        result = _edge_histories(directory, case, numbers)
-        return Results(directory, case, str(numbers["backend"]), result)
+        return _result(directory, parse_case(numbers["case"], source="case"), numbers)
     except (AttributeError, CaseError, IndexError, KeyError, TypeError, ValueError) as error:
         found = f"no key {error}" if isinstance(error, KeyError) else str(error)
         raise OutputError(f"{path}: expected the results of a whole run, found: {found}") from error
@@ -102,7 +90,7 @@ def read_numbers(directory: Path) -> dict[str, Any]:
     return dict(data)
 
 
-def _edge_histories(directory: Path, case: Case, numbers: Mapping[str, Any]) -> EdgeHistories:
+def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
     times = _numbers(numbers["times"])
     loads = numbers["loads"]
     cycle = numbers["cycle"]
@@ -114,8 +102,10 @@ def _edge_histories(directory: Path, case: Case, numbers: Mapping[str, Any]) -> 
     if numbers["steps"] is not None:
         solution, bodies = _read_arrays(directory / ARRAYS, case, history, numbers)
     refinement = numbers["refinement"]
-    return EdgeHistories(
-        history=history,
+    return Result(
+        case=case,
+        loads=history,
+        backend=str(numbers["backend"]),
         contacts=tuple(
             restored(ContactSummary, {"name": name, **table})
             for name, table in numbers["contacts"].items()
@@ -128,6 +118,7 @@ def _edge_histories(directory: Path, case: Case, numbers: Mapping[str, Any]) -> 
         seconds=numbers["seconds"],
         ranks=numbers["ranks"],
         refinement=restored(Refinement, refinement) if refinement else None,
+        directory=directory,
     )
 
 
@@ -176,7 +167,7 @@ def _read_arrays(
             contacts = tuple(
                 _read_contact(name, file[f"contacts/{name}"]) for name in numbers["contacts"]
             )
-            bodies = {name: read_body(file[f"mesh/{name}"]) for name in numbers["mesh"]}
+            bodies = {name: _read_body(file[f"mesh/{name}"]) for name in numbers["mesh"]}
     except OSError as error:
         reason = str(error) if path.exists() else "no such file"
         raise OutputError(
@@ -223,7 +214,7 @@ def _read_contact(name: str, group: h5py.Group) -> ContactHistory:
     return ContactHistory(name=name, body1=body1, body2=body2, **arrays, full_stick=full_stick)
 
 
-def read_body(group: h5py.Group) -> StoredBody:
+def _read_body(group: h5py.Group) -> StoredBody:
     """The mesh of a body from its group in `results.h5`."""
     return StoredBody(
         points=group["points"][:],

@@ -4,23 +4,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
-from fretfe.backends import EdgeHistories
 from fretfe.edges.evaluate import ContactSummary, Edge
 
 # Slip zones of a record: those of the last two half cycles.
 ZONES = 2
 
 
-def edge_records(result: EdgeHistories) -> list[dict[str, Any]]:
+def edge_records(contacts: Sequence[ContactSummary]) -> list[dict[str, Any]]:
     """Texts, numbers and truth values of every edge, by name; numbers that do not exist are NaN.
 
     ``slip_1`` and ``slip_2`` are the lengths of the slip zones of the last two half cycles, in the
     order of time, ``predicted_1`` and ``predicted_2`` what the edge factors predict for them. With
     one half cycle only it is the second.
     """
-    return [_record(contact, edge) for contact in result.contacts for edge in contact.edges]
+    return [_record(contact, edge) for contact in contacts for edge in contact.edges]
 
 
 def _record(contact: ContactSummary, edge: Edge) -> dict[str, Any]:

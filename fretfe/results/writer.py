@@ -17,12 +17,11 @@ from typing import Any
 import h5py
 import numpy as np
 
-from fretfe.backends import BodyArrays, EdgeHistories
-from fretfe.case import Case
 from fretfe.edges.evaluate import ContactSummary
 from fretfe.edges.refinement import Refinement
 from fretfe.environment import versions
 from fretfe.errors import OutputError
+from fretfe.results.model import BodyArrays, Result
 from fretfe.results.solution import ContactHistory, Solution
 
 SCHEMA = {"name": "fretfe-results", "version": 1}
@@ -60,20 +59,18 @@ def remove_fields(directory: Path) -> None:
         raise OutputError(f"{directory / FIELDS}: cannot remove old fields: {error}") from error
 
 
-def write_results(directory: Path, case: Case, backend: str, result: EdgeHistories) -> None:
+def write_results(directory: Path, result: Result) -> None:
     """Write `results.json` and, if there are tractions, `results.h5`.
 
     Args:
         directory: existing folder.
-        case: the case as run.
-        backend: name of the backend.
-        result: what it returned.
+        result: of a run, with the name of its backend.
 
     Raises:
         OutputError: if a file cannot be written.
     """
     try:
-        text = json.dumps(as_numbers(case, backend, result), indent=1, allow_nan=False)
+        text = json.dumps(as_numbers(result), indent=1, allow_nan=False)
         (directory / NUMBERS).write_text(text + "\n", encoding="utf-8")
         # Arrays of an earlier run would not belong to these numbers.
         (directory / ARRAYS).unlink(missing_ok=True)
@@ -83,7 +80,7 @@ def write_results(directory: Path, case: Case, backend: str, result: EdgeHistori
         raise OutputError(f"{directory}: cannot write the results: {error}") from error
 
 
-def _write_arrays(path: Path, result: EdgeHistories, solution: Solution) -> None:
+def _write_arrays(path: Path, result: Result, solution: Solution) -> None:
     with h5py.File(path, "w") as file:
         file.attrs.update({"schema": SCHEMA["name"], "version": SCHEMA["version"]})
         file["times"] = solution.times
@@ -93,15 +90,15 @@ def _write_arrays(path: Path, result: EdgeHistories, solution: Solution) -> None
             _write_mesh(file.create_group(f"mesh/{name}"), body)
 
 
-def as_numbers(case: Case, backend: str, result: EdgeHistories) -> dict[str, Any]:
+def as_numbers(result: Result) -> dict[str, Any]:
     """Everything that `results.json` holds, in plain Python types."""
-    history = result.history
+    case, loads = result.case, result.loads
     return _plain(
         {
             "schema": SCHEMA,
             "title": case.title,
             "units": case.units.model_dump(),
-            "backend": backend,
+            "backend": result.backend,
             "notes": result.notes,
             "complete": result.failure is None,
             "failure": str(result.failure or ""),
@@ -110,9 +107,9 @@ def as_numbers(case: Case, backend: str, result: EdgeHistories) -> dict[str, Any
             "seconds": result.seconds,
             "case": case.model_dump(mode="json", exclude_unset=True),
             "refinement": _refinement_numbers(result.refinement),
-            "times": history.times,
-            "cycle": history.cycle,
-            "loads": dict(zip(history.channels, history.values.T, strict=True)),
+            "times": loads.times,
+            "cycle": loads.cycle,
+            "loads": dict(zip(loads.channels, loads.values.T, strict=True)),
             "contacts": {contact.name: _contact_numbers(contact) for contact in result.contacts},
             **_solution_numbers(result.solution),
             "mesh": {

@@ -9,13 +9,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from fretfe.backends import Backend, EdgeHistories, RunOptions, SharingBackend
+from fretfe.backends import Backend, RunOptions, SharingBackend
 from fretfe.case import Case, Units
 from fretfe.errors import FretfeError, StoppedError
-from fretfe.results.records import edge_records
+from fretfe.results.model import Result
 from fretfe.sweeps.variants import Variant
 
-Solve = Callable[[Case, RunOptions], EdgeHistories]
+Solve = Callable[[Case, RunOptions], Result]
 Group = Callable[[Case], str]
 
 
@@ -25,7 +25,7 @@ class Solved:
 
     Attributes:
         values: that distinguish it, by key.
-        edges: a record for each contact edge (see `edge_records`); none if it failed.
+        edges: a record for each contact edge (see `Result.edges`); none if it failed.
         failure: why it could not be solved; empty if it was.
         notes: what the backend assumed.
         seconds: wall time.
@@ -80,7 +80,7 @@ def run_sweep(variants: Sequence[Variant], backend: Backend, options: RunOptions
     Args:
         variants: at least one.
         backend: solves them.
-        options: progress for the steps of each case; each case is announced when it is solved.
+        options: observer of the steps of each case; each case is announced when it is solved.
     """
     solved: dict[int, Solved] = {}
     with _session(backend) as (solve, group):
@@ -128,7 +128,7 @@ def _solve(variant: Variant, backend: Backend, solve: Solve, options: RunOptions
             if isinstance(result.failure, StoppedError):
                 raise result.failure
             failure, notes = str(result.failure or ""), result.notes
-            edges = () if failure else tuple(edge_records(result))
+            edges = () if failure else tuple(result.edges())
     except StoppedError:
         raise
     except FretfeError as error:

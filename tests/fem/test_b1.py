@@ -21,7 +21,6 @@ from fretfe.case import parse_case
 from fretfe.edges.evaluate import ContactSummary, evaluate
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
-from fretfe.loads import build_history
 from fretfe.results.solution import SLIP, ContactHistory, Solution
 
 E_STAR = YOUNG / (2 * (1 - POISSON**2))
@@ -47,7 +46,7 @@ def run_b1(
         write_b1(mesh, order=degree, h=h)
     MPI.COMM_WORLD.barrier()
     case = parse_case(b1_case(mesh, degree, friction_from, multipliers))
-    outcome = solve(MPI.COMM_WORLD, case, build_history(case), None, lambda *_: None)
+    outcome = solve(MPI.COMM_WORLD, case)
     assert outcome.solution is not None
     return Run(outcome.solution, outcome.solution.contacts[0], evaluate(outcome.solution)[0])
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from pad_cases import SLIDING, pad, press, pull, shear
 
-from fretfe.backends import EdgeHistories, ParallelBackend, find_backend
+from fretfe.backends import ParallelBackend, find_backend
 from fretfe.case import parse_case
+from fretfe.results.model import Result
 
 FINE = {
     "template": "cylinder",
@@ -33,14 +34,14 @@ CASES: dict[str, dict[str, Any]] = {
 
 
 @pytest.fixture(scope="module", params=list(CASES))
-def answers(request: pytest.FixtureRequest) -> dict[str, EdgeHistories]:
+def answers(request: pytest.FixtureRequest) -> dict[str, Result]:
     case = parse_case(CASES[request.param])
     return {name: find_backend(name).solve(case) for name in ("analytic", "halfplane", "fem")}
 
 
 @pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
 @pytest.mark.parametrize("name", ["analytic", "halfplane"])
-def test_edges_agree(answers: dict[str, EdgeHistories], name: str, side: int) -> None:
+def test_edges_agree(answers: dict[str, Result], name: str, side: int) -> None:
     edge, reference = (answers[n].contacts[0].edges[side] for n in (name, "fem"))
     half_width = float(answers["analytic"].contacts[0].half_width[-1])
     assert edge.position[-1] == pytest.approx(reference.position[-1], abs=0.01 * half_width)
@@ -53,7 +54,7 @@ def test_edges_agree(answers: dict[str, EdgeHistories], name: str, side: int) ->
         assert (mine.start, mine.end) == (other.start, other.end)
 
 
-def test_forces_agree(answers: dict[str, EdgeHistories]) -> None:
+def test_forces_agree(answers: dict[str, Result]) -> None:
     exact, other = answers["analytic"].contacts[0], answers["fem"].contacts[0]
     assert other.normal_force == pytest.approx(exact.normal_force, abs=1e-6)
     assert other.shear_force == pytest.approx(exact.shear_force, abs=1e-6)

@@ -14,7 +14,6 @@ from fretfe.case import parse_case
 from fretfe.edges.evaluate import ContactSummary, evaluate
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
-from fretfe.loads import build_history
 from fretfe.results.solution import ContactHistory
 
 HALF_WIDTH, PEAK_PRESSURE, STICK_HALF_WIDTH = 0.680778, 9.351351, 0.496511
@@ -56,7 +55,7 @@ def run(**parameters: float) -> tuple[ContactHistory, ContactSummary]:
             "output": {"fields": "none"},
         }
     )
-    outcome = solve(MPI.COMM_WORLD, case, build_history(case), None, lambda *_: None)
+    outcome = solve(MPI.COMM_WORLD, case)
     assert outcome.solution is not None and outcome.failure is None
     return outcome.solution.contacts[0], evaluate(outcome.solution)[0]
 

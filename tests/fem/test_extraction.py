@@ -11,15 +11,16 @@ import pytest
 from pad_cases import HOLD, SLIDING, TOP, pad, press, pull, shear, wave
 
 from fretfe.analytic.profiles import FlatRounded, Profile, Wedge, composite_modulus, edge_factor_k_n
-from fretfe.backends import EdgeHistories, find_backend
+from fretfe.backends import find_backend
 from fretfe.case import Case, parse_case
+from fretfe.results.model import Result
 
 BLOCKS = {"upper_width": 20.0, "upper_height": 10.0, "lower_width": 30.0, "lower_height": 30.0}
 E_STAR = float(composite_modulus(210e3, 0.3, 210e3, 0.3))
 
 
 @cache
-def solved(name: str, backend: str) -> EdgeHistories:
+def solved(name: str, backend: str) -> Result:
     return find_backend(backend).solve(CASES[name])
 
 

@@ -16,10 +16,10 @@ from dolfinx.mesh import CellType, create_rectangle
 from launch import python
 from pad_cases import pad
 
+from fretfe.backends import RunOptions
 from fretfe.case import parse_case
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
-from fretfe.loads import build_history
 
 COARSE = {
     "template": "cylinder",
@@ -83,9 +83,7 @@ def times_of(path: Path) -> list[float]:
 def test_states_that_are_written(shared_path: Path, fields: Any, expected: list[float]) -> None:
     """K_T swings with the shear force, which is largest at 2.25 and smallest at 2.75."""
     case = parse_case(pad(geometry=COARSE, output={"fields": fields}))
-    outcome = solve(
-        MPI.COMM_WORLD, case, build_history(case), shared_path / "fields", lambda *_: None
-    )
+    result = solve(MPI.COMM_WORLD, case, RunOptions(fields=shared_path / "fields"))
     MPI.COMM_WORLD.barrier()
     if MPI.COMM_WORLD.rank > 0:
         return
@@ -95,8 +93,7 @@ def test_states_that_are_written(shared_path: Path, fields: Any, expected: list[
     del pyvista
     from fretfe.report.pictures.fields import read_body
 
-    assert outcome.mesh is not None
-    for name, mesh in outcome.mesh.bodies.items():
+    for name, mesh in result.bodies.items():
         body = read_body(shared_path / "fields", name, 0, 0.3)
         # Each element once, whichever rank has it.
         assert len(body.cells) == len(mesh.cells)

@@ -14,7 +14,6 @@ from fretfe.case import parse_case
 from fretfe.edges.evaluate import ContactSummary, evaluate
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
-from fretfe.loads import build_history
 from fretfe.results.solution import Solution
 
 DEMO = Path(__file__).parents[2] / "demos" / "firtree.toml"
@@ -31,7 +30,7 @@ def run_firtree(**parameters: float) -> tuple[Solution, dict[str, ContactSummary
         | {"steps_per_cycle": 8},
     ]
     case = parse_case(data)
-    outcome = solve(MPI.COMM_WORLD, case, build_history(case), None, lambda *_: None)
+    outcome = solve(MPI.COMM_WORLD, case)
     assert outcome.solution is not None and outcome.failure is None
     return outcome.solution, {each.name: each for each in evaluate(outcome.solution)}
 

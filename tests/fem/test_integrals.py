@@ -10,10 +10,10 @@ import pytest
 from pad_cases import HOLD, SLIDING, pad, press, pull, shear, wave
 
 from fretfe.analytic.edges import normal_increment_factor, tangential_factor
-from fretfe.backends import EdgeHistories
 from fretfe.case import parse_case
 from fretfe.edges import Side
 from fretfe.fem.backend import BACKEND
+from fretfe.results.model import Result
 from fretfe.results.solution import EdgeIntegrals
 
 SIDES: tuple[Side, Side] = ("left", "right")
@@ -28,24 +28,24 @@ def cylinder(size: float, **parameters: float) -> dict[str, Any]:
 
 def solve(
     degree: int, size: float, plane: str = "strain", zone: float = 1.0, **tables: Any
-) -> EdgeHistories:
+) -> Result:
     model = {"degree": degree, "plane": plane}
     return BACKEND.solve(parse_case(pad(geometry=cylinder(size, zone=zone), model=model, **tables)))
 
 
 @pytest.fixture(scope="module", params=[(1, 0.01), (2, 0.02), (2, 0.01)], ids=str)
-def answer(request: pytest.FixtureRequest) -> EdgeHistories:
+def answer(request: pytest.FixtureRequest) -> Result:
     return solve(*request.param)
 
 
-def integrals(answer: EdgeHistories) -> EdgeIntegrals:
+def integrals(answer: Result) -> EdgeIntegrals:
     assert answer.solution is not None
     found = answer.solution.contacts[0].integrals
     assert found is not None
     return found
 
 
-def test_radii_agree(answer: EdgeHistories) -> None:
+def test_radii_agree(answer: Result) -> None:
     found = integrals(answer)
     largest = np.abs(found.factors).max(axis=(0, 1, 2, 3))
     # the smallest circle has 10 elements along its radius
@@ -54,7 +54,7 @@ def test_radii_agree(answer: EdgeHistories) -> None:
 
 
 @pytest.mark.parametrize("number", [0, 1], ids=SIDES)
-def test_half_planes(answer: EdgeHistories, number: int) -> None:
+def test_half_planes(answer: Result, number: int) -> None:
     found, side = integrals(answer), SIDES[number]
     assert answer.solution is not None
     half_width = float(np.diff(found.positions[-1])[0]) / 2
@@ -72,7 +72,7 @@ def test_half_planes(answer: EdgeHistories, number: int) -> None:
 
 
 @pytest.mark.parametrize("number", [0, 1], ids=SIDES)
-def test_two_extractions_agree(answer: EdgeHistories, number: int) -> None:
+def test_two_extractions_agree(answer: Result, number: int) -> None:
     edge = answer.contacts[0].edges[number]
     assert answer.solution is not None
     # At order 1 the tractions alternate more, and the edges of a discrete increment are known less
@@ -84,7 +84,7 @@ def test_two_extractions_agree(answer: EdgeHistories, number: int) -> None:
 
 
 @pytest.mark.parametrize("number", [0, 1], ids=SIDES)
-def test_k_n_from_the_movement_of_the_edge(answer: EdgeHistories, number: int) -> None:
+def test_k_n_from_the_movement_of_the_edge(answer: Result, number: int) -> None:
     edge = answer.contacts[0].edges[number]
     # order 1: positions of the edges alternate by a few hundredths of an element
     assert edge.k_n_moved == pytest.approx(edge.k_n[-1], rel=0.02)

@@ -31,7 +31,7 @@ case = parse_case({
     "loads": {"press": press | {"history": [{"ramp": -0.04, "until": 1.0, "steps": 1}]}},
 })
 for number in range(int(sys.argv[2])):
-    solve(MPI.COMM_WORLD, case, build_history(case), None, lambda *_: None)
+    solve(MPI.COMM_WORLD, case)
 if MPI.COMM_WORLD.rank == 0:
     print("solved", number + 1)
 """

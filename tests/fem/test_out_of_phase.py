@@ -14,7 +14,6 @@ from fretfe.case import parse_case
 from fretfe.edges.evaluate import ContactSummary, evaluate
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
-from fretfe.loads import build_history
 
 H = 0.03
 
@@ -63,7 +62,7 @@ def run(mesh: Path, steps: int) -> ContactSummary:
             "output": {"fields": "none"},
         }
     )
-    outcome = solve(MPI.COMM_WORLD, case, build_history(case), None, lambda *_: None)
+    outcome = solve(MPI.COMM_WORLD, case)
     assert outcome.solution is not None and outcome.failure is None
     return evaluate(outcome.solution)[0]
 

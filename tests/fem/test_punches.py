@@ -31,7 +31,6 @@ from fretfe.case import parse_case
 from fretfe.edges.evaluate import ContactSummary, evaluate
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
-from fretfe.loads import build_history
 from fretfe.results.solution import ContactHistory
 
 YOUNG, POISSON = 200e3, 0.3
@@ -102,7 +101,7 @@ def press(punch: Punch, degree: int = 2) -> Pressed:
             "output": {"fields": "none"},
         }
     )
-    outcome = solve(MPI.COMM_WORLD, case, build_history(case), None, lambda *_: None)
+    outcome = solve(MPI.COMM_WORLD, case)
     assert outcome.solution is not None and outcome.failure is None
     return punch, outcome.solution.contacts[0], evaluate(outcome.solution)[0]
 

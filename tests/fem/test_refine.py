@@ -15,15 +15,17 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 from pad_cases import SLIDING, pad, press, pull, shear
+from told import Told
 
 from fretfe.analytic.profiles import FlatRounded, Hertz
-from fretfe.backends import EdgeHistories, RunOptions
+from fretfe.backends import RunOptions
 from fretfe.case import parse_case
 from fretfe.errors import CaseError, ConvergenceError, MeshError
 from fretfe.fem import refine as refine_module
 from fretfe.fem.backend import BACKEND
 from fretfe.mesh.groups import mesh_summary
 from fretfe.mesh.mesh import Mesh
+from fretfe.results.model import Result
 
 E_STAR = 210e3 / (1 - 0.09) / 2
 FRICTION, LOAD = 0.4, 600.0
@@ -49,7 +51,7 @@ def hertz(tolerance: float, amplitude: float, **tables: Any) -> dict[str, Any]:
 
 
 @cache
-def solved_hertz() -> EdgeHistories:
+def solved_hertz() -> Result:
     """Slip zones of d = 0.02 a: Q = 2 f P d/a nearly."""
     return BACKEND.solve(parse_case(hertz(0.005, 0.04 * FRICTION * LOAD)))
 
@@ -150,8 +152,8 @@ def test_a_contact_smaller_than_an_element_is_found() -> None:
 def test_too_many_unknowns_end_the_refinement_and_keep_what_there_is() -> None:
     case = hertz(0.005, 9.6)
     case["edges"]["unknowns"] = 12_000
-    texts: list[str] = []
-    result = BACKEND.solve(parse_case(case, Path("pad.toml")), RunOptions(announce=texts.append))
+    told = Told()
+    result = BACKEND.solve(parse_case(case, Path("pad.toml")), RunOptions(observer=told))
     refinement = result.refinement
     assert refinement is not None
     assert not refinement.converged
@@ -159,7 +161,7 @@ def test_too_many_unknowns_end_the_refinement_and_keep_what_there_is() -> None:
     assert "expected at most 12000" in refinement.reason
     assert len(refinement.passes) == 2
     assert np.isfinite(result.contacts[0].edges[0].k_n[-1])
-    assert texts[0].startswith("mesh 1: ")
+    assert told.announced[0].startswith("mesh 1: ")
 
 
 def test_a_later_pass_that_fails_does_not_take_the_others_away(
@@ -169,9 +171,9 @@ def test_a_later_pass_that_fails_does_not_take_the_others_away(
 
     def failing(*arguments: Any) -> Any:
         calls.append(arguments)
-        outcome = solve(*arguments)
+        result = solve(*arguments)
         failure = ConvergenceError("step 7 failed")
-        return replace(outcome, failure=failure) if len(calls) == 3 else outcome
+        return replace(result, failure=failure) if len(calls) == 3 else result
 
     monkeypatch.setattr(refine_module, "solve", failing)
     fields = tmp_path / "fields"

@@ -40,7 +40,7 @@ def case(name, size, growth):
 
 
 def whole_run(case):
-    write_results(folder, case, "fem", BACKEND.solve(case))
+    write_results(folder, replace(BACKEND.solve(case), backend="fem"))
 
 
 whole_run(case("warm.msh", 0.1, 0.3))

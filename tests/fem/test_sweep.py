@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from launch import python
 from pad_cases import pad, press, shear
+from told import Told
 
 from fretfe.backends import RunOptions
 from fretfe.backends.protocol import DEFAULTS
@@ -21,7 +22,6 @@ from fretfe.case import Case, changed, parse_case
 from fretfe.errors import MeshError
 from fretfe.fem import backend, condensation
 from fretfe.fem.backend import BACKEND
-from fretfe.results.records import edge_records
 from fretfe.sweeps import Sweep, make_variants, run_sweep
 
 FRICTION, AMPLITUDE = "contacts.main.friction", "loads.shear.amplitude"
@@ -60,14 +60,16 @@ def swept(start: Case, ranges: Mapping[str, Any], options: RunOptions = DEFAULTS
 
 
 def test_the_size_of_the_mesh_is_told_before_it_is_condensed(factorised: list[int]) -> None:
-    told: list[str] = []
     whether = []
 
-    def announce(text: str) -> None:
-        told.append(text)
-        whether.append(bool(factorised))
+    class Asking(Told):
+        def announce(self, text: str) -> None:
+            super().announce(text)
+            whether.append(bool(factorised))
 
-    swept(case(), {FRICTION: (0.5, 0.6)}, RunOptions(announce=announce))
+    observer = Asking()
+    swept(case(), {FRICTION: (0.5, 0.6)}, RunOptions(observer=observer))
+    told = observer.announced
     assert re.fullmatch(r"mesh: \d{4} unknowns; the bodies are condensed .*", told[0])
     assert whether == [False, True, True]
     assert [text.split(":")[0] for text in told] == ["mesh", "1/2", "2/2"]
@@ -77,7 +79,7 @@ def test_the_size_of_the_mesh_is_told_before_it_is_condensed(factorised: list[in
 def single(**values: float) -> list[dict[str, Any]]:
     named = {"friction": FRICTION, "amplitude": AMPLITUDE, "radius": RADIUS}
     other = changed(case(), {named[name]: value for name, value in values.items()})
-    return edge_records(BACKEND.solve(other))
+    return BACKEND.solve(other).edges()
 
 
 def compare(found: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
@@ -220,7 +222,7 @@ result = fretfe.run(case, output=folder / "run")
 sweep = fretfe.sweep(case, {"loads.press.ramp": [-600.0, -300.0]}, output=folder / "sweep")
 gathered = MPI.COMM_WORLD.gather(repr((result.edges(), sweep.records()[0]["k_n"])))
 if MPI.COMM_WORLD.rank == 0:
-    print(len(gathered), gathered[0] == gathered[-1], result.histories.solution is not None)
+    print(len(gathered), gathered[0] == gathered[-1], result.solution is not None)
 """
 
 

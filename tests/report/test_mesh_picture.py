@@ -16,7 +16,6 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from fretfe._typing import Array
-from fretfe.backends import BodyArrays
 from fretfe.case import Case, parse_case
 from fretfe.report.pictures.mesh import (
     CURVE_PIECES,
@@ -27,6 +26,7 @@ from fretfe.report.pictures.mesh import (
     write_mesh_picture,
 )
 from fretfe.report.theme import FILE_DPI
+from fretfe.results.model import BodyArrays
 
 STEEL = {"young": 2e5, "poisson": 0.3}
 

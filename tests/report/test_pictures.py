@@ -25,7 +25,7 @@ from fretfe.report.pictures.folder import FOLDER, LIST, MOST_EDGES, make_picture
 from fretfe.report.pictures.panels import Pixels
 from fretfe.report.pictures.status import STATUS
 from fretfe.report.pictures.stress import draw_bodies, find_look
-from fretfe.report.source import read_run
+from fretfe.results.reader import load_result
 from fretfe.results.solution import SLIP, STICK
 from fretfe.results.writer import FIELDS, NUMBERS, remove_fields
 
@@ -256,7 +256,7 @@ def test_an_earlier_run_leaves_nothing(folder: Path) -> None:
 
 def test_many_contacts_share_pictures(source: Path) -> None:
     """Six contacts with twelve edges, each edge and contact once, in eight pictures at most."""
-    run = read_run(source)
+    run = load_result(source)
     names = [f"tooth {i}" for i in range(6)]
     contacts = tuple(replace(run.contacts[0], name=name) for name in names)
     wanted = plan_pictures(replace(run, contacts=contacts))

@@ -18,20 +18,22 @@ from fretfe.report.figures.history import _tension_varies
 from fretfe.report.figures.loops import loop_area, without_slope, work_loop_plots
 from fretfe.report.figures.plot import make_plot
 from fretfe.report.figures.slip import slip_plot
-from fretfe.report.source import Run, Shown, read_run, shown_contacts
+from fretfe.report.source import Shown, shown_contacts
 from fretfe.report.texts import number, percent, with_error
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result
 
 P, Q, FRICTION = 600.0, 60.0, 0.4
 PROFILE = Hertz(50.0, composite_modulus(210e3, 0.3, 210e3, 0.3))
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
-    return read_run(write_run(tmp_path_factory.mktemp("cycle"), "halfplane"))
+def run(tmp_path_factory: pytest.TempPathFactory) -> Result:
+    return load_result(write_run(tmp_path_factory.mktemp("cycle"), "halfplane"))
 
 
 @pytest.fixture(scope="module")
-def shown(run: Run) -> Shown:
+def shown(run: Result) -> Shown:
     return shown_contacts(run)[0]
 
 
@@ -65,7 +67,7 @@ def test_states_that_are_compared_are_the_reversals(shown: Shown) -> None:
 
 
 def test_without_a_cycle_first_loading_is_compared(tmp_path: Path) -> None:
-    run = read_run(write_run(tmp_path, "no cycle"))
+    run = load_result(write_run(tmp_path, "no cycle"))
     (shown,) = shown_contacts(run)
     near = _near(shown, shown.summary.edges[0])
     assert near is not None
@@ -92,7 +94,7 @@ def test_loop_at_constant_force_keeps_its_displacement() -> None:
     assert loop_area(np.full(3, 4.0), displacement) == pytest.approx(8.0)
 
 
-def test_loop_of_the_boundary_has_the_area_of_the_friction_work(run: Run) -> None:
+def test_loop_of_the_boundary_has_the_area_of_the_friction_work(run: Result) -> None:
     (plot,) = work_loop_plots(run)
     exact = float(hertz_dissipation(PROFILE, P, FRICTION, Q))
     found = [float(each) for each in re.findall(r": ([0-9.e-]+[0-9])", plot.caption)]
@@ -102,7 +104,7 @@ def test_loop_of_the_boundary_has_the_area_of_the_friction_work(run: Run) -> Non
     assert "equal but for the size of the load steps" in plot.caption
 
 
-def test_tension_of_round_off_is_not_shown(run: Run) -> None:
+def test_tension_of_round_off_is_not_shown(run: Result) -> None:
     contact = run.contacts[0]
     assert not _tension_varies(run, contact)
 

@@ -5,23 +5,24 @@ from __future__ import annotations
 
 import csv
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 from pad_cases import pad
 from rich.console import Console
+from told import Told
 
-from fretfe.backends import EdgeHistories, RunOptions, SharingBackend
+from fretfe.backends import RunOptions, SharingBackend
 from fretfe.backends.analytic import BACKEND as ANALYTIC
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case, changed, parse_case
-from fretfe.cli.sweep import write_files
 from fretfe.errors import ConvergenceError
 from fretfe.report.figures.sweep import write_sweep
-from fretfe.results.records import edge_records
+from fretfe.results.model import Result
 from fretfe.sweeps import Sweep, make_variants, run_sweep
+from fretfe.sweeps.files import write_files
 from fretfe.sweeps.table import sweep_table
 
 FRICTION, AMPLITUDE = "contacts.main.friction", "loads.shear.amplitude"
@@ -42,7 +43,7 @@ def test_rows_are_those_of_single_runs() -> None:
         for amplitude in (20.0, 60.0):
             values = {FRICTION: friction, AMPLITUDE: amplitude}
             result = ANALYTIC.solve(changed(parse_case(pad()), values))
-            expected += [{**values, **edge, "failure": ""} for edge in edge_records(result)]
+            expected += [{**values, **edge, "failure": ""} for edge in result.edges()]
     found = sweep.records()
     assert all(each.pop("seconds") > 0 for each in found)
     assert found == expected
@@ -75,22 +76,22 @@ class Recording:
     def group(self, case: Case) -> str:
         return str(case.geometry.parameters["upper_radius"])
 
-    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> EdgeHistories:
+    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
         radius = case.geometry.parameters["upper_radius"]
         self.solved.append((case.contacts["main"].friction, radius))
         result = ANALYTIC.solve(case, options)
         failure = ConvergenceError("step 3 failed") if radius == 40 else None
-        return EdgeHistories(result.history, result.contacts, failure=failure)
+        return replace(result, failure=failure)
 
     def close(self) -> None:
         self.closed += 1
 
 
 def test_cases_that_share_the_most_are_solved_in_a_row_and_listed_in_order() -> None:
-    backend, told = Recording(), list[str]()
+    backend, told = Recording(), Told()
     assert isinstance(backend, SharingBackend)
     variants = make_variants(parse_case(pad()), {FRICTION: (0.4, 0.5), RADIUS: (50, 40)})
-    sweep = run_sweep(variants, backend, RunOptions(announce=told.append))
+    sweep = run_sweep(variants, backend, RunOptions(observer=told))
     assert backend.solved == [(0.4, 50), (0.5, 50), (0.4, 40), (0.5, 40)]
     assert backend.closed == 1
     assert [tuple(each.values.values()) for each in sweep.variants] == [
@@ -99,8 +100,8 @@ def test_cases_that_share_the_most_are_solved_in_a_row_and_listed_in_order() -> 
     # a history that was not finished has no cycle: nothing of it counts
     assert [each.failure for each in sweep.variants] == ["", "step 3 failed"] * 2
     assert [len(each.edges) for each in sweep.variants] == [2, 0, 2, 0]
-    assert told[0].startswith(f"1/4: {FRICTION} = 0.4, {RADIUS} = 50: ")
-    assert told[2] == f"3/4: {FRICTION} = 0.4, {RADIUS} = 40: failed: step 3 failed"
+    assert told.announced[0].startswith(f"1/4: {FRICTION} = 0.4, {RADIUS} = 50: ")
+    assert told.announced[2] == f"3/4: {FRICTION} = 0.4, {RADIUS} = 40: failed: step 3 failed"
 
 
 def test_csv_holds_all_records(tmp_path: Path) -> None:

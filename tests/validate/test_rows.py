@@ -13,8 +13,9 @@ import pytest
 from halfplane_problems import LIMIT, LOAD, loop, problem, started
 from launch import python
 from pad_cases import pad, press, shear
+from told import Told
 
-from fretfe.backends import EdgeHistories, RunOptions, find_backend
+from fretfe.backends import RunOptions, find_backend
 from fretfe.case import Case, parse_case
 from fretfe.edges.evaluate import evaluate
 from fretfe.halfplane import solve_half_planes
@@ -23,6 +24,7 @@ from fretfe.quality.validate import Row, validate
 from fretfe.quality.validate.rows import compared, missing
 from fretfe.quality.validate.single import expected_error, own_rows
 from fretfe.quality.validate.variants import MEAN, MESH, START, make_variants, overloaded, shifted
+from fretfe.results.model import Result
 
 
 @pytest.mark.parametrize(
@@ -45,13 +47,14 @@ def test_verdicts(value: float, reference: float, verdict: str) -> None:
     assert (row.where, whole.where) == ("main, left edge", "main")
 
 
-def halfplane(shear_ratio: float, cycles: int = 3) -> EdgeHistories:
+def halfplane(shear_ratio: float, cycles: int = 3) -> Result:
     """Hertz under a steady shear cycle."""
     given = problem(LOAD, started(shear_ratio * LIMIT * np.cos(loop(24, cycles))), cycle=24)
     outcome = solve_half_planes(given)
     solution = outcome.solution
-    return EdgeHistories(
-        history=History(solution.channels, solution.times, solution.values, solution.cycle),
+    return Result(
+        case=case(),
+        loads=History(solution.channels, solution.times, solution.values, solution.cycle),
         contacts=evaluate(solution, outcome.unit_factors),
         solution=solution,
     )
@@ -175,10 +178,10 @@ def test_companions_that_make_no_sense_say_why() -> None:
 
 
 def test_validation_of_half_planes() -> None:
-    said: list[str] = []
-    validation = validate(case(), find_backend("halfplane"), said.append)
+    told = Told()
+    validation = validate(case(), find_backend("halfplane"), RunOptions(observer=told))
     assert validation.passed
-    assert said == ["the case itself", MEAN, START]
+    assert told.phases == ["the case itself", MEAN, START]
     assert verdicts(list(validation.rows), f"d {MEAN}") == {"pass"}
     assert verdicts(list(validation.rows), f"d {START}") == {"pass"}
 
@@ -191,7 +194,7 @@ class Sliding:
     def supports(self, case: Case) -> tuple[str, ...]:
         return ()
 
-    def solve(self, case: Case, options: RunOptions = RunOptions()) -> EdgeHistories:  # noqa: B008
+    def solve(self, case: Case, options: RunOptions = RunOptions()) -> Result:  # noqa: B008
         result = find_backend("halfplane").solve(case, options)
         if options.history is None:
             return result
@@ -206,7 +209,7 @@ class Sliding:
 
 
 def test_companions_that_disagree() -> None:
-    rows = list(validate(case(), Sliding(), lambda _: None).rows)
+    rows = list(validate(case(), Sliding()).rows)
     assert verdicts(rows, f"d {MEAN}") == {"FAIL"}
     # another start may lead to another steady state: said, not failed
     assert verdicts(rows, f"d {START}") == {"depends"}

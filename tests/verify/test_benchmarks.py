@@ -12,7 +12,6 @@ import pytest
 
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
 from fretfe.backends import Installed, backend_names, find_backend
-from fretfe.cli.run import OneProcess
 from fretfe.quality.verify import references
 from fretfe.quality.verify.benchmarks import benchmarks
 from fretfe.quality.verify.controls import controls
@@ -20,6 +19,7 @@ from fretfe.quality.verify.loops import LOOPS, SHORTEST
 from fretfe.quality.verify.model import Benchmark, Row
 from fretfe.quality.verify.run import run_benchmark
 from fretfe.quality.verify.sliding import FRICTION, MESH, SLOPE
+from fretfe.runner import OneProcess
 
 BACKENDS = ("analytic", "halfplane")
 BENCHMARKS = {benchmark.name: benchmark for benchmark in benchmarks()}

@@ -8,11 +8,14 @@ import math
 import numpy as np
 import pytest
 
-from fretfe.backends import EdgeHistories
 from fretfe.loads import History
+from fretfe.quality.verify.loops import TENSION_ONLY, loop_case
 from fretfe.quality.verify.model import Quantity, Row, Verdict, compare, failed, remark
+from fretfe.results.model import Result
 
-RESULT = EdgeHistories(History((), np.zeros(1), np.zeros((1, 0)), None), contacts=())
+RESULT = Result(
+    loop_case(TENSION_ONLY), History((), np.zeros(1), np.zeros((1, 0)), None), contacts=()
+)
 
 
 def quantity(value: float, *, needs_tractions: bool = False) -> Quantity:

@@ -12,7 +12,7 @@ from typing import TypeVar
 import numpy as np
 import pytest
 
-from fretfe.backends import EdgeHistories, Installed, Processes, RunOptions
+from fretfe.backends import Installed, Processes, RunOptions
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case
 from fretfe.errors import ConvergenceError, ModelError
@@ -20,9 +20,12 @@ from fretfe.loads import History
 from fretfe.quality.verify.loops import TENSION_ONLY, loop_case
 from fretfe.quality.verify.model import Benchmark, Quantity, Row
 from fretfe.quality.verify.run import run_benchmark
+from fretfe.results.model import Result
 
 T = TypeVar("T")
-RESULT = EdgeHistories(History((), np.zeros(1), np.zeros((1, 0)), None), contacts=())
+RESULT = Result(
+    loop_case(TENSION_ONLY), History((), np.zeros(1), np.zeros((1, 0)), None), contacts=()
+)
 
 
 class Alone:
@@ -30,7 +33,7 @@ class Alone:
 
     rank = 0
 
-    def on_root(self, work: Callable[[], T]) -> T | None:
+    def on_root(self, work: Callable[[], T]) -> T:
         return work()
 
 
@@ -38,14 +41,14 @@ class Alone:
 class Stub:
     """A backend that returns or raises what it is told to."""
 
-    outcome: EdgeHistories | Exception = RESULT
+    outcome: Result | Exception = RESULT
     reasons: tuple[str, ...] = ()
     summary: str = "stub"
 
     def supports(self, case: Case) -> tuple[str, ...]:
         return self.reasons
 
-    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> EdgeHistories:
+    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
         if isinstance(self.outcome, Exception):
             raise self.outcome
         return self.outcome

@@ -14,9 +14,10 @@ from launch import python
 from typer.testing import CliRunner
 
 from fretfe.backends import Backend, Installed
-from fretfe.cli import run as command
 from fretfe.cli.app import app
+from fretfe.cli.verify import verify as verify_backends
 from fretfe.errors import CaseError
+from fretfe.quality.verify import run
 from fretfe.quality.verify.benchmarks import benchmarks
 from fretfe.quality.verify.controls import controls
 from fretfe.quality.verify.model import Benchmark
@@ -79,7 +80,7 @@ def test_unknown_backend() -> None:
 
 def test_other_ranks_than_0_print_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PMI_RANK", "1")
-    monkeypatch.setattr(command, "benchmarks", lambda: (BENCHMARK,))
+    monkeypatch.setattr(run, "benchmarks", lambda: (BENCHMARK,))
     done = CliRunner().invoke(app, ["verify", "--backend", "analytic"])
     assert (done.exit_code, done.output) == (0, "")
 
@@ -88,8 +89,8 @@ def invoke(
     monkeypatch: pytest.MonkeyPatch, table: tuple[Benchmark, ...], *arguments: str
 ) -> tuple[int, str]:
     """Exit code and output with another table, without controls."""
-    monkeypatch.setattr(command, "benchmarks", lambda: table)
-    monkeypatch.setattr(command, "controls", lambda: ())
+    monkeypatch.setattr(run, "benchmarks", lambda: table)
+    monkeypatch.setattr(run, "controls", lambda: ())
     done = CliRunner().invoke(app, ["verify", "--backend", "analytic", *arguments])
     return done.exit_code, done.output
 
@@ -158,7 +159,7 @@ def test_backend_that_does_not_work(
     words: str,
 ) -> None:
     installed = (Installed("analytic", "package 1.0", backend, reason),)
-    monkeypatch.setattr(command, "installed_backends", lambda: installed)
+    monkeypatch.setattr(run, "installed_backends", lambda: installed)
     code, output = invoke(monkeypatch, (BENCHMARK,), "--json")
     (row,) = json.loads(output)["rows"]
     assert code == 1
@@ -167,7 +168,7 @@ def test_backend_that_does_not_work(
 
 def test_unknown_backend_is_an_error_of_the_user() -> None:
     with pytest.raises(CaseError, match="'nix'"):
-        command.verify_backends(["nix"], as_json=True)
+        verify_backends(["nix"], as_json=True)
 
 
 def cells_of(table: str) -> dict[tuple[str, str], list[str]]:

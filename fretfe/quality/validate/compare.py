@@ -6,11 +6,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from fretfe.backends import EdgeHistories
 from fretfe.edges.evaluate import Edge
 from fretfe.quality.validate.rows import Row, Verdict, compared
 from fretfe.quality.validate.single import BORDER_ELEMENTS, BORDER_FRACTION, element_size
 from fretfe.quality.validate.variants import COARSER, MEAN, MESH, START
+from fretfe.results.model import Result
 
 # Halving the elements would change a first-order quantity by this many times the difference.
 EXTRAPOLATION = 1 / (COARSER - 1)
@@ -18,7 +18,7 @@ MESH_TOLERANCE = 0.02
 SLIP_TOLERANCE = 0.05
 
 
-def companion_rows(name: str, result: EdgeHistories, other: EdgeHistories) -> Iterator[Row]:
+def companion_rows(name: str, result: Result, other: Result) -> Iterator[Row]:
     """Rows for each edge, the companion's numbers as references."""
     for contact, twin in zip(result.contacts, other.contacts, strict=True):
         size = element_size(result, contact)

@@ -3,10 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from fretfe.backends import Backend, EdgeHistories, RunOptions
+from fretfe.backends import Backend, RunOptions
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case
 from fretfe.errors import FretfeError
@@ -14,16 +13,14 @@ from fretfe.quality.validate.compare import companion_rows
 from fretfe.quality.validate.rows import Row, missing
 from fretfe.quality.validate.single import own_rows
 from fretfe.quality.validate.variants import Variant, make_variants
-
-# Called before each run with what it is.
-Announce = Callable[[str], None]
+from fretfe.results.model import Result
 
 
 @dataclass(frozen=True)
 class Validation:
     """The rows, and the run that they are about."""
 
-    result: EdgeHistories
+    result: Result
     rows: tuple[Row, ...]
 
     @property
@@ -32,15 +29,13 @@ class Validation:
         return all(row.verdict != "FAIL" for row in self.rows)
 
 
-def validate(
-    case: Case, backend: Backend, announce: Announce, options: RunOptions = DEFAULTS
-) -> Validation:
-    """Solve a case and its companions. Collective if the backend is.
+def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Validation:
+    """Solve a case and its companions, each a phase. Collective if the backend is.
 
     Raises:
         FretfeError: if the case itself cannot be solved.
     """
-    announce("the case itself")
+    options.observer.phase("the case itself")
     result = backend.solve(case, options)
     if result.failure is not None:
         raise result.failure
@@ -48,19 +43,17 @@ def validate(
     variants, reasons = make_variants(case, result)
     rows += [missing("all", "", name, reason) for name, reason in reasons.items()]
     for variant in variants:
-        announce(variant.name)
+        options.observer.phase(variant.name)
         rows += _companion(variant, backend, result, options)
     return Validation(result, tuple(rows))
 
 
 def _companion(
-    variant: Variant, backend: Backend, result: EdgeHistories, options: RunOptions
+    variant: Variant, backend: Backend, result: Result, options: RunOptions
 ) -> list[Row]:
     """Rows of one companion; one that has no solution says so in a row of its own."""
     try:
-        other = backend.solve(
-            variant.case, RunOptions(progress=options.progress, history=variant.history)
-        )
+        other = backend.solve(variant.case, replace(options, history=variant.history))
     except FretfeError as error:
         return [missing("all", "", variant.name, f"no solution: {error}")]
     if other.failure is not None:

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fretfe.backends import EdgeHistories
 from fretfe.edges import analyse_tractions
 from fretfe.edges.evaluate import ContactSummary, Edge
 from fretfe.edges.slip_zones import SlipZone
 from fretfe.quality.validate.rows import Row, Verdict, compared, missing
+from fretfe.results.model import Result
 
 # Normal increments below this fraction of the tangential ones leave the edges where they are.
 CONSTANT_NORMAL = 0.05
@@ -27,7 +27,7 @@ ESTIMATE_FACTOR, LARGEST_ERROR = 1.5, 0.1
 CERTIFIED, BALANCED = 1e-6, 1e-8
 
 
-def own_rows(result: EdgeHistories) -> Iterator[Row]:
+def own_rows(result: Result) -> Iterator[Row]:
     """Rows for each contact and edge of a run."""
     for contact in result.contacts:
         yield from _contact_rows(contact)
@@ -38,11 +38,11 @@ def own_rows(result: EdgeHistories) -> Iterator[Row]:
     yield from _solution_rows(result)
 
 
-def element_size(result: EdgeHistories, contact: ContactSummary) -> float:
+def element_size(result: Result, contact: ContactSummary) -> float:
     """Element size at the edges, the coarser one; 0 without elements."""
     if result.solution is None:
         return 0.0
-    history = next(each for each in result.solution.contacts if each.name == contact.name)
+    history = result.contact_history(contact.name)
     sizes = np.diff(history.arc)
     places = [edge.position[-1] for edge in contact.edges]
     return float(max(sizes[np.clip(np.searchsorted(history.arc[1:-1], places), 0, None)]))
@@ -120,7 +120,7 @@ def _slip_rows(contact: ContactSummary, edge: Edge, size: float) -> Iterator[Row
 
 
 def _traction_rows(
-    result: EdgeHistories, contact: ContactSummary, edge: Edge, size: float
+    result: Result, contact: ContactSummary, edge: Edge, size: float
 ) -> Iterator[Row]:
     """Slip zones once more, from where the shear leaves the friction bound."""
     if result.solution is None or not edge.slip_zones:
@@ -129,7 +129,7 @@ def _traction_rows(
         reason = "the normal load varies: the shear keeps traces of slip with other edges"
         yield missing(contact.name, edge.side, "d, by traction", reason)
         return
-    history = next(each for each in result.solution.contacts if each.name == contact.name)
+    history = result.contact_history(contact.name)
     for number, zone in enumerate(edge.slip_zones[-2:], start=1):
         label = f"d, by traction, half cycle {number}"
         if zone.gross or not zone.length > 0:
@@ -205,7 +205,7 @@ def expected_error(edge: Edge, length: float) -> float:
     return 0.5 * length * edge.stiffening
 
 
-def _solution_rows(result: EdgeHistories) -> Iterator[Row]:
+def _solution_rows(result: Result) -> Iterator[Row]:
     if result.solution is None:
         return
     certificates = result.solution.certificates

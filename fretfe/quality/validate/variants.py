@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.backends import EdgeHistories
 from fretfe.case import Case, parse_case
 from fretfe.geometry.templates import find_template
 from fretfe.loads import History
 from fretfe.quality.validate.single import CONSTANT_NORMAL
+from fretfe.results.model import Result
 
 # The mean moves by this fraction of the range of each load.
 MEAN_SHIFT = 0.1
@@ -42,17 +42,17 @@ class Variant:
 MEAN, START, MESH = "about another mean", "from another start", "on a coarser mesh"
 
 
-def make_variants(case: Case, result: EdgeHistories) -> tuple[list[Variant], dict[str, str]]:
+def make_variants(case: Case, result: Result) -> tuple[list[Variant], dict[str, str]]:
     """The companions of a case that make sense, and for the others the reason why they do not."""
     variants, reasons = [], {}
-    if result.history.cycle is None:
+    if result.loads.cycle is None:
         reasons[MEAN] = reasons[START] = "no cycle to evaluate"
     else:
         if _constant_normal(result):
-            variants.append(Variant(MEAN, case, shifted(result.history)))
+            variants.append(Variant(MEAN, case, shifted(result.loads)))
         else:
             reasons[MEAN] = "the normal load varies: another mean is another cycle"
-        variants.append(Variant(START, case, overloaded(result.history)))
+        variants.append(Variant(START, case, overloaded(result.loads)))
     coarse = coarser(case)
     if case.edges is not None:
         reasons[MESH] = "the mesh refined itself: see the changes from mesh to mesh"
@@ -66,7 +66,7 @@ def make_variants(case: Case, result: EdgeHistories) -> tuple[list[Variant], dic
     return variants, reasons
 
 
-def _constant_normal(result: EdgeHistories) -> bool:
+def _constant_normal(result: Result) -> bool:
     return all(
         float(result_edge.k_i_range) <= CONSTANT_NORMAL * float(result_edge.k_t_range)
         for contact in result.contacts

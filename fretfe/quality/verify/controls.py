@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from fretfe.backends import EdgeHistories
 from fretfe.case import Case
 from fretfe.quality.verify.loops import (
     FRICTION,
@@ -21,6 +20,7 @@ from fretfe.quality.verify.loops import (
 )
 from fretfe.quality.verify.measures import LEFT, RIGHT
 from fretfe.quality.verify.model import Benchmark, Measure, Quantity, Row, remark
+from fretfe.results.model import Result
 
 
 def controls() -> tuple[Benchmark, ...]:
@@ -50,7 +50,7 @@ def _control(name: str, case: Case, quantities: tuple[Quantity, ...]) -> Benchma
 def _first_loading_law(side: int) -> Measure:
     """2 ΔK_T/(f K_N) in place of the slip length that the backend found."""
 
-    def measure(result: EdgeHistories) -> float:
+    def measure(result: Result) -> float:
         edge = result.contacts[0].edges[side]
         return float(2 * edge.k_t_range / (FRICTION * edge.k_n[-1]))
 

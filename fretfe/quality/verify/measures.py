@@ -9,35 +9,35 @@ from __future__ import annotations
 
 import numpy as np
 
-from fretfe.backends import EdgeHistories
 from fretfe.edges.evaluate import ContactSummary, Edge
 from fretfe.quality.verify.model import Measure
+from fretfe.results.model import Result
 
 LEFT, RIGHT = 0, 1
 NAMES = ("left", "right")
 
 
-def _contact(result: EdgeHistories) -> ContactSummary:
+def _contact(result: Result) -> ContactSummary:
     return result.contacts[0]
 
 
-def half_width(result: EdgeHistories) -> float:
+def half_width(result: Result) -> float:
     """Half-width of the contact."""
     return float(_contact(result).half_width[-1])
 
 
-def k_n(result: EdgeHistories) -> float:
+def k_n(result: Result) -> float:
     """K_N, mean of both edges."""
     return float(np.mean([edge.k_n[-1] for edge in _contact(result).edges]))
 
 
-def k_t(result: EdgeHistories) -> float:
+def k_t(result: Result) -> float:
     """The part of K_T that has opposite signs at the two edges: that of the shear force."""
     left, right = _contact(result).edges
     return float(left.k_t[-1] - right.k_t[-1]) / 2
 
 
-def dissipation(result: EdgeHistories) -> float:
+def dissipation(result: Result) -> float:
     """Friction work in the cycle."""
     return float(_contact(result).dissipation)
 
@@ -64,24 +64,24 @@ def _slip_length(edge: Edge) -> float:
 def predicted_length(side: int) -> Measure:
     """Length of the last slip zone at an edge as K_T and K_N predict it."""
 
-    def measure(result: EdgeHistories) -> float:
+    def measure(result: Result) -> float:
         zones = _contact(result).edges[side].slip_zones
         return float(zones[-1].predicted) if zones else np.nan
 
     return measure
 
 
-def mean_slip_length(result: EdgeHistories) -> float:
+def mean_slip_length(result: Result) -> float:
     """Length of the last slip zones, mean of both edges."""
     return float(np.mean([_slip_length(edge) for edge in _contact(result).edges]))
 
 
-def stick_half_width_ratio(result: EdgeHistories) -> float:
+def stick_half_width_ratio(result: Result) -> float:
     """c/a: half-width of the stick zone that the last slip zones leave, in half-widths."""
     return 1 - mean_slip_length(result) / half_width(result)
 
 
-def stick_centre_ratio(result: EdgeHistories) -> float:
+def stick_centre_ratio(result: Result) -> float:
     """e/a: centre of the same stick zone, in half-widths from the centre of the contact."""
     left, right = (_slip_length(edge) for edge in _contact(result).edges)
     return (left - right) / (2 * half_width(result))
@@ -90,14 +90,14 @@ def stick_centre_ratio(result: EdgeHistories) -> float:
 def stick_border(side: int) -> Measure:
     """Position of the inner end of the last slip zone at an edge."""
 
-    def measure(result: EdgeHistories) -> float:
+    def measure(result: Result) -> float:
         zones = _contact(result).edges[side].slip_zones
         return float(zones[-1].border) if zones else np.nan
 
     return measure
 
 
-def peak_pressure(result: EdgeHistories) -> float:
+def peak_pressure(result: Result) -> float:
     """Largest pressure."""
     assert result.solution is not None
     return float(result.solution.contacts[0].mean_traction[-1, :, 0].max())
@@ -106,7 +106,7 @@ def peak_pressure(result: EdgeHistories) -> float:
 def shear_at(x: float) -> Measure:
     """Shear at a distance from the centre, mean of both sides."""
 
-    def measure(result: EdgeHistories) -> float:
+    def measure(result: Result) -> float:
         assert result.solution is not None
         contact = result.solution.contacts[0]
         places = _contact(result).centre[-1] + np.array([-x, x])
@@ -119,7 +119,7 @@ def shear_at(x: float) -> Measure:
 def force_ratio(numerator: str, denominator: str) -> Measure:
     """Ratio of the forces of two platen loads."""
 
-    def measure(result: EdgeHistories) -> float:
+    def measure(result: Result) -> float:
         assert result.solution is not None
         forces = dict(zip(result.solution.coordinates, result.solution.forces[-1], strict=True))
         return float(forces[numerator] / forces[denominator])

@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from fretfe.backends import EdgeHistories
 from fretfe.case import Case
+from fretfe.results.model import Result
 
 # Reads one number from what a backend returned.
-Measure = Callable[[EdgeHistories], float]
+Measure = Callable[[Result], float]
 Verdict = Literal["pass", "fail", "skipped", "caught", "NOT CAUGHT"]
 FAILURES: tuple[Verdict, ...] = ("fail", "NOT CAUGHT")
 
@@ -99,7 +99,7 @@ def remark(benchmark: str, backend: str, verdict: Verdict, reason: str, quantity
     return Row(benchmark, quantity, backend, None, None, None, None, verdict, reason)
 
 
-def compare(benchmark: str, quantity: Quantity, backend: str, result: EdgeHistories) -> Row:
+def compare(benchmark: str, quantity: Quantity, backend: str, result: Result) -> Row:
     """Compare one number of a result with its known value; on rank 0."""
     if quantity.needs_tractions and result.solution is None:
         reason = "the backend gives no tractions"

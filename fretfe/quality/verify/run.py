@@ -1,14 +1,97 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Run one benchmark through one backend."""
+"""Run benchmarks through backends."""
 
 from __future__ import annotations
 
 import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
-from fretfe.backends import Backend, Installed, ParallelBackend, Processes
-from fretfe.errors import FretfeError
-from fretfe.quality.verify.controls import judge
-from fretfe.quality.verify.model import Benchmark, Row, Verdict, compare, remark
+from fretfe.backends import (
+    SILENT,
+    Backend,
+    Installed,
+    Observer,
+    OneProcess,
+    ParallelBackend,
+    Processes,
+    backend_names,
+    installed_backends,
+    processes_of,
+)
+from fretfe.errors import CaseError, FretfeError
+from fretfe.quality.verify.benchmarks import benchmarks
+from fretfe.quality.verify.controls import controls, judge
+from fretfe.quality.verify.model import Benchmark, Row, Verdict, compare, failed, remark
+
+# Called with each benchmark and its rows.
+Show = Callable[[Benchmark, Sequence[Row]], None]
+
+
+@dataclass(frozen=True)
+class Verification:
+    """Comparisons of all benchmarks and negative controls.
+
+    Attributes:
+        rows: the comparisons.
+        seconds: wall time by backend.
+        passed: no comparison failed; the same on all processes of a parallel backend.
+    """
+
+    rows: tuple[Row, ...]
+    seconds: dict[str, float]
+    passed: bool
+
+
+def verify(
+    names: Sequence[str] = (), observer: Observer = SILENT, show: Show | None = None
+) -> Verification:
+    """Run all benchmarks and negative controls. Collective if one of the backends is parallel.
+
+    Args:
+        names: of the backends; empty for all that are installed.
+        observer: is told of each benchmark with each backend, as a phase.
+        show: called with each benchmark and its rows.
+
+    Raises:
+        CaseError: if no backend of one of these names is installed.
+    """
+    chosen = _choose(names)
+    rows: list[Row] = []
+    seconds = {installed.name: 0.0 for installed in chosen}
+    for benchmark in (*benchmarks(), *controls()):
+        found: list[Row] = []
+        for installed in chosen:
+            processes = processes_of(installed.backend)
+            if isinstance(processes, OneProcess) and processes.rank > 0:
+                continue
+            start = time.perf_counter()
+            observer.phase(f"{benchmark.name}: {installed.name}")
+            found += run_benchmark(benchmark, installed, processes)
+            seconds[installed.name] += time.perf_counter() - start
+        if show is not None:
+            show(benchmark, found)
+        rows += found
+    return Verification(tuple(rows), seconds, _agree(chosen, not failed(tuple(rows))))
+
+
+def _choose(names: Sequence[str]) -> tuple[Installed, ...]:
+    unknown = sorted(set(names) - set(backend_names()))
+    if unknown:
+        raise CaseError(
+            f"expected names of installed backends ({', '.join(backend_names())}), found "
+            + ", ".join(repr(name) for name in unknown)
+        )
+    return tuple(each for each in installed_backends() if not names or each.name in names)
+
+
+def _agree(chosen: Sequence[Installed], passed: bool) -> bool:
+    """Give the verdict of rank 0 to all processes: the others have not run every backend."""
+    for installed in chosen:
+        if isinstance(installed.backend, ParallelBackend):
+            return processes_of(installed.backend).on_root(lambda: passed)
+    return passed or OneProcess().rank > 0
 
 
 def run_benchmark(
@@ -59,7 +142,6 @@ def _comparisons(
             compare(benchmark.name, quantity, name, result) for quantity in benchmark.quantities
         )
     )
-    assert rows is not None
     return (judge(rows),) if benchmark.control else rows
 
 

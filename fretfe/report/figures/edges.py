@@ -18,7 +18,7 @@ from fretfe._typing import Array, Bools
 from fretfe.edges.evaluate import Edge
 from fretfe.edges.extremes import load_extremes
 from fretfe.report.figures.plot import Plot, legend_above, log_axis, make_plot
-from fretfe.report.source import Shown, edge_title, inward
+from fretfe.report.source import Shown, edge_title, inward, when
 from fretfe.report.theme import BLUE, DOUBLE, GREEN, GREY, PALE, VERMILLION
 from fretfe.results.solution import Solution
 
@@ -66,7 +66,7 @@ def edge_plot(shown: Shown, edge: Edge) -> Plot | None:
     near = _near(shown, edge)
     if near is None:
         return None
-    times = [shown.run.when(state) for state in (near.earlier, near.later)]
+    times = [when(shown.run, state) for state in (near.earlier, near.later)]
     caption = f"From {times[0]} to {times[1]}."
     if near.moved > SMALL_MOVE * shown.summary.half_width[near.later]:
         caption += MOVED.format(near.moved, shown.run.case.units.length)

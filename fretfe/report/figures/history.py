@@ -13,7 +13,7 @@ from fretfe.case import Case
 from fretfe.edges.evaluate import ContactSummary
 from fretfe.loads import History
 from fretfe.report.figures.plot import Plot, legend_above, make_plot
-from fretfe.report.source import Run, edge_title
+from fretfe.report.source import edge_title, span
 from fretfe.report.theme import (
     BLUE,
     CYCLE,
@@ -26,6 +26,7 @@ from fretfe.report.theme import (
     STYLE,
     WIDTH,
 )
+from fretfe.results.model import Result
 
 FACTORS_INTRO = (
     "K_T belongs to the shear and is positive if that on body 2 points inward; K_I belongs to the "
@@ -43,7 +44,7 @@ LOADS_INTRO = (
 CONSTANT = 1e-3
 
 
-def load_plot(run: Run) -> Plot | None:
+def load_plot(run: Result) -> Plot | None:
     """All loads over time, one panel each; None without loads."""
     if not run.loads.channels:
         return None
@@ -70,7 +71,7 @@ def _draw_loads(figure: Figure, case: Case, history: History) -> None:
         panel.set_ylabel(f"{name} [{_unit(case, name)}]")
 
 
-def factor_plot(run: Run, contact: ContactSummary, key: str) -> Plot:
+def factor_plot(run: Result, contact: ContactSummary, key: str) -> Plot:
     """K_T and K_I of both edges over time."""
 
     def draw(figure: Figure) -> None:
@@ -138,7 +139,7 @@ def _unit(case: Case, name: str) -> str:
     return units.length if prescribed else units.force
 
 
-def path_plot(run: Run, contact: ContactSummary, key: str) -> Plot:
+def path_plot(run: Result, contact: ContactSummary, key: str) -> Plot:
     """Path of P and Q, and of Q and the tension if that varies."""
     tension = _tension_varies(run, contact)
     return make_plot(
@@ -150,19 +151,19 @@ def path_plot(run: Run, contact: ContactSummary, key: str) -> Plot:
     )
 
 
-def _tension_varies(run: Run, contact: ContactSummary) -> bool:
+def _tension_varies(run: Result, contact: ContactSummary) -> bool:
     """Whether the tension changes K_T, next to what the shear force does.
 
     By (7a) of the theory guide 4Q/(π a) is the tension that changes it as much as Q.
     """
-    first, last = run.span
+    first, last = span(run)
     tension = contact.effective_tension[first : last + 1]
     a = np.nanmax(contact.half_width, initial=0.0)
     scale = 4 * np.abs(contact.shear_force).max() / (np.pi * a) if a > 0 else 0.0
     return bool(np.ptp(tension) > CONSTANT * max(scale, np.abs(tension).max()))
 
 
-def _draw_path(figure: Figure, run: Run, contact: ContactSummary, tension: bool) -> None:
+def _draw_path(figure: Figure, run: Result, contact: ContactSummary, tension: bool) -> None:
     panels = figure.subplots(1, 1 + tension, squeeze=False, sharey=True)[0]
     units = run.case.units
     line_force = f"{units.force}/{units.length}"
@@ -180,8 +181,8 @@ def _draw_path(figure: Figure, run: Run, contact: ContactSummary, tension: bool)
         panels[1].set_xlabel(f"σ0 [{units.stress}]")
 
 
-def _trace(axes: Axes, run: Run, x: Array, y: Array) -> None:
-    first, last = run.span
+def _trace(axes: Axes, run: Result, x: Array, y: Array) -> None:
+    first, last = span(run)
     axes.plot(x, y, color=ORANGE, lw=0.8, ls="--")
     axes.plot(x[first : last + 1], y[first : last + 1], color=BLUE, lw=2.0)
     axes.plot(x[first], y[first], "o", color="black", ms=4)

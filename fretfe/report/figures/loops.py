@@ -8,9 +8,10 @@ from matplotlib.figure import Figure
 
 from fretfe._typing import Array
 from fretfe.report.figures.plot import Plot, make_plot, plain_axis
-from fretfe.report.source import Run, Shown
+from fretfe.report.source import Shown, span
 from fretfe.report.texts import number
 from fretfe.report.theme import BLUE, SINGLE
+from fretfe.results.model import Result
 from fretfe.results.solution import OPEN, Solution
 
 INTRO = (
@@ -27,7 +28,7 @@ ROUND_OFF = 1e-9
 
 def slip_loop_plot(shown: Shown) -> Plot | None:
     """Q over the mean slip of a contact; None if no node stays in contact."""
-    first, last = shown.run.span
+    first, last = span(shown.run)
     states = slice(first, last + 1)
     closed = np.all(shown.tractions.status[max(first, 1) : last + 1] != OPEN, axis=0)
     if not closed.any() or last - first < 2:
@@ -50,7 +51,7 @@ def slip_loop_plot(shown: Shown) -> Plot | None:
     return make_plot(f"{shown.key}-loop", f"Contact {shown.summary.name}", caption, SINGLE, draw)
 
 
-def work_loop_plots(run: Run) -> list[Plot]:
+def work_loop_plots(run: Result) -> list[Plot]:
     """Force over displacement of each boundary that works during the cycle."""
     solution = run.solution
     if solution is None or solution.cycle is None:
@@ -81,9 +82,9 @@ def without_slope(force: Array, displacement: Array) -> Array:
     return displacement - displacement.mean() - centred * float(centred @ displacement) / size
 
 
-def _balance(run: Run, solution: Solution, total: float) -> str:
+def _balance(run: Result, solution: Solution, total: float) -> str:
     """Work of all boundaries next to the friction work of all contacts."""
-    first, last = run.span
+    first, last = span(run)
     friction = sum(contact.dissipation for contact in run.contacts)
     text = (
         f"All loops of boundaries together: {number(total)}; friction work of all contacts in the "
@@ -99,7 +100,7 @@ def _balance(run: Run, solution: Solution, total: float) -> str:
     return f"{text} In a steady cycle they are equal but for the size of the load steps."
 
 
-def _work_loop(run: Run, label: str, index: int, area: float, balance: str) -> Plot:
+def _work_loop(run: Result, label: str, index: int, area: float, balance: str) -> Plot:
     solution, units = run.solution, run.case.units
     assert solution is not None and solution.cycle is not None
     states = slice(solution.cycle[0], solution.cycle[1] + 1)

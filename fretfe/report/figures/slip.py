@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 from fretfe._typing import Array
 from fretfe.edges.evaluate import Edge
 from fretfe.report.figures.plot import Plot, make_plot
-from fretfe.report.source import Shown, edge_title, inward
+from fretfe.report.source import Shown, edge_title, inward, span
 from fretfe.report.theme import DOUBLE, PALE, SKY, VERMILLION
 from fretfe.results.solution import OPEN, SLIP, STICK
 
@@ -47,7 +47,7 @@ def slip_plot(shown: Shown) -> Plot:
 def _draw(figure: Figure, shown: Shown) -> None:
     panels = figure.subplot_mosaic([["whole", "whole"], ["left", "right"]])
     times, units = shown.run.loads.times, shown.run.case.units
-    first, last = shown.run.span
+    first, last = span(shown.run)
     positions = np.concatenate([edge.position for edge in shown.summary.edges])
     low, high = _limits(shown, positions)
     _map(panels["whole"], shown, low, high, (0, len(times) - 1))

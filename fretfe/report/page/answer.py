@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from fretfe.edges.evaluate import ContactSummary, Edge
 from fretfe.edges.slip_zones import SlipZone
 from fretfe.quality.validate.single import asymptote_row, element_size
-from fretfe.report.source import Run
 from fretfe.report.texts import number, with_error
+from fretfe.results.model import Result
 
 # Slip zones of an edge that are shown: those of the last loading and unloading.
 ZONES = 2
@@ -49,14 +49,14 @@ class EdgeAnswer:
     zones: tuple[ZoneAnswer, ...]
 
 
-def edge_answers(run: Run) -> tuple[EdgeAnswer, ...]:
+def edge_answers(run: Result) -> tuple[EdgeAnswer, ...]:
     """One answer for each edge."""
     return tuple(
         _edge_answer(run, contact, edge) for contact in run.contacts for edge in contact.edges
     )
 
 
-def _edge_answer(run: Run, contact: ContactSummary, edge: Edge) -> EdgeAnswer:
+def _edge_answer(run: Result, contact: ContactSummary, edge: Edge) -> EdgeAnswer:
     size = element_size(run, contact)
     return EdgeAnswer(
         contact=contact.name,
@@ -72,7 +72,7 @@ def _edge_answer(run: Run, contact: ContactSummary, edge: Edge) -> EdgeAnswer:
 
 
 def _zone_answer(
-    run: Run, contact: ContactSummary, edge: Edge, zone: SlipZone, size: float
+    run: Result, contact: ContactSummary, edge: Edge, zone: SlipZone, size: float
 ) -> ZoneAnswer:
     row = asymptote_row(contact, edge, zone, "", size)
     verdict = WORDS[row.verdict]
@@ -93,7 +93,7 @@ def _zone_answer(
     )
 
 
-def summary(run: Run, answers: tuple[EdgeAnswer, ...]) -> tuple[str, ...]:
+def summary(run: Result, answers: tuple[EdgeAnswer, ...]) -> tuple[str, ...]:
     """The answer in a few sentences: slip zones, solution, cycle."""
     return tuple(text for text in (_zone_text(answers), _step_text(run), _cycle_text(run)) if text)
 
@@ -111,7 +111,7 @@ def _zone_text(answers: tuple[EdgeAnswer, ...]) -> str:
     )
 
 
-def _step_text(run: Run) -> str:
+def _step_text(run: Result) -> str:
     solution = run.solution
     if solution is None or run.failure is not None:
         return ""
@@ -122,7 +122,7 @@ def _step_text(run: Run) -> str:
     )
 
 
-def _cycle_text(run: Run) -> str:
+def _cycle_text(run: Result) -> str:
     if run.loads.cycle is None:
         return "There is no evaluated cycle: ranges over it are missing."
     changing = [contact.name for contact in run.contacts if not contact.steady]

@@ -19,8 +19,9 @@ from fretfe.report.page.answer import edge_answers, summary
 from fretfe.report.page.sections import plot_sections, solver_plots
 from fretfe.report.page.tables import contact_table, limit_table, mesh_table, timing_table
 from fretfe.report.pictures.folder import read_pictures
-from fretfe.report.source import Run, read_run
 from fretfe.report.texts import number
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result
 from fretfe.results.solution import Solution
 
 REPORT = "report.html"
@@ -59,7 +60,7 @@ def render(directory: Path) -> str:
     Raises:
         OutputError: if the folder has no complete set of results.
     """
-    run, pictures = read_run(directory), read_pictures(directory)
+    run, pictures = load_result(directory), read_pictures(directory)
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
@@ -96,7 +97,7 @@ def _solved(solution: Solution | None) -> bool:
     return solution is None or len(solution.times) > 1
 
 
-def _certificate_rows(run: Run) -> list[tuple[str, str, str]]:
+def _certificate_rows(run: Result) -> list[tuple[str, str, str]]:
     """What is violated, by how much at most in any step, and over its scale."""
     solution, units = run.solution, run.case.units
     if solution is None or not _solved(solution):
@@ -121,12 +122,12 @@ def _certificate_rows(run: Run) -> list[tuple[str, str, str]]:
     return rows
 
 
-def _case_text(run: Run) -> str:
+def _case_text(run: Result) -> str:
     """The case as it was understood, as TOML."""
     return tomli_w.dumps(run.case.model_dump(mode="json", exclude_unset=True, exclude_none=True))
 
 
-def _mesh_tables(run: Run) -> list[Table]:
+def _mesh_tables(run: Result) -> list[Table]:
     refinement = run.refinement
     return [] if refinement is None else [mesh_table(refinement), limit_table(refinement)]
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from fretfe.report.figures import edges, history, loops, slip, solver, tractions
 from fretfe.report.figures.plot import Plot
-from fretfe.report.source import Run, Shown, shown_contacts
+from fretfe.report.source import Shown, shown_contacts
+from fretfe.results.model import Result
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Section:
     plots: tuple[Plot, ...]
 
 
-def plot_sections(run: Run) -> tuple[Section, ...]:
+def plot_sections(run: Result) -> tuple[Section, ...]:
     """Everything that is drawn from the results, section by section."""
     if len(run.loads.times) < 2:
         return ()
@@ -53,7 +54,7 @@ def plot_sections(run: Run) -> tuple[Section, ...]:
     return tuple(section for section in sections if section.plots)
 
 
-def solver_plots(run: Run) -> tuple[Plot, ...]:
+def solver_plots(run: Result) -> tuple[Plot, ...]:
     """How the steps were solved, and the meshes."""
     plots: list[Plot | None] = []
     if run.solution is not None and len(run.loads.times) > 1:
@@ -63,18 +64,18 @@ def solver_plots(run: Run) -> tuple[Plot, ...]:
     return tuple(plot for plot in plots if plot is not None)
 
 
-def _factors(run: Run) -> Iterable[Plot]:
+def _factors(run: Result) -> Iterable[Plot]:
     for place, contact in enumerate(run.contacts):
         yield history.factor_plot(run, contact, f"contact{place}")
 
 
-def _loads(run: Run) -> Iterable[Plot | None]:
+def _loads(run: Result) -> Iterable[Plot | None]:
     yield history.load_plot(run)
     for place, contact in enumerate(run.contacts):
         yield history.path_plot(run, contact, f"contact{place}")
 
 
-def _loops(run: Run, shown: list[Shown]) -> Iterable[Plot | None]:
+def _loops(run: Result, shown: list[Shown]) -> Iterable[Plot | None]:
     yield from map(loops.slip_loop_plot, shown)
     yield from loops.work_loop_plots(run)
 

@@ -18,8 +18,9 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
 from fretfe.report.pictures.panels import Pixels, View
-from fretfe.report.source import Run, read_run
 from fretfe.report.theme import COLOURS
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result
 from fretfe.results.writer import FIELDS
 
 # Linear pieces of a cell, by its number of nodes in VTK's order.
@@ -141,7 +142,7 @@ class Fields:
         times: of the fields.
     """
 
-    run: Run
+    run: Result
     times: Array
     _read: dict[int, dict[str, BodyField]] = field(default_factory=dict)
 
@@ -178,7 +179,7 @@ def open_fields(directory: Path) -> Fields:
     Raises:
         OutputError: if the results are missing.
     """
-    run = read_run(directory)
+    run = load_result(directory)
     return Fields(run, field_times(directory / FIELDS, list(run.bodies)))
 
 

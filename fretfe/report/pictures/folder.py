@@ -21,7 +21,9 @@ from fretfe.errors import OutputError
 from fretfe.report.pictures.child import draw_in_child
 from fretfe.report.pictures.panels import save_png
 from fretfe.report.pictures.status import draw_status
-from fretfe.report.source import Run, edge_title, read_run
+from fretfe.report.source import edge_title, extremes
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result
 from fretfe.results.writer import FIELDS
 
 T = TypeVar("T")
@@ -74,9 +76,9 @@ class Wanted:
     contacts: tuple[str, ...] = ()
 
 
-def plan_pictures(run: Run) -> list[Wanted]:
+def plan_pictures(run: Result) -> list[Wanted]:
     """The pictures that a run should have."""
-    states = tuple(run.extremes)
+    states = tuple(extremes(run))
     last = len(run.loads.times) - 1
     bodies = Wanted("stress.png", "Stress in the bodies at the load extremes", "bodies", states)
     edges = [
@@ -103,7 +105,7 @@ def _chunks(items: Sequence[T], most: int) -> list[tuple[str, str, tuple[T, ...]
     return [(f"_{number}", f" ({number} of {count})", part) for number, part in enumerate(parts, 1)]
 
 
-def _edge_places(run: Run) -> list[EdgePlace]:
+def _edge_places(run: Result) -> list[EdgePlace]:
     """All edges that the last state has."""
     places = []
     for contact in run.contacts:
@@ -126,7 +128,7 @@ def make_pictures(directory: Path) -> None:
         OutputError: if the results cannot be read or the folder cannot be written to.
     """
     remove_pictures(directory)
-    run = read_run(directory)
+    run = load_result(directory)
     wanted = plan_pictures(run)
     reports = {each.file: {"reason": reason} for each in wanted if (reason := _lacks(run, each))}
     try:
@@ -144,7 +146,7 @@ def remove_pictures(directory: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def _lacks(run: Run, wanted: Wanted) -> str:
+def _lacks(run: Result, wanted: Wanted) -> str:
     """The reason why there cannot be a picture; empty if there can."""
     if not run.bodies:
         return f"the backend {run.backend!r} has no bodies to draw"
@@ -153,7 +155,7 @@ def _lacks(run: Run, wanted: Wanted) -> str:
     return ""
 
 
-def _draw(run: Run, wanted: Sequence[Wanted]) -> dict[str, dict[str, Any]]:
+def _draw(run: Result, wanted: Sequence[Wanted]) -> dict[str, dict[str, Any]]:
     """Caption and size of each picture, or the reason why there is none."""
     reports = {each.file: _draw_status(run, each) for each in wanted if each.kind == "status"}
     files = [each.file for each in wanted if each.kind != "status"]
@@ -168,7 +170,7 @@ def _draw(run: Run, wanted: Sequence[Wanted]) -> dict[str, dict[str, Any]]:
     return {**reports, **draw_in_child("pictures", run.directory, files)}
 
 
-def _draw_status(run: Run, wanted: Wanted) -> dict[str, Any]:
+def _draw_status(run: Result, wanted: Wanted) -> dict[str, Any]:
     figure, caption = draw_status(run, wanted.contacts, wanted.states)
     width, height = save_png(figure, run.directory / FOLDER / wanted.file)
     return {"caption": caption, "width": width, "height": height}

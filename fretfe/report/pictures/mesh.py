@@ -23,10 +23,10 @@ from matplotlib.patches import Patch
 from matplotlib.transforms import Affine2D
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.backends import BodyArrays
 from fretfe.case import Case
 from fretfe.report.pictures.panels import few_ticks, name_axes
 from fretfe.report.theme import BOUNDARY, ELEMENTS, FILE_DPI, FRAMED, HEADING, SURFACES, TINTS
+from fretfe.results.model import BodyArrays
 
 # Line widths of elements of meshes with fewer cells than this, and with more.
 MANY_CELLS, FEW_WIDTH, MANY_WIDTH = 20_000, 0.2, 0.12

@@ -17,6 +17,7 @@ from fretfe.report.pictures.fields import Fields, Scene, open_fields
 from fretfe.report.pictures.folder import FOLDER, Wanted, plan_pictures
 from fretfe.report.pictures.panels import pixels, save_png
 from fretfe.report.pictures.stress import bodies_caption, draw_bodies, draw_edges, find_look
+from fretfe.report.source import extremes, span, when
 from fretfe.report.theme import COLOURS
 
 # Of an animation: its width in inches, and how long a cycle takes in milliseconds.
@@ -39,7 +40,7 @@ def draw_pictures(directory: Path, files: list[str]) -> None:
 def _draw(source: Fields, wanted: Wanted) -> dict[str, Any]:
     """Caption and size, and why states are missing."""
     states = source.available(wanted.states)
-    absent = [source.run.when(each) for each in wanted.states if each not in states]
+    absent = [when(source.run, each) for each in wanted.states if each not in states]
     report: dict[str, Any] = {}
     if absent:
         report["reason"] = f"no fields of {' and '.join(absent)} in fields"
@@ -65,7 +66,7 @@ def draw_animation(directory: Path, files: list[str]) -> None:
         files: the one to write.
     """
     source = open_fields(directory)
-    first, last = source.run.span
+    first, last = span(source.run)
     # The last state of a cycle looks like the first one; nothing is loaded at the first of all.
     states = range(first, last) if source.run.loads.cycle else range(1, last + 1)
     found = len(source.available(states))
@@ -76,7 +77,7 @@ def draw_animation(directory: Path, files: list[str]) -> None:
         )
         print(json.dumps({"file": files[0], "reason": reason}), flush=True)
         return
-    look = find_look(source, source.run.extremes)
+    look = find_look(source, extremes(source.run))
     scene = Scene(look.limit)
     frames = []
     for state in states:

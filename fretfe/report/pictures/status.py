@@ -14,11 +14,11 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from fretfe.backends import BodyArrays
 from fretfe.report.pictures.mesh import cell_outlines
 from fretfe.report.pictures.panels import View, name_axes, panels, set_limits, settle
-from fretfe.report.source import Run
+from fretfe.report.source import loading, when
 from fretfe.report.theme import BLUE, FRAMED, GREY, ORANGE, PALE
+from fretfe.results.model import BodyArrays, Result
 from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory
 
 # Height of a panel over its width.
@@ -38,7 +38,7 @@ NAMES = {SLIP: "slip", STICK: "stick", OPEN: "open"}
 
 
 @mpl.rc_context(FRAMED)
-def draw_status(run: Run, contacts: Sequence[str], states: Sequence[int]) -> tuple[Figure, str]:
+def draw_status(run: Result, contacts: Sequence[str], states: Sequence[int]) -> tuple[Figure, str]:
     """One row of panels for each contact, a column for each state, and the caption."""
     assert run.solution is not None
     shown = [each for each in run.solution.contacts if each.name in contacts]
@@ -53,10 +53,10 @@ def draw_status(run: Run, contacts: Sequence[str], states: Sequence[int]) -> tup
             _draw_bodies(panel, run.bodies.values(), view)
             _draw_contact(panel, contact, state, view)
             name_axes(panel, "along x", "along y", run.case.units.length)
-            title = ": ".join(filter(None, [run.when(state), run.loading(state)]))
+            title = ": ".join(filter(None, [when(run, state), loading(run, state)]))
             panel.set_title(f"{contact.name}, {title}\n{shares_text(contact, state)}")
     settle(figure, axes, ASPECT, "Where the contacts stick and slip")
-    times = " and ".join(run.when(state) for state in states)
+    times = " and ".join(when(run, state) for state in states)
     return figure, (
         f"Status of the contacts in the steps that end at {times}, drawn on the bodies before "
         "deformation: wide and light where they slip, narrow and dark where they stick, dotted "

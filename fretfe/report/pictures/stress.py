@@ -27,6 +27,7 @@ from fretfe.report.pictures.panels import (
     settle,
     show_image,
 )
+from fretfe.report.source import loading, when
 from fretfe.report.texts import rounded
 from fretfe.report.theme import (
     COLOURS,
@@ -92,7 +93,7 @@ def draw_bodies(
     for panel, state in zip(axes, states, strict=True):
         set_limits(panel, view)
         name_axes(panel, "x", "y", run.case.units.length)
-        panel.set_title(f"{run.when(state)}\n{run.loading(state)}")
+        panel.set_title(f"{when(run, state)}\n{loading(run, state)}")
     _add_bar(figure, axes, look.limit, run.case.units.stress)
     settle(figure, axes, view.aspect, f"Von Mises stress, displacements × {look.scale:g}")
     for panel, state in zip(axes, states, strict=True):
@@ -112,7 +113,7 @@ def _add_bar(figure: Figure, axes: Sequence[Axes], limit: float, unit: str) -> N
 
 def bodies_caption(source: Fields, states: Sequence[int], look: Look) -> str:
     """Caption of the picture of `draw_bodies`."""
-    times = " and ".join(source.run.when(state) for state in states)
+    times = " and ".join(when(source.run, state) for state in states)
     drawn = f"drawn {look.scale:g} times as large" if look.scale > 1 else "as they are"
     return (
         f"Von Mises equivalent stress of the bodies at {times}; displacements {drawn}, dotted: "
@@ -137,7 +138,7 @@ def draw_edges(source: Fields, state: int, edges: Sequence[EdgePlace]) -> tuple[
         slip = f"longest slip zone {rounded(edge.slip)} {unit}" if edge.slip > 0 else "no slip zone"
         panel.set_title(f"{edge.title}\n{slip}")
     _add_bar(figure, axes, limit, run.case.units.stress)
-    settle(figure, axes, EDGE_ASPECT, f"Von Mises stress at the contact edges, {run.when(state)}")
+    settle(figure, axes, EDGE_ASPECT, f"Von Mises stress at the contact edges, {when(run, state)}")
     scene = Scene(limit)
     for panel, (view, moved) in zip(axes, views, strict=True):
         show_image(panel, scene.image(list(moved.values()), 1.0, view, panel_pixels(panel)))
@@ -146,7 +147,7 @@ def draw_edges(source: Fields, state: int, edges: Sequence[EdgePlace]) -> tuple[
     scene.close()
     return figure, (
         f"Von Mises equivalent stress and elements around the contact edges at "
-        f"{run.when(state)}, displacements as they are. Each panel is turned into the frame of "
+        f"{when(run, state)}, displacements as they are. Each panel is turned into the frame of "
         "its contact, body 2 below; its origin is the edge, on both bodies: a sliding of a whole "
         "body along x is left out. "
         f"{_colour_text(source, limit, largest, EDGES_PERCENTAGE)}"

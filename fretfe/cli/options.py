@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Options and arguments that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fretfe.cli.verbosity import Verbosity
+
+CaseFile = Annotated[
+    Path, typer.Argument(metavar="CASE", help="Case file (TOML).", show_default=False)
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Value in place of that of the case file; can be given several times.",
+        show_default=False,
+    ),
+]
+Backend = Annotated[
+    str, typer.Option(help="analytic, halfplane, fem, or one of `fretfe backends`.")
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
+Verbose = Annotated[
+    bool, typer.Option("--verbose", "-v", help="Print every step, on terminals too, and timings.")
+]
+TrustGeo = Annotated[
+    bool,
+    typer.Option(
+        "--trust-geo", help="Run the Gmsh script (.geo) of the case: it can start any program."
+    ),
+]
+Results = Annotated[
+    Path, typer.Argument(metavar="DIR", help="Folder with results.", show_default=False)
+]
+
+
+def verbosity_of(quiet: bool, verbose: bool) -> Verbosity:
+    """Return how much is printed.
+
+    Raises:
+        BadParameter: if both options are given.
+    """
+    if quiet and verbose:
+        raise typer.BadParameter("expected --quiet or --verbose, found both")
+    if quiet:
+        return Verbosity.QUIET
+    return Verbosity.VERBOSE if verbose else Verbosity.NORMAL
+
+
+def examples(*lines: str) -> str:
+    """Text below the help of a command; the first character keeps the lines as they are."""
+    return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)

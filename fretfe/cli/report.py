@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The command `fretfe report`; the first process writes."""
+
+from __future__ import annotations
+
+from fretfe.cli.options import Results, examples
+from fretfe.environment import rank_from_environment
+
+EXAMPLES = examples("fretfe report pad")
+
+
+def report(directory: Results) -> None:
+    """Make report.html again from the results in a folder."""
+    from fretfe.report.page.html import write_report
+
+    if rank_from_environment() == 0:
+        print(f"Report in {write_report(directory)}")

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Histories and tractions of a run as an xarray dataset."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fretfe.edges.evaluate import ContactSummary
+from fretfe.errors import DependencyError
+from fretfe.loads import History
+from fretfe.results.solution import ContactHistory, Solution
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Histories of a contact and of an edge, by their attributes.
+CONTACT = (
+    "normal_force", "shear_force", "moment", "centre", "half_width", "effective_tension"
+)  # fmt: skip
+EDGE = ("position", "k_n", "k_n_spread", "k_t", "k_i")
+# Fields along a contact, with what they have besides times and nodes.
+NODAL = {
+    "traction": "component",
+    "mean_traction": "component",
+    "slip": "tangent",
+    "gap": "",
+    "status": "",
+    "dissipation": "",
+}
+
+
+def require(package: str) -> Any:
+    """Import an optional package.
+
+    Raises:
+        DependencyError: if it is not installed.
+    """
+    try:
+        return importlib.import_module(package)
+    except ModuleNotFoundError as error:
+        if error.name != package:
+            raise
+        raise DependencyError(
+            f"the Python package {package} is not installed. Install it with "
+            f"`pip install {package}` or from your distribution (Debian: python3-{package})"
+        ) from None
+
+
+def make_dataset(
+    loads: History, contacts: Sequence[ContactSummary], solution: Solution | None
+) -> xr.Dataset:
+    """Make a dataset with the dimensions time, load, contact and edge, and nodes by contact.
+
+    Raises:
+        DependencyError: if xarray is not installed.
+    """
+    names = [contact.name for contact in contacts]
+    sides = [edge.side for edge in contacts[0].edges] if contacts else []
+    variables: dict[str, Any] = {"loads": (("time", "load"), loads.values)}
+    for name in CONTACT:
+        histories = [getattr(contact, name) for contact in contacts]
+        variables[name] = (("contact", "time"), np.array(histories))
+    for name in EDGE:
+        values = [[getattr(edge, name) for edge in contact.edges] for contact in contacts]
+        variables[name] = (("contact", "edge", "time"), np.array(values))
+    for history in solution.contacts if solution is not None else ():
+        variables |= _fields(history)
+    coordinates = {
+        "time": loads.times,
+        "load": list(loads.channels),
+        "contact": names,
+        "edge": sides,
+    }
+    dataset: xr.Dataset = require("xarray").Dataset(variables, coordinates)
+    return dataset
+
+
+def _fields(contact: ContactHistory) -> dict[str, Any]:
+    """Fields along a contact; components are ordered normal, then tangents."""
+    node = f"{contact.name}.node"
+    arrays: dict[str, Any] = {f"{contact.name}.arc": (node, contact.arc)}
+    for name, last in NODAL.items():
+        dimensions = ("time", node, last) if last else ("time", node)
+        arrays[f"{contact.name}.{name}"] = (dimensions, getattr(contact, name))
+    return arrays

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The results of a run in memory, whoever computed or read them.
+
+T is the number of states (steps plus the unloaded state 0), d the number of space dimensions.
+"""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+from fretfe._typing import Array, Indices
+from fretfe.case import Case
+from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.refinement import Refinement
+from fretfe.errors import CaseError, ConvergenceError, OutputError
+from fretfe.loads import History
+from fretfe.results.dataset import make_dataset, require
+from fretfe.results.records import edge_records
+from fretfe.results.solution import ContactHistory, Solution
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+
+class BodyArrays(Protocol):
+    """The mesh of one body, whoever made it."""
+
+    @property
+    def points(self) -> Array:
+        """(n, d) coordinates of the nodes."""
+
+    @property
+    def cells(self) -> Indices:
+        """(m, k) nodes of the cells, in Gmsh's order."""
+
+    @property
+    def cell(self) -> str:
+        """Shape of the cells."""
+
+    @property
+    def order(self) -> int:
+        """Polynomial order of the geometry."""
+
+    @property
+    def boundaries(self) -> dict[str, Indices]:
+        """Facets (f, order + 1) of each boundary."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """A solved case; T states, state 0 unloaded.
+
+    Attributes:
+        case: as it was run.
+        loads: the T states that were solved, fewer than the case has if `failure` is set; its
+            cycle is then None.
+        contacts: edges, resultants and slip zones of each contact.
+        backend: name of the backend, which the caller of the backend fills in.
+        solution: tractions along the contacts; None if the backend has none, or on ranks other
+            than 0.
+        notes: what was assumed, in words.
+        failure: why not all steps were solved, or None.
+        bodies: the meshes, by body; empty without meshes, or on ranks other than 0.
+        versions: of what the backend is made of; of everything that took part if read from files.
+        seconds: wall time by phase.
+        ranks: number of processes.
+        refinement: how the mesh refined itself, or None.
+        directory: folder with the files of the run; None if nothing was written.
+    """
+
+    case: Case
+    loads: History
+    contacts: tuple[ContactSummary, ...]
+    backend: str = ""
+    solution: Solution | None = None
+    notes: tuple[str, ...] = ()
+    failure: ConvergenceError | None = None
+    bodies: Mapping[str, BodyArrays] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    ranks: int = 1
+    refinement: Refinement | None = None
+    directory: Path | None = None
+
+    def edges(self) -> list[dict[str, Any]]:
+        """One flat record of numbers and texts for each contact edge."""
+        return edge_records(self.contacts)
+
+    def history(self, contact: str, edge: str) -> dict[str, Array]:
+        """Histories of one edge, T numbers each.
+
+        Args:
+            contact: name of the contact.
+            edge: "left" or "right".
+
+        Returns:
+            ``time``, ``k_n``, ``k_t``, ``k_i``, ``position`` and each load as ``loads.NAME``.
+
+        Raises:
+            CaseError: if there is no such edge.
+        """
+        edges = {f"{each.name} {one.side}": one for each in self.contacts for one in each.edges}
+        wanted = f"{contact} {edge}"
+        if wanted not in edges:
+            known = ", ".join(edges)
+            raise CaseError(
+                f"{self.case.source}: expected one of the edges {known}, found {wanted}"
+            )
+        one, loads = edges[wanted], self.loads
+        return {
+            "time": loads.times,
+            **{f"loads.{name}": loads.values[:, n] for n, name in enumerate(loads.channels)},
+            "k_n": one.k_n,
+            "k_t": one.k_t,
+            "k_i": one.k_i,
+            "position": one.position,
+        }
+
+    def contact_history(self, contact: str) -> ContactHistory:
+        """Return tractions, gap and slip along a contact.
+
+        Raises:
+            OutputError: if there are none: the backend has none, or this is not process 0.
+        """
+        for each in self.solution.contacts if self.solution is not None else ():
+            if each.name == contact:
+                return each
+        raise OutputError(
+            f"expected tractions along the contact {contact!r}, found none: {self.backend!r} has "
+            "none, or this process is not the first one"
+        )
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The records of `edges` as a table.
+
+        Raises:
+            DependencyError: if pandas is not installed.
+        """
+        table: pd.DataFrame = require("pandas").DataFrame(self.edges())
+        return table
+
+    def to_xarray(self) -> xr.Dataset:
+        """Histories of loads, contacts and edges, and the tractions, with named dimensions.
+
+        Dimensions are ``time``, ``load``, ``contact`` and ``edge``; the fields of a contact NAME
+        are called ``NAME.traction`` and so on, over ``NAME.node`` (see docs/python.md).
+
+        Raises:
+            DependencyError: if xarray is not installed.
+        """
+        return make_dataset(self.loads, self.contacts, self.solution)
+
+    def _repr_html_(self) -> str:
+        """The edges as a table, for notebooks."""
+        records = self.edges()
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in records[0])
+        rows = "".join(
+            "<tr>" + "".join(f"<td>{_cell(value)}</td>" for value in record.values()) + "</tr>"
+            for record in records
+        )
+        title = html.escape(f"{self.case.title or self.case.source.name} ({self.backend})")
+        return f"<table><caption>{title}</caption><tr>{head}</tr>{rows}</table>"
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.5g}" if math.isfinite(value) else "–"
+    return html.escape(str(value))
