@@ -61,6 +61,17 @@ def run(pad: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixtur
     return Command(pad, monkeypatch, capsys)
 
 
+LIGHT = """
+import sys
+import fretfe.cli.app
+print(sorted({"numpy", "pydantic", "matplotlib", "dolfinx", "rich"} & set(sys.modules)))
+"""
+
+
+def test_the_help_needs_no_library_of_the_commands() -> None:
+    assert launch.python("-c", LIGHT).stdout == "[]\n"
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_guide_describes_every_command_with_every_option(command: str) -> None:
     section = GUIDE.split(f"\n## `fretfe {command}`\n")[1].split("\n## ")[0]

@@ -67,7 +67,8 @@ def verify(
             if isinstance(processes, OneProcess) and processes.rank > 0:
                 continue
             start = time.perf_counter()
-            observer.phase(f"{benchmark.name}: {installed.name}")
+            if processes.rank == 0:
+                observer.phase(f"{benchmark.name}: {installed.name}")
             found += run_benchmark(benchmark, installed, processes)
             seconds[installed.name] += time.perf_counter() - start
         if show is not None:
