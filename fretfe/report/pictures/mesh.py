@@ -24,7 +24,7 @@ from matplotlib.transforms import Affine2D
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case
-from fretfe.report.pictures.panels import few_ticks, name_axes
+from fretfe.report.pictures.panels import few_ticks, name_axes, panel_inches
 from fretfe.report.theme import BOUNDARY, ELEMENTS, FILE_DPI, FRAMED, HEADING, SURFACES, TINTS
 from fretfe.results.model import BodyArrays
 
@@ -106,13 +106,6 @@ def _layout(figure: Figure, contacts: int, names: int, margin: float) -> list[Ax
     return [figure.add_subplot(place) for place in (grid[:, 0], *places)]
 
 
-def _size(axes: Axes) -> Array:
-    """(2,) width and height of axes in inches."""
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    return np.asarray(axes.get_window_extent().size / figure.dpi)
-
-
 def _set_view(axes: Axes, points: Array, margins: tuple[float, float] = (0.0, 0.0)) -> None:
     """Limits that show all points at the same scale in x and y.
 
@@ -121,7 +114,7 @@ def _set_view(axes: Axes, points: Array, margins: tuple[float, float] = (0.0, 0.
         points: (n, 2) what has to be seen.
         margins: inches to keep free on the left and on the right.
     """
-    size = _size(axes)
+    size = panel_inches(axes)
     low, high = points.min(axis=0), points.max(axis=0)
     border = SURROUNDINGS * (high - low).max()
     low, high = low - border, high + border
@@ -230,7 +223,7 @@ def draw_labels(axes: Axes, labels: Sequence[Label]) -> None:
     """Write the labels into axes whose place and limits are set."""
     figure = axes.get_figure(root=True)
     assert figure is not None
-    width, height = _size(axes)
+    width, height = panel_inches(axes)
     to_inches = axes.transData + axes.transAxes.inverted() + Affine2D().scale(width, height)
     from_inches = Affine2D().scale(1 / width, 1 / height) + axes.transAxes
     left, right = columns(labels)

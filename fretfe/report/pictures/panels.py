@@ -128,7 +128,7 @@ def settle(figure: Figure, axes: Sequence[Axes], aspect: float, heading: str) ->
     assert grid is not None
     for _ in range(PASSES):
         figure.draw_without_rendering()
-        panel = axes[0].get_window_extent().size / figure.dpi
+        panel = panel_inches(axes[0])
         spare = panel - min(panel[0], panel[1] / aspect) * np.array([1.0, aspect])
         pixels = np.ceil((figure.get_size_inches() - spare * (grid.ncols, grid.nrows)) * figure.dpi)
         # A little more, or the size in inches may be rounded to a pixel less.
@@ -140,6 +140,13 @@ def settle(figure: Figure, axes: Sequence[Axes], aspect: float, heading: str) ->
         corner = np.round(each.get_window_extent().min)
         each.set_position(Bbox(np.array([corner, corner + size]) / figure.bbox.size))
     title.set_x(axes[0].get_position().x0)
+
+
+def panel_inches(axes: Axes) -> Array:
+    """(2,) width and height of a panel in inches."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    return np.array(axes.get_window_extent().size) / figure.dpi
 
 
 def panel_pixels(axes: Axes) -> tuple[int, int]:
