@@ -57,7 +57,7 @@ def test_normals_of_a_sphere(shape: str, order: int) -> None:
     surface = dome(shape, order, 8)
     np.testing.assert_allclose(np.linalg.norm(surface.normals, axis=2), 1, rtol=1e-14)
     # Facets of about 0.2: flat ones turn by half of that; curved ones err by its square and less.
-    allowed = {1: 0.15, 2: 0.02}[order]
+    allowed = {1: 0.15, 2: 0.03}[order]
     np.testing.assert_allclose(surface.normals, surface.nodes, rtol=0, atol=allowed)
 
 
