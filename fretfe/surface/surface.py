@@ -120,10 +120,11 @@ class Surface:
             return self.vertices
         if self.degree == 2:
             return self.points
-        middles = np.empty((self.displacement_facets(2).max() + 1, self.dimension))
+        facets = self.displacement_facets(2)
+        points = np.empty((facets.max() + 1, self.dimension))
         values = shape_values(self.shape, 1, reference_nodes(self.shape, 2))
-        middles[self.displacement_facets(2)] = np.einsum("qk,fkd->fqd", values, self.nodes)
-        return middles
+        points[facets] = np.einsum("qk,fkd->fqd", values, self.nodes)
+        return points
 
     def displacement_facets(self, degree: int) -> Indices:
         """(f, k) numbers of each facet's points in `displacement_points`."""
