@@ -15,6 +15,7 @@ from numpy.polynomial import polynomial
 from scipy.optimize import brentq
 
 from fretfe._typing import Array
+from fretfe.surface.overlap import OverlapPoints
 
 SAMPLES = 33
 # Facet ends belong to two facets.
@@ -97,9 +98,9 @@ def hits(other: Array, point: Array, normal: Array) -> list[Hit]:
 
 def overlap_points(
     nodes: Array, normals: Array, other: Array, points: Array, weights: Array, max_gap: float
-) -> dict[str, Array]:
-    """The columns of the kernel, in its order."""
-    rows = []
+) -> OverlapPoints:
+    """The points of the kernel, in its order, with all pairs of facets tried."""
+    numbers, rows = [], []
     ends = np.unique(other[:, :2].reshape(-1, 2), axis=0)
     for number, (facet, field) in enumerate(zip(nodes, normals, strict=True)):
         at_feet = [
@@ -124,10 +125,11 @@ def overlap_points(
                 hit = nearest_root(other[partner], at(facet, xi), normal)
                 arc = np.hypot(*slope(facet, xi))
                 measure = weight * (stop - start) * arc
-                rows.append((number, partner, xi, hit.eta, measure, hit.gap, *normal))
-    names = ("facet", "other_facet", "xi", "eta", "weight", "gap", "normal_x", "normal_y")
-    table = np.array(rows).reshape(-1, len(names))
-    return dict(zip(names, table.T, strict=True))
+                numbers.append((partner, number))
+                rows.append((hit.eta, xi, measure, hit.gap, *normal))
+    (facet1, facet2), table = np.array(numbers).T, np.array(rows)
+    at1, at2, measures, gaps = table[:, :1], table[:, 1:2], table[:, 2], table[:, 3]
+    return OverlapPoints(facet1, facet2, at1, at2, measures, gaps, table[:, 4:])
 
 
 def nearest_root(facet: Array, point: Array, normal: Array) -> Hit:

@@ -6,7 +6,17 @@ def overlap_points(
     nodes: npt.NDArray[np.float64],
     normals: npt.NDArray[np.float64],
     other: npt.NDArray[np.float64],
+    starts: npt.NDArray[np.int64],
+    candidates: npt.NDArray[np.int64],
     points: npt.NDArray[np.float64],
     weights: npt.NDArray[np.float64],
     max_gap: float,
-) -> dict[str, npt.NDArray[np.float64]]: ...
+) -> tuple[
+    npt.NDArray[np.int64],
+    npt.NDArray[np.int64],
+    npt.NDArray[np.float64],
+    npt.NDArray[np.float64],
+    npt.NDArray[np.float64],
+    npt.NDArray[np.float64],
+    npt.NDArray[np.float64],
+]: ...

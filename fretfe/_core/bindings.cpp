@@ -3,7 +3,9 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "mortar.hpp"
@@ -15,48 +17,55 @@ namespace {
 
 using Nodes = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 using Values = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Numbers = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Pairs = std::vector<fretfe::PointPair>;
 
 /// One member of each record as a NumPy array that owns its data.
-template <class T, class Member>
-nb::ndarray<nb::numpy, T, nb::ndim<1>> column(const std::vector<fretfe::PointPair> &pairs,
-                                              Member member) {
+template <class Member> auto column(const Pairs &pairs, Member member) {
+  using T = std::decay_t<decltype(member(pairs.front()))>;
   T *data = new T[pairs.size()];
   for (std::size_t i = 0; i < pairs.size(); ++i)
     data[i] = member(pairs[i]);
   nb::capsule owner(data, [](void *p) noexcept { delete[] static_cast<T *>(p); });
-  return {data, {pairs.size()}, owner};
+  return nb::ndarray<nb::numpy, T, nb::ndim<1>>(data, {pairs.size()}, owner);
+}
+
+/// Normals (n, 2) of all records.
+nb::ndarray<nb::numpy, double, nb::ndim<2>> normals_of(const Pairs &pairs) {
+  double *data = new double[2 * pairs.size()];
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    std::copy(pairs[i].normal.begin(), pairs[i].normal.end(), data + 2 * i);
+  nb::capsule owner(data, [](void *p) noexcept { delete[] static_cast<double *>(p); });
+  return {data, {pairs.size(), 2}, owner};
 }
 
 fretfe::Facets as_facets(const Nodes &nodes) {
   return {nodes.data(), nodes.shape(0), nodes.shape(1)};
 }
 
-nb::dict overlap_points(Nodes nodes, Nodes normals, Nodes other, Values points, Values weights,
-                        double max_gap) {
+nb::tuple overlap_points(Nodes nodes, Nodes normals, Nodes other, Numbers starts,
+                         Numbers candidates, Values points, Values weights, double max_gap) {
   const fretfe::Rule rule{points.data(), weights.data(), points.size()};
-  std::vector<fretfe::PointPair> pairs;
+  Pairs pairs;
   {
     nb::gil_scoped_release release;
-    pairs =
-        fretfe::overlap_points(as_facets(nodes), normals.data(), as_facets(other), rule, max_gap);
+    pairs = fretfe::overlap_points(as_facets(nodes), normals.data(), as_facets(other),
+                                   {starts.data(), candidates.data()}, rule, max_gap);
   }
-  nb::dict columns;
-  columns["facet"] = column<std::int64_t>(pairs, [](const auto &p) { return p.facet; });
-  columns["other_facet"] = column<std::int64_t>(pairs, [](const auto &p) { return p.other_facet; });
-  columns["xi"] = column<double>(pairs, [](const auto &p) { return p.xi; });
-  columns["eta"] = column<double>(pairs, [](const auto &p) { return p.eta; });
-  columns["weight"] = column<double>(pairs, [](const auto &p) { return p.weight; });
-  columns["gap"] = column<double>(pairs, [](const auto &p) { return p.gap; });
-  columns["normal_x"] = column<double>(pairs, [](const auto &p) { return p.normal[0]; });
-  columns["normal_y"] = column<double>(pairs, [](const auto &p) { return p.normal[1]; });
-  return columns;
+  return nb::make_tuple(column(pairs, [](const auto &p) { return p.facet; }),
+                        column(pairs, [](const auto &p) { return p.other_facet; }),
+                        column(pairs, [](const auto &p) { return p.xi; }),
+                        column(pairs, [](const auto &p) { return p.eta; }),
+                        column(pairs, [](const auto &p) { return p.weight; }),
+                        column(pairs, [](const auto &p) { return p.gap; }), normals_of(pairs));
 }
 
 } // namespace
 
 NB_MODULE(_kernels, m) {
   m.doc() = "Compiled kernels of fretfe.";
-  m.def("overlap_points", &overlap_points, "nodes"_a, "normals"_a, "other"_a, "points"_a,
-        "weights"_a, "max_gap"_a,
-        "Integration points on the overlap segments of two facet chains: a dict of columns.");
+  m.def("overlap_points", &overlap_points, "nodes"_a, "normals"_a, "other"_a, "starts"_a,
+        "candidates"_a, "points"_a, "weights"_a, "max_gap"_a,
+        "Integration points on the overlap segments of two facet chains: facet, other facet, "
+        "reference coordinates on both, weight, gap, normal.");
 }

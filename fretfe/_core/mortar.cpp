@@ -57,7 +57,7 @@ const double *facet_data(const double *data, const Facets &f, std::size_t i) {
   return data + i * f.nodes_per_facet * 2;
 }
 
-struct Surface { // multiplier side: geometry and normals of one facet
+struct Surface { // near side: geometry and normals of one facet
   const double *nodes;
   const double *normals;
   std::size_t count;
@@ -137,11 +137,12 @@ bool faces(const Facets &other, std::size_t i, double eta, const Point &n) {
 }
 
 /// Facet of the other side hit by the normal line from `x`: the nearest one that faces it.
-std::optional<std::size_t> partner(const Facets &other, const Point &x, const Point &n,
-                                   double max_gap) {
+std::optional<std::size_t> partner(const Facets &other, const FacetList &candidates, const Point &x,
+                                   const Point &n, double max_gap) {
   std::optional<std::size_t> best;
   double nearest = max_gap;
-  for (std::size_t i = 0; i < other.count; ++i) {
+  for (const std::int64_t number : candidates) {
+    const auto i = static_cast<std::size_t>(number);
     const auto hit = meet(other, i, x, n);
     if (hit && on_facet(hit->eta) && std::abs(hit->gap) <= nearest &&
         faces(other, i, hit->eta, n)) {
@@ -153,10 +154,11 @@ std::optional<std::size_t> partner(const Facets &other, const Point &x, const Po
 }
 
 /// Reference coordinates at which a facet is cut: its ends and the feet of the other side's ends.
-std::vector<double> cuts(const Surface &s, const Facets &other, double max_gap) {
+std::vector<double> cuts(const Surface &s, const Facets &other, const FacetList &candidates,
+                         double max_gap) {
   std::vector<double> at{0, 1};
-  for (std::size_t i = 0; i < other.count; ++i) {
-    const double *nodes = facet_data(other.nodes, other, i);
+  for (const std::int64_t i : candidates) {
+    const double *nodes = facet_data(other.nodes, other, static_cast<std::size_t>(i));
     for (std::size_t end = 0; end < 2; ++end) {
       const Point x{nodes[2 * end], nodes[2 * end + 1]};
       const auto xi = foot(s, x);
@@ -172,18 +174,20 @@ std::vector<double> cuts(const Surface &s, const Facets &other, double max_gap) 
 } // namespace
 
 std::vector<PointPair> overlap_points(const Facets &facets, const double *normals,
-                                      const Facets &other, const Rule &rule, double max_gap) {
+                                      const Facets &other, const Candidates &candidates,
+                                      const Rule &rule, double max_gap) {
   std::vector<PointPair> pairs;
   for (std::size_t f = 0; f < facets.count; ++f) {
     const Surface s{facet_data(facets.nodes, facets, f), facet_data(normals, facets, f),
                     facets.nodes_per_facet};
-    const std::vector<double> at = cuts(s, other, max_gap);
+    const FacetList met = candidates.of(f);
+    const std::vector<double> at = cuts(s, other, met, max_gap);
     for (std::size_t k = 0; k + 1 < at.size(); ++k) {
       const double length = at[k + 1] - at[k];
       if (length < shortest_segment)
         continue;
       const double middle = at[k] + length / 2;
-      const auto g = partner(other, s.position(middle).value, s.normal(middle), max_gap);
+      const auto g = partner(other, met, s.position(middle).value, s.normal(middle), max_gap);
       if (!g)
         continue;
       for (std::size_t q = 0; q < rule.size; ++q) {

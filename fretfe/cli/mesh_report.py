@@ -13,7 +13,7 @@ from rich.table import Table
 from fretfe.case import Case
 from fretfe.mesh.groups import BodySummary, mesh_summary
 from fretfe.mesh.mesh import Mesh
-from fretfe.surface.checks import face_contacts, place
+from fretfe.surface.checks import initial_gaps, place
 from fretfe.surface.quality import (
     ContactQuality,
     SurfaceQuality,
@@ -29,7 +29,7 @@ def print_mesh(console: Console, case: Case, mesh: Mesh) -> None:
     console.print(_body_table(bodies))
     contacts: tuple[ContactQuality, ...] = ()
     if mesh.dimension == 2:
-        contacts = contact_quality(face_contacts(mesh, case))
+        contacts = contact_quality(initial_gaps(mesh, case))
         console.print(_surface_table(contacts, unit))
         console.print(_gap_table(contacts, unit))
     for warning in mesh_warnings(bodies, contacts, unit):
@@ -73,7 +73,7 @@ def _surface_cells(surface: SurfaceQuality) -> list[str]:
     straight = math.isinf(surface.radius)
     return [
         f"{surface.length:.4g}",
-        f"{surface.facing} of {surface.facets}",
+        f"{surface.opposite} of {surface.facets}",
         f"{surface.smallest:.3g}",
         f"{surface.largest:.3g}",
         "flat" if straight else f"{surface.radius:.3g}",
@@ -89,7 +89,7 @@ def _gap_table(contacts: Sequence[ContactQuality], unit: str) -> Table:
             contact.name,
             f"{contact.length:.4g}",
             f"{contact.gap:.3g}",
-            f"{contact.overlap:.3g}",
+            f"{contact.interpenetration:.3g}",
             place(contact.nearest, 4),
             f"{contact.size_ratio:.2f}",
         )

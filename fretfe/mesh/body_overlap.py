@@ -15,7 +15,8 @@ from fretfe.mesh.cell_geometry import directed_edges, exterior_edges
 from fretfe.mesh.mesh import BodyMesh, Mesh
 
 # Bodies may overlap by this fraction of the longer facet there: a straight facet on an arc that it
-# turns by 45 degrees lies 10 % of its length inside. `contact_checks` is stricter about contacts.
+# turns by 45 degrees lies 10 % of its length inside. Contacts are held to less in
+# `fretfe.surface.checks`.
 TOLERANCE = 0.1
 # Places per facet at which the distance to it is looked up first; finer than the tolerance.
 PLACES_PER_FACET = 10
@@ -36,7 +37,7 @@ class BodyOverlap:
 
 
 def body_overlaps(mesh: Mesh) -> list[BodyOverlap]:
-    """The overlap of each two bodies that overlap; the deeper point of both directions."""
+    """Find all pairs of bodies that overlap, and the deepest point of each pair."""
     found: dict[frozenset[str], BodyOverlap] = {}
     outlines = {name: _outline(body) for name, body in mesh.bodies.items()}
     for name, other in permutations(mesh.bodies, 2):
@@ -75,7 +76,7 @@ def _deepest_point(
 
 
 def _inside(points: Array, walls: Array) -> Bools:
-    """(n,) whether points are inside closed outlines: a ray along x crosses them oddly often."""
+    """(n,) points inside closed outlines: a ray along x crosses them oddly often."""
     order = np.argsort(points[:, 1], kind="stable")
     x, y = points[order].T
     lower, upper = np.sort(walls[:, :, 1], axis=1).T

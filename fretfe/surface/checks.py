@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Do the contact surfaces of a mesh look at each other, without overlap, before any load acts."""
+"""Checks that contact surfaces lie opposite each other, and no bodies overlap, before any load."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from fretfe.case import Case
 from fretfe.errors import MeshError
 from fretfe.mesh.body_overlap import BodyOverlap, body_overlaps
 from fretfe.mesh.mesh import Mesh
-from fretfe.surface.gap import Facing, face
-from fretfe.surface.mortar import search_reach
+from fretfe.surface.gap import InitialGap, initial_gap
+from fretfe.surface.overlap import search_reach
 from fretfe.surface.surface import Surface, build_surface
 
 
 def check_contacts(mesh: Mesh, case: Case) -> None:
-    """Every contact must be able to close, and no two bodies may be in the same place.
+    """Check that every contact can close and that no two bodies are in the same place.
 
     A gap is no problem: loads may close it. Nor is an overlap of the size of what straight facets
     make of arcs that fit into each other.
@@ -34,9 +34,9 @@ def check_contacts(mesh: Mesh, case: Case) -> None:
     unit = case.units.length
     overlaps = {frozenset((o.body1, o.body2)): o for o in body_overlaps(mesh)}
     problems = []
-    for name, facing in face_contacts(mesh, case).items():
-        bodies = frozenset((facing.surface1.body, facing.surface2.body))
-        found = list(_problems(name, facing, unit, bodies in overlaps))
+    for name, initial in initial_gaps(mesh, case).items():
+        bodies = frozenset((initial.surface1.body, initial.surface2.body))
+        found = list(_problems(name, initial, unit, bodies in overlaps))
         if found:
             problems += found
             overlaps.pop(bodies, None)
@@ -46,60 +46,61 @@ def check_contacts(mesh: Mesh, case: Case) -> None:
         raise MeshError(f"the bodies are not where contact can begin:{lines}")
 
 
-def face_contacts(mesh: Mesh, case: Case) -> dict[str, Facing]:
-    """Where the surfaces of each contact face each other, by contact.
+def initial_gaps(mesh: Mesh, case: Case) -> dict[str, InitialGap]:
+    """Initial gap of each contact, by name.
 
     Raises:
         MeshError: A contact surface is not one open curve.
     """
     bodies = {name: body for body in mesh.bodies.values() for name in body.boundaries}
+    pairs = {name: (each.surface1, each.surface2) for name, each in case.contacts.items()}
     return {
-        name: face(*(build_surface(bodies[s], s) for s in (contact.surface1, contact.surface2)))
-        for name, contact in case.contacts.items()
+        name: initial_gap(*(build_surface(bodies[surface], surface) for surface in pair))
+        for name, pair in pairs.items()
     }
 
 
-def _problems(name: str, facing: Facing, unit: str, bodies_overlap: bool) -> Iterator[str]:
-    if len(facing.gap):
-        yield from _interpenetration(name, facing, unit)
+def _problems(name: str, initial: InitialGap, unit: str, bodies_overlap: bool) -> Iterator[str]:
+    if len(initial.gap):
+        yield from _interpenetration(name, initial, unit)
     elif not bodies_overlap:
-        yield f"{_heading(name, facing)} {_why_apart(facing, unit)}"
+        yield f"{_heading(name, initial)} {_why_apart(initial, unit)}"
 
 
-def _heading(name: str, facing: Facing) -> str:
-    first, second = facing.surface1, facing.surface2
+def _heading(name: str, initial: InitialGap) -> str:
+    first, second = initial.surface1, initial.surface2
     return (
         f"contacts.{name}: '{first.name}' of body '{first.body}' and '{second.name}' of body"
         f" '{second.body}'"
     )
 
 
-def _interpenetration(name: str, facing: Facing, unit: str) -> Iterator[str]:
-    excess = -facing.gap - facing.allowed_overlap()
-    if excess.max() <= 0:
+def _interpenetration(name: str, initial: InitialGap, unit: str) -> Iterator[str]:
+    allowed = initial.allowed_interpenetration()
+    if (-initial.gap - allowed).max() <= 0:
         return
-    deepest = int(np.argmin(facing.gap))
-    length = facing.length[facing.gap < 0].sum()
+    deepest = int(np.argmin(initial.gap))
+    length = initial.weights[initial.gap < 0].sum()
     yield (
-        f"{_heading(name, facing)} overlap before any load acts: by up to"
-        f" {-facing.gap[deepest]:.4g} {unit} at {place(facing.points[deepest])}, over a length of"
-        f" {length:.4g} {unit}; expected at most {facing.allowed_overlap()[deepest]:.2g} {unit}"
+        f"{_heading(name, initial)} overlap before any load acts: by up to"
+        f" {-initial.gap[deepest]:.4g} {unit} at {place(initial.points[deepest])}, over a length of"
+        f" {length:.4g} {unit}; expected at most {allowed[deepest]:.2g} {unit}"
         " there, which the mesh does not resolve. Move the bodies until they touch or stand"
         " apart, and let a load bring them together. An intended interference (press fit) is not"
         " supported"
     )
 
 
-def _why_apart(facing: Facing, unit: str) -> str:
-    """Why surfaces never face each other: in words that follow their names."""
-    first, second = facing.surface1, facing.surface2
+def _why_apart(initial: InitialGap, unit: str) -> str:
+    """Reason why surfaces are never opposite each other, in words that follow their names."""
+    first, second = initial.surface1, initial.surface2
     points, partners, normals, opposite = _nearest_places(first, second)
     distance = np.linalg.norm(points - partners, axis=1)
     chosen = int(np.argmin(distance))
     cosines = np.sum(normals * opposite, axis=1)
     # Neighbours of the nearest place count too: the normal at the end of a curve is that of its
     # last facet.
-    near = distance <= distance[chosen] + second.lengths.max()
+    near = distance <= distance[chosen] + second.sizes.max()
     where = (
         f"{distance[chosen]:.4g} {unit} apart at {place(points[chosen])} and"
         f" {place(partners[chosen])}"
@@ -124,8 +125,8 @@ def _why_apart(facing: Facing, unit: str) -> str:
 
 
 def _nearest_places(first: Surface, second: Surface) -> tuple[Array, Array, Array, Array]:
-    """(n, 2) nodes of the second surface, places of the first nearest to them, both normals."""
-    points, normals = second.nodes.reshape(-1, 2), second.normals.reshape(-1, 2)
+    """(n, d) nodes of the second surface, places of the first nearest to them, both normals."""
+    points, normals = (x.reshape(-1, second.dimension) for x in (second.nodes, second.normals))
     partners, opposite = first.nearest(points)
     return points, partners, normals, opposite
 

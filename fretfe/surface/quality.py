@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""How well the mesh of each contact can carry it: numbers, and what is wrong with them in words."""
+"""Quality of the mesh of each contact: numbers, and warnings in words."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.mesh.groups import BodySummary
-from fretfe.surface.gap import Facing, facet_curvatures, shape_deviation
+from fretfe.surface.chain import Chain
+from fretfe.surface.gap import InitialGap
 from fretfe.surface.surface import Surface
 
 SMALLEST_ANGLE = 15.0  # degrees
-LARGEST_GAP = 0.01  # of the length over which the surfaces face each other
+LARGEST_GAP = 0.01  # of the length of the overlap
 ELEMENTS_PER_RADIUS = 10.0
 LARGEST_SIZE_RATIO = 3.0
 # Gaps that differ by less than this fraction of the length of a contact are equal.
@@ -31,8 +32,8 @@ class SurfaceQuality:
         name: of the surface.
         length: of all facets.
         facets: number of them.
-        facing: number of those that face the other surface.
-        smallest: length of the shortest facet that faces the other surface.
+        opposite: number of those that lie opposite the other surface.
+        smallest: length of the shortest facet that lies opposite the other surface.
         largest: length of the longest one.
         radius: radius of curvature where a facet turns most; infinite for a straight surface.
         radius_size: length of the facet there.
@@ -42,7 +43,7 @@ class SurfaceQuality:
     name: str
     length: float
     facets: int
-    facing: int
+    opposite: int
     smallest: float
     largest: float
     radius: float
@@ -62,74 +63,75 @@ class ContactQuality:
     Attributes:
         name: of the contact.
         surfaces: surface 1 and surface 2.
-        length: over which the surfaces face each other.
-        gap: the smallest one, 0 if the surfaces overlap.
-        overlap: the largest one, 0 if the surfaces stand apart.
-        nearest: (2,) place of the smallest gap or largest overlap, in the middle if there are many.
+        length: over which the surfaces lie opposite each other.
+        gap: the smallest one, 0 if the bodies overlap.
+        interpenetration: the largest one, 0 if the surfaces stand apart.
+        nearest: (2,) place of the smallest gap or largest interpenetration, in the middle if there
+            are many.
         gap_range: difference between the largest and the smallest gap.
-        size_ratio: of the longer to the shorter facet, median over the places that face each other.
+        size_ratio: of the longer to the shorter facet, median over the places of the overlap.
     """
 
     name: str
     surfaces: tuple[SurfaceQuality, SurfaceQuality]
     length: float
     gap: float
-    overlap: float
+    interpenetration: float
     nearest: Array
     gap_range: float
     size_ratio: float
 
 
-def contact_quality(contacts: Mapping[str, Facing]) -> tuple[ContactQuality, ...]:
-    """Numbers for each contact, whose surfaces face each other somewhere."""
-    return tuple(_contact(name, facing) for name, facing in contacts.items())
+def contact_quality(contacts: Mapping[str, InitialGap]) -> tuple[ContactQuality, ...]:
+    """Numbers for each contact, whose surfaces lie opposite each other somewhere."""
+    return tuple(_contact(name, initial) for name, initial in contacts.items())
 
 
-def _contact(name: str, facing: Facing) -> ContactQuality:
-    length = float(facing.length.sum())
-    smallest = float(facing.gap.min())
+def _contact(name: str, initial: InitialGap) -> ContactQuality:
+    length = float(initial.weights.sum())
+    smallest = float(initial.gap.min())
     if abs(smallest) < ROUND_OFF * length:
         smallest = 0.0
-    nearest = np.flatnonzero(facing.gap <= smallest + ROUND_OFF * length)
-    lengths1 = facing.surface1.lengths[facing.facet1]
-    lengths2 = facing.surface2.lengths[facing.facet2]
+    nearest = np.flatnonzero(initial.gap <= smallest + ROUND_OFF * length)
+    lengths1 = initial.surface1.measures[initial.facet1]
+    lengths2 = initial.surface2.measures[initial.facet2]
     ratios = np.maximum(lengths1, lengths2) / np.minimum(lengths1, lengths2)
     return ContactQuality(
         name=name,
         surfaces=(
-            _surface(facing.surface1, np.unique(facing.facet1)),
-            _surface(facing.surface2, np.unique(facing.facet2)),
+            _surface(initial.surface1, np.unique(initial.facet1)),
+            _surface(initial.surface2, np.unique(initial.facet2)),
         ),
         length=length,
         gap=max(0.0, smallest),
-        overlap=max(0.0, -smallest),
-        nearest=facing.points[nearest[len(nearest) // 2]],
-        gap_range=float(np.ptp(facing.gap)),
+        interpenetration=max(0.0, -smallest),
+        nearest=initial.points[nearest[len(nearest) // 2]],
+        gap_range=float(np.ptp(initial.gap)),
         size_ratio=float(np.median(ratios)),
     )
 
 
-def _surface(surface: Surface, facing: Indices) -> SurfaceQuality:
-    lengths = surface.lengths[facing]
-    curvatures = facet_curvatures(surface)[facing]
+def _surface(surface: Surface, opposite: Indices) -> SurfaceQuality:
+    chain, lengths = Chain(surface), surface.measures[opposite]
+    curvatures = chain.curvatures[opposite]
     worst = int(np.argmax(curvatures * lengths))
     return SurfaceQuality(
         name=surface.name,
-        length=float(surface.lengths.sum()),
-        facets=len(surface.lengths),
-        facing=len(facing),
+        length=float(surface.measures.sum()),
+        facets=len(surface.facets),
+        opposite=len(opposite),
         smallest=float(lengths.min()),
         largest=float(lengths.max()),
         radius=float(1 / curvatures[worst]) if curvatures[worst] > 0 else math.inf,
         radius_size=float(lengths[worst]),
-        deviation=float(shape_deviation(surface)[facing].max()),
+        deviation=float(chain.deviations[opposite].max()),
     )
 
 
 def mesh_warnings(
     bodies: Sequence[BodySummary], contacts: Sequence[ContactQuality], unit: str
 ) -> tuple[str, ...]:
-    """What may spoil the results, in words; see docs/mesh.md."""
+    """Properties of the mesh that may spoil the results, in words; see docs/mesh.md."""
     found = [
         f"{body.name}: smallest angle {body.smallest_angle:.1f}°; expected at least"
         f" {SMALLEST_ANGLE:g}°"

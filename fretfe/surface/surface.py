@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Contact surfaces: the facets of a boundary as one oriented chain with continuous normals."""
+"""Contact surfaces: boundary meshes of bodies in two or three dimensions, with smooth normals."""
 
 from __future__ import annotations
 
@@ -11,137 +11,222 @@ from scipy.spatial import cKDTree
 from fretfe._typing import Array, Indices
 from fretfe.errors import MeshError
 from fretfe.mesh.mesh import BodyMesh
+from fretfe.surface.chain import chain_order
+from fretfe.surface.reference import (
+    CORNERS,
+    KINDS,
+    MIDDLES,
+    Shape,
+    lattice,
+    quadrature,
+    reference_nodes,
+    shape_slopes,
+    shape_values,
+)
 
-# Facets whose normal turns by less than this angle (radians) are straight.
-STRAIGHT = 1e-9
-# Normals are looked up at this many places of each facet.
-SAMPLES_PER_FACET = 17
+# Gauss points along each direction of a facet for its measure.
+GAUSS_POINTS = 4
+# Places along each direction of a facet at which the nearest one is looked up, by dimension d.
+SAMPLES = {2: 17, 3: 9}
 
 
 @dataclass(frozen=True)
 class Surface:
-    """An open chain of facets, the body on the left of the direction of travel.
+    """Boundary mesh of f facets of one shape and degree, in d dimensions.
+
+    In the plane the facets follow each other along an open chain; see `fretfe.surface.chain`.
 
     Attributes:
         name: physical group of the facets.
         body: name of the body that the surface belongs to.
-        nodes: (facets, 2 or 3, 2) coordinates, ends first, then the middle of curved facets.
-        normals: (facets, 2 or 3, 2) outward unit normals at `nodes`, equal where facets meet.
+        points: (n, d) coordinates, corners of facets first.
+        facets: (f, k) numbers of each facet's points in Gmsh order, corners first. They run so
+            that the body is on the left in the plane, counter-clockwise seen from outside in space.
+        shape: of the facets.
+        degree: of the facets, 1 or 2.
+        normals: (f, k, d) outward unit normals at `nodes`, equal where facets meet.
     """
 
     name: str
     body: str
-    nodes: Array
+    points: Array
+    facets: Indices
+    shape: Shape
+    degree: int
     normals: Array
 
     @property
+    def dimension(self) -> int:
+        """Number of coordinates, d."""
+        return self.points.shape[1]
+
+    @property
+    def nodes(self) -> Array:
+        """(f, k, d) coordinates of the nodes of each facet."""
+        return self.points[self.facets]
+
+    @property
+    def corners(self) -> Indices:
+        """(f, c) numbers of each facet's corners."""
+        return self.facets[:, : len(CORNERS[self.shape])]
+
+    @property
     def vertices(self) -> Array:
-        """(facets + 1, 2) coordinates of the facet ends along the chain."""
-        return np.vstack([self.nodes[:, 0], self.nodes[-1:, 1]])
+        """(v, d) coordinates of the corners of all facets."""
+        return self.points[: self.corners.max() + 1]
 
     @property
-    def lengths(self) -> Array:
-        """(facets,) arc lengths."""
-        points, weights = np.polynomial.legendre.leggauss(4)
-        slopes = shape_slopes(self.nodes.shape[1] - 1, (points + 1) / 2)
-        tangents = np.einsum("qk,fkd->fqd", slopes, self.nodes)
-        return np.linalg.norm(tangents, axis=2) @ weights / 2
+    def measures(self) -> Array:
+        """(f,) arc lengths or areas of the facets."""
+        at, weights = quadrature(self.shape, GAUSS_POINTS)
+        return self._densities(at) @ weights
 
     @property
-    def arc(self) -> Array:
-        """(facets + 1,) arc length at the facet ends, zero at the middle of the chain."""
-        arc = np.concatenate([[0.0], np.cumsum(self.lengths)])
-        return arc - arc[-1] / 2
+    def sizes(self) -> Array:
+        """(f,) lengths of the facets, or roots of their areas."""
+        return self.measures ** (1 / (self.dimension - 1))
 
     @property
-    def mean_curvature(self) -> float:
-        """Turning of the normal, without regard to its sign, per arc length."""
-        return float(np.abs(self._turns()).sum() / self.lengths.sum())
+    def extent(self) -> float:
+        """Length of the whole surface, or the root of its area."""
+        return float(self.measures.sum() ** (1 / (self.dimension - 1)))
 
-    def _turns(self) -> Array:
-        """(facets,) angle by which the normal turns over each facet."""
-        first, last = self.normals[:, 0], self.normals[:, 1]
-        sine = first[:, 0] * last[:, 1] - first[:, 1] * last[:, 0]
-        turns = np.arcsin(np.clip(sine, -1.0, 1.0))
-        # A straight surface has no curvature, not that of the round-off in its nodes.
-        return np.where(np.abs(turns) > STRAIGHT, turns, 0.0)
+    def hat_integrals(self) -> Array:
+        """(v,) integrals of the hat functions of the vertices over the whole surface."""
+        at, weights = quadrature(self.shape, GAUSS_POINTS)
+        values = shape_values(self.shape, 1, at)
+        shares = np.einsum("fq,q,qc->fc", self._densities(at), weights, values)
+        return np.bincount(self.corners.ravel(), shares.ravel())
+
+    def _densities(self, at: Array) -> Array:
+        """(f, q) measure of the facets per measure of the reference at coordinates (q, d - 1)."""
+        return np.linalg.norm(_normal_vectors(self.nodes, self.shape, self.degree, at), axis=2)
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
-        """(n, 2) places of the chain nearest to points (n, 2), and unit normals there."""
-        sampling = np.linspace(0.0, 1.0, SAMPLES_PER_FACET)
-        values = shape_values(self.nodes.shape[1] - 1, sampling)
-        places = np.einsum("qk,fkd->fqd", values, self.nodes).reshape(-1, 2)
-        normals = np.einsum("qk,fkd->fqd", values, self.normals).reshape(-1, 2)
+        """Sampled places (m, d) of the surface nearest to points (m, d), and unit normals there."""
+        at = lattice(self.shape, SAMPLES[self.dimension])
+        values = shape_values(self.shape, self.degree, at)
+        places, normals = (
+            np.einsum("qk,fkd->fqd", values, nodal).reshape(-1, self.dimension)
+            for nodal in (self.nodes, self.normals)
+        )
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         found = cKDTree(places).query(points)[1]
         return places[found], normals[found]
 
     def displacement_points(self, degree: int) -> Array:
-        """(n, 2) points of the trace of a Lagrange space: facet ends, then facet middles."""
+        """(m, d) points of the trace of a Lagrange space of a degree, 1 or 2; vertices first."""
         if degree == 1:
             return self.vertices
-        middle = shape_values(self.nodes.shape[1] - 1, np.array([0.5]))[0]
-        return np.vstack([self.vertices, np.einsum("k,fkd->fd", middle, self.nodes)])
+        if self.degree == 2:
+            return self.points
+        facets = self.displacement_facets(2)
+        points = np.empty((facets.max() + 1, self.dimension))
+        values = shape_values(self.shape, 1, reference_nodes(self.shape, 2))
+        points[facets] = np.einsum("qk,fkd->fqd", values, self.nodes)
+        return points
 
     def displacement_facets(self, degree: int) -> Indices:
-        """(facets, degree + 1) numbers of each facet's points in `displacement_points`."""
-        count = len(self.nodes)
-        first = np.arange(count)
-        return np.stack([first, first + 1, first + count + 1][: degree + 1], axis=1)
+        """(f, k) numbers of each facet's points in `displacement_points`."""
+        if degree == 1:
+            return self.corners
+        return self.facets if self.degree == 2 else _with_middles(self.corners, self.shape)
 
 
-def shape_values(degree: int, t: Array) -> Array:
-    """(n, degree + 1) Lagrange functions at reference points `t` in [0, 1]: ends, then middle."""
-    if degree == 1:
-        return np.stack([1 - t, t], axis=1)
-    return np.stack([(1 - t) * (1 - 2 * t), t * (2 * t - 1), 4 * t * (1 - t)], axis=1)
+def perpendicular(vectors: Array) -> Array:
+    """(..., d) vectors normal to d - 1 tangents (..., d - 1, d), as long as they are wide.
+
+    The tangent turned clockwise in the plane, the cross product of both in space.
+    """
+    if vectors.shape[-1] == 2:
+        x, y = vectors[..., 0, 0], vectors[..., 0, 1]
+        return np.stack([y, -x], axis=-1)
+    return np.cross(vectors[..., 0, :], vectors[..., 1, :])
 
 
-def shape_slopes(degree: int, t: Array) -> Array:
-    """(n, degree + 1) derivatives of `shape_values` with respect to `t`."""
-    if degree == 1:
-        return np.stack([-np.ones_like(t), np.ones_like(t)], axis=1)
-    return np.stack([4 * t - 3, 4 * t - 1, 4 - 8 * t], axis=1)
+def tangent_frames(normals: Array) -> Array:
+    """(n, d, d) rows: unit normal (n, d), then unit tangents that vary as smoothly as it does.
+
+    In the plane the tangent is the normal turned clockwise. In space the first one is n × e for the
+    coordinate axis e that is farthest from all of the normals, z if there are several: that of the
+    plane where normals have no component along z. The second one is n × t.
+    """
+    if normals.shape[1] == 2:
+        return np.stack([normals, perpendicular(normals[:, None])], axis=1)
+    alignment = np.abs(normals).max(axis=0)[::-1]
+    axis = np.eye(3)[::-1][np.argmin(alignment.round(9))]
+    first = np.cross(normals, axis)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([normals, first, np.cross(normals, first)], axis=1)
 
 
 def build_surface(mesh: BodyMesh, name: str) -> Surface:
-    """Orient and order the facets of boundary `name`.
+    """Surface of boundary `name`, numbered along its chain in the plane.
 
     Raises:
-        MeshError: if the facets do not form one open chain.
+        MeshError: The facets do not form one open chain, or those of a solid have no common
+            orientation.
     """
     facets = mesh.boundaries[name]  # each with the body on its left
-    facets = facets[_chain_order(facets, f"surface {name!r} of body {mesh.name!r}")]
+    shape, degree = KINDS[mesh.points.shape[1], facets.shape[1]]
+    where = f"surface {name!r} of body {mesh.name!r}"
+    if shape == "interval":
+        facets = facets[chain_order(facets, where)]
+    else:
+        _require_orientation(facets[:, : len(CORNERS[shape])], where)
     nodes = mesh.points[facets]
-    return Surface(name, mesh.name, nodes, _nodal_normals(nodes))
+    numbers, facets = _renumbered(facets, len(CORNERS[shape]))
+    normals = _nodal_normals(nodes, facets, shape, degree)
+    return Surface(name, mesh.name, mesh.points[numbers], facets, shape, degree, normals)
 
 
-def _chain_order(facets: Indices, where: str) -> Indices:
-    """Order in which the facets follow each other from the chain's first to its last."""
-    by_start = {int(start): i for i, start in enumerate(facets[:, 0])}
-    firsts = np.setdiff1d(facets[:, 0], facets[:, 1])
-    order = [by_start[int(first)] for first in firsts[:1]]
-    for _ in facets[1:]:
-        following = by_start.get(int(facets[order[-1], 1])) if order else None
-        if following is None:
-            break
-        order.append(following)
-    if len(set(order)) != len(facets):
-        pieces = {0: "a closed curve", 1: "an open and a closed curve"}
-        kind = pieces.get(len(firsts), f"{len(firsts)} separate pieces")
+def _require_orientation(corners: Indices, where: str) -> None:
+    """Refuse neighbours (f, c) that run along their common edge in the same direction."""
+    edges = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
+    repeated = len(edges) - len(np.unique(edges, axis=0))
+    if repeated:
         raise MeshError(
-            f"{where}: a contact surface must be one open curve, but its facets form {kind}. "
-            "Give each piece a physical group and a contact of its own."
+            f"{where}: expected facets that all run counter-clockwise seen from outside the body,"
+            f" but at {repeated} edges two neighbours run in opposite senses."
         )
-    return np.array(order)
 
 
-def _nodal_normals(nodes: Array) -> Array:
-    """(facets, k, 2) outward unit normals at the nodes, averaged where two facets meet."""
-    order = nodes.shape[1] - 1
-    slopes = shape_slopes(order, np.array([0.0, 1.0, 0.5][: order + 1]))
-    tangents = np.einsum("qk,fkd->fqd", slopes, nodes)
-    tangents /= np.linalg.norm(tangents, axis=2, keepdims=True)
-    shared = tangents[:-1, 1] + tangents[1:, 0]
-    tangents[:-1, 1] = tangents[1:, 0] = shared / np.linalg.norm(shared, axis=1, keepdims=True)
-    return np.stack([tangents[..., 1], -tangents[..., 0]], axis=2)
+def _renumbered(facets: Indices, corners: int) -> tuple[Indices, Indices]:
+    """Nodes (n,) in the order in which facets name them, corners first; facets in those numbers."""
+    numbers = np.concatenate([_first_seen(facets[:, :corners]), _first_seen(facets[:, corners:])])
+    own = np.empty(facets.max() + 1, dtype=np.int64)
+    own[numbers] = np.arange(len(numbers))
+    return numbers, own[facets]
+
+
+def _first_seen(values: Indices) -> Indices:
+    found, first = np.unique(values, return_index=True)
+    return found[np.argsort(first)]
+
+
+def _with_middles(corners: Indices, shape: Shape) -> Indices:
+    """(f, k) numbers of the nodes of degree 2 of facets with corners (f, c); neighbours share."""
+    # each middle is known by the corners around it, -1 where it has fewer than others
+    keys = np.full((len(corners), len(MIDDLES[shape]), max(map(len, MIDDLES[shape]))), -1)
+    for number, around in enumerate(MIDDLES[shape]):
+        keys[:, number, : len(around)] = np.sort(corners[:, around], axis=1)
+    same = np.unique(keys.reshape(-1, keys.shape[2]), axis=0, return_inverse=True)[1]
+    middles = _renumbered(same.reshape(len(corners), -1), keys.shape[1])[1]
+    return np.concatenate([corners, corners.max() + 1 + middles], axis=1)
+
+
+def _normal_vectors(nodes: Array, shape: Shape, degree: int, at: Array) -> Array:
+    """(f, q, d) outward normals at coordinates (q, d - 1), as long as the facet is stretched."""
+    slopes = shape_slopes(shape, degree, at)
+    return perpendicular(np.einsum("qak,fkd->fqad", slopes, nodes))
+
+
+def _nodal_normals(nodes: Array, facets: Indices, shape: Shape, degree: int) -> Array:
+    """(f, k, d) outward unit normals at the nodes, averaged where facets meet."""
+    own = _normal_vectors(nodes, shape, degree, reference_nodes(shape, degree))
+    own /= np.linalg.norm(own, axis=2, keepdims=True)
+    total = np.zeros((facets.max() + 1, nodes.shape[2]))
+    np.add.at(total, facets, own)
+    mean = total / np.linalg.norm(total, axis=1, keepdims=True)
+    shared = np.bincount(facets.ravel()) > 1
+    return np.where(shared[facets, None], mean[facets], own)

@@ -16,8 +16,8 @@ from fretfe.fem.definition import define_model
 from fretfe.fem.rigid_modes import modes_restrained_by_contact
 from fretfe.mesh.groups import mesh_summary
 from fretfe.mesh.mesh import BodyMesh, Mesh
-from fretfe.surface.checks import face_contacts
-from fretfe.surface.gap import facet_curvatures, shape_deviation
+from fretfe.surface.chain import Chain
+from fretfe.surface.checks import initial_gaps
 from fretfe.surface.quality import ContactQuality, contact_quality, mesh_warnings
 
 STEEL = {"young": 2e5, "poisson": 0.3}
@@ -50,7 +50,7 @@ def bodies(upper: dict[str, Any], lower: int = 20, columns: int = 10) -> Mesh:
 
 
 def quality(mesh: Mesh) -> ContactQuality:
-    (found,) = contact_quality(face_contacts(mesh, parse_case(CASE)))
+    (found,) = contact_quality(initial_gaps(mesh, parse_case(CASE)))
     return found
 
 
@@ -63,10 +63,10 @@ def test_numbers_of_a_pad_above_a_wider_block(order: int) -> None:
     found = quality(bodies({"order": order, "mapping": on_arc(2.0, gap=0.03)}))
     pad, flat = found.surfaces
     # At the integration point next to the lowest node: h/21 away, on a facet of slope h/2R.
-    assert found.gap == pytest.approx(0.03, abs=1.25e-4) and found.overlap == 0
+    assert found.gap == pytest.approx(0.03, abs=1.25e-4) and found.interpenetration == 0
     assert found.nearest == pytest.approx([0.5, 0.0], abs=0.05)  # half an element
     assert found.length == pytest.approx(1.0, abs=1e-12)
-    assert (pad.facets, pad.facing, flat.facets, flat.facing) == (10, 10, 20, 10)
+    assert (pad.facets, pad.opposite, flat.facets, flat.opposite) == (10, 10, 20, 10)
     # An arc of half-angle asin(1/4); polygons of 10 sides are shorter by 0.01 %.
     assert pad.length == pytest.approx(4 * np.arcsin(0.25), rel=2e-4)
     assert flat.length == pytest.approx(2.0, rel=1e-12)
@@ -85,13 +85,13 @@ def test_numbers_of_a_pad_above_a_wider_block(order: int) -> None:
 def test_overlap_and_its_place() -> None:
     found = quality(bodies({"mapping": on_arc(2.0, gap=-1e-3)}))
     assert found.gap == 0
-    assert found.overlap == pytest.approx(1e-3, abs=1.25e-4)  # as above
+    assert found.interpenetration == pytest.approx(1e-3, abs=1.25e-4)  # as above
     assert found.nearest == pytest.approx([0.5, 0.0], abs=0.05)
 
 
 def test_flats_that_touch_have_neither_gap_nor_overlap() -> None:
     found = quality(bodies({"mapping": lambda p: p + 1e-14 * np.sin(99 * p)}))
-    assert (found.gap, found.overlap) == (0.0, 0.0)
+    assert (found.gap, found.interpenetration) == (0.0, 0.0)
     assert found.nearest == pytest.approx([0.5, 0.0], abs=0.05)
 
 
@@ -107,7 +107,7 @@ def test_deviation_from_an_arc(curved: bool, degrees: float) -> None:
     """Against the distance of the facet's own points from the circle."""
     turn, radius, facets = np.radians(degrees), 3.0, 4
     points = arc_points((2 if curved else 1) * facets + 1, facets * turn, radius)
-    chain = surface("face", points, curved)
+    chain = Chain(surface("face", points, curved))
     t = np.linspace(0, 1, 1001)[:, None]
     first, last, *middle = points[: (3 if curved else 2)][[0, -1, 1][: 3 if curved else 2]]
     places = first * (1 - t) + last * t
@@ -115,8 +115,8 @@ def test_deviation_from_an_arc(curved: bool, degrees: float) -> None:
         places += 4 * t * (1 - t) * (middle[0] - (first + last) / 2)
     expected = np.abs(np.linalg.norm(places, axis=1) - radius).max()
     # First terms of series in the angle, and curvatures with an error of θ²/12, to the third power.
-    assert shape_deviation(chain) == pytest.approx(np.full(facets, expected), rel=0.07)
-    assert facet_curvatures(chain) == pytest.approx(np.full(facets, 1 / radius), rel=0.05)
+    assert chain.deviations == pytest.approx(np.full(facets, expected), rel=0.07)
+    assert chain.curvatures == pytest.approx(np.full(facets, 1 / radius), rel=0.05)
 
 
 GOOD = {"mapping": on_arc(2.0)}

@@ -12,10 +12,10 @@ import pytest
 from chains import Placement
 from scipy.integrate import quad
 
-from fretfe._core import _kernels
 from fretfe._typing import Array
 from fretfe.errors import ModelError
-from fretfe.surface.mortar import Coupling, contact_normals, couple
+from fretfe.surface.mortar import Coupling, couple
+from fretfe.surface.overlap import contact_normals, project, search_reach
 from fretfe.surface.surface import Surface
 
 HERE = Placement()
@@ -37,31 +37,27 @@ def round_off(place: Placement) -> float:
     return 20 * np.finfo(float).eps * (1 + np.abs(place.origin).max() / place.scale)
 
 
-def kernel_arguments(
-    near: Surface, far: Surface
-) -> tuple[Array, Array, Array, Array, Array, float]:
-    points, weights = np.polynomial.legendre.leggauss(4)
-    reach = 0.5 * min(near.lengths.sum(), far.lengths.sum())
-    return near.nodes, near.normals, far.nodes, (points + 1) / 2, weights / 2, reach
-
-
 @PLACES
 @CURVED
 @SEEDS
 def test_kernel_and_twin_give_the_same_points(seed: int, curved: bool, place: Placement) -> None:
-    arguments = kernel_arguments(*chains.random_pair(seed, curved, place))
-    pairs = _kernels.overlap_points(*arguments)
-    twin = mortar_twin.overlap_points(*arguments)
-    assert len(pairs["xi"]) > 4 * 10
-    np.testing.assert_array_equal(pairs["facet"], twin["facet"])
-    np.testing.assert_array_equal(pairs["other_facet"], twin["other_facet"])
+    near, far = chains.random_pair(seed, curved, place)
+    points, weights = np.polynomial.legendre.leggauss(4)
+    rule = (points + 1) / 2, weights / 2
+    found = project(near, near.normals, far, rule)
+    twin = mortar_twin.overlap_points(
+        near.nodes, near.normals, far.nodes, *rule, search_reach(near, far)
+    )
+    assert len(found.weights) > 4 * 10
+    np.testing.assert_array_equal(found.facet1, twin.facet1)
+    np.testing.assert_array_equal(found.facet2, twin.facet2)
     # Newton in the kernel stops at steps of 1e-10; quadratic convergence leaves round-off.
-    tolerance = 1e-12 + round_off(place)
-    for column in ("xi", "eta", "normal_x", "normal_y"):
-        np.testing.assert_allclose(pairs[column], twin[column], rtol=0, atol=tolerance)
-    for column in ("weight", "gap"):
-        found, expected = pairs[column] / place.scale, twin[column] / place.scale
-        np.testing.assert_allclose(found, expected, rtol=0, atol=tolerance)
+    close = partial(np.testing.assert_allclose, rtol=0, atol=1e-12 + round_off(place))
+    close(found.at1, twin.at1)
+    close(found.at2, twin.at2)
+    close(found.normals, twin.normals)
+    close(found.weights / place.scale, twin.weights / place.scale)
+    close(found.gap / place.scale, twin.gap / place.scale)
 
 
 def coupling(pair: tuple[Surface, Surface], side: str, degree: int) -> Coupling:
@@ -91,7 +87,7 @@ def test_weights_add_up_to_the_length_of_the_overlap(
 def test_overlap_on_curved_facets_is_an_arc_length_of_body_2(seed: int, side: str) -> None:
     upper, lower = chains.random_pair(seed, True, HERE)
     operators = coupling((upper, lower), side, 2)
-    count, normals = len(lower.nodes), contact_normals(upper, lower)
+    count, normals = len(lower.facets), contact_normals(upper, lower)
     # The lower chain runs backwards, and from the foot of the upper one's end to its own end.
     facet, xi = next(
         (f, foot[0])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Contact surfaces: chains of facets with continuous normals."""
+"""Contact surfaces in the plane: chains of facets with continuous normals."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ import pytest
 from fretfe._typing import Array
 from fretfe.errors import MeshError
 from fretfe.mesh.mesh import BodyMesh
-from fretfe.surface.surface import build_surface, shape_slopes, shape_values
+from fretfe.surface.chain import Chain
+from fretfe.surface.reference import reference_nodes, shape_values
+from fretfe.surface.surface import build_surface
 
 ORDERS = pytest.mark.parametrize("order", [1, 2])
 
@@ -66,7 +68,7 @@ def test_normals_are_continuous(order: int) -> None:
 @pytest.mark.parametrize(("order", "rate"), [(1, 2), (2, 4)])
 def test_arc_length_converges(order: int, rate: int) -> None:
     counts = np.array([4, 8, 16])
-    lengths = [build_surface(sector(order, n), "b_top").lengths.sum() for n in counts]
+    lengths = [build_surface(sector(order, n), "b_top").extent for n in counts]
     errors = np.abs(np.array(lengths) - 2 * np.pi / 3)
     observed = np.log2(errors[:-1] / errors[1:])
     np.testing.assert_allclose(observed, rate, atol=0.05)
@@ -75,8 +77,10 @@ def test_arc_length_converges(order: int, rate: int) -> None:
 
 def test_arc_is_measured_from_the_middle() -> None:
     mesh = blocks.block("b", [0.0, 1.0, 1.5, 4.0], [0.0, 1.0])
-    np.testing.assert_allclose(build_surface(mesh, "b_bottom").arc, [-2, -1, -0.5, 2], rtol=1e-14)
-    np.testing.assert_allclose(build_surface(mesh, "b_top").arc, [-2, 0.5, 1, 2], rtol=1e-14)
+    np.testing.assert_allclose(
+        Chain(build_surface(mesh, "b_bottom")).arc, [-2, -1, -0.5, 2], rtol=1e-14
+    )
+    np.testing.assert_allclose(Chain(build_surface(mesh, "b_top")).arc, [-2, 0.5, 1, 2], rtol=1e-14)
 
 
 @ORDERS
@@ -84,20 +88,10 @@ def test_arc_is_measured_from_the_middle() -> None:
 def test_displacement_points_lie_on_the_surface(degree: int, order: int) -> None:
     surface = build_surface(sector(order), "b_top")
     points, facets = surface.displacement_points(degree), surface.displacement_facets(degree)
-    ends = [0.0, 1.0, 0.5][: degree + 1]
-    expected = np.einsum("qk,fkd->fqd", shape_values(order, np.array(ends)), surface.nodes)
+    values = shape_values("interval", order, reference_nodes("interval", degree))
+    expected = np.einsum("qk,fkd->fqd", values, surface.nodes)
     np.testing.assert_allclose(points[facets], expected, rtol=0, atol=1e-15)
     assert len(points) == len(np.unique(facets))
-
-
-@pytest.mark.parametrize("degree", [1, 2])
-def test_shape_functions(degree: int) -> None:
-    t, step = np.linspace(-0.2, 1.2, 15), 1e-6
-    nodes = np.array([0.0, 1.0, 0.5][: degree + 1])
-    np.testing.assert_allclose(shape_values(degree, nodes), np.eye(degree + 1), atol=1e-15)
-    difference = (shape_values(degree, t + step) - shape_values(degree, t - step)) / (2 * step)
-    # Central differences of polynomials up to degree 2: exact but for round-off / step.
-    np.testing.assert_allclose(shape_slopes(degree, t), difference, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize(

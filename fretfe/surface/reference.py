@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Reference facets: nodes, Lagrange functions and quadrature of each shape and degree.
+
+Reference coordinates lie in [0, 1]; a triangle has its corners at (0, 0), (1, 0) and (0, 1). Nodes
+are in Gmsh order: corners, middles of the edges, centre of a quadrilateral.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+
+from fretfe._typing import Array
+
+Shape = Literal["interval", "triangle", "quadrilateral"]
+
+# Shape and degree of a facet by the dimension of space and its number of nodes.
+KINDS: dict[tuple[int, int], tuple[Shape, int]] = {
+    (2, 2): ("interval", 1),
+    (2, 3): ("interval", 2),
+    (3, 3): ("triangle", 1),
+    (3, 6): ("triangle", 2),
+    (3, 4): ("quadrilateral", 1),
+    (3, 9): ("quadrilateral", 2),
+}
+CORNERS: dict[Shape, Array] = {
+    "interval": np.array([[0.0], [1.0]]),
+    "triangle": np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]),
+    "quadrilateral": np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),
+}
+# The corners around each node that degree 2 adds.
+MIDDLES: dict[Shape, tuple[tuple[int, ...], ...]] = {
+    "interval": ((0, 1),),
+    "triangle": ((0, 1), (1, 2), (2, 0)),
+    "quadrilateral": ((0, 1), (1, 2), (2, 3), (3, 0), (0, 1, 2, 3)),
+}
+# Largest sum of the absolute values of the functions of degree 2: interpolated vectors are longer
+# than the longest nodal one by no more than this factor.
+LEBESGUE: dict[Shape, float] = {"interval": 5 / 4, "triangle": 5 / 3, "quadrilateral": 25 / 16}
+
+
+def shape_values(shape: Shape, degree: int, at: Array) -> Array:
+    """(n, k) Lagrange functions of a degree, 1 or 2, at reference coordinates (n, d - 1)."""
+    return _FUNCTIONS[shape](degree, at)[0]
+
+
+def shape_slopes(shape: Shape, degree: int, at: Array) -> Array:
+    """(n, d - 1, k) derivatives of `shape_values` along the reference coordinates."""
+    return _FUNCTIONS[shape](degree, at)[1]
+
+
+def reference_nodes(shape: Shape, degree: int) -> Array:
+    """(k, d - 1) reference coordinates of the nodes."""
+    corners = CORNERS[shape]
+    added = [corners[list(around)].mean(axis=0) for around in MIDDLES[shape]]
+    return np.vstack([corners, *added]) if degree == 2 else corners
+
+
+def lattice(shape: Shape, count: int) -> Array:
+    """(n, d - 1) evenly spaced reference coordinates, `count` along each edge."""
+    points = _grid(shape, np.linspace(0.0, 1.0, count))
+    return points[points.sum(axis=1) <= 1.0 + 1e-9] if shape == "triangle" else points
+
+
+def quadrature(shape: Shape, count: int) -> tuple[Array, Array]:
+    """Gauss points (n, d - 1) and weights (n,), exact for polynomials of degree 2 * count - 2.
+
+    The rule of the triangle is that of the square, folded along one of its sides.
+    """
+    places, line_weights = np.polynomial.legendre.leggauss(count)
+    at = _grid(shape, (places + 1) / 2)
+    weights = np.prod(_grid(shape, line_weights / 2), axis=1)
+    if shape == "triangle":
+        height = 1 - at[:, 0]
+        return np.stack([at[:, 0], at[:, 1] * height], axis=1), weights * height
+    return at, weights
+
+
+def _grid(shape: Shape, line: Array) -> Array:
+    """(n, d - 1) tensor product of the values on a line with themselves."""
+    axes = np.meshgrid(*[line] * CORNERS[shape].shape[1], indexing="ij")
+    return np.stack([axis.ravel() for axis in axes], axis=1)
+
+
+def _interval(degree: int, at: Array) -> tuple[Array, Array]:
+    t = at[:, 0]
+    if degree == 1:
+        values, slopes = [1 - t, t], [-np.ones_like(t), np.ones_like(t)]
+    else:
+        values = [(1 - t) * (1 - 2 * t), t * (2 * t - 1), 4 * t * (1 - t)]
+        slopes = [4 * t - 3, 4 * t - 1, 4 - 8 * t]
+    return np.stack(values, axis=1), np.stack(slopes, axis=1)[:, None]
+
+
+def _triangle(degree: int, at: Array) -> tuple[Array, Array]:
+    """Polynomials in the barycentric coordinates."""
+    area = np.column_stack([1 - at.sum(axis=1), at])
+    slope = np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])
+    if degree == 1:
+        return area, np.broadcast_to(slope, (len(at), 2, 3))
+    first, second = np.array(MIDDLES["triangle"]).T
+    values = [area * (2 * area - 1), 4 * area[:, first] * area[:, second]]
+    along_edges = area[:, None, first] * slope[:, second] + area[:, None, second] * slope[:, first]
+    slopes = [(4 * area[:, None] - 1) * slope, 4 * along_edges]
+    return np.concatenate(values, axis=1), np.concatenate(slopes, axis=2)
+
+
+def _quadrilateral(degree: int, at: Array) -> tuple[Array, Array]:
+    """Products of the functions of two intervals."""
+    nodes = reference_nodes("quadrilateral", degree)
+    # number of the interval's node at 0, 1 and 1/2
+    i, j = np.where(nodes == 0.5, 2, nodes).astype(int).T
+    (x, dx), (y, dy) = (_interval(degree, at[:, [axis]]) for axis in (0, 1))
+    slopes = [dx[:, 0, i] * y[:, j], x[:, i] * dy[:, 0, j]]
+    return x[:, i] * y[:, j], np.stack(slopes, axis=1)
+
+
+_FUNCTIONS: dict[Shape, Callable[[int, Array], tuple[Array, Array]]] = {
+    "interval": _interval,
+    "triangle": _triangle,
+    "quadrilateral": _quadrilateral,
+}
