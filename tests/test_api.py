@@ -87,7 +87,7 @@ def test_edges_are_flat_records(solved: Result) -> None:
         ("main", "right"),
     ]
     contact = solved.histories.contacts[0]
-    for record, edge in zip(records, contact.edges, strict=True):
+    for record, edge in zip(records, contact.stations, strict=True):
         assert {type(value) for value in record.values()} <= {str, float, bool}
         assert record["k_n"] == edge.k_n[-1]
         assert record["k_t_range"] == edge.k_t_range
@@ -105,7 +105,7 @@ def test_history_of_an_edge(solved: Result) -> None:
     ]  # fmt: skip
     assert {value.shape for value in history.values()} == {(21,)}
     assert history["loads.press"][-1] == -600
-    assert np.array_equal(history["k_t"], solved.histories.contacts[0].edges[1].k_t)
+    assert np.array_equal(history["k_t"], solved.histories.contacts[0].stations[1].k_t)
 
 
 def test_history_of_an_edge_that_is_not_there(solved: Result) -> None:

@@ -14,7 +14,7 @@ from typing import Protocol, TypeVar, runtime_checkable
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case
-from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.front import ContactSummary
 from fretfe.edges.refinement import Refinement
 from fretfe.errors import ConvergenceError
 from fretfe.loads import History
@@ -58,7 +58,7 @@ class EdgeHistories:
     Attributes:
         history: the T states that were solved, fewer than the case has if `failure` is set; its
             cycle is then None.
-        contacts: edges, resultants and slip zones of each contact.
+        contacts: fronts, resultants and slip zones of each contact.
         notes: what was assumed, in words.
         failure: why not all steps were solved, or None.
         solution: tractions along the contacts; None if the backend has none, or on ranks other
