@@ -73,7 +73,9 @@ class Result:
             CaseError: if there is no such edge.
         """
         edges = {
-            f"{each.name} {one.side}": one for each in self.histories.contacts for one in each.edges
+            f"{each.name} {one.front}": one
+            for each in self.histories.contacts
+            for one in each.stations
         }
         wanted = f"{contact} {edge}"
         if wanted not in edges:

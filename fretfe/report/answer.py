@@ -7,8 +7,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 from fretfe.backends import EdgeHistories
-from fretfe.edges.evaluate import ContactSummary, Edge
-from fretfe.edges.slip_zones import SlipZone
+from fretfe.edges.front import ContactSummary, SlipZone, Station
 from fretfe.quality.validate.single import asymptote_row, element_size
 from fretfe.report.numbers import number, with_error
 from fretfe.results.reader import Results
@@ -55,15 +54,15 @@ def edge_answers(results: Results) -> tuple[EdgeAnswer, ...]:
     return tuple(
         _edge_answer(results.result, contact, edge)
         for contact in results.result.contacts
-        for edge in contact.edges
+        for edge in contact.stations
     )
 
 
-def _edge_answer(result: EdgeHistories, contact: ContactSummary, edge: Edge) -> EdgeAnswer:
+def _edge_answer(result: EdgeHistories, contact: ContactSummary, edge: Station) -> EdgeAnswer:
     size = element_size(result, contact)
     return EdgeAnswer(
         contact=contact.name,
-        side=edge.side,
+        side=edge.front,
         position=number(float(edge.position[-1])),
         k_n=with_error(float(edge.k_n[-1]), float(edge.k_n_spread[-1])),
         k_t_range=with_error(edge.k_t_range, edge.k_t_range_spread),
@@ -75,7 +74,7 @@ def _edge_answer(result: EdgeHistories, contact: ContactSummary, edge: Edge) -> 
 
 
 def _zone_answer(
-    result: EdgeHistories, contact: ContactSummary, edge: Edge, zone: SlipZone, size: float
+    result: EdgeHistories, contact: ContactSummary, edge: Station, zone: SlipZone, size: float
 ) -> ZoneAnswer:
     row = asymptote_row(contact, edge, zone, "", size)
     verdict = WORDS[row.verdict]

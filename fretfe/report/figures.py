@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from fretfe._typing import Bools
 from fretfe.case import Case
-from fretfe.edges.evaluate import ContactSummary
 from fretfe.edges.extremes import load_extremes
+from fretfe.edges.front import ContactSummary
 from fretfe.results.solution import ContactHistory, Solution
 
 # Two colours that stay apart for colour-blind readers and in grey (Okabe and Ito).
@@ -43,7 +43,7 @@ def draw_contact(
 ) -> None:
     """Draw p, f p and q along a contact at the two load extremes, without title and legend."""
     stress, length = case.units.stress, case.units.length
-    edges = summary.edges
+    edges = summary.stations
     states = load_extremes([e.k_t for e in edges], [e.k_i for e in edges], solution.cycle)
     for state, colour in zip(states, EXTREME_COLOURS, strict=False):
         time = f"t = {solution.times[state]:g} {case.units.time}"

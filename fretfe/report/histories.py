@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fretfe.case import Case
-from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.front import ContactSummary
 from fretfe.loads import History
 from fretfe.report.figures import STYLE
 
@@ -38,9 +38,9 @@ def draw_factors(case: Case, history: History, contacts: tuple[ContactSummary, .
     units = case.units
     with mpl.rc_context(STYLE):
         figure, panels = _panels(2)
-        edges = [(contact.name, edge) for contact in contacts for edge in contact.edges]
+        edges = [(contact.name, edge) for contact in contacts for edge in contact.stations]
         for number, (name, edge) in enumerate(edges):
-            colour, label = COLOURS[number % len(COLOURS)], f"{name}, {edge.side} edge"
+            colour, label = COLOURS[number % len(COLOURS)], f"{name}, {edge.front} edge"
             panels[0].plot(history.times, edge.k_n, color=colour, label=label)
             panels[1].plot(history.times, edge.k_t, color=colour)
         panels[0].set_ylabel(f"K_N [{units.stress}/√{units.length}]")

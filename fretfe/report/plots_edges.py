@@ -15,8 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fretfe._typing import Array, Bools
-from fretfe.edges.evaluate import Edge
 from fretfe.edges.extremes import load_extremes
+from fretfe.edges.front import Station
 from fretfe.report.drawing import (
     BLUE,
     GREEN,
@@ -61,7 +61,7 @@ class _Near:
         moved: by how much the edge moves between the two.
     """
 
-    edge: Edge
+    edge: Station
     earlier: int
     later: int
     sign: float
@@ -69,7 +69,7 @@ class _Near:
     moved: float
 
 
-def edge_plot(shown: Shown, edge: Edge) -> Plot | None:
+def edge_plot(shown: Shown, edge: Station) -> Plot | None:
     """Asymptotes and tractions at one edge; None if there is no edge or nothing to compare."""
     near = _near(shown, edge)
     if near is None:
@@ -79,15 +79,15 @@ def edge_plot(shown: Shown, edge: Edge) -> Plot | None:
     if near.moved > SMALL_MOVE * shown.summary.half_width[near.later]:
         caption += MOVED.format(near.moved, shown.results.case.units.length)
     return make_plot(
-        f"{shown.key}-{edge.side}",
-        f"Contact {shown.summary.name}, {edge.side} edge",
+        f"{shown.key}-{edge.front}",
+        f"Contact {shown.summary.name}, {edge.front} edge",
         caption,
         5.2,
         lambda figure: _draw(figure, shown, near),
     )
 
 
-def _near(shown: Shown, edge: Edge) -> _Near | None:
+def _near(shown: Shown, edge: Station) -> _Near | None:
     result = shown.results.result
     if result.history.cycle is None:
         friction = np.flatnonzero(shown.history.friction > 0)
@@ -97,7 +97,7 @@ def _near(shown: Shown, edge: Edge) -> _Near | None:
     if len(states) < 2 or not np.isfinite([edge.position[states[1]], edge.k_n[states[1]]]).all():
         return None
     change = float(edge.k_t[states[1]] - edge.k_t[states[0]])
-    sign = np.sign(change) * (1.0 if edge.side == "left" else -1.0)
+    sign = np.sign(change) * (1.0 if edge.front == "left" else -1.0)
     moved = abs(edge.position[states[1]] - edge.position[states[0]])
     if change == 0.0:
         return None
@@ -107,7 +107,7 @@ def _near(shown: Shown, edge: Edge) -> _Near | None:
 def _draw(figure: Figure, shown: Shown, near: _Near) -> None:
     top, bottom = figure.subplots(2, 1, sharex=True)
     history, units = shown.history, shown.results.case.units
-    inward = 1.0 if near.edge.side == "left" else -1.0
+    inward = 1.0 if near.edge.front == "left" else -1.0
     s = inward * (history.arc - near.edge.position[near.later])
     half_width = float(shown.summary.half_width[near.later])
     inside = (s > max(10.0**-DECADES * half_width, _smallest(s))) & (s < half_width)
@@ -121,7 +121,7 @@ def _draw(figure: Figure, shown: Shown, near: _Near) -> None:
         axes.grid(True, color="#DDDDDD", lw=0.5)
     top.set_ylabel(f"p [{units.stress}]")
     bottom.set_ylabel(f"change of q [{units.stress}]")
-    bottom.set_xlabel(f"distance s from the {near.edge.side} edge [{units.length}]")
+    bottom.set_xlabel(f"distance s from the {near.edge.front} edge [{units.length}]")
     legend_above(top, columns=2)
     legend_above(bottom, columns=2)
 

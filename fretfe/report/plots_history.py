@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fretfe._typing import Array
-from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.front import ContactSummary
 from fretfe.report.drawing import (
     BLUE,
     GREY,
@@ -88,10 +88,10 @@ def _draw_factors(figure: Figure, results: Results, contact: ContactSummary) -> 
     for axes, name, label in zip(panels, ("k_t", "k_i"), ("K_T", "K_I"), strict=True):
         _over_time(axes, results)
         for edge, colour, style in zip(
-            contact.edges, (BLUE, VERMILLION), (".-", "x--"), strict=True
+            contact.stations, (BLUE, VERMILLION), (".-", "x--"), strict=True
         ):
             values = getattr(edge, name)
-            axes.plot(times, values, style, ms=3, lw=1.0, color=colour, label=f"{edge.side} edge")
+            axes.plot(times, values, style, ms=3, lw=1.0, color=colour, label=f"{edge.front} edge")
         axes.axhline(0, color=GREY, lw=0.6)
         axes.set_ylabel(f"{label} [{units.stress}·√{units.length}]")
     legend_above(panels[0], columns=2)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from fretfe._typing import Array
-from fretfe.edges.evaluate import Edge
+from fretfe.edges.front import Station
 from fretfe.report.drawing import PALE, SKY, VERMILLION, Plot, make_plot
 from fretfe.report.states import Shown, span
 from fretfe.results.solution import OPEN, SLIP, STICK
@@ -45,19 +45,19 @@ def _draw(figure: Figure, shown: Shown) -> None:
     panels = figure.subplot_mosaic([["whole", "whole"], ["left", "right"]])
     times, units = shown.results.result.history.times, shown.results.case.units
     first, last = span(shown.results.result)
-    positions = np.concatenate([edge.position for edge in shown.summary.edges])
+    positions = np.concatenate([edge.position for edge in shown.summary.stations])
     low, high = _limits(shown, positions)
     _map(panels["whole"], shown, low, high, (0, len(times) - 1))
     panels["whole"].set_ylim(times[0], times[-1])
     if shown.results.result.history.cycle is not None:
         for time in times[[first, last]]:
             panels["whole"].axhline(time, color="black", lw=0.8, ls="--")
-    for edge in shown.summary.edges:
-        axes = panels[edge.side]
+    for edge in shown.summary.stations:
+        axes = panels[edge.front]
         _map(axes, shown, *_window(shown, edge, first, last), (first, last))
         _zone_ends(axes, shown, edge, first, last)
         axes.set_ylim(times[first], times[last])
-        axes.set_title(f"{edge.side} edge")
+        axes.set_title(f"{edge.front} edge")
         axes.tick_params(axis="x", labelrotation=30)
     for axes in panels.values():
         axes.set_xlabel(f"x [{units.length}]")
@@ -80,7 +80,7 @@ def _limits(shown: Shown, positions: Array) -> tuple[float, float]:
     return max(places.min() - margin, arc[0]), min(places.max() + margin, arc[-1])
 
 
-def _window(shown: Shown, edge: Edge, first: int, last: int) -> tuple[float, float]:
+def _window(shown: Shown, edge: Station, first: int, last: int) -> tuple[float, float]:
     """Places that an edge and its slip zones reach in some states, and as much again."""
     places = edge.position[first : last + 1]
     half_width = np.nanmax(shown.summary.half_width, initial=0.0)
@@ -88,11 +88,11 @@ def _window(shown: Shown, edge: Edge, first: int, last: int) -> tuple[float, flo
     lengths = [length for z in zones for length in (z.length, z.prediction) if length > 0]
     depth = ZONES * max(lengths, default=0.0)
     if not np.isfinite(places).any() or any(zone.gross for zone in zones):
-        return _limits(shown, np.concatenate([each.position for each in shown.summary.edges]))
+        return _limits(shown, np.concatenate([each.position for each in shown.summary.stations]))
     low, high = np.nanmin(places), np.nanmax(places)
     depth = min(max(depth, high - low, NARROWEST * half_width), 2 * half_width)
     outside, inside = 0.25 * depth, depth
-    if edge.side == "left":
+    if edge.front == "left":
         return low - outside, high + inside
     return low - inside, high + outside
 
@@ -117,14 +117,14 @@ def _map(axes: Axes, shown: Shown, low: float, high: float, states: tuple[int, i
         norm=BoundaryNorm(np.arange(len(KINDS) + 1) - 0.5, len(KINDS)),
         rasterized=True,
     )
-    for edge in shown.summary.edges:
+    for edge in shown.summary.stations:
         axes.plot(edge.position, times, color="black", lw=0.7)
     axes.set_xlim(low, high)
 
 
-def _zone_ends(axes: Axes, shown: Shown, edge: Edge, first: int, last: int) -> None:
+def _zone_ends(axes: Axes, shown: Shown, edge: Station, first: int, last: int) -> None:
     times = shown.results.result.history.times
-    inward = 1.0 if edge.side == "left" else -1.0
+    inward = 1.0 if edge.front == "left" else -1.0
     for zone in edge.slip_zones:
         if first < zone.end <= last:
             predicted = edge.position[zone.end] + inward * zone.prediction

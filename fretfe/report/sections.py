@@ -53,7 +53,7 @@ def plot_sections(results: Results) -> tuple[Section, ...]:
     if not shown:
         none = f"The backend {results.backend} gives no tractions along the contact."
         return (Section("tractions", "Along the contacts", none, ()), *histories)
-    edges = (edge_plot(each, edge) for each in shown for edge in each.summary.edges)
+    edges = (edge_plot(each, edge) for each in shown for edge in each.summary.stations)
     sections = (
         _section(
             "tractions", "Along the contacts", plots_tractions.INTRO, map(traction_plot, shown)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fretfe.backends import EdgeHistories
-from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.front import ContactSummary
 from fretfe.results.reader import Results
 from fretfe.results.solution import ContactHistory
 
