@@ -35,8 +35,8 @@ largest = int(np.argmax(pull))
 rows = [Row("pull carried by both flanks [N/mm]", carried[largest], pull[largest], 1e-8)]
 
 for name, edge, mirrored in (
-    ("upper", right.edges[0], left.edges[1]),
-    ("lower", right.edges[1], left.edges[0]),
+    ("upper", right.stations[0], left.stations[1]),
+    ("lower", right.stations[1], left.stations[0]),
 ):
     rows += [
         # The mesh mirrors itself to 1e-6.

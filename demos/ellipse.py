@@ -39,19 +39,19 @@ k_n = float(profile.load_slope(half_width)) * math.sqrt(2 / half_width) / math.p
 # Q = Re[SHEAR_AMPLITUDE exp(i t)]; the tension is this complex amplitude, a quarter cycle ahead.
 tension = SHEAR_AMPLITUDE / (2 * HEIGHT) + 1j * PULL_AMPLITUDE
 rows = []
-for edge in contact.edges:
+for edge in contact.stations:
     k_t_range = float(
         factor_range_phase_shifted(
-            SHEAR_AMPLITUDE, abs(tension), -np.angle(tension), half_width, edge.side
+            SHEAR_AMPLITUDE, abs(tension), -np.angle(tension), half_width, edge.front
         )
     )
     slip = float(slip_length_cyclic(k_t_range, k_n, FRICTION))
     rows += [
-        Row(f"K_N {edge.side} [MPa/√mm]", edge.k_n[-1], k_n, 0.01),
+        Row(f"K_N {edge.front} [MPa/√mm]", edge.k_n[-1], k_n, 0.01),
         # Half-planes against a block 35 half-widths high.
-        Row(f"ΔK_T {edge.side} [MPa·√mm]", edge.k_t_range, k_t_range, 0.01),
+        Row(f"ΔK_T {edge.front} [MPa·√mm]", edge.k_t_range, k_t_range, 0.01),
     ]
     for number, zone in enumerate(edge.slip_zones[-2:], start=1):
         # The formula is the leading term in d/a = 0.08: 4 % short, and 1 % for the mesh.
-        rows.append(Row(f"d {edge.side}, half cycle {number} [mm]", zone.length, slip, 0.06))
+        rows.append(Row(f"d {edge.front}, half cycle {number} [mm]", zone.length, slip, 0.06))
 finish(rows)

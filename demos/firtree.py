@@ -41,9 +41,9 @@ for name, right in contacts.items():
     if "right" not in name:
         continue
     left = contacts[name.replace("right", "left")]
-    for edge, mirrored in zip(right.edges, reversed(left.edges), strict=True):
+    for edge, mirrored in zip(right.stations, reversed(left.stations), strict=True):
         # The mesh mirrors itself to 1e-6.
-        label = f"{name} {edge.side} edge, right and left"
+        label = f"{name} {edge.front} edge, right and left"
         rows.append(Row(f"K_N {label}", edge.k_n[-1], mirrored.k_n[-1], 1e-4))
         rows.append(Row(f"ΔK_T {label}", edge.k_t_range, mirrored.k_t_range, 1e-4))
 finish(rows)

@@ -38,14 +38,14 @@ k_t_range = 2 * SHEAR_AMPLITUDE / (math.pi * math.sqrt(2 * half_width))
 slip = half_width - float(exact.stick_half_width(SHEAR_AMPLITUDE))
 
 rows = []
-for edge in contact.edges:
+for edge in contact.stations:
     zone = edge.slip_zones[-1]
     rows += [
-        Row(f"edge position {edge.side} [mm]", abs(edge.position[-1]), half_width, 0.001),
-        Row(f"K_N {edge.side} [MPa/√mm]", edge.k_n[-1], k_n, 0.01),
-        Row(f"ΔK_T {edge.side} [MPa·√mm]", edge.k_t_range, k_t_range, 0.01),
-        Row(f"slip zone d {edge.side} [mm]", zone.length, slip, 0.02),
+        Row(f"edge position {edge.front} [mm]", abs(edge.position[-1]), half_width, 0.001),
+        Row(f"K_N {edge.front} [MPa/√mm]", edge.k_n[-1], k_n, 0.01),
+        Row(f"ΔK_T {edge.front} [MPa·√mm]", edge.k_t_range, k_t_range, 0.01),
+        Row(f"slip zone d {edge.front} [mm]", zone.length, slip, 0.02),
         # The leading term in d/(a - b) = 0.1.
-        Row(f"d by ΔK_T/(f K_N) {edge.side} [mm]", zone.predicted, slip, 0.05),
+        Row(f"d by ΔK_T/(f K_N) {edge.front} [mm]", zone.predicted, slip, 0.05),
     ]
 finish(rows)

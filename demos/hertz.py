@@ -39,14 +39,14 @@ rows = [
     # The bodies are 28 half-widths wide, which changes all of these by about 0.1 %.
     Row("half-width a [mm]", contact.half_width[-1], half_width, 0.003),
 ]
-for edge in contact.edges:
+for edge in contact.stations:
     backward, forward = edge.slip_zones[-2:]
     rows += [
-        Row(f"K_N {edge.side} [MPa/√mm]", edge.k_n[-1], k_n, 0.005),
-        Row(f"ΔK_T {edge.side} [MPa·√mm]", edge.k_t_range, k_t_range, 0.005),
-        Row(f"slip zone d {edge.side}, half cycle 1 [mm]", backward.length, slip, 0.01),
-        Row(f"slip zone d {edge.side}, half cycle 2 [mm]", forward.length, slip, 0.01),
+        Row(f"K_N {edge.front} [MPa/√mm]", edge.k_n[-1], k_n, 0.005),
+        Row(f"ΔK_T {edge.front} [MPa·√mm]", edge.k_t_range, k_t_range, 0.005),
+        Row(f"slip zone d {edge.front}, half cycle 1 [mm]", backward.length, slip, 0.01),
+        Row(f"slip zone d {edge.front}, half cycle 2 [mm]", forward.length, slip, 0.01),
         # The formula is the leading term in d/a = 0.13: about d/(2 a) too short.
-        Row(f"d by ΔK_T/(f K_N) {edge.side} [mm]", forward.predicted, slip, 0.08),
+        Row(f"d by ΔK_T/(f K_N) {edge.front} [mm]", forward.predicted, slip, 0.08),
     ]
 finish(rows)

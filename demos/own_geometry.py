@@ -31,10 +31,10 @@ k_n = float(profile.load_slope(half_width)) * math.sqrt(2 / half_width) / math.p
 slip = half_width - float(exact.stick_half_width(SHEAR_AMPLITUDE))
 
 rows = []
-for edge in contact.edges:
+for edge in contact.stations:
     rows += [
-        Row(f"edge position {edge.side} [mm]", abs(edge.position[-1]), half_width, 0.005),
-        Row(f"K_N {edge.side} [MPa/√mm]", edge.k_n[-1], k_n, 0.01),
-        Row(f"slip zone d {edge.side} [mm]", edge.slip_zones[-1].length, slip, 0.02),
+        Row(f"edge position {edge.front} [mm]", abs(edge.position[-1]), half_width, 0.005),
+        Row(f"K_N {edge.front} [MPa/√mm]", edge.k_n[-1], k_n, 0.01),
+        Row(f"slip zone d {edge.front} [mm]", edge.slip_zones[-1].length, slip, 0.02),
     ]
 finish(rows)

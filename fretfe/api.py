@@ -179,8 +179,6 @@ def _check(case: Case) -> Checked:
     pairs = couple_contacts(case, contact_surfaces(definition, mesh))
     restrained = modes_restrained_by_contact(definition, mesh)
     return Checked(case, history, mesh, definition, pairs, restrained)
-        case, history, mesh, definition, pairs, modes_restrained_by_contact(definition, mesh)
-    )
 
 
 def make_mesh(case: Case) -> Mesh | None:

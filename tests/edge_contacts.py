@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from halfplane_galerkin import Contact, graded_nodes, press, uniform_nodes
 
+from fretfe._typing import Array
 from fretfe.analytic._arguments import Side
 from fretfe.analytic.profiles import FlatRounded, Hertz, edge_factor_k_n
-from fretfe.edges import fit_edge
+from fretfe.edges.pressure import EdgeFit, fit_edge
+from fretfe.edges.section import plane_front, plane_sections
 
 HERTZ = Hertz(radius=1.0, e_star=1.0)
 HERTZ_LOAD = float(HERTZ.load(1.0))
@@ -38,6 +40,13 @@ def flat_rounded(flat: float, relative_h: float, phase: float) -> Contact:
     return press(nodes, lambda x: np.maximum(np.abs(x) - flat, 0) ** 4 / 24, load)
 
 
+def fitted(x: Array, p: Array, side: Side) -> EdgeFit:
+    """The fit at one front; numbers for p (n,), arrays (...) for p (..., n)."""
+    section = plane_sections(x, p.reshape(-1, x.size))[plane_front(side).number]
+    parts = (part.reshape(p.shape[:-1])[()] for part in vars(fit_edge(section)).values())
+    return EdgeFit(*parts)
+
+
 def fitted_edges(contact: Contact) -> tuple[float, float]:
-    left, right = (fit_edge(contact.x, contact.pressure, side) for side in SIDES)
+    left, right = (fitted(contact.x, contact.pressure, side) for side in SIDES)
     return float(left.position), float(right.position)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Bools
 
 
 def second_differences(nodes: Array) -> NDArray[np.longdouble]:
@@ -69,7 +69,7 @@ class Contact:
         q[first : last + 1] = solve(compliance(nodes), weight, mismatch, force)
         return q
 
-    def partial_slip(self, shear_force: float, friction: float) -> tuple[Array, Array, Array]:
+    def partial_slip(self, shear_force: float, friction: float) -> tuple[Array, Array, Bools]:
         """Return shear (n,), slip (n,) and whether a node slips (n,), first loading with Q > 0."""
         matrix, weight = compliance(self.x), hat_integrals(self.x, lambda x: x**2 / 2)
         bound = friction * self.pressure[1:-1]

@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike
 
 from fretfe._typing import Array
 from fretfe.analytic.profiles import Hertz, Profile
-from fretfe.edges.evaluate import ContactSummary, evaluate
+from fretfe.edges.evaluate import evaluate
+from fretfe.edges.front import ContactSummary
 from fretfe.halfplane import solve_half_planes
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.loads import History

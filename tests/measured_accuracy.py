@@ -14,14 +14,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from edge_contacts import SIDES
+from edge_contacts import SIDES, fitted
 from fem import test_b1 as b1
 from fem import test_cylinders as cylinders
 from fem import test_dovetail as dovetail
 from fem import test_punches as punches
 
 from fretfe.analytic.profiles import Hertz, edge_factor_k_n
-from fretfe.edges import fit_edge
 from fretfe.surface import mortar
 
 
@@ -37,7 +36,7 @@ def edge_factors(run: b1.Run, state: int) -> list[tuple[float, float]]:
     k_t = run.summary.shear_force[state] / (np.pi * np.sqrt(2 * a))
     return [
         (edge.k_n[state] / k_n - 1, sign * edge.k_t[state] / k_t - 1)
-        for edge, sign in zip(run.summary.edges, (1, -1), strict=True)
+        for edge, sign in zip(run.summary.stations, (1, -1), strict=True)
     ]
 
 
@@ -53,7 +52,7 @@ def pressure_error(run: b1.Run, state: int) -> float:
 def stick_error(run: b1.Run, state: int) -> float:
     """Error of the stick half-width, relative to the half-width of the contact."""
     reference = run.reference(state)
-    zones = [zone for edge in run.summary.edges for zone in edge.slip_zones if zone.end == state]
+    zones = [zone for edge in run.summary.stations for zone in edge.slip_zones if zone.end == state]
     expected = float(reference.stick_half_width(run.summary.shear_force[state]))
     return (abs(zones[1].border - zones[0].border) / 2 - expected) / reference.half_width
 
@@ -99,11 +98,11 @@ def print_b1(folder: Path) -> None:
         print(f"B1, {name}: {solver(run)}")
         columns.append(errors(run))
         if (degree, h) == (2, 0.02):
-            k_n = [edge.k_n[state] for edge in run.summary.edges for state in b1.EXTREMES]
+            k_n = [edge.k_n[state] for edge in run.summary.stations for state in b1.EXTREMES]
     for quantity in columns[0]:
         cells = [f"{100 * column[quantity]:.2g} %".replace("-", "−") for column in columns]
         print(f"| {quantity} | {' | '.join(cells)} |")
-    other = b1.run_b1(folder, 2, 0.02, multipliers="surface2").summary.edges
+    other = b1.run_b1(folder, 2, 0.02, multipliers="surface2").summary.stations
     changed = [edge.k_n[state] for edge in other for state in b1.EXTREMES]
     print(f"B1, multipliers on the other surface: K_N {largest(np.divide(changed, k_n) - 1):.3%}")
     pressed = b1.run_b1(folder, 2, 0.02, friction_from=0.0)
@@ -141,10 +140,10 @@ def print_wrong_normals() -> None:
     solution, contacts = dovetail.run_dovetail(0.004)
     changed, spoilt = with_normals(normals_of_body_1, lambda: dovetail.run_dovetail(0.004))
     fields = [run.contacts[1] for run in (solution, changed)]
-    for x, edge, other in zip((-2.0, 2.0), contacts[1].edges, spoilt[1].edges, strict=True):
+    for x, edge, other in zip((-2.0, 2.0), contacts[1].stations, spoilt[1].stations, strict=True):
         pressures = [np.interp(x, c.arc, c.mean_traction[-1, :, 0]) for c in fields]
         print(
-            f"dovetail, normals of the blade, {edge.side}: pressure at the end of the flat"
+            f"dovetail, normals of the blade, {edge.front}: pressure at the end of the flat"
             f" {pressures[1] / pressures[0] - 1:.0%}, K_N {other.k_n[-1] / edge.k_n[-1] - 1:.1%},"
             f" ΔK_T {other.k_t_range / edge.k_t_range - 1:.1%}"
         )
@@ -172,7 +171,7 @@ def k_n_error(chosen: punches.Punch, degree: int = 2) -> str:
     """Error of K_N and its bar in %, from nodal values; the larger one of both edges."""
     contact = punches.press(chosen, degree)[1]
     exact = float(edge_factor_k_n(chosen.profile, 1.0))
-    fits = [fit_edge(contact.arc, contact.traction[-1, :, 0], side) for side in SIDES]
+    fits = [fitted(contact.arc, contact.traction[-1, :, 0], side) for side in SIDES]
     fit = max(fits, key=lambda found: abs(found.k_n - exact))
     error, bar = 100 * abs(fit.k_n / exact - 1), 100 * fit.spread_k_n / exact
     return f"{error:.2f} ± {bar:.2g}" + ("" if error < bar else " OUTSIDE")

@@ -22,7 +22,8 @@ import numpy as np
 from cases_b1 import b1_case
 
 from fretfe.case import Case, parse_case
-from fretfe.edges.evaluate import ContactSummary, Edge, evaluate
+from fretfe.edges.evaluate import evaluate
+from fretfe.edges.front import ContactSummary, Station
 from fretfe.fem._compat import MPI, versions
 from fretfe.fem.run import solve
 from fretfe.results.solution import ContactHistory
@@ -63,7 +64,9 @@ def solved_numbers(name: str, folder: Path) -> Numbers:
     found = {"forces on boundaries": solution.forces.ravel()}
     for contact, summary in zip(solution.contacts, evaluate(solution), strict=True):
         values = [*_of_contact(contact, summary)]
-        values += [(f"{e.side} {key}", value) for e in summary.edges for key, value in _of_edge(e)]
+        values += [
+            (f"{e.front} {key}", value) for e in summary.stations for key, value in _of_edge(e)
+        ]
         found |= {f"{contact.name} {key}": np.atleast_1d(value) for key, value in values}
     return {key: value.astype(float).tolist() for key, value in found.items()}
 
@@ -77,7 +80,7 @@ def _of_contact(contact: ContactHistory, summary: ContactSummary) -> Iterator[tu
     yield "status", (contact.status * np.arange(1, 1 + contact.status.shape[1])).sum(axis=1)
 
 
-def _of_edge(edge: Edge) -> Iterator[tuple[str, Any]]:
+def _of_edge(edge: Station) -> Iterator[tuple[str, Any]]:
     for key in ("position", "k_n", "k_t", "k_i"):
         yield key, getattr(edge, key)
     for key in ("k_t_range", "k_t_range_fitted", "k_i_range"):

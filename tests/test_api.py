@@ -89,7 +89,7 @@ def test_edges_are_flat_records(solved: Result) -> None:
         ("main", "right"),
     ]
     contact = solved.contacts[0]
-    for record, edge in zip(records, contact.edges, strict=True):
+    for record, edge in zip(records, contact.stations, strict=True):
         assert {type(value) for value in record.values()} <= {str, float, bool}
         assert record["k_n"] == edge.k_n[-1]
         assert record["k_t_range"] == edge.k_t_range
@@ -107,7 +107,7 @@ def test_history_of_an_edge(solved: Result) -> None:
     ]  # fmt: skip
     assert {value.shape for value in history.values()} == {(21,)}
     assert history["loads.press"][-1] == -600
-    assert np.array_equal(history["k_t"], solved.contacts[0].edges[1].k_t)
+    assert np.array_equal(history["k_t"], solved.contacts[0].stations[1].k_t)
 
 
 def test_history_of_an_edge_that_is_not_there(solved: Result) -> None:
@@ -202,7 +202,7 @@ def test_edges_as_a_data_frame(solved: Result) -> None:
     table = solved.to_dataframe()
     assert list(table.columns) == list(solved.edges()[0])
     assert list(table["edge"]) == ["left", "right"]
-    assert table["k_n"][1] == solved.contacts[0].edges[1].k_n[-1]
+    assert table["k_n"][1] == solved.contacts[0].stations[1].k_n[-1]
 
 
 def test_histories_and_tractions_as_a_dataset(solved: Result) -> None:
@@ -210,7 +210,7 @@ def test_histories_and_tractions_as_a_dataset(solved: Result) -> None:
     (contact,) = solved.contacts
     assert data["k_t"].dims == ("contact", "edge", "time")
     right = data["k_t"].sel(contact="main", edge="right")
-    np.testing.assert_array_equal(right, contact.edges[1].k_t)
+    np.testing.assert_array_equal(right, contact.stations[1].k_t)
     np.testing.assert_array_equal(data["loads"].sel(load="press"), solved.loads.values[:, 0])
     np.testing.assert_array_equal(data["half_width"].sel(contact="main"), contact.half_width)
     history = solved.contact_history("main")

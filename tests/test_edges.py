@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Patches, resultants and factors of bonded increments with known answers, a = 1, E* = 1."""
+"""Patches, resultants and factors of full stick with known answers, a = 1, E* = 1."""
 
 from __future__ import annotations
 
@@ -19,16 +19,8 @@ from edge_contacts import (
 
 from fretfe._typing import Array
 from fretfe.analytic.edges import tangential_factor
-from fretfe.edges import (
-    BondedFit,
-    Patch,
-    bonded_factors,
-    contact_patches,
-    edge_factor_k_t,
-    effective_overhang,
-    main_patch,
-    resultants,
-)
+from fretfe.edges.full_stick import FullStickFit, effective_overhang, full_stick_factors
+from fretfe.edges.patches import Patch, contact_patches, main_patch, resultants
 
 # --- patches and resultants
 
@@ -70,7 +62,7 @@ def test_resultants_of_a_sampled_contact_balance_the_load() -> None:
     assert abs(found.moment) < 1e-5
 
 
-# --- bonded increments
+# --- full stick
 
 
 @both_sizes
@@ -80,11 +72,11 @@ def test_resultants_of_a_sampled_contact_balance_the_load() -> None:
     [(1.0, 0.0), (0.0, 1.0), (1.0, 2.0), (-1.0, 0.5), (1.0, 4 / np.pi)],
     ids=["shear", "tension", "both", "against", "vanishing at the right"],
 )
-def test_bonded_factors(h: float, phase: float, shear_force: float, tension: float) -> None:
+def test_full_stick_factors(h: float, phase: float, shear_force: float, tension: float) -> None:
     contact = hertz(h, phase)
     q = contact.bonded(shear_force, tension)
-    left, right = bonded_factors(contact.x, q, fitted_edges(contact), GALERKIN)
-    found = [edge_factor_k_t(left.k, "left"), edge_factor_k_t(right.k, "right")]
+    left, right = full_stick_factors(contact.x, q, fitted_edges(contact), GALERKIN)
+    found = [left.k, -right.k]
     exact = [float(tangential_factor(shear_force, tension, 1.0, s)) for s in ("left", "right")]
     # Measured .02 % of the larger factor at h = .02 a. Required: 1 % (and .5 % at .01 a).
     assert found == pytest.approx(exact, abs=1e-3 * max(np.abs(exact)))
@@ -92,10 +84,10 @@ def test_bonded_factors(h: float, phase: float, shear_force: float, tension: flo
 
 @pytest.mark.parametrize("flat", [0.5, 0.8, 0.95])
 @pytest.mark.parametrize("phase", [0.0, 0.5])
-def test_bonded_factors_on_a_graded_mesh(flat: float, phase: float) -> None:
+def test_full_stick_factors_on_a_graded_mesh(flat: float, phase: float) -> None:
     contact = flat_rounded(flat, 0.02, phase)
     q = contact.bonded(1.0, 0.5)
-    left, right = bonded_factors(contact.x, q, fitted_edges(contact), GALERKIN)
+    left, right = full_stick_factors(contact.x, q, fitted_edges(contact), GALERKIN)
     exact = [float(tangential_factor(1.0, 0.5, 1.0, s)) for s in ("left", "right")]
     # Measured .04 %.
     assert [left.k, -right.k] == pytest.approx(exact, rel=1e-3)
@@ -115,10 +107,10 @@ def near_singular(distance: float, shear_force: float) -> list[float]:
 
 def near_singular_fits(
     h: float, phase: float, distance: float, shear_force: float
-) -> tuple[BondedFit, BondedFit]:
+) -> tuple[FullStickFit, FullStickFit]:
     contact, pole = hertz(h, phase), 1 + distance
     q = contact.bonded_to(lambda x: (pole - x) * np.log(pole - x), shear_force)
-    return bonded_factors(contact.x, q, fitted_edges(contact), GALERKIN)
+    return full_stick_factors(contact.x, q, fitted_edges(contact), GALERKIN)
 
 
 @phases
@@ -161,7 +153,7 @@ def test_a_series_that_does_not_converge_gives_a_warning_spread(h: float, phase:
 def test_second_term(shear_force: float, tension: float, beta: float) -> None:
     contact = hertz(0.01, 0.3)
     q = contact.bonded(shear_force, tension)
-    fits = bonded_factors(contact.x, q, fitted_edges(contact), GALERKIN)
+    fits = full_stick_factors(contact.x, q, fitted_edges(contact), GALERKIN)
     # Q/(pi sqrt(s (2a - s))) has beta = 1/(4a), (a - s)/sqrt(s (2a - s)) has -3/(4a).
     assert [fit.beta for fit in fits] == pytest.approx([beta, beta], rel=0.02)
 
@@ -179,8 +171,8 @@ def test_effective_overhang(h: float, phase: float) -> None:
 def test_the_spread_holds_the_uncertainty_of_the_overhang() -> None:
     contact = hertz(0.02, 0.3)
     q, edges = contact.bonded(1.0, 0.0), fitted_edges(contact)
-    near, _ = bonded_factors(contact.x, q, edges, GALERKIN)
-    off, _ = bonded_factors(contact.x, q, edges, GALERKIN + 0.05)
+    near, _ = full_stick_factors(contact.x, q, edges, GALERKIN)
+    off, _ = full_stick_factors(contact.x, q, edges, GALERKIN + 0.05)
     # .05 is what overhangs of finite elements differ by. The windows kept differ: not exact.
     assert abs(off.k - near.k) < 1.5 * near.spread
     assert near.spread < 0.01 * near.k
@@ -191,25 +183,25 @@ def test_a_vanishing_order_does_not_end_the_series() -> None:
     contact = hertz(0.02, 0.0)
     # u = T_3 = 4 x^3 - 3 x gives c_3 = 3/2 alone: neither the first order nor the second sees it.
     q = contact.bonded_to(lambda x: x**5 / 5 - x**3 / 2, 0.0)
-    left, right = bonded_factors(contact.x, q, fitted_edges(contact), GALERKIN)
+    left, right = full_stick_factors(contact.x, q, fitted_edges(contact), GALERKIN)
     assert [left.k, right.k] == pytest.approx([-1.5 * np.sqrt(0.5), 1.5 * np.sqrt(0.5)], rel=2e-3)
 
 
-def test_bonded_factors_scale_with_the_contact() -> None:
+def test_full_stick_factors_scale_with_the_contact() -> None:
     contact = hertz(0.02, 0.3)
     q = contact.bonded(1.0, 0.5)
-    once, _ = bonded_factors(contact.x, q, (-1.0, 1.0), GALERKIN)
-    large, _ = bonded_factors(40.0 + 3.0 * contact.x, q, (37.0, 43.0), GALERKIN)
+    once, _ = full_stick_factors(contact.x, q, (-1.0, 1.0), GALERKIN)
+    large, _ = full_stick_factors(40.0 + 3.0 * contact.x, q, (37.0, 43.0), GALERKIN)
     # k/sqrt(s) at the same traction; round-off.
     assert large.k == pytest.approx(np.sqrt(3.0) * once.k, rel=1e-9)
     assert large.beta == pytest.approx(once.beta / 3.0, rel=1e-6)
 
 
-def test_bonded_factor_is_linear_in_the_increment() -> None:
+def test_full_stick_factors_are_linear_in_the_increment() -> None:
     contact = hertz(0.02, 0.3)
     q = contact.bonded(1.0, 0.5)
-    once, _ = bonded_factors(contact.x, q, (-1.0, 1.0), GALERKIN)
-    scaled, _ = bonded_factors(contact.x, -3e5 * q, (-1.0, 1.0), GALERKIN)
+    once, _ = full_stick_factors(contact.x, q, (-1.0, 1.0), GALERKIN)
+    scaled, _ = full_stick_factors(contact.x, -3e5 * q, (-1.0, 1.0), GALERKIN)
     # Round-off of the least-squares fits.
     assert scaled.k == pytest.approx(-3e5 * once.k, rel=1e-9)
 
@@ -217,8 +209,10 @@ def test_bonded_factor_is_linear_in_the_increment() -> None:
 def test_many_increments_and_edges_at_once() -> None:
     contact, edges = hertz(0.02, 0.3), ((-1.0, 1.0), (-0.99, 1.02), (-1.01, 0.98))
     q = np.array([contact.bonded(1.0, 0.0), contact.bonded(0.3, 1.0)])
-    together = bonded_factors(contact.x, q, edges, GALERKIN)
-    alone = [[bonded_factors(contact.x, field, pair, GALERKIN) for field in q] for pair in edges]
+    together = full_stick_factors(contact.x, q, edges, GALERKIN)
+    alone = [
+        [full_stick_factors(contact.x, field, pair, GALERKIN) for field in q] for pair in edges
+    ]
     # States, increments, sides, (k, beta, spread).
     expected = np.array([[[astuple(fit) for fit in fits] for fits in state] for state in alone])
     found = np.transpose([astuple(fit) for fit in together], (2, 3, 0, 1))
@@ -233,15 +227,15 @@ def test_a_surface_that_ends_in_contact_has_its_edges_there() -> None:
     signs = (-1.0) ** np.arange(x.size)
     sums = np.append(0.0, np.cumsum(signs[1:] * 2 * np.diff(force) / 0.02))
     q = signs * (2.0 + sums)
-    left, right = bonded_factors(x, q, (-1.0, 1.0), GALERKIN)
+    left, right = full_stick_factors(x, q, (-1.0, 1.0), GALERKIN)
     # The fitted form is exact here, and no element outside means no overhang.
     assert [left.k, right.k] == pytest.approx([1 / (np.pi * np.sqrt(2))] * 2, rel=1e-9)
 
 
-def test_too_few_bonded_nodes_give_nan() -> None:
+def test_too_few_sticking_nodes_give_nan() -> None:
     x = np.arange(16.0)
     q = np.where((x > 0) & (x < 15), 1.0, 0.0)
-    left, right = bonded_factors(x, q, (0.5, 14.5), GALERKIN)
+    left, right = full_stick_factors(x, q, (0.5, 14.5), GALERKIN)
     assert np.isnan([left.k, right.k]).all()
     assert np.isinf([left.spread, right.spread]).all()
 
@@ -254,18 +248,13 @@ def test_too_few_bonded_nodes_give_nan() -> None:
         (np.ones(5), (0.0, 1.0), -0.5, r"overhang must lie in \[0, inf\), found -0.5"),
     ],
 )
-def test_wrong_bonded_input(
+def test_wrong_full_stick_input(
     q: Array, edges: tuple[float, float], overhang: float, message: str
 ) -> None:
     with pytest.raises(ValueError, match=message):
-        bonded_factors(np.arange(5.0), q, edges, overhang)
+        full_stick_factors(np.arange(5.0), q, edges, overhang)
 
 
 def test_overhang_needs_enough_nodes() -> None:
     with pytest.raises(ValueError, match=r"nodes in contact must lie in \[16, inf\), found 5"):
         effective_overhang(np.arange(5.0), np.ones(5))
-
-
-def test_unknown_side() -> None:
-    with pytest.raises(ValueError, match="side must be 'left' or 'right', found 'top'"):
-        edge_factor_k_t(1.0, "top")  # type: ignore[arg-type]

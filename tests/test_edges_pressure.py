@@ -13,6 +13,7 @@ from edge_contacts import (
     SIGN,
     both_sides,
     both_sizes,
+    fitted,
     flat_rounded,
     hertz,
     phases,
@@ -22,7 +23,6 @@ from halfplane_galerkin import graded_nodes, uniform_nodes
 from fretfe._typing import Array
 from fretfe.analytic._arguments import Side
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
-from fretfe.edges import fit_edge
 
 
 def projected(nodes: Array, function_of: Hertz) -> Array:
@@ -51,7 +51,7 @@ def projected(nodes: Array, function_of: Hertz) -> Array:
 @phases
 def test_hertz_edge_and_k_n(h: float, phase: float, side: Side) -> None:
     contact = hertz(h, phase)
-    fit = fit_edge(contact.x, contact.pressure, side)
+    fit = fitted(contact.x, contact.pressure, side)
     # Measured: K_N .03 %, edge .02 h at most. Required: .2 % and .1 h.
     assert fit.k_n == pytest.approx(K_N_HERTZ, rel=1e-3)
     assert fit.position == pytest.approx(SIGN[side], abs=0.05 * h)
@@ -62,7 +62,7 @@ def test_hertz_edge_and_k_n(h: float, phase: float, side: Side) -> None:
 @phases
 def test_hertz_sampled_at_the_nodes(h: float, phase: float, side: Side) -> None:
     x = uniform_nodes(h, phase)
-    fit = fit_edge(x, HERTZ.pressure(x, 1.0), side)
+    fit = fitted(x, HERTZ.pressure(x, 1.0), side)
     # The cubic is exact for Hertz: round-off, magnified by the extrapolation to the edge.
     assert fit.k_n == pytest.approx(K_N_HERTZ, rel=1e-9)
     assert fit.position == pytest.approx(SIGN[side], abs=1e-9)
@@ -73,7 +73,7 @@ def test_hertz_sampled_at_the_nodes(h: float, phase: float, side: Side) -> None:
 @phases
 def test_hertz_projected_on_the_hats(h: float, phase: float, side: Side) -> None:
     x = uniform_nodes(h, phase)
-    fit = fit_edge(x, projected(x, HERTZ), side)
+    fit = fitted(x, projected(x, HERTZ), side)
     # Nodal values of the projection oscillate more next to the edge than those of a contact.
     assert fit.k_n == pytest.approx(K_N_HERTZ, rel=2e-3)
     assert fit.position == pytest.approx(SIGN[side], abs=0.1 * h)
@@ -87,7 +87,7 @@ def test_flat_and_rounded(
     flat: float, relative_h: float, tolerance: float, phase: float, side: Side
 ) -> None:
     contact = flat_rounded(flat, relative_h, phase)
-    fit = fit_edge(contact.x, contact.pressure, side)
+    fit = fitted(contact.x, contact.pressure, side)
     # The square-root zone ends at a - b: 50 or 100 elements. Measured .6 % and .2 %, edge .08 h.
     assert fit.k_n == pytest.approx(
         float(edge_factor_k_n(FlatRounded(flat, 1, 1), 1.0)), rel=tolerance
@@ -116,7 +116,7 @@ class Sampled:
             for seed in range(1000, 1000 + count)
         ]
         p = np.where(exact > 0, np.maximum(noisy, 0.0), 0.0)
-        left, right = fit_edge(self.nodes, p, "left"), fit_edge(self.nodes, p, "right")
+        left, right = fitted(self.nodes, p, "left"), fitted(self.nodes, p, "right")
         k_n = np.concatenate([left.k_n, right.k_n]) / self.k_n
         bar = np.concatenate([left.spread_k_n, right.spread_k_n]) / self.k_n
         shift = np.concatenate([left.position + 1, right.position - 1])
@@ -165,7 +165,7 @@ def test_error_bars_hold_the_truth_at_other_noise_and_profiles(name: str, noise:
 @pytest.mark.parametrize("name", SAMPLED)
 def test_exact_pressures_are_within_the_bars(name: str, side: Side) -> None:
     sampled = SAMPLED[name]
-    fit = fit_edge(sampled.nodes, sampled.profile.pressure(sampled.nodes, 1.0), side)
+    fit = fitted(sampled.nodes, sampled.profile.pressure(sampled.nodes, 1.0), side)
     assert abs(fit.k_n - sampled.k_n) < max(float(fit.spread_k_n), 1e-3 * sampled.k_n)
     assert abs(fit.position - SIGN[side]) < max(float(fit.spread_position), 1e-3)
 
@@ -174,7 +174,7 @@ def test_noise_in_proportion_to_the_pressure() -> None:
     sampled = SAMPLED["Hertz .01"]
     exact = sampled.profile.pressure(sampled.nodes, 1.0)
     random = np.random.default_rng(5).standard_normal((200, sampled.nodes.size))
-    fit = fit_edge(sampled.nodes, exact * (1 + 0.005 * random), "left")
+    fit = fitted(sampled.nodes, exact * (1 + 0.005 * random), "left")
     error = np.abs(fit.k_n - sampled.k_n)
     assert np.mean(error < fit.spread_k_n) >= 0.95
     # Noise is taken as equal at all nodes, which is too much next to the edge: 5.2 measured.
@@ -194,7 +194,7 @@ def test_coarse_meshes_are_within_the_bars(
 ) -> None:
     contact = flat_rounded(flat, 1 / elements, phase)
     k_n = float(edge_factor_k_n(FlatRounded(flat, 1.0, 1.0), 1.0))
-    fit = fit_edge(contact.x, contact.pressure, "left")
+    fit = fitted(contact.x, contact.pressure, "left")
     assert abs(fit.k_n - k_n) < min(float(fit.spread_k_n), tolerance * k_n)
     assert abs(fit.position + 1) < fit.spread_position
     # Bars are no excuse: they are 43 % at most for 12 elements, 5 % for 50.
@@ -203,8 +203,8 @@ def test_coarse_meshes_are_within_the_bars(
 
 def test_far_positions_and_other_units_change_nothing() -> None:
     contact = hertz(0.02, 0.3)
-    near = fit_edge(contact.x, contact.pressure, "left")
-    far = fit_edge(40.0 + 1e-3 * contact.x, 1e6 * contact.pressure, "left")
+    near = fitted(contact.x, contact.pressure, "left")
+    far = fitted(40.0 + 1e-3 * contact.x, 1e6 * contact.pressure, "left")
     # Round-off of the positions: 40/1e-3 times 1e-16, magnified by the extrapolation.
     assert (far.position - 40.0) / 1e-3 == pytest.approx(near.position, abs=1e-6)
     assert far.k_n == pytest.approx(near.k_n * 1e6 / np.sqrt(1e-3), rel=1e-6)
@@ -212,7 +212,7 @@ def test_far_positions_and_other_units_change_nothing() -> None:
 
 def test_too_few_nodes_give_nan_and_no_confidence() -> None:
     x = np.linspace(-1.1, 1.1, 9)
-    fit = fit_edge(x, HERTZ.pressure(x, 1.0), "left")
+    fit = fitted(x, HERTZ.pressure(x, 1.0), "left")
     assert np.isnan([fit.position, fit.k_n]).all()
     assert np.isinf([fit.spread_position, fit.spread_k_n]).all()
 
@@ -221,8 +221,8 @@ def test_many_states_at_once() -> None:
     coarse, fine = hertz(0.02, 0.3), FlatRounded(0.5, 1.0, 1.0)
     # Of different size and place: windows of one state are too long for another.
     p = np.array([coarse.pressure, fine.pressure(4 * coarse.x - 1, 1.0)])
-    together = fit_edge(coarse.x, p[:, None], "right")
-    one, other = (fit_edge(coarse.x, state, "right") for state in p)
+    together = fitted(coarse.x, p[:, None], "right")
+    one, other = (fitted(coarse.x, state, "right") for state in p)
     assert together.k_n.shape == (2, 1)
     # Nothing but the order of the sums may differ.
     alone = np.transpose([astuple(one), astuple(other)])[..., None]
@@ -230,5 +230,5 @@ def test_many_states_at_once() -> None:
 
 
 def test_a_flat_pressure_has_no_edge() -> None:
-    fit = fit_edge(np.arange(40.0), np.ones(40), "left")
+    fit = fitted(np.arange(40.0), np.ones(40), "left")
     assert np.isnan([fit.position, fit.k_n]).all()

@@ -5,13 +5,30 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from edge_contacts import FRICTION, HERTZ, HERTZ_LOAD, SIGN, both_sides, both_sizes, hertz, phases
+from edge_contacts import (
+    FRICTION,
+    HERTZ,
+    HERTZ_LOAD,
+    SIGN,
+    both_sides,
+    both_sizes,
+    fitted,
+    hertz,
+    phases,
+)
 from halfplane_galerkin import uniform_nodes
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Bools
 from fretfe.analytic._arguments import Side
 from fretfe.analytic.partial_slip import PartialSlip
-from fretfe.edges import cycle_change, fit_edge, predicted_slip, slip_border
+from fretfe.edges.section import plane_front
+from fretfe.edges.slip import SlipBorder, cycle_change, predicted_slip, slip_border
+
+
+def border_at(x: Array, slip: Array, slipping: Bools, edge: float, side: Side) -> SlipBorder:
+    """The border at one front; arrays (n,) along the arc."""
+    front = plane_front(side)
+    return slip_border(front.distances(x, edge), front.from_front(slip), front.from_front(slipping))
 
 
 @both_sides
@@ -24,11 +41,11 @@ def test_slip_border_of_a_discrete_contact(
     contact = hertz(h, phase)
     _, slip, slipping = contact.partial_slip(share * FRICTION * HERTZ_LOAD, FRICTION)
     inside = contact.touching
-    border = slip_border(
+    border = border_at(
         contact.x[inside],
         slip[inside],
         slipping[inside],
-        float(fit_edge(contact.x, contact.pressure, side).position),
+        float(fitted(contact.x, contact.pressure, side).position),
         side,
     )
     # Cattaneo and Mindlin. Measured .1 h at most where at least three nodes slip.
@@ -46,7 +63,7 @@ def test_slip_border_of_the_exact_field(h: float, phase: float, noise: float, si
     x = x[np.abs(x) < 1.0]
     slip = problem.slip(x, 0.4 * FRICTION * HERTZ_LOAD)
     disturbed = slip * (1 + noise * np.random.default_rng(7).standard_normal(x.size))
-    border = slip_border(x, disturbed, slip > 0, SIGN[side], side)
+    border = border_at(x, disturbed, slip > 0, SIGN[side], side)
     # The straight line through four nodes is h/50 off; .5 % noise adds about h/50.
     assert border.length == pytest.approx(1 - np.sqrt(0.6), abs=0.1 * h)
 
@@ -54,11 +71,11 @@ def test_slip_border_of_the_exact_field(h: float, phase: float, noise: float, si
 def test_slip_in_the_negative_direction() -> None:
     x = np.linspace(-0.99, 0.99, 100)
     slip = PartialSlip(HERTZ, HERTZ_LOAD, FRICTION).slip(x, 0.4 * FRICTION * HERTZ_LOAD)
-    forward = slip_border(x, slip, slip > 0, -1.0, "left")
-    assert slip_border(x, -slip, slip > 0, -1.0, "left") == forward
+    forward = border_at(x, slip, slip > 0, -1.0, "left")
+    assert border_at(x, -slip, slip > 0, -1.0, "left") == forward
 
 
-def pattern(statuses: str) -> tuple[Array, Array, np.ndarray]:
+def pattern(statuses: str) -> tuple[Array, Array, Bools]:
     """Nodes 0, 1, ... of which those with an s slip by 1 each."""
     slipping = np.array([status == "s" for status in statuses])
     return np.arange(float(slipping.size)), slipping.astype(float), slipping
@@ -66,32 +83,32 @@ def pattern(statuses: str) -> tuple[Array, Array, np.ndarray]:
 
 @both_sides
 def test_no_slip(side: Side) -> None:
-    border = slip_border(*pattern("......"), edge=2.5 + 3 * SIGN[side], side=side)
+    border = border_at(*pattern("......"), edge=2.5 + 3 * SIGN[side], side=side)
     assert (border.length, border.resolved, border.gross) == (0.0, True, False)
 
 
 @pytest.mark.parametrize("statuses", ["ssssss", ".sssss"])
 def test_gross_slip(statuses: str) -> None:
-    border = slip_border(*pattern(statuses), edge=-0.5, side="left")
+    border = border_at(*pattern(statuses), edge=-0.5, side="left")
     assert np.isnan(border.length)
     assert border.gross
 
 
 @pytest.mark.parametrize(("statuses", "length"), [("s.....", 1.0), (".s....", 2.0)])
 def test_a_zone_of_too_few_nodes_is_flagged(statuses: str, length: float) -> None:
-    border = slip_border(*pattern(statuses), edge=-0.5, side="left")
+    border = border_at(*pattern(statuses), edge=-0.5, side="left")
     # Half an element inside the last slipping node.
     assert border.length == length
     assert not border.resolved
 
 
 def test_slip_that_does_not_fall_inward_is_flagged() -> None:
-    border = slip_border(*pattern("ssss.."), edge=-0.5, side="left")
+    border = border_at(*pattern("ssss.."), edge=-0.5, side="left")
     assert (border.length, border.resolved) == (4.0, False)
 
 
 def test_only_the_zone_at_the_edge_counts() -> None:
-    border = slip_border(*pattern("..ss.."), edge=-0.5, side="left")
+    border = border_at(*pattern("..ss.."), edge=-0.5, side="left")
     assert border.length == 0.0
 
 

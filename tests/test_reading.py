@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from stored_runs import RUNS, edit_numbers, solved, write_run
 
-from fretfe.edges.refinement import EdgeValues, Pass, Refinement
+from fretfe.edges.refinement import Pass, Refinement, StationValues
 from fretfe.errors import OutputError
-from fretfe.results.reader import load_result, restored
+from fretfe.results.reader import load_result, restored_refinement
 from fretfe.results.solution import ContactHistory
 from fretfe.results.writer import as_numbers
 
@@ -35,7 +35,7 @@ def test_what_is_read_is_what_was_written(tmp_path: Path, name: str) -> None:
     for mine, other in zip(found.contacts, result.contacts, strict=True):
         assert isinstance(mine.half_width, np.ndarray)
         np.testing.assert_array_equal(mine.half_width, other.half_width)
-        assert mine.edges[1].slip_zones[0].length == other.edges[1].slip_zones[0].length
+        assert mine.stations[1].slip_zones[0].length == other.stations[1].slip_zones[0].length
 
 
 @pytest.mark.parametrize("name", ["halfplane", "incomplete"])
@@ -54,10 +54,10 @@ def test_arrays_are_read(tmp_path: Path, name: str) -> None:
 
 
 def test_a_refinement_is_restored() -> None:
-    edge = EdgeValues("main", "left", 1239.0, 35.6, (0.077, 0.076), 0.3, 0.4)
+    edge = StationValues("main", "left", 1239.0, 35.6, (0.077, 0.076), 0.3, 0.4)
     refinement = Refinement(0.01, (Pass(6000, 0.01, (edge,), True, 0.5),), False, "enough")
     numbers = as_numbers(replace(solved("analytic"), refinement=refinement))
-    assert restored(Refinement, numbers["refinement"]) == refinement
+    assert restored_refinement(numbers["refinement"]) == refinement
 
 
 def remove(*keys: str) -> Callable[[dict[str, Any]], object]:

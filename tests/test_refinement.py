@@ -10,20 +10,17 @@ import numpy as np
 import pytest
 from halfplane_problems import HERTZ, LIMIT, LOAD, problem
 
-from fretfe.edges.evaluate import ContactSummary, evaluate
-from fretfe.edges.refinement import (
+from fretfe.edges.evaluate import evaluate
+from fretfe.edges.front import ContactSummary, fronts_of
+from fretfe.edges.refinement import Pass, Refinement, StationValues, changes_by_kind, extrapolate
+from fretfe.edges.sizes import (
     BLIND,
     PER_RISE,
     PER_SLIP_ZONE,
-    EdgeValues,
     Interval,
-    Pass,
-    Refinement,
-    changes_by_kind,
-    edge_values,
-    extrapolate,
     needed_sizes,
     resolves,
+    station_values,
 )
 from fretfe.halfplane import solve_half_planes
 from fretfe.idealise import HalfPlaneProblem
@@ -54,8 +51,8 @@ def at(intervals: tuple[Interval, ...], place: float) -> float:
 def test_values_are_those_of_the_edges(
     cycled: tuple[Solution, tuple[ContactSummary, ...]],
 ) -> None:
-    left, right = edge_values(*cycled)
-    assert (left.side, right.side) == ("left", "right")
+    left, right = station_values(*cycled)
+    assert (left.front, right.front) == ("left", "right")
     for values in (left, right):
         # p0 sqrt(2/a); 0.5 % is what 300 elements give
         assert values.k_n == pytest.approx(math.sqrt(2), rel=5e-3)
@@ -94,8 +91,8 @@ def test_elements_shrink_where_they_are_too_large_to_tell_k_n(
 ) -> None:
     solution, (contact,) = cycled
     nan = np.full_like(solution.times, np.nan)
-    left, right = (replace(edge, k_n=nan, position=nan) for edge in contact.edges)
-    unknown = replace(contact, edges=(left, right))
+    stations = (replace(each, k_n=nan, position=nan) for each in contact.stations)
+    unknown = replace(contact, fronts=fronts_of(stations))
     intervals = needed_sizes(solution, (unknown,), 0)
     arc = solution.contacts[0].arc
     edge = np.searchsorted(arc, 1.0)
@@ -109,7 +106,7 @@ def test_an_open_contact_has_no_values(
     solution, contacts = cycled
     (history,) = solution.contacts
     lifted = replace(history, traction=history.traction * 0)
-    assert edge_values(replace(solution, contacts=(lifted,)), contacts) == ()
+    assert station_values(replace(solution, contacts=(lifted,)), contacts) == ()
 
 
 def test_a_mesh_resolves_what_its_elements_are_small_enough_for(
@@ -124,8 +121,8 @@ def test_a_mesh_resolves_what_its_elements_are_small_enough_for(
     assert not resolves(solution, [Interval(history.name, 0.0, 1.0, size / 2)])
 
 
-def edge(k_n: float = 10.0, k_t: float = 2.0, *slip: float) -> EdgeValues:
-    return EdgeValues("main", "left", k_n, k_t, slip, rise=1.0, friction=0.5)
+def edge(k_n: float = 10.0, k_t: float = 2.0, *slip: float) -> StationValues:
+    return StationValues("main", "left", k_n, k_t, slip, rise=1.0, friction=0.5)
 
 
 @pytest.mark.parametrize(
@@ -138,7 +135,7 @@ def edge(k_n: float = 10.0, k_t: float = 2.0, *slip: float) -> EdgeValues:
         (edge(math.nan, 2.0, 0.4), (math.inf, 0, 0)),
     ],
 )
-def test_changes(after: EdgeValues, changes: tuple[float, float, float]) -> None:
+def test_changes(after: StationValues, changes: tuple[float, float, float]) -> None:
     assert changes_by_kind([edge(10.0, 2.0, 0.4)], [after]) == pytest.approx(changes)
 
 
@@ -164,5 +161,5 @@ def test_limits_skip_meshes_that_did_not_show_the_edge() -> None:
     first = Pass(100, 0.1, (edge(math.nan, 0.0),), False, math.inf)
     passes = tuple(Pass(100, 0.1, (edge(10 + 2.0**-n, 2.0, 0.4),), True, 0.1) for n in range(3))
     ((found, limits),) = Refinement(0.01, (first, *passes), True, "").limits
-    assert found == passes[-1].edges[0]
+    assert found == passes[-1].stations[0]
     assert limits == pytest.approx((10.0, 2.0, 0.4))

@@ -6,7 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fretfe.edges import Side
+from fretfe.analytic._arguments import Side
+from fretfe.edges.front import StationHistory
+from fretfe.edges.section import PlaneFront, plane_front
 from fretfe.edges.slip_zones import slip_border_of, slip_reversals, slip_zones
 from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 
@@ -43,15 +45,20 @@ def history(increments: np.ndarray) -> ContactHistory:
     )
 
 
+def station(front: PlaneFront, k_t: np.ndarray) -> StationHistory:
+    """A station at the edge with K_N = 1."""
+    one, zero = np.ones(STATES), np.zeros(STATES)
+    position = np.array([np.nan, *[-front.inward * EDGE] * 3])
+    return StationHistory(front.name, 0, position, one, zero, k_t, zero, zero)
+
+
 def length(side: Side, increments: np.ndarray) -> float:
     contact = history(increments)
-    sign = -1.0 if side == "left" else 1.0
-    position = np.array([np.nan, *[sign * EDGE] * 3])
-    k_t = np.array([0.0, 0.0, 0.5, 1.0])
+    front = plane_front(side)
+    at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
     no_cycle = np.array([], dtype=np.int64)
-    factors = (np.ones(STATES), k_t, np.zeros(STATES))
-    border = slip_border_of(contact, side, position)
-    zones = slip_zones(no_cycle, contact.friction, side, position, factors, border)
+    border = slip_border_of(contact, front, at_edge.position)
+    zones = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert [(zone.start, zone.end, zone.resolved) for zone in zones] == [(1, 3, True)]
     return zones[0].length
 
@@ -87,13 +94,13 @@ def test_a_zone_between_the_nodes_is_not_resolved(
 ) -> None:
     """No node slips, and the edge formula predicts a zone of so many elements."""
     contact = history(np.zeros((2, len(X))))
-    position = np.array([np.nan, *[-EDGE if side == "left" else EDGE] * 3])
+    front = plane_front(side)
     # K_N = 1, f = 0.5: d = 2 K_T/(f K_N) at first loading
     k_t = np.array([0.0, 0.0, 0.5, 1.0]) * elements * H / 4
-    border = slip_border_of(contact, side, position)
-    factors = (np.ones(STATES), k_t, np.zeros(STATES))
+    at_edge = station(front, k_t)
+    border = slip_border_of(contact, front, at_edge.position)
     no_cycle = np.array([], dtype=np.int64)
-    (zone,) = slip_zones(no_cycle, contact.friction, side, position, factors, border)
+    (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert zone.predicted == pytest.approx(elements * H)
     assert (zone.length, zone.resolved, zone.gross) == (0.0, resolved, False)
 

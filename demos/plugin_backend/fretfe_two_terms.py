@@ -21,8 +21,8 @@ from fretfe.analytic.profiles import Hertz
 from fretfe.backends.analytic import solve_closed_form
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
-from fretfe.edges import SlipBorder
-from fretfe.edges.evaluate import ContactSummary, Edge
+from fretfe.edges.front import ContactSummary, Station, fronts_of
+from fretfe.edges.slip import SlipBorder
 from fretfe.edges.slip_zones import cycle_states, slip_zones
 from fretfe.idealise import HalfPlaneProblem, NotIdealisable, idealise, obstacles
 from fretfe.results.model import Result
@@ -43,11 +43,11 @@ class TwoTerms:
             raise NotIdealisable(case, list(reasons))
         problem = idealise(case)
         contact, _ = solve_closed_form(problem)
-        left, right = (_with_formula(edge, contact, problem) for edge in contact.edges)
+        stations = (_with_formula(each, contact, problem) for each in contact.stations)
         return Result(
             case=case,
             loads=problem.history,
-            contacts=(replace(contact, edges=(left, right)),),
+            contacts=(replace(contact, fronts=fronts_of(stations)),),
             notes=(*problem.notes, "slip lengths by: two terms of the expansion in d/a"),
         )
 
@@ -63,19 +63,18 @@ def _outside(problem: HalfPlaneProblem) -> Iterator[str]:
         yield "loads: expected a constant normal force as soon as there is friction"
 
 
-def _with_formula(edge: Edge, contact: ContactSummary, problem: HalfPlaneProblem) -> Edge:
-    """The edge with slip zones by the formula; `slip_zones` finds the half cycles."""
+def _with_formula(station: Station, contact: ContactSummary, problem: HalfPlaneProblem) -> Station:
+    """The station with slip zones by the formula; `slip_zones` finds the half cycles."""
 
     def find(start: int, end: int) -> SlipBorder:
-        change = abs(edge.k_t[end] - edge.k_t[start])
+        change = abs(station.k_t[end] - station.k_t[start])
         first_loading = problem.friction[start] == 0
-        d1 = (2 if first_loading else 1) * change / (problem.friction[end] * edge.k_n[end])
+        d1 = (2 if first_loading else 1) * change / (problem.friction[end] * station.k_n[end])
         length = d1 + d1**2 / (2 * contact.half_width[end])
         return SlipBorder(float(length), resolved=True, gross=False)
 
-    cycle, factors = cycle_states(problem.history.cycle), (edge.k_n, edge.k_t, edge.k_i)
-    zones = slip_zones(cycle, problem.friction, edge.side, edge.position, factors, find)
-    return replace(edge, slip_zones=zones)
+    zones = slip_zones(cycle_states(problem.history.cycle), problem.friction, station, find)
+    return replace(station, slip_zones=zones)
 
 
 BACKEND = TwoTerms()

@@ -12,7 +12,8 @@ Near an edge p -> K_N sqrt(s), and while nothing slips q -> +K_T/sqrt(s) at the 
 inward. A normal load increment over a fixed contact area gives p -> K_I/sqrt(s).
 
 The half-plane formulas hold for elastically similar bodies, the slip laws for slip zones that are
-short against the length over which the edge description holds.
+short against the length over which the edge description holds. Numbers in brackets are those of
+docs/theory.md, which has the references.
 """
 
 from __future__ import annotations
@@ -29,8 +30,9 @@ def tangential_factor(
 ) -> Array:
     """Return K_T of a stuck contact between half-planes, from shear force and bulk tension.
 
-    K_T = +-Q/(pi sqrt(2a)) + (sigma0/4) sqrt(a/2), plus at the left edge. Exact for similar
-    half-planes (stuck tractions Q/(pi sqrt(a^2-x^2)) and -sigma0 x/(4 sqrt(a^2-x^2))).
+    K_T = +-Q/(pi sqrt(2a)) + (sigma0/4) sqrt(a/2), plus at the left edge (7). Exact for similar
+    half-planes, whose tractions at full stick are Q/(pi sqrt(a^2-x^2)) and
+    -sigma0 x/(4 sqrt(a^2-x^2)) (6): Johnson 1985; Hills and Andresen 2021.
 
     Args:
         shear_force: Q per unit thickness, any shape that broadcasts with the others.
@@ -52,10 +54,10 @@ def tangential_factor(
 def tension_for_zero_factor(shear_force: ArrayLike, half_width: ArrayLike, side: Side) -> Array:
     """Return the bulk tension at which K_T of this edge vanishes, -+4Q/(pi a), minus at the left.
 
-    The stuck traction is then finite at the edge. K_T is positive exactly for a greater tension, at
-    either edge and for either sign of Q. Compare the tension itself with this value, or take the
-    sign of ``tangential_factor``; never compare the ratio sigma0 a/Q with -+4/pi: dividing by Q < 0
-    turns the inequality round, and Q = 0 has no ratio.
+    (7a), the zero of (7): the traction of full stick is then finite at the edge. K_T is positive
+    exactly for a greater tension, at either edge and for either sign of Q. Compare the tension
+    itself with this value, or take the sign of ``tangential_factor``; never compare the ratio
+    sigma0 a/Q with -+4/pi: dividing by Q < 0 turns the inequality round, and Q = 0 has no ratio.
 
     Args:
         shear_force: Q per unit thickness, any shape that broadcasts with the half-width.
@@ -74,7 +76,7 @@ def normal_increment_factor(
 ) -> Array:
     """Return K_I of a normal load increment over a fixed contact area between half-planes.
 
-    K_I = P/(pi sqrt(2a)) +- 2M/(pi a sqrt(2a)), plus at the right edge: the moment
+    K_I of (3) is P/(pi sqrt(2a)) +- 2M/(pi a sqrt(2a)), plus at the right edge: the moment
     ``M`` is the integral of p x dx about the centre, so a positive one loads the right edge.
 
     Args:
@@ -107,7 +109,7 @@ def effective_bulk_tension(
 ) -> Array:
     """Return the bulk tension that gives half-planes the same mean of the two edge factors.
 
-    Inverse of the mean of ``tangential_factor`` over both edges; defines the tension that a contact
+    Inverse of the mean of (7) over both edges; defines the tension that a contact
     of arbitrary bodies feels.
 
     Raises:
@@ -123,8 +125,8 @@ def shear_force_from_factors(
 ) -> Array:
     """Return the shear force that half-planes need for this difference of the edge factors.
 
-    Q = pi sqrt(2a) (K_T(left) - K_T(right))/2: no free parameter, so its agreement with the
-    integral of q is a check of the half-plane description.
+    Q = pi sqrt(2a) (K_T(left) - K_T(right))/2, from (7): no free parameter, so its agreement with
+    the integral of q is a check of the half-plane description.
 
     Raises:
         ValueError: if ``half_width`` is not positive.
@@ -149,7 +151,10 @@ def shear_force_mismatch(
 
 
 def slip_length_first_loading(k_t: ArrayLike, k_n: ArrayLike, friction: ArrayLike) -> Array:
-    """Return d = 2 |K_T|/(f K_N), the slip zone of the first, monotonic loading.
+    """Return d = 2 |K_T|/(f K_N) (8), the slip zone of the first, monotonic loading.
+
+    On edge asymptotics: Dini and Hills 2004; Dini, Sackfield and Hills 2005; Hills and Andresen
+    2021.
 
     Raises:
         ValueError: if ``k_n`` or ``friction`` is not positive.
@@ -160,8 +165,9 @@ def slip_length_first_loading(k_t: ArrayLike, k_n: ArrayLike, friction: ArrayLik
 def slip_length_cyclic(k_t_range: ArrayLike, k_n: ArrayLike, friction: ArrayLike) -> Array:
     """Return d = (range of K_T)/(f K_N), the slip zone of the steady cycle at constant normal load.
 
-    Half the length that first loading through the same range would give: on reversal the change of
-    traction is limited by 2 f p. For Hertz under shear force alone it is low by about d/(2a).
+    (9), with the sources of ``slip_length_first_loading``. Half the length that first loading
+    through the same range would give: on reversal the change of traction is limited by 2 f p. For
+    Hertz under shear force alone it is low by about d/(2a).
 
     Raises:
         ValueError: if ``k_t_range`` is negative or ``k_n`` or ``friction`` is not positive.
@@ -175,7 +181,7 @@ def slip_length_loop(
 ) -> Array:
     """Return the inner end of the slip zone of a steady closed loop with varying normal load.
 
-    d = [max(K_T - f K_I) - min(K_T + f K_I)]/(f K_N), with both factors counted from
+    d = [max(K_T - f K_I) - min(K_T + f K_I)]/(f K_N) (11), with both factors counted from
     the reference state and d measured inward from the edge as it is in that state. It
     is the border of the permanent stick zone for one-signed slip per half cycle. Where the edge
     retreats, the length swept by the edge itself is a lower bound of d.
@@ -211,7 +217,7 @@ def slip_lengths_in_phase(
 ) -> tuple[Array, Array]:
     """Return the slip length from the edge at high and at low normal load, both in phase with K_T.
 
-    d_high = (dK_T + f dK_I)/(f K_N) and d_low = (dK_T - f dK_I)/(f K_N): to first order
+    d_high = (dK_T + f dK_I)/(f K_N) and d_low = (dK_T - f dK_I)/(f K_N), from (11): to first order
     the same material point. Where dK_T < f dK_I nothing slips in the steady state: d_low is then
     zero and d_high the distance that the edge moves.
 
@@ -234,8 +240,8 @@ def factor_range_phase_shifted(
 ) -> Array:
     """Return the range of K_T for Q = Qm + Qa cos(wt), sigma0 = sm + sa cos(wt - phase).
 
-    2 sqrt(A^2 + B^2 +- 2AB cos(phase)), plus at the left edge, with A = Qa/(pi sqrt(2a)) and
-    B = (sa/4) sqrt(a/2). Similar half-planes, constant normal load.
+    2 sqrt(A^2 + B^2 +- 2AB cos(phase)) (10), plus at the left edge, with A = Qa/(pi sqrt(2a)) and
+    B = (sa/4) sqrt(a/2), from (7). Similar half-planes, constant normal load.
 
     Args:
         shear_amplitude: Qa, any broadcastable shape.

@@ -15,13 +15,15 @@ from fretfe.backends.closed_form import ASYMPTOTE, ClosedFormBorders
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.edges.consistency import shear_mismatch, tension_history
-from fretfe.edges.evaluate import ContactSummary, Edge
-from fretfe.edges.factors import SIDES, add_up
+from fretfe.edges.factors import add_up
+from fretfe.edges.front import ContactSummary, SlipZone, Station, fronts_of
 from fretfe.edges.half_plane import half_plane_units
-from fretfe.edges.slip_zones import SlipZone, cycle_states, slip_zones
+from fretfe.edges.section import PLANE_FRONTS, PlaneFront
+from fretfe.edges.slip_zones import cycle_states, slip_zones
 from fretfe.idealise import HalfPlaneProblem, idealise, obstacles
 from fretfe.idealise.edges import contact_edges, governing_length
 from fretfe.results.model import Result
+from fretfe.results.solution import Factor
 
 SMALL_STEP = 1e-4
 # Relative slip-zone length from which the asymptote deserves a warning: about 10 % error.
@@ -70,18 +72,18 @@ def solve_closed_form(problem: HalfPlaneProblem) -> tuple[ContactSummary, set[st
     )
     units = half_plane_units(np.stack([contact.left, contact.right]))
     histories = add_up(units, loads, problem.friction)
-    edges, used = [], set()
-    for i in range(len(SIDES)):
-        edge, solutions = _edge(problem, contact, i, histories[i])
-        edges.append(edge)
+    stations, used = [], set()
+    for front in PLANE_FRONTS:
+        station, solutions = _station(problem, contact, front, histories[front.number])
+        stations.append(station)
         used |= solutions
     centre = (contact.left + contact.right) / 2
     half_width = (contact.right - contact.left) / 2
-    k_t, cycle = histories[..., 0], cycle_states(problem.history.cycle)
-    dissipation = sum(edge.dissipation for edge in edges)
+    k_t, cycle = histories[..., Factor.K_T], cycle_states(problem.history.cycle)
+    dissipation = sum(station.dissipation for station in stations)
     return ContactSummary(
         name=problem.contact,
-        edges=(edges[0], edges[1]),
+        fronts=fronts_of(stations),
         normal_force=problem.normal_force,
         shear_force=problem.shear_force,
         moment=problem.moment - np.nan_to_num(centre) * problem.normal_force,
@@ -94,36 +96,33 @@ def solve_closed_form(problem: HalfPlaneProblem) -> tuple[ContactSummary, set[st
         steady=problem.history.cycle is not None,
         dissipation=dissipation,
         dissipation_change=np.nan,
-        warnings=_warnings(problem, contact, edges, used),
+        warnings=_warnings(problem, contact, stations, used),
     ), used
 
 
-def _edge(
-    problem: HalfPlaneProblem, contact: TiltedContact, number: int, history: Array
-) -> tuple[Edge, set[str]]:
-    side, (k_t, k_i) = SIDES[number], history.T
-    position = (contact.left, contact.right)[number]
-    k_n = (contact.k_n_left, contact.k_n_right)[number]
+def _station(
+    problem: HalfPlaneProblem, contact: TiltedContact, front: PlaneFront, factors: Array
+) -> tuple[Station, set[str]]:
+    """The station of a front, singular factors (T, 2), and where its slip lengths come from."""
+    position = (contact.left, contact.right)[front.number]
+    k_n = (contact.k_n_left, contact.k_n_right)[front.number]
+    history = front.history(position, k_n, np.zeros_like(k_n), factors)
     cycle = cycle_states(problem.history.cycle)
-    borders = ClosedFormBorders(problem, cycle, contact, side, k_t, k_i)
-    zones = slip_zones(cycle, problem.friction, side, position, (k_n, k_t, k_i), borders)
-    edge = Edge(
-        side=side,
-        position=position,
-        k_n=k_n,
-        k_n_spread=np.zeros_like(k_n),
-        k_t=k_t,
-        k_i=k_i,
+    borders = ClosedFormBorders(problem, cycle, history)
+    zones = slip_zones(cycle, problem.friction, history, borders)
+    station = Station(
+        **vars(history),
+        frame=front.frame(across=np.array([0.0, 1.0]), tangent=np.array([1.0, 0.0])),
         k_n_moved=np.nan,
         stiffening=_stiffening(problem, contact),
-        k_t_range=float(np.ptp(k_t[cycle])) if len(cycle) else np.nan,
+        k_t_range=float(np.ptp(history.k_t[cycle])) if len(cycle) else np.nan,
         k_t_range_spread=0.0,
         k_t_range_fitted=np.nan,
-        k_i_range=float(np.ptp(k_i[cycle])) if len(cycle) else np.nan,
+        k_i_range=float(np.ptp(history.k_i[cycle])) if len(cycle) else np.nan,
         slip_zones=zones,
         dissipation=_dissipation(problem, cycle, zones, k_n),
     )
-    return edge, borders.used
+    return station, borders.used
 
 
 def _stiffening(problem: HalfPlaneProblem, contact: TiltedContact) -> float:
@@ -139,7 +138,7 @@ def _dissipation(
     zones: tuple[SlipZone, ...],
     k_n: Array,
 ) -> float:
-    """Friction work of one edge in the cycle; NaN without a cycle or with varying P."""
+    """Friction work at one front in the cycle; NaN without a cycle or with varying P."""
     normal = problem.normal_force[cycle] if len(cycle) else np.array([0.0, 1.0])
     last = int(cycle[-1]) if len(cycle) else 0
     friction = float(problem.friction[last])
@@ -154,13 +153,13 @@ def _dissipation(
 
 
 def _warnings(
-    problem: HalfPlaneProblem, contact: TiltedContact, edges: list[Edge], used: set[str]
+    problem: HalfPlaneProblem, contact: TiltedContact, stations: list[Station], used: set[str]
 ) -> tuple[str, ...]:
     if ASYMPTOTE not in used:
         return ()
     half_width = float((contact.right[-1] - contact.left[-1]) / 2)
     length = governing_length(problem, half_width)
-    longest = max(zone.length for edge in edges for zone in edge.slip_zones[-2:])
+    longest = max(zone.length for station in stations for zone in station.slip_zones[-2:])
     if longest <= LONG_SLIP_ZONE * length:
         return ()
     return (

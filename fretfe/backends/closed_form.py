@@ -20,8 +20,9 @@ from fretfe.analytic.moderate_tension import stick_zone_moderate_tension
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.paths import PolygonPath, permanent_stick_load
 from fretfe.analytic.profiles import Hertz
-from fretfe.analytic.rocking import TiltedContact
-from fretfe.edges import Side, SlipBorder, predicted_slip
+from fretfe.edges.front import StationHistory
+from fretfe.edges.section import plane_front
+from fretfe.edges.slip import SlipBorder, predicted_slip
 from fretfe.idealise import HalfPlaneProblem
 
 States = Indices
@@ -33,22 +34,17 @@ CONSTANT = 1e-9
 
 @dataclass
 class ClosedFormBorders:
-    """Finds the slip zones of one edge; remembers which solutions it used.
+    """Slip zones of one station, and which solutions they come from.
 
     Args:
         problem: the loads.
         cycle: states of the evaluated cycle.
-        contact: (T,) edges.
-        side: of the edge.
-        k_t, k_i: (T,) its factors.
+        station: its position and factors.
     """
 
     problem: HalfPlaneProblem
     cycle: States
-    contact: TiltedContact
-    side: Side
-    k_t: Array
-    k_i: Array
+    station: StationHistory
     used: set[str] = field(default_factory=set)
 
     def __call__(self, start: int, end: int) -> SlipBorder:
@@ -66,7 +62,9 @@ class ClosedFormBorders:
             return _zone(contact.half_width - stick)
         # Between first loading and the steady cycle: the range of this half cycle alone.
         self.used.add(ASYMPTOTE)
-        return _zone(slip_length_cyclic(np.ptp(self.k_t[states]), self._k_n(end), self._f(end)))
+        return _zone(
+            slip_length_cyclic(np.ptp(self.station.k_t[states]), self._k_n(end), self._f(end))
+        )
 
     def _first_loading(self, states: States) -> SlipBorder:
         """From the state in which friction starts to act."""
@@ -82,7 +80,7 @@ class ClosedFormBorders:
             if moderate is not None:
                 return moderate
         self.used.add(ASYMPTOTE)
-        rise = self.k_t[end] - self.k_t[states[0]]
+        rise = self.station.k_t[end] - self.station.k_t[states[0]]
         return _zone(2 * slip_length_cyclic(abs(rise), self._k_n(end), self._f(end)))
 
     def _steady(self, end: int) -> SlipBorder:
@@ -98,7 +96,11 @@ class ClosedFormBorders:
         self.used.add(ASYMPTOTE)
         states = np.append(cycle, end)
         predicted = predicted_slip(
-            self.k_t[states], self.k_i[states], self._k_n(end), self._f(end), reference=-1
+            self.station.k_t[states],
+            self.station.k_i[states],
+            self._k_n(end),
+            self._f(end),
+            reference=-1,
         )
         return _zone(predicted.loop)
 
@@ -116,7 +118,7 @@ class ClosedFormBorders:
 
     def _moderate(self, states: States, change: Array) -> SlipBorder | None:
         """Hertz with tension in proportion to the shear force; None if that is not the case."""
-        end, sign = int(states[-1]), 1.0 if self.side == "left" else -1.0
+        end, inward = int(states[-1]), plane_front(self.station.front).inward
         if not (isinstance(self.problem.profile, Hertz) and self._proportional(states)):
             return None
         contact = self._partial_slip(end)
@@ -125,14 +127,14 @@ class ClosedFormBorders:
         except ValueError:  # the tension is not moderate
             return None
         self.used.add(MODERATE)
-        return _zone(contact.half_width - stick + sign * centre)
+        return _zone(contact.half_width - stick + inward * centre)
 
     def _since_friction(self, end: int) -> States:
         """States from the one in which friction starts to act."""
         return np.arange(max(int(np.argmax(self.problem.friction > 0)) - 1, 0), end + 1)
 
     def _only_shear(self, states: States) -> bool:
-        """Whether nothing but Q changes."""
+        """True if nothing but Q changes."""
         constant = (self.problem.normal_force, self.problem.bulk_tension)
         return self._symmetric(states) and all(self._constant(load, states) for load in constant)
 
@@ -147,7 +149,7 @@ class ClosedFormBorders:
         return np.asarray(loads[:, np.argmax(loads[0])] - loads[:, np.argmin(loads[0])])
 
     def _proportional(self, states: States) -> bool:
-        """Whether Q and sigma0 move along one straight line, and Q moves at all."""
+        """True if Q and sigma0 move along one straight line, and Q moves at all."""
         loads = np.stack([self.problem.shear_force, self.problem.bulk_tension])[:, states]
         loads = loads - loads[:, :1]
         scale = np.abs(loads).max(axis=1)
@@ -167,8 +169,7 @@ class ClosedFormBorders:
         return PartialSlip(problem.profile, float(problem.normal_force[state]), self._f(state))
 
     def _k_n(self, state: int) -> float:
-        k_n = self.contact.k_n_left if self.side == "left" else self.contact.k_n_right
-        return float(k_n[state])
+        return float(self.station.k_n[state])
 
     def _f(self, state: int) -> float:
         return float(self.problem.friction[state])

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Bools
 
 # Weight of a systematic error of known shape, in the selection and in the interval.
 SYSTEMATIC = 2.0
@@ -43,10 +43,7 @@ def average(
     # The misfit once more: where all orders fail alike, none of them shows by how much.
     squares = variance * misfit + changes + (SYSTEMATIC * shifts) ** 2
     known = np.isfinite(squares)
-    best = np.min(squares, axis=(-2, -1), keepdims=True, where=known, initial=np.inf)
-    weights = np.divide(best, squares, where=known, out=np.zeros_like(squares)) ** 2
-    found = known.any(axis=(-2, -1))
-    weights[found] /= weights[found].sum(axis=(-2, -1), keepdims=True)
+    found, weights = known.any(axis=(-2, -1)), _weights(squares, known)
 
     def mean(part: Array) -> Array:
         return np.sum(weights * part, axis=(-2, -1), where=known)
@@ -57,3 +54,12 @@ def average(
         np.square(interval) * mean(variance + bias + scatter) + (SYSTEMATIC * mean(shifts)) ** 2
     )
     return np.where(found, means, np.nan), np.where(found, np.sqrt(square), np.inf), weights
+
+
+def _weights(squares: Array, known: Bools) -> Array:
+    """Return weights that go with the inverse square of known numbers and add up to 1."""
+    best = np.min(squares, axis=(-2, -1), keepdims=True, where=known, initial=np.inf)
+    weights = np.divide(best, squares, where=known, out=np.zeros_like(squares)) ** 2
+    found = known.any(axis=(-2, -1))
+    weights[found] /= weights[found].sum(axis=(-2, -1), keepdims=True)
+    return weights

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What many fits of the same quantity agree on."""
+"""Consensus of many fits of one quantity."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What the edge factors of one contact say about each other and about its shear force."""
+"""Checks of a plane contact's edge factors against each other and against its shear force."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def tension_history(k_t: Array, half_width: Array) -> Array:
     """(T,) effective bulk tension, added up over the steps like K_T.
 
     Args:
-        k_t: (2, T) at the left and right edge.
+        k_t: (2, T) at the left and the right front.
         half_width: (T,), NaN without contact.
     """
     steps, a = _steps(k_t, half_width)
@@ -22,12 +22,12 @@ def tension_history(k_t: Array, half_width: Array) -> Array:
 
 
 def shear_mismatch(k_t: Array, half_width: Array, shear_force: Array, cycle: Indices) -> float:
-    """(range of Q that half-planes need for K_T at the two edges)/(range of Q) - 1; NaN if none.
+    """(range of Q that half-planes need for K_T at the two fronts)/(range of Q) - 1; NaN if none.
 
     Args:
-        k_t: (2, T) at the left and right edge.
+        k_t: (2, T) at the left and the right front.
         half_width: (T,), NaN without contact.
-        shear_force: (T,) Q of the stuck contact.
+        shear_force: (T,) Q of full stick.
         cycle: its states.
     """
     if not len(cycle) or np.ptp(shear_force[cycle]) <= 1e-9 * np.abs(shear_force).max():
@@ -37,8 +37,8 @@ def shear_mismatch(k_t: Array, half_width: Array, shear_force: Array, cycle: Ind
     return float(np.ptp(needed[cycle]) / np.ptp(shear_force[cycle]) - 1)
 
 
-def stuck_shear_force(solution: Solution, contact: ContactHistory) -> Array:
-    """(T,) Q of the companion increments, added up over the steps like K_T.
+def full_stick_shear_force(solution: Solution, contact: ContactHistory) -> Array:
+    """(T,) Q of the increments of full stick, added up over the steps like K_T.
 
     Where slip changes how the loads divide between several contacts, this is not the Q of the
     contact itself, but the one that belongs to K_T. Without increments it is the Q of the contact.

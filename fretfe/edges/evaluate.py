@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Summary of every contact of a solution: resultants, edges, slip zones, warnings."""
+"""Evaluation of a solved history: resultants, fronts, slip zones and warnings of every contact."""
 
 from __future__ import annotations
 
@@ -9,109 +9,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.edges import EdgeFit, Side, cycle_change, resultants
-from fretfe.edges.consistency import shear_mismatch, stuck_shear_force, tension_history
-from fretfe.edges.factors import (
-    SIDES,
-    UnitFactors,
-    add_up,
-    edge_fits,
-    edge_movement,
-    integral_units,
-)
-from fretfe.edges.slip_zones import SlipZone, States, cycle_states, slip_border_of, slip_zones
-from fretfe.results.solution import OPEN, ContactHistory, Solution
+from fretfe.edges.consistency import full_stick_shear_force, shear_mismatch, tension_history
+from fretfe.edges.factors import UnitFactors, add_up, edge_fits, edge_movement, integral_units
+from fretfe.edges.front import ContactSummary, Frame, Station, fronts_of
+from fretfe.edges.patches import resultants
+from fretfe.edges.pressure import EdgeFit
+from fretfe.edges.section import PLANE_FRONTS, PlaneFront, nearest_front
+from fretfe.edges.slip import cycle_change
+from fretfe.edges.slip_zones import States, cycle_states, slip_border_of, slip_zones
+from fretfe.results.solution import OPEN, ContactHistory, Factor, Solution
 
-# From solution, contact and positions (2, T) of its edges.
+# From solution, contact and positions (stations, T) along the arc.
 FindUnits = Callable[[Solution, ContactHistory, Array], UnitFactors]
 # Change of the shear from one cycle to the next, relative to f p_max, below which it is steady.
 STEADY_CHANGE = 1e-3
-# Spread of the fits of K_N, relative to K_N, from which it is marked as uncertain.
-LARGEST_SPREAD = 0.05
-
-
-@dataclass(frozen=True)
-class Edge:
-    """One edge of a contact.
-
-    Attributes:
-        side: "left" or "right" in the frame of the contact.
-        position: (T,) along the arc; NaN where there is no contact or it cannot be fitted.
-        k_n: (T,) pressure factor.
-        k_n_spread: (T,) uncertainty of the fit.
-        k_t: (T,) shear factor, counted from the first state with friction.
-        k_i: (T,) factor of the normal increments, counted from the first state in contact.
-        k_n_moved: (,) K_N in the last state from the movement of the edge between two load levels,
-            2 dK_I/da; NaN without them.
-        stiffening: (,) relative growth of dP/da with the half-width a in the last state, from the
-            same two loads; it tells how long a slip zone may be for the edge description.
-        k_t_range: range of K_T over the evaluated cycle, NaN without one.
-        k_t_range_spread: half the difference of the ranges that the radii of the interaction
-            integral give; 0 if K_T is known in closed form.
-        k_t_range_fitted: range of K_T by fits to the tractions of the companion increments; NaN
-            without them.
-        k_i_range: range of K_I.
-        slip_zones: one for each half cycle, in time order.
-        dissipation: friction work at this edge in the evaluated cycle, per unit thickness.
-    """
-
-    side: Side
-    position: Array
-    k_n: Array
-    k_n_spread: Array
-    k_t: Array
-    k_i: Array
-    k_n_moved: float
-    stiffening: float
-    k_t_range: float
-    k_t_range_spread: float
-    k_t_range_fitted: float
-    k_i_range: float
-    slip_zones: tuple[SlipZone, ...]
-    dissipation: float
-
-    @property
-    def uncertain(self) -> bool:
-        """Whether the fits of K_N at the last state spread too far for a prediction."""
-        return bool(self.k_n_spread[-1] > LARGEST_SPREAD * self.k_n[-1])
-
-
-@dataclass(frozen=True)
-class ContactSummary:
-    """One contact, evaluated.
-
-    Attributes:
-        name: of the contact.
-        edges: left and right.
-        normal_force, shear_force: (T,) P and Q per unit thickness.
-        moment: (T,) moment of the pressure about the centre of the contact.
-        centre, half_width: (T,) of the contact, NaN where it has none.
-        effective_tension: (T,) bulk tension that gives half-planes the same mean of K_T over the
-            two edges, counted like K_T.
-        shear_mismatch: (range of Q that half-planes need for K_T at the two edges)/(range of Q of
-            the stuck contact) - 1 over the cycle: zero if the half-plane description holds; NaN
-            without a cycle.
-        cycle_change: change of the shear over the evaluated cycle relative to f p_max.
-        steady: whether that is below the limit; False without a cycle.
-        dissipation: friction work in the evaluated cycle, per unit thickness.
-        dissipation_change: relative change of it from the cycle before; NaN if there is none.
-        warnings: what a reader must know, in words.
-    """
-
-    name: str
-    edges: tuple[Edge, Edge]
-    normal_force: Array
-    shear_force: Array
-    moment: Array
-    centre: Array
-    half_width: Array
-    effective_tension: Array
-    shear_mismatch: float
-    cycle_change: float
-    steady: bool
-    dissipation: float
-    dissipation_change: float
-    warnings: tuple[str, ...]
 
 
 def evaluate(
@@ -121,8 +32,8 @@ def evaluate(
 
     Args:
         solution: the solved history.
-        find_units: gives K_T and K_I for a unit of each driver: by interaction integrals and fits,
-            unless there is a closed form.
+        find_units: gives the singular factors for a unit of each driver: by interaction integrals
+            and fits, unless there is a closed form.
     """
     return tuple(_evaluate_contact(solution, contact, find_units) for contact in solution.contacts)
 
@@ -134,9 +45,9 @@ def _evaluate_contact(
     positions = np.array([fit.position for fit in fits])
     centre, half_width = positions.mean(axis=0), (positions[1] - positions[0]) / 2
     histories = _factor_histories(solution, contact, positions, find_units)
-    edges = tuple(
-        _evaluate_edge(solution, contact, number, fit, histories, centre)
-        for number, fit in enumerate(fits)
+    stations = tuple(
+        _evaluate_station(solution, contact, front, fit, histories, centre)
+        for front, fit in zip(PLANE_FRONTS, fits, strict=True)
     )
     # The weights are those of the solution itself: P and Q balance the loads to round-off.
     forces = np.einsum("n,tnc->tc", contact.weights, contact.traction)
@@ -146,28 +57,30 @@ def _evaluate_contact(
     ]
     change = _cycle_change(solution, contact)
     cycle = cycle_states(solution.cycle)
-    k_t = np.array([edge.k_t for edge in edges])
+    k_t = np.array([station.k_t for station in stations])
     return ContactSummary(
         name=contact.name,
-        edges=(edges[0], edges[1]),
+        fronts=fronts_of(stations),
         normal_force=forces[:, 0],
         shear_force=forces[:, 1],
         moment=np.array(moments),
         centre=centre,
         half_width=half_width,
         effective_tension=tension_history(k_t, half_width),
-        shear_mismatch=shear_mismatch(k_t, half_width, stuck_shear_force(solution, contact), cycle),
+        shear_mismatch=shear_mismatch(
+            k_t, half_width, full_stick_shear_force(solution, contact), cycle
+        ),
         cycle_change=change,
         steady=bool(change < STEADY_CHANGE),
         dissipation=float(_over_cycle(solution, contact.dissipation).sum()),
         dissipation_change=_dissipation_change(solution, contact),
-        warnings=_warnings(contact, edges, change),
+        warnings=_warnings(contact, stations, change),
     )
 
 
 @dataclass(frozen=True)
 class _Histories:
-    """K_T and K_I at both edges: (R, 2, T, 2) in R ways, and (2, T, 2) by fits if there are any."""
+    """Singular factors (R, stations, T, d) in R ways, and (stations, T, d) by fits, if any."""
 
     ways: Array
     fitted: Array | None
@@ -184,46 +97,46 @@ def _factor_histories(
     return _Histories(ways, add_up(units.fitted, drivers, friction))
 
 
-def _evaluate_edge(
+def _evaluate_station(
     solution: Solution,
     contact: ContactHistory,
-    number: int,
+    front: PlaneFront,
     fit: EdgeFit,
     histories: _Histories,
     centre: Array,
-) -> Edge:
-    side = SIDES[number]
-    by_way = histories.ways[:, number]
-    k_t, k_i = by_way.mean(axis=0).T
+) -> Station:
+    by_way = histories.ways[:, front.number]
+    history = front.history(fit.position, fit.k_n, fit.spread_k_n, by_way.mean(axis=0))
     cycle = cycle_states(solution.cycle)
-    outer = contact.arc < centre[cycle[-1] if len(cycle) else -1]
-    movement = edge_movement(contact, side, float((centre - fit.position)[-1]))
-    fitted = histories.fitted[number, :, 0] if histories.fitted is not None else None
-    return Edge(
-        side=side,
-        position=fit.position,
-        k_n=fit.k_n,
-        k_n_spread=fit.spread_k_n,
-        k_t=k_t,
-        k_i=k_i,
+    movement = edge_movement(contact, front, abs(float((centre - fit.position)[-1])))
+    ranges = [_range(each, cycle) for each in by_way[..., Factor.K_T]]
+    fitted = histories.fitted
+    end = centre[cycle[-1] if len(cycle) else -1]
+    here = nearest_front(contact.arc, float(end)) == front.number
+    border = slip_border_of(contact, front, fit.position)
+    return Station(
+        **vars(history),
+        frame=_frame(contact, front, fit.position),
         k_n_moved=movement.k_n,
         stiffening=movement.stiffening,
-        k_t_range=_range(k_t, cycle),
-        k_t_range_spread=float(np.ptp([_range(each, cycle) for each in by_way[..., 0]])) / 2,
-        k_t_range_fitted=_range(fitted, cycle) if fitted is not None else np.nan,
-        k_i_range=_range(k_i, cycle),
-        slip_zones=slip_zones(
-            cycle,
-            contact.friction,
-            side,
-            fit.position,
-            (fit.k_n, k_t, k_i),
-            slip_border_of(contact, side, fit.position),
+        k_t_range=_range(history.k_t, cycle),
+        k_t_range_spread=float(np.ptp(ranges)) / 2,
+        k_t_range_fitted=(
+            _range(fitted[front.number, :, Factor.K_T], cycle) if fitted is not None else np.nan
         ),
-        dissipation=float(
-            _over_cycle(solution, contact.dissipation)[outer if number == 0 else ~outer].sum()
-        ),
+        k_i_range=_range(history.k_i, cycle),
+        slip_zones=slip_zones(cycle, contact.friction, history, border),
+        dissipation=float(_over_cycle(solution, contact.dissipation)[here].sum()),
     )
+
+
+def _frame(contact: ContactHistory, front: PlaneFront, position: Array) -> Frame:
+    """Frame in the last state in which the position (T,) is known."""
+    known = position[np.isfinite(position)]
+    place = known[-1] if len(known) else np.nan
+    rows = contact.frames.reshape(len(contact.arc), -1).T
+    across, tangent = np.reshape([np.interp(place, contact.arc, row) for row in rows], (2, 2))
+    return front.frame(across, tangent)
 
 
 def _range(history: Array, cycle: States) -> float:
@@ -261,31 +174,33 @@ def _cycle_change(solution: Solution, contact: ContactHistory) -> float:
     return cycle_change(shear[last], shear[first], float(contact.friction[last]), float(pressure))
 
 
-def _warnings(contact: ContactHistory, edges: tuple[Edge, ...], change: float) -> tuple[str, ...]:
+def _warnings(
+    contact: ContactHistory, stations: tuple[Station, ...], change: float
+) -> tuple[str, ...]:
     warnings = []
     closed = contact.status != OPEN
     if not closed.any():
         smallest = contact.gap.min()
         warnings.append(f"the surfaces never touch; the smallest gap is {smallest:.4g}")
-    for end, place in ((0, "left"), (-1, "right")):
-        if closed[:, end].any():
+    for front in PLANE_FRONTS:
+        if front.from_front(closed)[:, 0].any():
             warnings.append(
-                f"the contact reaches the {place} end of its surface: extend the physical group, "
-                "the edge there is not that of the contact"
+                f"the contact reaches the {front.name} end of its surface: extend the physical "
+                "group, the edge there is not that of the contact"
             )
     if change >= STEADY_CHANGE:
         warnings.append(
             f"not in steady state: the shear changes by {change:.2g} f p_max over the evaluated "
             "cycle; add cycles"
         )
-    for edge in edges:
-        if edge.uncertain:
+    for station in stations:
+        if station.uncertain:
             warnings.append(
-                f"K_N at the {edge.side} edge is {edge.k_n[-1]:.3g} ± {edge.k_n_spread[-1]:.2g}: "
-                "refine the mesh at this edge"
+                f"K_N at the {station.front} edge is {station.k_n[-1]:.3g} ± "
+                f"{station.k_n_spread[-1]:.2g}: refine the mesh at this edge"
             )
-        if any(zone.gross for zone in edge.slip_zones[-2:]):
-            warnings.append(f"gross slip in the last half cycles ({edge.side} edge)")
-        elif any(not zone.resolved for zone in edge.slip_zones[-2:]):
-            warnings.append(f"the {edge.side} slip zone is not resolved by the mesh")
+        if any(zone.gross for zone in station.slip_zones[-2:]):
+            warnings.append(f"gross slip in the last half cycles ({station.front} edge)")
+        elif any(not zone.resolved for zone in station.slip_zones[-2:]):
+            warnings.append(f"the {station.front} slip zone is not resolved by the mesh")
     return tuple(warnings)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The two states between which a load cycle swings: what pictures and fields show of it."""
+"""The two states between which a load cycle swings, which pictures and fields show."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ def load_extremes(
 ) -> list[int]:
     """States of the largest and the smallest load in the evaluated cycle.
 
-    The load is K_T of the edge where K_T varies most; where no edge feels shear, K_I likewise.
+    The load is K_T of the station where K_T varies most; where none feels shear, K_I likewise.
 
     Args:
-        k_t: (T,) K_T of each edge that is to be shown, stress·√length; NaN where there is none.
+        k_t: (T,) K_T of each station that is to be shown, stress·√length; NaN where there is none.
         k_i: (T,) K_I likewise.
         cycle: its first and last state; None for the whole history without the unloaded state.
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Histories of the edges of a contact: position and K_N by fits, K_T and K_I by increments.
+"""Factor histories of a plane contact: position and K_N by fits, K_T and K_I by increments.
 
-K_T and K_I are counted from the first state: they add up the companion increments over the steps,
-each with the mean of the contact areas before and after it. K_T counts only steps with friction.
+K_T and K_I are counted from the first state: they add up the increments of full stick over the
+steps, each with the mean of the contact areas before and after it. K_T counts only steps with
+friction.
 """
 
 from __future__ import annotations
@@ -12,30 +13,24 @@ from dataclasses import astuple, dataclass, fields
 import numpy as np
 
 from fretfe._typing import Array, Bools
-from fretfe.edges import (
-    OVERHANG,
-    EdgeFit,
-    Side,
-    bonded_factors,
-    edge_factor_k_t,
-    effective_edges,
-    fit_edge,
-)
-from fretfe.results.solution import ContactHistory, Solution
+from fretfe.edges.full_stick import OVERHANG, effective_edges, full_stick_factors
+from fretfe.edges.patches import main_patch
+from fretfe.edges.pressure import EdgeFit, fit_edge
+from fretfe.edges.section import PLANE_FRONTS, PlaneFront, plane_sections
+from fretfe.results.solution import ContactHistory, Factor, Solution
 
-SIDES: tuple[Side, Side] = ("left", "right")
 # Edges that move less than this fraction of the surface between two loads do not tell anything.
 SMALLEST_MOVE = 1e-6
 # Fewer nodes than this in contact cannot be fitted.
 FEWEST_NODES = 16
 
 
-def edge_fits(contact: ContactHistory) -> tuple[EdgeFit, EdgeFit]:
-    """(T,) position and K_N with their spreads at both edges; NaN where they cannot be fitted."""
+def edge_fits(contact: ContactHistory) -> tuple[EdgeFit, ...]:
+    """(T,) position and K_N with their spreads at each front; NaN where they cannot be fitted."""
     pressure = contact.traction[:, :, 0]
     fitted = np.count_nonzero(pressure > 0, axis=1) >= FEWEST_NODES
-    left, right = (_full(fit_edge(contact.arc, pressure[fitted], side), fitted) for side in SIDES)
-    return left, right
+    sections = plane_sections(contact.arc, pressure[fitted])
+    return tuple(_full(fit_edge(section), fitted) for section in sections)
 
 
 def _full(fit: EdgeFit, fitted: Bools) -> EdgeFit:
@@ -46,32 +41,46 @@ def _full(fit: EdgeFit, fitted: Bools) -> EdgeFit:
 
 
 def add_up(units: Array, drivers: Array, friction: Array) -> Array:
-    """(2, T, 2) K_T and K_I at both edges.
+    """(stations, T, d) singular factors at each station, in the order of `Factor`.
 
     Args:
-        units: (T, 2, 2, J) edge, factor (K_T, K_I) for a unit of each driver; NaN where unknown.
+        units: (T, stations, d, J) factors for a unit of each driver; NaN where unknown.
         drivers: (T, J) values of the drivers.
         friction: (T,) coefficient in the step that ends at each state.
     """
-    histories = np.zeros((2, len(drivers), 2))
+    histories = np.zeros((len(drivers), *units.shape[1:3]))
     for state in range(1, len(drivers)):
         step = drivers[state] - drivers[state - 1]
         known = [units[s] for s in (state - 1, state) if np.isfinite(units[s]).all()]
-        increment = np.mean(known, axis=0) @ step if known else np.zeros((2, 2))
-        increment[:, 0] *= friction[state] > 0
-        histories[:, state] = histories[:, state - 1] + increment
-    return histories
+        increment = np.mean(known, axis=0) @ step if known else np.zeros(units.shape[1:3])
+        increment[:, Factor.K_T :] *= friction[state] > 0
+        histories[state] = histories[state - 1] + increment
+    return histories.swapaxes(0, 1)
 
 
-def companion_units(solution: Solution, contact: ContactHistory, positions: Array) -> Array:
-    """(T, 2, 2, J) unit factors, fitted to the companion increments; NaN where unknown.
+@dataclass(frozen=True)
+class UnitFactors:
+    """Singular factors, as `Factor`, for a unit of each of J drivers; NaN where unknown.
+
+    Attributes:
+        main: (R, T, stations, d, J) determined in R ways.
+        fitted: (T, stations, d, J) by fits to tractions, as a check; None without them.
+    """
+
+    main: Array
+    fitted: Array | None
+
+
+def full_stick_units(solution: Solution, contact: ContactHistory, positions: Array) -> Array:
+    """(T, stations, d, J) unit factors, fitted to the tractions of full stick; NaN where unknown.
 
     Args:
         solution: the solved history.
         contact: one of its contacts.
-        positions: (2, T) of the edges.
+        positions: (stations, T) along the arc.
     """
-    factors = np.full((len(solution.times), 2, 2, len(solution.drivers)), np.nan)
+    shape = (len(solution.times), len(positions), *contact.full_stick.fields.shape[2:])
+    factors = np.full(shape, np.nan)
     areas = np.where(positions[1] > positions[0], contact.full_stick.area, -1)
     for area in np.unique(areas[areas >= 0]):
         states = np.flatnonzero(areas == area)
@@ -84,19 +93,6 @@ def companion_units(solution: Solution, contact: ContactHistory, positions: Arra
     return factors
 
 
-@dataclass(frozen=True)
-class UnitFactors:
-    """K_T and K_I for a unit of each of J drivers, NaN where unknown; edge, factor (K_T, K_I).
-
-    Attributes:
-        main: (R, T, 2, 2, J) determined in R ways.
-        fitted: (T, 2, 2, J) by fits to tractions, as a check; None without them.
-    """
-
-    main: Array
-    fitted: Array | None
-
-
 def integral_units(solution: Solution, contact: ContactHistory, positions: Array) -> UnitFactors:
     """Unit factors by the interaction integral, for each of its R radii, and by fits.
 
@@ -106,9 +102,9 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     Args:
         solution: the solved history.
         contact: one of its contacts.
-        positions: (2, T) of the edges.
+        positions: (stations, T) along the arc.
     """
-    fits = companion_units(solution, contact, positions)
+    fits = full_stick_units(solution, contact, positions)
     integrals = contact.integrals
     if integrals is None:
         return UnitFactors(fits[None], fits)
@@ -123,20 +119,19 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
 
 
 def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Array:
-    """(2, 2, J) fitted unit factors of an area at the edges that its increments have.
+    """(stations, d, J) fitted unit factors of an area at the edges that its increments have.
 
     The edges of a discrete increment are a fraction of an element away from those of the contact,
     and the integral is that of the increment.
     """
     fields, overhang = contact.full_stick.fields[area], OVERHANG[solution.degree]
-    increments = fields[:, [1, 0]].transpose(1, 2, 0)
-    edges = effective_edges(contact.arc, increments, overhang)
+    edges = effective_edges(contact.arc, fields.transpose(1, 2, 0), overhang)
     return _area_factors(contact.arc, fields, edges[None], overhang)[0]
 
 
 @dataclass(frozen=True)
 class Movement:
-    """What the movement of an edge between two loads tells; NaN if it does not move.
+    """Movement of an edge between two loads, as factors; NaN if it does not move.
 
     Attributes:
         k_n: 2 dK_I/da. Needs no assumption about the profile; exact for a small step (central
@@ -148,7 +143,7 @@ class Movement:
     stiffening: float
 
 
-def edge_movement(contact: ContactHistory, side: Side, half_width: float) -> Movement:
+def edge_movement(contact: ContactHistory, front: PlaneFront, half_width: float) -> Movement:
     """Movement of an edge between the two neighbours of the last state, whose half-width is given.
 
     NaN if the edge does not move, or reaches the end of the surface.
@@ -159,14 +154,15 @@ def edge_movement(contact: ContactHistory, side: Side, half_width: float) -> Mov
         return unknown
     if np.count_nonzero(neighbours.pressure > 0, axis=1).min() < FEWEST_NODES:
         return unknown
-    fit = fit_edge(contact.arc, neighbours.pressure, side)
-    outward = float(fit.position[1] - fit.position[0]) * (-1.0 if side == "left" else 1.0)
+    patches = [main_patch(contact.arc, pressure) for pressure in neighbours.pressure]
+    fit = fit_edge(front.section(contact.arc, neighbours.pressure, patches))
+    outward = -front.inward * float(fit.position[1] - fit.position[0])
     if not outward > SMALLEST_MOVE * np.ptp(contact.arc):
         return unknown
     # The last way is the one with the largest circle, which the edge stays away from.
-    k_i = float(neighbours.k_i[-1, SIDES.index(side)])
+    k_i = float(neighbours.k_i[-1, front.number])
     growth = float(np.log(fit.k_n[1] / fit.k_n[0]) / outward)
-    return Movement(2 * k_i / outward, growth + 0.5 / abs(half_width))
+    return Movement(2 * k_i / outward, growth + 0.5 / half_width)
 
 
 def _interpolate(at: Array, x: Array, values: Array) -> Array:
@@ -181,23 +177,23 @@ def _interpolate(at: Array, x: Array, values: Array) -> Array:
 
 
 def _area_factors(arc: Array, fields: Array, edges: Array, overhang: float) -> Array:
-    """(S, 2, 2, J) unit factors of S states with the same contact area.
+    """(S, stations, d, J) unit factors of S states with the same contact area.
 
     Args:
         arc: (N,) nodes.
         fields: (N, d, J) traction for a unit of each driver.
-        edges: (S, 2) positions.
+        edges: (S, stations) positions.
         overhang: of the increments.
     """
-    factors = np.zeros((len(edges), 2, 2, fields.shape[2]))
-    increments = fields[:, [1, 0]].transpose(1, 2, 0)  # shear gives K_T, pressure gives K_I
+    factors = np.zeros((*edges.shape, *fields.shape[1:]))
+    increments = fields.transpose(1, 2, 0)
     largest = np.abs(fields).max(axis=(0, 1))
     # Less than that is round-off, for instance of a distant load.
     effective = np.abs(increments).max(axis=2) > 1e-9 * largest
     if not effective.any():
         return factors
-    fits = bonded_factors(arc, increments[effective], edges, overhang)
-    for i, (side, fit) in enumerate(zip(SIDES, fits, strict=True)):
-        factors[:, i, effective] = fit.k
-        factors[:, i, 0] = edge_factor_k_t(factors[:, i, 0], side)
+    fits = full_stick_factors(arc, increments[effective], edges, overhang)
+    for front, fit in zip(PLANE_FRONTS, fits, strict=True):
+        factors[:, front.number, effective] = fit.k
+        factors[:, front.number, Factor.K_T] *= front.inward
     return factors

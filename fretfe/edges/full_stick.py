@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Singular edge terms of bonded increments, which give K_T and K_I."""
+"""Singular edge terms of increments of full stick, which give K_T and K_I."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
 from fretfe._typing import Array, Positions
-from fretfe.analytic._arguments import Side, check_positive, check_range, side_sign
+from fretfe.analytic._arguments import check_positive, check_range
 from fretfe.edges.consensus import consensus
-from fretfe.edges.series import BondedIncrements, edge_terms, fit_series, increments, windows
+from fretfe.edges.series import Increments, fit_series, increments, singular_terms, windows
 
-# How far, in elements, the effective edge of a bonded increment stands outside the outermost node
-# in contact, per displacement degree. Measured on half-planes with matching meshes, four gradings,
-# two sizes: .56 to .59 and .90 to 1.05. An exact Galerkin solution has .53.
+# Distance, in elements, of the effective edge of an increment of full stick from the outermost node
+# in contact, outward, per displacement degree. Measured on half-planes with matching meshes, four
+# gradings, two sizes: .56 to .59 and .90 to 1.05. An exact Galerkin solution has .53.
 OVERHANG = {1: 0.98, 2: 0.57}
 OVERHANG_UNCERTAINTY = 0.05
 # Bound of the search; .53 for an exact Galerkin solution, more for finite elements.
@@ -24,11 +24,11 @@ LARGEST_OVERHANG = 1.6
 
 
 @dataclass(frozen=True)
-class BondedFit:
-    """Edge term k (1 + beta s)/sqrt(s) of bonded increments, with the sign of the traction.
+class FullStickFit:
+    """Edge term k (1 + beta s)/sqrt(s) of increments of full stick, with the sign of the traction.
 
-    For the edges that were passed; ``spread`` is the uncertainty of ``k``. Numbers for one
-    increment and one pair of edges, else arrays.
+    For the edge that was passed; ``spread`` is the uncertainty of ``k``. Numbers for one increment
+    and one pair of edges, else arrays.
     """
 
     k: Array
@@ -36,20 +36,22 @@ class BondedFit:
     spread: Array
 
 
-def bonded_factors(
+def full_stick_factors(
     x: Array, q: Array, edges: ArrayLike, overhang: float
-) -> tuple[BondedFit, BondedFit]:
-    """Return the singular edge terms of bonded increments at the left and the right edge.
+) -> tuple[FullStickFit, FullStickFit]:
+    """Return the singular edge terms at both ends of a section through the whole contact.
 
     The cumulative force is fitted (``series``) with up to 14 terms; the error of a fit is what the
     next two orders change, and the spread holds the effect of OVERHANG_UNCERTAINTY too. At least
-    16 nodes must be in contact. Results have the shape of all states, then all increments.
+    16 nodes must be in contact. Results have the shape of all states, then all increments. The sign
+    of K_T and K_S is that of k along the vectors of the station's frame.
 
     Args:
-        x: (n,) arc positions.
-        q: (n,) increment of the shear, or of the pressure (which gives K_I), not zero in contact;
-            or (..., n) increments on the same contact area.
-        edges: (2,) true left and right edge, from ``fit_edge``; or (..., 2) those of many states.
+        x: (n,) positions along the section, increasing.
+        q: (n,) increment of a component of the shear, or of the pressure (which gives K_I), not
+            zero in contact; or (..., n) increments on the same contact area.
+        edges: (2,) true places of the first and the last end, from ``fit_edge``; or (..., 2) those
+            of many states.
         overhang: distance of the effective edges of the discrete increment from the outermost nodes
             in contact, in elements: OVERHANG of the displacement degree.
 
@@ -64,23 +66,23 @@ def bonded_factors(
     shifted, _, _ = _terms(data, states, overhang + OVERHANG_UNCERTAINTY)
     shape = (2, *edges.shape[:-1], *q.shape[:-1])
     results = (part.reshape(shape) for part in (k, beta, np.hypot(spread, shifted - k)))
-    left, right = (BondedFit(*parts) for parts in zip(*results, strict=True))
-    return left, right
+    first, last = (FullStickFit(*parts) for parts in zip(*results, strict=True))
+    return first, last
 
 
 def effective_edges(x: Array, q: Array, overhang: float) -> Array:
-    """Return (2,) left and right edge that discrete bonded increments effectively have.
+    """Return (2,) the first and the last edge that discrete increments effectively have.
 
     Args:
-        x: (n,) arc positions.
+        x: (n,) positions along the section, increasing.
         q: (..., n) increments on the same contact area.
-        overhang: as in ``bonded_factors``.
+        overhang: as in ``full_stick_factors``.
     """
     return np.array(increments(x, q.reshape(-1, x.size)).ends(overhang))
 
 
 def effective_overhang(x: Array, q: Array) -> float:
-    """Return the overhang that a bonded increment shows; x, q (n,), at least 16 nodes in contact.
+    """Return the overhang that an increment shows; x, q (n,), at least 16 nodes in contact.
 
     To calibrate a discretisation on an increment whose mismatch is next to linear, such as a shear
     force between bodies that are large against the contact. Any other increment misleads.
@@ -94,22 +96,13 @@ def effective_overhang(x: Array, q: Array) -> float:
     return float(np.median(found))
 
 
-def edge_factor_k_t(k: Array, side: Side) -> Array:
-    """Return K_T, positive where the traction on body 2 points inward, from the k of a shear.
-
-    Raises:
-        ValueError: if ``side`` is unknown.
-    """
-    return side_sign(side) * k
-
-
-def _terms(data: BondedIncrements, edges: Array, overhang: float) -> tuple[Array, Array, Array]:
+def _terms(data: Increments, edges: Array, overhang: float) -> tuple[Array, Array, Array]:
     """Return k, beta and the spread of k, (2, states, increments) each, that all fits agree on."""
     if not windows(data.inside):
         shape = 2, len(edges), len(data.force)
         return np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.inf)
     series = fit_series(data, overhang)
-    k, beta = edge_terms(series, edges)
+    k, beta = singular_terms(series, edges)
     changes = [np.abs(k[..., :-2, :] - k[..., i : k.shape[-2] - 2 + i, :]) for i in (1, 2)]
     change = np.where(series.allowed[:, 2:, None], np.maximum(*changes), np.nan)
     values, slopes, errors = (
@@ -126,7 +119,7 @@ def _fits_last(part: Array) -> Array:
     return part.reshape(states, edges, -1, increments).transpose(1, 0, 3, 2)
 
 
-def _overhang(data: BondedIncrements, window: Positions, terms: int) -> float:
+def _overhang(data: Increments, window: Positions, terms: int) -> float:
     """Return the overhang that fits best, within 0 ... LARGEST_OVERHANG.
 
     Only for an increment of which so few terms hold all: a truncated series hides in the overhang.

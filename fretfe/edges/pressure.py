@@ -15,11 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.analytic._arguments import Side, side_sign
 from fretfe.edges.average import average
-from fretfe.edges.patches import main_patch
 from fretfe.edges.polynomials import FARTHEST, HIGHEST, edge_terms, weighted_triangles
-from fretfe.edges.sampling import Sampling, sampling
+from fretfe.edges.sampling import sampling
+from fretfe.edges.section import Section
 
 # Nodes between a window and the far edge.
 FAR = 3
@@ -37,10 +36,9 @@ INTERVALS = np.array([[1.33], [1.72]])
 
 @dataclass(frozen=True)
 class EdgeFit:
-    """Edge position and K_N (stress over root of length) of the main patch, with error bars.
+    """Position along the arc and K_N (stress over root of length), with error bars; (T,) each.
 
-    A spread is half the width of an interval that is meant to hold the truth with 95 %. Numbers for
-    one pressure, arrays (...) for pressures (..., n).
+    A spread is half the width of an interval that is meant to hold the truth with 95 %.
     """
 
     position: Array
@@ -49,48 +47,40 @@ class EdgeFit:
     spread_k_n: Array
 
 
-def fit_edge(x: Array, p: Array, side: Side) -> EdgeFit:
-    """Return edge position and K_N of the main patch; x (n,), p (n,) or many states (..., n).
+def fit_edge(section: Section) -> EdgeFit:
+    """Return the position of the edge and K_N from the pressures of T states along a section.
 
     Windows and orders are weighted by the data, so that a short square-root zone (rounded edge) and
     a long one (cylinder) both work. NaN, with infinite spreads, if fewer than ``FEWEST_NODES`` are
     in contact or the pressure does not fall to zero like a root.
-
-    Raises:
-        ValueError: if nothing is in contact in a state or ``side`` is unknown.
     """
-    sign, states = side_sign(side), p.reshape(-1, x.size)
-    patches = [main_patch(x, state) for state in states]
-    first = np.array([patch.first for patch in patches], dtype=np.intp)
-    last = np.array([patch.last for patch in patches], dtype=np.intp)
-    outermost = first if sign > 0 else last
-    results = np.tile([[np.nan], [np.nan], [np.inf], [np.inf]], len(states))
-    enough = np.flatnonzero(last - first + 1 >= FEWEST_NODES)
+    results = np.tile([[np.nan], [np.nan], [np.inf], [np.inf]], len(section.nodes))
+    enough = np.flatnonzero(section.nodes >= FEWEST_NODES)
     if enough.size:
-        samples = sampling(x, states[enough], first[enough], last[enough], side)
-        results[:, enough] = _fit(samples)
-    results[0] = x[outermost] + sign * results[0]
-    return EdgeFit(*(result.reshape(p.shape[:-1])[()] for result in results))
+        results[:, enough] = _fit(section.of_states(enough))
+    results[0] = section.place(results[0])
+    return EdgeFit(*results)
 
 
-def _fit(samples: Sampling) -> Array:
+def _fit(section: Section) -> Array:
     """Return (4, T): edge, inward from the outermost node, K_N and their error bars."""
-    reach = np.maximum(samples.nodes // 2, np.minimum(samples.nodes - FAR, SHORTEST + 1))
+    samples, nodes = sampling(section), section.nodes
+    reach = np.maximum(nodes // 2, np.minimum(nodes - FAR, SHORTEST + 1))
     lengths = _lengths(int(reach.max()) - 1)
     # Edge and K_N, their standard errors, their systematic errors, chi^2/nu.
     fits = np.full((7, len(reach), len(lengths), HIGHEST - 1), np.nan)
     for number, length in enumerate(lengths):
         some, window = np.flatnonzero(length < reach), slice(1, 1 + length)
-        parts = (samples.s, samples.p, samples.errors, samples.tails)
+        parts = (section.s, section.values, samples.errors, samples.tails)
         triangles = weighted_triangles(*(part[some, window] for part in parts))
-        scale = samples.s[some, length]
-        bounds = np.array([-FARTHEST * samples.size[some], samples.s[some, 1]])
+        scale = section.s[some, length]
+        bounds = np.array([-FARTHEST * samples.size[some], section.s[some, 1]])
         for order in range(2, min(HIGHEST, length - 3) + 1):
             fits[:, some, number, order - 2] = edge_terms(triangles, order, length, scale, bounds)
     means, bars, weights = average(fits[:2], fits[2:4], fits[4:6], fits[6], INTERVALS)
-    nodes = np.sum(weights * np.array(lengths, dtype=np.float64)[:, None], axis=(-2, -1))
-    nodes = np.maximum(nodes, 1.0)  # 0 without a fit
-    coarse = np.array([COARSE_POSITION * samples.size, COARSE_K_N * means[1]]) / nodes**2
+    used = np.sum(weights * np.array(lengths, dtype=np.float64)[:, None], axis=(-2, -1))
+    used = np.maximum(used, 1.0)  # 0 without a fit
+    coarse = np.array([COARSE_POSITION * samples.size, COARSE_K_N * means[1]]) / used**2
     results = np.concatenate([means, np.hypot(bars, coarse)])
     for state in np.flatnonzero(np.isnan(means).any(axis=0)):
         results[:, state] = _without_comparison(fits[:2, state], samples.size[state])

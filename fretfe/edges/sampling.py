@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What is wrong with sampled pressures next to an edge: noise, and the error of nodal values.
+"""Errors of sampled pressures next to an edge: noise, and the error of nodal values.
 
 Noise is estimated from the scatter of the samples. Nodal values of piecewise-linear pressures, with
 elements of size h, alternate about the true one next to the edge by
@@ -17,8 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe._typing import Array, Positions
-from fretfe.analytic._arguments import Side, side_sign
+from fretfe._typing import Array
+from fretfe.edges.section import Section
 
 ALTERNATING, DECAY, TAIL = 0.8, 0.95, 0.02
 # Of the median of the absolute values of normal deviates.
@@ -29,41 +29,22 @@ SMALLEST_NOISE = 1e-13
 
 @dataclass(frozen=True)
 class Sampling:
-    """Samples of T states, counted inward from the outermost node in contact.
+    """Errors of the samples of T states.
 
     Attributes:
-        s: (T, m) distances from the outermost node; NaN behind the last node in contact.
-        p: (T, m) pressures.
         errors: (T, m) standard deviations: noise and error of nodal values.
         tails: (T, m) the part of the latter that has the same sign at all nodes.
-        size: (T,) element size h at the edge.
-        nodes: (T,) numbers of nodes in contact.
+        size: (T,) element size h at the front.
     """
 
-    s: Array
-    p: Array
     errors: Array
     tails: Array
     size: Array
-    nodes: Positions
 
 
-def sampling(x: Array, p: Array, first: Positions, last: Positions, side: Side) -> Sampling:
-    """Return the samples of each main patch with their errors.
-
-    Args:
-        x: (n,) positions, increasing.
-        p: (T, n) pressures.
-        first: (T,) first node in contact.
-        last: (T,) last node in contact, at least 9 nodes further.
-        side: of the edge.
-    """
-    nodes, sign = last - first + 1, side_sign(side)
-    count = np.arange(nodes.max())
-    outermost = (first if sign > 0 else last)[:, None]
-    index = outermost + int(sign) * np.minimum(count, nodes[:, None] - 1)
-    s = np.where(count < nodes[:, None], sign * (x[index] - x[outermost]), np.nan)
-    pressure = np.take_along_axis(p, index, axis=1)
+def sampling(section: Section) -> Sampling:
+    """Return the errors of pressures along a section with at least 10 nodes in every state."""
+    s, pressure = section.s, section.values
     size = s[:, 4] / 4
     # The edge is half an element outside the outermost node, give or take as much.
     distance = s + size[:, None] / 2
@@ -71,9 +52,9 @@ def sampling(x: Array, p: Array, first: Positions, last: Positions, side: Side) 
     relative, scale = distance / size[:, None], (k_n * np.sqrt(size))[:, None]
     tails = scale * TAIL * relative**-1.5
     alternating = scale * ALTERNATING * np.exp(-DECAY * relative)
-    noise = [_noise(*each) for each in zip(s, pressure, nodes, strict=True)]
+    noise = [_noise(*each) for each in zip(s, pressure, section.nodes, strict=True)]
     errors = np.sqrt(np.square(noise)[:, None] + alternating**2 + tails**2)
-    return Sampling(s, pressure, errors, tails, size, nodes)
+    return Sampling(errors, tails, size)
 
 
 def _noise(s: Array, p: Array, nodes: int) -> float:

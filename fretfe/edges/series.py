@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Series for a bonded increment, fitted to its cumulative force, and its singular edge terms.
+"""Series for increments of full stick, fitted to the cumulative force, and their singular terms.
 
 The nodal values of a discrete traction oscillate next to the singularity, the cumulative force does
 not. Discrete increments behave as if their edges stood a fraction of an element outside the
 outermost nodes in contact: the overhang.
 
-With x - centre = -a cos(t) a stuck traction is sum_j c_j cos(j t)/sin(t), so the cumulative force
-is a (c_0 t + sum_j c_j sin(j t)/j), and the total gives c_0. One term is exact for half-planes
-under shear force and bulk tension; a mismatch that varies along the contact needs more. Half-planes
-have the mismatch sum_j (c_j a/j) T_j, apart from a factor: a polynomial in x. The same total and
-mismatch are then applied to the true contact area.
+With x - centre = -a cos(t) the traction of full stick is sum_j c_j cos(j t)/sin(t), so that the
+cumulative force is a (c_0 t + sum_j c_j sin(j t)/j), and the total gives c_0. One term is exact for
+half-planes under shear force and bulk tension; a mismatch that varies along the contact needs more.
+Half-planes have the mismatch sum_j (c_j a/j) T_j, apart from a factor: a polynomial in x. The same
+total and mismatch are then applied to the true contact area.
 
 The fit knows nothing of the true edges, so that it is made once for all states of a contact area.
 """
@@ -30,35 +30,35 @@ DROPS = np.array([3, 5, 8, 12])
 
 
 @dataclass(frozen=True)
-class BondedIncrements:
-    """Cumulative forces (k, n) of k bonded increments at nodes (n,), from their left end.
+class Increments:
+    """Cumulative forces (k, n) of k increments of full stick at nodes (n,), from the first one.
 
-    ``left`` and ``right`` are the outermost nodes in contact, ``inside`` (m,) the indices of all
+    ``first`` and ``last`` are the outermost nodes in contact, ``inside`` (m,) the indices of all
     from one to the other. One node out of contact stands outside each, unless the surface ends.
     """
 
     x: Array
     force: Array
-    left: float
-    right: float
+    first: float
+    last: float
     inside: Positions
 
     def ends(self, overhang: float) -> tuple[float, float]:
         """Return the effective edges, ``overhang`` elements outside the outermost nodes."""
-        outside_left, outside_right = self.left - self.x[0], self.x[-1] - self.right
-        return self.left - overhang * outside_left, self.right + overhang * outside_right
+        before, behind = self.first - self.x[0], self.x[-1] - self.last
+        return self.first - overhang * before, self.last + overhang * behind
 
     def model(self, window: Positions, terms: int, overhang: float) -> Array:
         """Return (nodes, 1 + terms): force per unit of the total, and per unit c_1 ... c_terms."""
-        left, right = self.ends(overhang)
-        a = (right - left) / 2
-        angle = np.arccos((left + a - self.x[window]) / a)
+        first, last = self.ends(overhang)
+        a = (last - first) / 2
+        angle = np.arccos((first + a - self.x[window]) / a)
         orders = np.arange(1, terms + 1)
         return np.column_stack([angle / np.pi, a * np.sin(angle[:, None] * orders) / orders])
 
 
 @dataclass(frozen=True)
-class BondedSeries:
+class Series:
     """Series of k increments: every order that the windows allow.
 
     Attributes:
@@ -74,7 +74,7 @@ class BondedSeries:
     allowed: Bools
 
 
-def increments(x: Array, q: Array) -> BondedIncrements:
+def increments(x: Array, q: Array) -> Increments:
     """Return the increments between their outermost nodes.
 
     Args:
@@ -92,7 +92,7 @@ def increments(x: Array, q: Array) -> BondedIncrements:
     steps = np.diff(nodes) * (traction[:, 1:] + traction[:, :-1]) / 2
     force = np.column_stack([np.zeros(len(q)), np.cumsum(steps, axis=1)])
     inside = np.arange(active[0], active[-1] + 1) - first
-    return BondedIncrements(nodes, force, float(x[active[0]]), float(x[active[-1]]), inside)
+    return Increments(nodes, force, float(x[active[0]]), float(x[active[-1]]), inside)
 
 
 def windows(inside: Positions) -> list[Positions]:
@@ -101,7 +101,7 @@ def windows(inside: Positions) -> list[Positions]:
     return [inside[drop:-drop] for drop in DROPS if inside.size >= 2 * drop + enough]
 
 
-def fit_series(data: BondedIncrements, overhang: float) -> BondedSeries:
+def fit_series(data: Increments, overhang: float) -> Series:
     """Fit series of every order in every window, at least one window.
 
     One triangular factor of a window serves all its orders, since their terms are nested.
@@ -123,15 +123,15 @@ def fit_series(data: BondedIncrements, overhang: float) -> BondedSeries:
     # Rows and columns of the terms that are not used are those of the identity.
     system = np.where(free[..., None] & free[..., None, :], triangles[..., :count], np.eye(count))
     terms = np.linalg.solve(system, np.where(free[..., None], triangles[..., count:], 0.0))
-    return BondedSeries(data.ends(overhang), total, terms, allowed)
+    return Series(data.ends(overhang), total, terms, allowed)
 
 
-def edge_terms(series: BondedSeries, edges: Array) -> tuple[Array, Array]:
+def singular_terms(series: Series, edges: Array) -> tuple[Array, Array]:
     """Return k and beta of k (1 + beta s)/sqrt(s), each (states, 2, windows, orders, k).
 
     Args:
         series: of k increments.
-        edges: (states, 2) true left and right edges.
+        edges: (states, 2) true places of both ends.
     """
     a = (edges[:, 1] - edges[:, 0]).reshape(-1, 1, 1, 1, 1) / 2
     sums = np.tensordot(_edge_sums(series.ends, edges, series.terms.shape[2]), series.terms, (3, 2))
@@ -153,7 +153,7 @@ def _edge_sums(ends: tuple[float, float], edges: Array, terms: int) -> Array:
     a, centre = (edges[:, 1:] - edges[:, :1]) / 2, edges.mean(axis=1, keepdims=True)
     at = (centre + a * points - np.mean(ends)) / fitted
     mismatch = chebvander(at, terms)[..., 1:] * (signs[1:] * fitted / orders[1:])
-    # C_j = (-1)^j j times the coefficient of T_j; t = 0 at the left edge, pi at the right.
+    # C_j = (-1)^j j times the coefficient of T_j; t = 0 at the first edge, pi at the last.
     at_edges = orders * np.stack([signs, np.ones(terms + 1)])
     # That coefficient is 2/(J + 1) times the sum of the values times T_j over the points.
     weights = np.stack([at_edges, orders**2 * at_edges], axis=1) * 2 / (terms + 1)

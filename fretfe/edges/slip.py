@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe._typing import Array
-from fretfe.analytic._arguments import Side, check_positive, side_sign
+from fretfe._typing import Array, Bools
+from fretfe.analytic._arguments import check_positive
 from fretfe.analytic.edges import slip_length_cyclic, slip_length_loop
 from fretfe.edges.average import average
 
@@ -52,7 +52,7 @@ class PredictedSlip:
     loop: float
 
 
-def slip_border(x: Array, slip: Array, slipping: np.ndarray, edge: float, side: Side) -> SlipBorder:
+def slip_border(s: Array, slip: Array, slipping: Bools) -> SlipBorder:
     """Return the slip-zone length at one edge; all arrays (n,), nodes *in contact* only.
 
     |slip|^(2/3) is a smooth function that vanishes linearly at the stick-slip border. The node at
@@ -61,17 +61,11 @@ def slip_border(x: Array, slip: Array, slipping: np.ndarray, edge: float, side: 
     as the noise of the samples.
 
     Args:
-        x: arc positions of the nodes in contact.
+        s: distances of the nodes from the edge inward, increasing.
         slip: slip increment since the last reversal (or from zero).
         slipping: whether the node slips.
-        edge: position of the edge.
-        side: "left" or "right".
-
-    Raises:
-        ValueError: if ``side`` is unknown.
     """
-    sign, step = side_sign(side), int(side_sign(side))
-    s, amount, slips = sign * (x - edge)[::step], np.abs(slip)[::step], slipping[::step].copy()
+    amount, slips = np.abs(slip), slipping.copy()
     trusted = slips.copy()
     # The outermost node carries next to no pressure, so its own status means nothing.
     slips[0] |= slips[1:2].any()
@@ -125,6 +119,17 @@ def _border(s: Array, amount: Array, noise: float, size: float) -> tuple[float, 
         s, w, expected = s[clear], w[clear], expected[clear]
     noisy = 2 / 3 * noise / np.sqrt(np.maximum(expected, (HIDDEN * noise) ** (2 / 3) or 1.0))
     errors = np.hypot(noisy, NODAL_ERROR * size * slope)
+    fits = _zeros(s, w, errors, highest)
+    if s.size < COUNTS[0]:
+        # Nothing to compare a line with: for what it may be curved, and for a mean at its end.
+        return float(fits[0, -1, 0]), float(np.hypot(INTERVAL * fits[1, -1, 0], size)), hidden
+    known = np.ones_like(fits[0])
+    place, bar, _ = average(fits[0], fits[1], 0.0 * known, known, INTERVAL)
+    return float(place), float(bar), hidden
+
+
+def _zeros(s: Array, w: Array, errors: Array, highest: int) -> Array:
+    """Return (2, windows, orders) zeros through w (m,) at s (m,) and their standard errors."""
     # Where the samples are means, the first node may still be one over stick and slip.
     starts = (0, 1) if s.size > COUNTS[0] else (0,)
     windows = [slice(i, i + n) for i in starts for n in COUNTS if n < s.size - i]
@@ -134,12 +139,7 @@ def _border(s: Array, amount: Array, noise: float, size: float) -> tuple[float, 
         count = s[window].size
         for order in range(1 if count < LINE else 2, min(highest, count - 1) + 1):
             fits[:, number, order - 1] = _zero(s[window], w[window], errors[window], order)
-    if s.size < COUNTS[0]:
-        # Nothing to compare a line with: for what it may be curved, and for a mean at its end.
-        return float(fits[0, -1, 0]), float(np.hypot(INTERVAL * fits[1, -1, 0], size)), hidden
-    known = np.ones_like(fits[0])
-    place, bar, _ = average(fits[0], fits[1], 0.0 * known, known, INTERVAL)
-    return float(place), float(bar), hidden
+    return fits
 
 
 def _zero(s: Array, w: Array, errors: Array, order: int) -> tuple[float, float]:

@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Slip zones of a contact: between successive reversals of the slip at one edge."""
+"""Slip zones of a station, between successive reversals of the slip there."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import slip_length_first_loading
-from fretfe.edges import Side, SlipBorder, main_patch, predicted_slip, slip_border
+from fretfe.edges.front import SlipZone, StationHistory
+from fretfe.edges.patches import main_patch
+from fretfe.edges.section import PlaneFront, plane_front
+from fretfe.edges.slip import SlipBorder, predicted_slip, slip_border
 from fretfe.results.solution import OPEN, SLIP, ContactHistory
 
 States = Indices
@@ -27,36 +30,6 @@ HIDDEN = 0.1
 AT_EXTREME = 1e-2
 
 
-@dataclass(frozen=True)
-class SlipZone:
-    """Slip of one edge in one direction, from one reversal to the next.
-
-    Attributes:
-        start, end: states between which the nodes slipped.
-        length: slip-zone length from the edge at `end`, inward; NaN if the whole contact slipped.
-        border: position of its inner end along the arc.
-        resolved: whether the mesh resolves the zone.
-        gross: whether the whole contact slipped.
-        predicted: slip length from K_T and K_N: 2 K_T/(f K_N) for first loading, ΔK_T/(f K_N) in
-            the evaluated cycle; NaN elsewhere.
-        predicted_loop: the same with varying normal load, from `end`; NaN outside the cycle.
-    """
-
-    start: int
-    end: int
-    length: float
-    border: float
-    resolved: bool
-    gross: bool
-    predicted: float
-    predicted_loop: float
-
-    @property
-    def prediction(self) -> float:
-        """What the length is compared with: `predicted_loop` in the cycle, else `predicted`."""
-        return self.predicted_loop if np.isfinite(self.predicted_loop) else self.predicted
-
-
 # Slip zone between two states, measured from the edge at the second one.
 FindBorder = Callable[[int, int], SlipBorder]
 
@@ -69,42 +42,34 @@ def cycle_states(cycle: tuple[int, int] | None) -> States:
 
 
 def slip_zones(
-    cycle: States,
-    friction: Array,
-    side: Side,
-    position: Array,
-    factors: tuple[Array, Array, Array],
-    find_border: FindBorder,
+    cycle: States, friction: Array, station: StationHistory, find_border: FindBorder
 ) -> tuple[SlipZone, ...]:
-    """Slip zones at one edge in time order.
+    """Slip zones of a station in time order.
 
     Args:
         cycle: states of the evaluated cycle.
         friction: (T,) coefficient in the step that ends at each state.
-        side: "left" or "right".
-        position: (T,) of the edge, NaN where unknown.
-        factors: (T,) each: K_N, K_T and K_I.
+        station: position and factors.
         find_border: gives the slip zone of a half cycle.
     """
-    frictional = np.flatnonzero((friction > 0) & np.isfinite(position))
+    frictional = np.flatnonzero((friction > 0) & np.isfinite(station.position))
     if not len(frictional):
         return ()
-    k_n, k_t, _ = factors
     first = int(frictional[0]) - 1
-    zones, inward = [], 1.0 if side == "left" else -1.0
-    for start, end in _half_cycles(cycle, friction, factors, first):
-        if not np.isfinite(position[end]):
+    zones = []
+    for start, end in _half_cycles(cycle, friction, station, first):
+        if not np.isfinite(station.position[end]):
             continue
         border = find_border(start, end)
-        cyclic, loop = _prediction(cycle, friction[end], end, factors)
+        cyclic, loop = _prediction(cycle, friction[end], end, station)
         if start == first:
-            rise = abs(k_t[end] - k_t[first])
-            cyclic = float(slip_length_first_loading(rise, k_n[end], friction[end]))
+            rise = abs(station.k_t[end] - station.k_t[first])
+            cyclic = float(slip_length_first_loading(rise, station.k_n[end], friction[end]))
         zone = SlipZone(
             start=start,
             end=end,
             length=border.length,
-            border=float(position[end]) + inward * border.length,
+            border=plane_front(station.front).place(float(station.position[end]), border.length),
             resolved=border.resolved,
             gross=border.gross,
             predicted=cyclic,
@@ -115,19 +80,19 @@ def slip_zones(
 
 
 def _hides(zone: SlipZone, spread: float) -> bool:
-    """Whether no node slips although a zone is predicted, which may stand between the nodes."""
+    """True if no node slips although a zone is predicted, which may stand between the nodes."""
     return zone.length == 0 and zone.prediction > HIDDEN * spread > 0
 
 
 def _half_cycles(
-    cycle: States, friction: Array, factors: tuple[Array, Array, Array], first: int
+    cycle: States, friction: Array, station: StationHistory, first: int
 ) -> list[tuple[int, int]]:
     """First and last state of each half cycle in which an edge slips one way, from `first` on.
 
     Forward slip grows as long as K_T - f K_I does, backward slip as long as K_T + f K_I falls: at
     constant normal load half cycles end where K_T reverses.
     """
-    _, k_t, k_i = factors
+    k_t, k_i = station.k_t, station.k_i
     last = len(k_t) - 1
     f = friction.max()  # the same in all steps with friction
     forward, backward = k_t - f * k_i, k_t + f * k_i
@@ -140,7 +105,7 @@ def _half_cycles(
 
 
 def _at_extreme(forward: Array, backward: Array, states: States, last: int) -> bool:
-    """Whether slip one way is as far as it gets in these states: the half cycle is complete."""
+    """True if slip one way is as far as it gets in these states: the half cycle is complete."""
     growth = forward[states].max() - forward[last]
     fall = backward[last] - backward[states].min()
     # Both counted from the same state: the length of the slip zone but for a factor.
@@ -180,16 +145,18 @@ def slip_reversals(forward: Array, backward: Array, relative_tolerance: float = 
     return np.array([*ends, end] if direction else ends, dtype=np.int64)
 
 
-def slip_border_of(contact: ContactHistory, side: Side, position: Array) -> FindBorder:
-    """Slip zones of a solved contact, whose edge is at `position` (T,)."""
-    return lambda start, end: _border(contact, side, start, end, float(position[end]))
+def slip_border_of(contact: ContactHistory, front: PlaneFront, position: Array) -> FindBorder:
+    """Slip zones of a solved contact at a front whose edge is at `position` (T,)."""
+    return lambda start, end: _border(contact, front, start, end, float(position[end]))
 
 
-def _border(contact: ContactHistory, side: Side, start: int, end: int, edge: float) -> SlipBorder:
+def _border(
+    contact: ContactHistory, front: PlaneFront, start: int, end: int, position: float
+) -> SlipBorder:
     """Slip zone between two states, from the slip that happened while in contact.
 
     K_T may reverse between two steps, so that the first step of a half cycle still holds slip of
-    the half cycle before: only slip in the direction of the largest slip at this edge counts.
+    the half cycle before: only slip in the direction of the largest slip at this front counts.
     """
     steps = np.arange(start + 1, end + 1)
     slipping = contact.status[steps] == SLIP
@@ -198,25 +165,24 @@ def _border(contact: ContactHistory, side: Side, start: int, end: int, edge: flo
     closed = contact.status[end] != OPEN
     patch = main_patch(contact.arc, contact.traction[end, :, 0])
     closed[: patch.first] = closed[patch.last + 1 :] = False
-    nodes = np.flatnonzero(closed)
-    here = nodes[: len(nodes) // 2] if side == "left" else nodes[len(nodes) // 2 :]
-    total = increments[:, here].sum(axis=0)
+    nodes = front.from_front(np.flatnonzero(closed))
+    total = increments[:, nodes[: len(nodes) // 2]].sum(axis=0)
     direction = np.sign(total[np.argmax(np.abs(total))])
     slip = np.maximum(direction * increments, 0.0).sum(axis=0)
-    moved = np.abs(slip) > SMALLEST_SLIP * np.abs(slip).max()
-    return slip_border(contact.arc[closed], slip[closed], moved[closed], edge, side)
+    moved = slip > SMALLEST_SLIP * slip.max()
+    return slip_border(front.distances(contact.arc[closed], position), slip[nodes], moved[nodes])
 
 
 def _prediction(
-    cycle: States, friction: float, end: int, factors: tuple[Array, Array, Array]
+    cycle: States, friction: float, end: int, station: StationHistory
 ) -> tuple[float, float]:
     """Slip length by ΔK_T/(f K_N) and by the general loop, if the zone is in the cycle."""
-    k_n, k_t, k_i = factors
+    k_n = station.k_n
     if not len(cycle) or end <= cycle[0] or not np.isfinite(k_n[end]):
         return np.nan, np.nan
     states = cycle if end in cycle else np.append(cycle, end)
     reference = int(np.flatnonzero(states == end)[0])
     predicted = predicted_slip(
-        k_t[states], k_i[states], float(k_n[end]), float(friction), reference
+        station.k_t[states], station.k_i[states], float(k_n[end]), float(friction), reference
     )
     return predicted.cyclic, predicted.loop

@@ -10,40 +10,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fretfe._typing import Array
-from fretfe.analytic._arguments import Side, check_positive, check_range, side_sign
+from fretfe.analytic._arguments import Side, check_positive, check_range
 from fretfe.edges.patches import Patch, Resultants, contact_patches, main_patch, resultants
 from fretfe.edges.pressure import FEWEST_NODES, fit_edge
-from fretfe.edges.sampling import scatter
-from fretfe.edges.slip import slip_border
-
-# Less than this part of the largest pressure, slip or friction bound counts as zero.
-TRACE = 1e-6
-# Slip and distance from the friction bound count from so many standard deviations of their noise.
-SLIP_NOISE, BOUND_NOISE = 4.0, 3.0
-# Shear beyond the friction bound, over the largest one, that noise and round-off do not explain.
-BEYOND_BOUND = 0.02
-# Error bar of K_N, relative, from which K_N and edge are marked.
-LARGEST_SPREAD = 0.5
-# Fewest nodes on the friction bound, next to the edge, between which and the others a border is.
-FEWEST_SLIPPING = 3
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A number with half the width of the interval that is meant to hold the truth with 95 %.
-
-    ``remark`` says why a number could not be determined (it is NaN, the spread infinite), or what
-    to know about it; else it is empty.
-    """
-
-    value: float
-    spread: float
-    remark: str = ""
-
-    @property
-    def known(self) -> bool:
-        """Whether there is a number."""
-        return math.isfinite(self.value)
+from fretfe.edges.section import PLANE_FRONTS, PlaneFront
+from fretfe.edges.slip_lengths import (
+    TRACE,
+    Estimate,
+    length_from_slip,
+    length_from_traction,
+    unknown,
+)
 
 
 @dataclass(frozen=True)
@@ -107,7 +84,7 @@ def analyse_tractions(
         check_positive("friction", friction)
     p = np.where(p > TRACE * max(p.max(), 0.0), p, 0.0)
     patch = main_patch(x, p)
-    left, right = (_edge(x, p, shear, moved, friction, patch, side) for side in ("left", "right"))
+    left, right = (_edge(x, p, shear, moved, friction, patch, front) for front in PLANE_FRONTS)
     ends = left.position, right.position
     middle = (x[patch.first] + x[patch.last]) / 2
     centre = sum(end.value for end in ends) / 2 if all(end.known for end in ends) else middle
@@ -132,92 +109,28 @@ def _edge(
     slip: Array | None,
     friction: float | None,
     patch: Patch,
-    side: Side,
+    front: PlaneFront,
 ) -> EdgeAnalysis:
-    fit = fit_edge(x, p, side)
+    fit = fit_edge(front.section(x, p[None], [patch]))
     nodes = patch.last - patch.first + 1
     remark = ""
     if nodes < FEWEST_NODES:
         remark = f"{nodes} nodes in contact, {FEWEST_NODES} are needed"
-    elif not np.isfinite(fit.position):
+    elif not np.isfinite(fit.position[0]):
         remark = (
             "the pressure does not fall to zero like a root, or the rows end inside the contact"
         )
-    position = Estimate(float(fit.position), float(fit.spread_position), remark)
-    k_n = Estimate(float(fit.k_n), float(fit.spread_k_n), remark)
+    position = Estimate(float(fit.position[0]), float(fit.spread_position[0]), remark)
+    k_n = Estimate(float(fit.k_n[0]), float(fit.spread_k_n[0]), remark)
     if slip is None:
-        from_slip = _unknown("no slip given")
+        from_slip = unknown("no slip given")
     else:
-        from_slip = _from_slip(x, slip, patch, position, side)
+        from_slip = length_from_slip(x, slip, patch, position, front)
     if q is None or friction is None:
-        from_traction = _unknown("needs q and the friction coefficient")
+        from_traction = unknown("needs q and the friction coefficient")
     else:
-        from_traction = _from_traction(x, p, q, friction, patch, position, side)
-    return EdgeAnalysis(side, position, k_n, from_slip, from_traction)
-
-
-def _unknown(remark: str) -> Estimate:
-    return Estimate(math.nan, math.inf, remark)
-
-
-def _from_slip(x: Array, slip: Array, patch: Patch, edge: Estimate, side: Side) -> Estimate:
-    """Return the length from the slip, in the direction of the largest slip in this half."""
-    if not edge.known:
-        return _unknown("the position of the edge is not known")
-    inside = slice(patch.first, patch.last + 1)
-    here, moved = x[inside], slip[inside]
-    half = moved[: here.size // 2] if side == "left" else moved[here.size // 2 :]
-    direction = np.sign(half[np.argmax(np.abs(half))])
-    limit = max(SLIP_NOISE * scatter(here, moved), TRACE * float(np.abs(moved).max()))
-    forward = np.where(direction * moved < -limit, 0.0, direction * moved)
-    border = slip_border(here, forward, forward > limit, edge.value, side)
-    if border.gross:
-        return _unknown("the whole contact slips")
-    remark = "" if border.resolved else "too few nodes slip, or slip does not fall to zero"
-    if border.length == 0.0:
-        remark = "no node slips"
-    return Estimate(border.length, math.hypot(border.spread, edge.spread), remark)
-
-
-def _from_traction(
-    x: Array,
-    p: Array,
-    q: Array,
-    friction: float,
-    patch: Patch,
-    edge: Estimate,
-    side: Side,
-) -> Estimate:
-    """Return the length over which |q| = f p, from the missing f p - |q| inside.
-
-    That starts like a root at the border, as a pressure does at its edge (for Cattaneo and Mindlin
-    it is the pressure of a smaller contact), and is fitted in the same way.
-    """
-    if not edge.known:
-        return _unknown("the position of the edge is not known")
-    step = int(side_sign(side))
-    inside = np.arange(patch.first, patch.last + 1)[::step]
-    bound = friction * p
-    excess = float(np.max((np.abs(q) - bound)[inside]))
-    direction = np.sign(q[inside[1:5]].sum())
-    missing = bound - direction * q
-    noise = scatter(x[inside], missing[inside])
-    largest = float(bound.max())
-    if excess > BEYOND_BOUND * largest + 2 * BOUND_NOISE * noise:
-        return _unknown(f"|q| exceeds f p by up to {excess:.2g}")
-    limit = max(BOUND_NOISE * noise, TRACE * largest)
-    missing = np.where((p > 0.0) & (missing > limit), missing, 0.0)
-    if not missing.any():
-        return _unknown("the whole contact slips")
-    stick = main_patch(x, missing)
-    slipping = stick.first - patch.first if side == "left" else patch.last - stick.last
-    if slipping < FEWEST_SLIPPING:
-        return _unknown(f"|q| = f p at {slipping} nodes only, {FEWEST_SLIPPING} are needed")
-    fit = fit_edge(x, missing, side)
-    if not np.isfinite(fit.position):
-        return _unknown("f p - |q| does not start like a root, or too few nodes stick")
-    length = step * (float(fit.position) - edge.value)
-    return Estimate(length, math.hypot(float(fit.spread_position), edge.spread))
+        from_traction = length_from_traction(x, friction * p, q, patch, position, front)
+    return EdgeAnalysis(front.name, position, k_n, from_slip, from_traction)
 
 
 def _remarks(x: Array, p: Array, edges: tuple[EdgeAnalysis, ...]) -> tuple[str, ...]:

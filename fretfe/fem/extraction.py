@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Interaction integrals at all contact edges of a solved history. Collective."""
+"""Interaction integrals at all stations of a solved history. Collective."""
 
 from __future__ import annotations
 
@@ -14,14 +14,20 @@ from fretfe.contact.march import March
 from fretfe.contact.neighbours import FRACTION, neighbour_states
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
-from fretfe.edges import Side, fit_edge
+from fretfe.edges.pressure import fit_edge
+from fretfe.edges.section import PLANE_FRONTS, PlaneFront, plane_sections
 from fretfe.edges.slip_zones import cycle_states
-from fretfe.fem.interaction_integral import InteractionForm, Tip
+from fretfe.fem.interaction_integral import MODES, InteractionForm, Tip
 from fretfe.fem.model import Model
 from fretfe.fem.reduction import Pair
-from fretfe.results.solution import ContactHistory, EdgeIntegrals, Neighbours, Solution
+from fretfe.results.solution import (
+    ContactHistory,
+    Factor,
+    Neighbours,
+    Solution,
+    StationIntegrals,
+)
 
-SIDES: tuple[Side, Side] = ("left", "right")
 # Whether bodies 1 and 2 are above the interface.
 UPPER = (True, False)
 # By body and whether it is body 1: it may be body 1 of one contact and body 2 of another one.
@@ -50,20 +56,20 @@ class Request:
 
 @dataclass(frozen=True)
 class Probe:
-    """One edge of one contact.
+    """One station of one contact.
 
     Attributes:
         contact: name.
-        side: 0 left, 1 right.
+        front: number of its front.
         bodies: body 1 and body 2.
-        tips: for each area, then for the last state: the edge as body 1 and body 2 see it.
+        tips: for each area, then for the last state: the station as body 1 and body 2 see it.
         normals: for each of `tips`: contact normal, along which pressure is counted.
         fields: for each of `tips`: numbers of the fields it is to be multiplied with.
         reaches: (R,) radii.
     """
 
     contact: str
-    side: int
+    front: int
     bodies: tuple[str, str]
     tips: tuple[tuple[Tip, Tip], ...]
     normals: tuple[Array, ...]
@@ -95,13 +101,14 @@ def add_integrals(
 def _integrate(
     case: Case, probe: Probe, forms: Forms, fields: list[dict[str, fem.Function]]
 ) -> list[Array]:
-    """For each tip of a probe: (R, 2, n) K_T and K_I of its n fields."""
+    """For each tip of a probe: (R, d, n) singular factors of its n fields, as `Factor`."""
     bodies = [case.bodies[name] for name in probe.bodies]
     modulus = contact_modulus(bodies[0], bodies[1], case.model.plane)
     shares = modulus / np.array([plane_modulus(body, case.model.plane) for body in bodies])
     # Contact pressure is positive, stress that opens a crack is tension.
     scale = modulus / np.sqrt(2 * np.pi)
-    signs = np.array([scale, -scale])
+    signs = np.empty(len(MODES))
+    signs[Factor.K_I], signs[Factor.K_T] = -scale, scale
     results = []
     for tips, normal, numbers in zip(probe.tips, probe.normals, probe.fields, strict=True):
         factors = np.zeros((len(probe.reaches), len(signs), len(numbers)))
@@ -116,14 +123,14 @@ def _integrate(
 
 
 def _turned(factors: Array, tips: tuple[Tip, Tip], normal: Array, shares: Array) -> Array:
-    """Factors (R, 2, n) in the frame of the contact instead of those of the two surfaces.
+    """Factors (R, d, n) in the frame of the contact instead of those of the two surfaces.
 
     Each body measures the traction of the ligament along its own surface; the two surfaces are not
     parallel before they are pressed together. Pressure and friction are counted along one normal.
 
     Args:
-        factors: K_T and K_I, sums over both bodies.
-        tips: the edge as body 1 and body 2 see it.
+        factors: singular ones, sums over both bodies.
+        tips: the station as body 1 and body 2 see it.
         normal: (2,) of the contact.
         shares: (2,) share of each body in the sum, E*/E'.
     """
@@ -131,8 +138,10 @@ def _turned(factors: Array, tips: tuple[Tip, Tip], normal: Array, shares: Array)
     inward = np.array([normal[1], -normal[0]])
     inward *= np.sign(inward @ tips[1].inward)
     cosine, sine = shares @ (across @ normal), -shares @ (across @ inward)
-    shear, pressure = factors[:, 0], factors[:, 1]
-    turned = np.stack([cosine * shear + sine * pressure, cosine * pressure - sine * shear], axis=1)
+    shear, pressure = factors[:, Factor.K_T], factors[:, Factor.K_I]
+    turned = np.empty_like(factors)
+    turned[:, Factor.K_T] = cosine * shear + sine * pressure
+    turned[:, Factor.K_I] = cosine * pressure - sine * shear
     return np.asarray(turned / (cosine**2 + sine**2))
 
 
@@ -165,36 +174,36 @@ class _Draft:
             areas = _choose_areas(solution, contact)
             if areas is not None:
                 self._contacts[contact.name] = areas
-                probes += [self._probe(model, pair, areas, side) for side in range(len(SIDES))]
+                probes += [self._probe(model, pair, areas, front) for front in PLANE_FRONTS]
         self.probes = tuple(probes)
 
     def finish(self, values: list[list[Array]]) -> Solution:
         """The solution with the integrals, one list of values for each probe."""
         found = {
-            (probe.contact, probe.side): value
+            (probe.contact, probe.front): value
             for probe, value in zip(self.probes, values, strict=True)
         }
         contacts = []
         for contact in self._solution.contacts:
             areas = self._contacts.get(contact.name)
             if areas is not None:
-                edges = [found[contact.name, side] for side in range(len(SIDES))]
+                stations = [found[contact.name, front.number] for front in PLANE_FRONTS]
                 contact = replace(
                     contact,
-                    integrals=_integrals(areas, edges),
-                    neighbours=self._neighbour_history(contact, edges),
+                    integrals=_integrals(areas, stations),
+                    neighbours=self._neighbour_history(contact, stations),
                 )
             contacts.append(contact)
         return replace(self._solution, contacts=tuple(contacts))
 
     def _neighbour_history(
-        self, contact: ContactHistory, edges: list[list[Array]]
+        self, contact: ContactHistory, stations: list[list[Array]]
     ) -> Neighbours | None:
         if self._neighbours is None:
             return None
         nodes = self._recorder.nodes_of(contact.name)
         tractions = np.array([state.traction[nodes, 0] for state in self._neighbours])
-        normal = np.stack([values[-1][:, 1, 0] for values in edges], axis=1)
+        normal = np.stack([values[-1][:, Factor.K_I, 0] for values in stations], axis=1)
         return Neighbours(tractions / np.sqrt(contact.weights), normal)
 
     def _request_difference(self, low: ContactState, high: ContactState) -> int:
@@ -220,15 +229,16 @@ class _Draft:
             self._area_fields[area] = tuple(range(first, first + count))
         return self._area_fields[area]
 
-    def _probe(self, model: Model, pair: Pair, areas: _Areas, side: int) -> Probe:
-        edges = [*areas.positions[:, side], *([areas.last[side]] if self._difference else [])]
+    def _probe(self, model: Model, pair: Pair, areas: _Areas, front: PlaneFront) -> Probe:
+        number = front.number
+        edges = [*areas.positions[:, number], *([areas.last[number]] if self._difference else [])]
         fields = [self._fields_of(int(area)) for area in areas.numbers]
         fields += [self._difference] if self._difference else []
         return Probe(
             contact=pair.name,
-            side=side,
+            front=number,
             bodies=(pair.body1, pair.body2),
-            tips=tuple(_tips(model, pair, float(edge), side) for edge in edges),
+            tips=tuple(_tips(model, pair, float(edge), front) for edge in edges),
             normals=tuple(_at(pair, float(edge), pair.coupling.frames[:, 0]) for edge in edges),
             fields=tuple(fields),
             reaches=areas.reaches,
@@ -237,7 +247,14 @@ class _Draft:
 
 @dataclass(frozen=True)
 class _Areas:
-    """Contact areas (S,) of one contact, edges (S, 2) there and (2,) in the last state, radii."""
+    """Some contact areas of one contact.
+
+    Attributes:
+        numbers: (S,) the areas.
+        positions: (S, stations) there.
+        last: (stations,) in the last state.
+        reaches: (R,) radii.
+    """
 
     numbers: Indices
     positions: Array
@@ -245,11 +262,11 @@ class _Areas:
     reaches: Array
 
 
-def _integrals(areas: _Areas, edges: list[list[Array]]) -> EdgeIntegrals:
-    values = [edge[: len(areas.numbers)] for edge in edges]
-    # (2, S, R, 2, J) to (S, R, 2, 2, J)
+def _integrals(areas: _Areas, stations: list[list[Array]]) -> StationIntegrals:
+    values = [station[: len(areas.numbers)] for station in stations]
+    # (stations, S, R, d, J) to (S, R, stations, d, J)
     factors = np.array(values).transpose(1, 2, 0, 3, 4)
-    return EdgeIntegrals(areas.numbers, areas.positions, areas.reaches, factors)
+    return StationIntegrals(areas.numbers, areas.positions, areas.reaches, factors)
 
 
 def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
@@ -265,7 +282,8 @@ def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
     count = AREAS if np.ptp(sizes) > SAME_AREA * sizes.max() else 1
     chosen = order[np.unique(np.linspace(0, len(order) - 1, count).round().astype(int))]
     pressure = contact.traction[[*states[firsts[chosen]], states[-1]], :, 0]
-    edges = np.stack([fit_edge(contact.arc, pressure, side).position for side in SIDES], axis=1)
+    sections = plane_sections(contact.arc, pressure)
+    edges = np.stack([fit_edge(section).position for section in sections], axis=1)
     if not np.isfinite(edges).all():
         return None
     return _Areas(numbers[chosen], edges[:-1], edges[-1], _reaches(contact, edges[-1]))
@@ -281,16 +299,16 @@ def _reaches(contact: ContactHistory, edges: Array) -> Array:
     return np.array(REACHES) / REACHES[-1] * largest
 
 
-def _tips(model: Model, pair: Pair, edge: float, side: int) -> tuple[Tip, Tip]:
-    """The edge on the surfaces of body 1 and body 2, each with its own tangent."""
+def _tips(model: Model, pair: Pair, edge: float, front: PlaneFront) -> tuple[Tip, Tip]:
+    """A station on the surfaces of body 1 and body 2, each with its own tangent."""
     point = _at(pair, edge, pair.coupling.points)
     contact = model.case.contacts[pair.name]
     tips = []
     for name, outward in ((contact.surface1, -1.0), (contact.surface2, 1.0)):
         places, normals = model.surfaces[name].nearest(point[None])
         across = outward * normals[0]
-        along = np.array([across[1], -across[0]])
-        tips.append(Tip(places[0], along if side == 0 else -along, across))
+        tangent = np.array([across[1], -across[0]])
+        tips.append(Tip(places[0], front.inward * tangent, across))
     return tips[0], tips[1]
 
 

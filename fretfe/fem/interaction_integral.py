@@ -41,17 +41,17 @@ QUADRATURE_DEGREE = 8
 BLUNT = 0.02
 # Distances below this fraction of the radius are zero.
 SMALLEST = 1e-9
-# Amplitudes of modes I and II, in the order of the factors K_T and K_I.
-MODES = ((0.0, 1.0), (1.0, 0.0))
+# Amplitudes of modes I and II for each `Factor` of the plane.
+MODES = ((1.0, 0.0), (0.0, 1.0))
 
 
 @dataclass(frozen=True)
 class Tip:
-    """A contact edge as a body sees it.
+    """A station as a body sees it.
 
     Attributes:
-        point: (2,) the edge on the body's surface.
-        inward: (2,) unit tangent of the surface, from the edge into the contact.
+        point: (2,) the station on the body's surface.
+        inward: (2,) unit tangent of the surface, from the front into the contact.
         across: (2,) unit normal of the surface, from body 2 to body 1.
     """
 
@@ -61,7 +61,7 @@ class Tip:
 
 
 class _Places:
-    """Where some entities of a mesh are.
+    """Places of some entities of a mesh.
 
     Args:
         mesh: mesh.
@@ -108,10 +108,10 @@ class InteractionForm:
         self._compiled = fem.compile_form(mesh.comm, integral)
 
     def functionals(self, tip: Tip, reach: float) -> list[PETSc.Vec]:
-        """Vectors for K_T and K_I, whose products with a displacement are this body's part of I.
+        """Vectors for each of MODES, whose products with a displacement are this body's part of I.
 
         Args:
-            tip: the edge.
+            tip: the station.
             reach: radius of the circle.
         """
         self._point.value[:] = tip.point
@@ -169,6 +169,8 @@ class InteractionForm:
         modulus = fem.Constant(elastic.mesh, elastic.material.shear_modulus)
         opening = (cosine * (kolosov - 1 + 2 * sine**2), sine * (kolosov + 1 - 2 * cosine**2))
         shear = (sine * (kolosov + 1 + 2 * cosine**2), cosine * (1 - kolosov + 2 * sine**2))
-        along, across = (self._mode[0] * opening[i] + self._mode[1] * shear[i] for i in range(2))
+        ahead_part, above_part = (
+            self._mode[0] * opening[i] + self._mode[1] * shear[i] for i in range(2)
+        )
         size = ufl.sqrt(radius / (2 * ufl.pi)) / (2 * modulus)
-        return size * (along * self._inward + across * self._across)
+        return size * (ahead_part * self._inward + above_part * self._across)

@@ -15,16 +15,9 @@ import numpy as np
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
-from fretfe.edges.evaluate import ContactSummary
-from fretfe.edges.refinement import (
-    Interval,
-    Pass,
-    Refinement,
-    changes_by_kind,
-    edge_values,
-    needed_sizes,
-    resolves,
-)
+from fretfe.edges.front import ContactSummary
+from fretfe.edges.refinement import Pass, Refinement, changes_by_kind
+from fretfe.edges.sizes import Interval, needed_sizes, resolves, station_values
 from fretfe.errors import FretfeError, MeshError
 from fretfe.fem._compat import MPI
 from fretfe.fem.parallel import on_root
@@ -183,15 +176,15 @@ class _Passes:
         return self._refinement("")
 
     def _pass(self, solution: Solution, mesh: Mesh, contacts: tuple[ContactSummary, ...]) -> Pass:
-        values = edge_values(solution, contacts)
+        values = station_values(solution, contacts)
         before = self._passes[-1] if self._passes else None
         return Pass(
             unknowns=count_unknowns(mesh, self._case.model.degree),
             smallest_element=min(float(np.diff(c.arc).min()) for c in solution.contacts),
-            edges=values,
-            resolved=all(math.isfinite(edge.k_n) for edge in values)
+            stations=values,
+            resolved=all(math.isfinite(each.k_n) for each in values)
             and resolves(solution, needed_sizes(solution, contacts, 0)),
-            change=max(changes_by_kind(before.edges if before else (), values)),
+            change=max(changes_by_kind(before.stations if before else (), values)),
         )
 
     def _fine_enough(self, last: Pass) -> bool:

@@ -13,8 +13,9 @@ from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.contact.march import March
 from fretfe.contact.recorder import Place, Recorder
-from fretfe.edges.evaluate import ContactSummary, evaluate
+from fretfe.edges.evaluate import evaluate
 from fretfe.edges.extremes import load_extremes
+from fretfe.edges.front import ContactSummary
 from fretfe.errors import ConvergenceError, ModelError, StoppedError
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
@@ -237,7 +238,9 @@ def _field_states(
     if wanted == "last":
         return list(solved[-1:])
     if wanted == "extremes":
-        edges = [edge for contact in contacts for edge in contact.edges]
-        states = load_extremes([e.k_t for e in edges], [e.k_i for e in edges], solution.cycle)
+        stations = [station for contact in contacts for station in contact.stations]
+        states = load_extremes(
+            [each.k_t for each in stations], [each.k_i for each in stations], solution.cycle
+        )
         return sorted({*states, *solved[-1:]} & set(solved))
     return [state for state in (history.step(time) for time in wanted) if state in solved]

@@ -28,7 +28,7 @@ from fretfe.halfplane.compliance import HatFunctions
 from fretfe.halfplane.grid import EdgeRange, graded_grid
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.idealise.edges import contact_edges, governing_length
-from fretfe.results.solution import ContactHistory, Neighbours, Solution
+from fretfe.results.solution import ContactHistory, Factor, Neighbours, Solution
 
 ELEMENTS = 300
 # Distance of the reference point of the displacements, in widths of the grid: only a rigid motion.
@@ -62,7 +62,7 @@ class HalfPlaneOutcome:
     def unit_factors(
         self, solution: Solution, contact: ContactHistory, positions: Array
     ) -> UnitFactors:
-        """K_T and K_I for a unit of each driver in closed form; see `evaluate`."""
+        """Singular factors for a unit of each driver in closed form; see `evaluate`."""
         units = half_plane_units(positions)[..., [2, 0, 1, 3]] * np.array([1.0, -1.0, -1.0, 1.0])
         return UnitFactors(units[None], None)
 
@@ -162,7 +162,7 @@ def _neighbours(
     contact = contact_edges(problem)
     positions = np.array([[contact.left[last]], [contact.right[last]]])
     loads = np.array([problem.normal_force[last], problem.moment[last], 0.0, 0.0])
-    k_i = half_plane_units(positions)[0, :, 1] @ (2 * FRACTION * loads)
+    k_i = half_plane_units(positions)[0, :, Factor.K_I] @ (2 * FRACTION * loads)
     pressure = np.array([state.traction[:, 0] for state in states]) / np.sqrt(hats.weights)
     return Neighbours(pressure, k_i[None])
 

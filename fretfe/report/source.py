@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from fretfe.edges.evaluate import ContactSummary, Edge
 from fretfe.edges.extremes import load_extremes
+from fretfe.edges.front import ContactSummary, Station
 from fretfe.results.model import Result
 from fretfe.results.solution import ContactHistory
 
@@ -18,6 +19,12 @@ MOST_LOADS = 3
 ROUND_OFF = 1e-12
 
 
+def folder_of(run: Result) -> Path:
+    """The folder that a run was read from."""
+    assert run.directory is not None
+    return run.directory
+
+
 def span(run: Result) -> tuple[int, int]:
     """First and last state of the evaluated cycle, or of everything."""
     return run.loads.cycle or (0, len(run.loads.times) - 1)
@@ -25,7 +32,7 @@ def span(run: Result) -> tuple[int, int]:
 
 def extremes(run: Result) -> list[int]:
     """The load extremes of all contacts together."""
-    edges = [edge for contact in run.contacts for edge in contact.edges]
+    edges = [edge for contact in run.contacts for edge in contact.stations]
     return load_extremes([e.k_t for e in edges], [e.k_i for e in edges], run.loads.cycle)
 
 
@@ -75,11 +82,11 @@ def shown_contacts(run: Result) -> list[Shown]:
     return [Shown(run, *pair, f"contact{number}") for number, pair in enumerate(pairs)]
 
 
-def inward(edge: Edge) -> float:
+def inward(edge: Station) -> float:
     """Direction along x from an edge into the contact: 1 or -1."""
-    return 1.0 if edge.side == "left" else -1.0
+    return 1.0 if edge.front == "left" else -1.0
 
 
-def edge_title(edge: Edge) -> str:
+def edge_title(edge: Station) -> str:
     """An edge in titles and labels."""
-    return f"{edge.side} edge"
+    return f"{edge.front} edge"

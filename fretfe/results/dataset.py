@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.front import ContactSummary
 from fretfe.errors import DependencyError
 from fretfe.loads import History
 from fretfe.results.solution import ContactHistory, Solution
@@ -59,13 +59,13 @@ def make_dataset(
         DependencyError: if xarray is not installed.
     """
     names = [contact.name for contact in contacts]
-    sides = [edge.side for edge in contacts[0].edges] if contacts else []
+    sides = [edge.front for edge in contacts[0].stations] if contacts else []
     variables: dict[str, Any] = {"loads": (("time", "load"), loads.values)}
     for name in CONTACT:
         histories = [getattr(contact, name) for contact in contacts]
         variables[name] = (("contact", "time"), np.array(histories))
     for name in EDGE:
-        values = [[getattr(edge, name) for edge in contact.edges] for contact in contacts]
+        values = [[getattr(edge, name) for edge in contact.stations] for contact in contacts]
         variables[name] = (("contact", "edge", "time"), np.array(values))
     for history in solution.contacts if solution is not None else ():
         variables |= _fields(history)

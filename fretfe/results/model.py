@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case
-from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.front import ContactSummary
 from fretfe.edges.refinement import Refinement
 from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.loads import History
@@ -105,7 +105,7 @@ class Result:
         Raises:
             CaseError: if there is no such edge.
         """
-        edges = {f"{each.name} {one.side}": one for each in self.contacts for one in each.edges}
+        edges = {f"{each.name} {one.front}": one for each in self.contacts for one in each.stations}
         wanted = f"{contact} {edge}"
         if wanted not in edges:
             known = ", ".join(edges)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
@@ -20,7 +20,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case, parse_case
-from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.front import ContactSummary, Station, fronts_of
 from fretfe.edges.refinement import Refinement
 from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.loads import History
@@ -106,10 +106,7 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         case=case,
         loads=history,
         backend=str(numbers["backend"]),
-        contacts=tuple(
-            restored(ContactSummary, {"name": name, **table})
-            for name, table in numbers["contacts"].items()
-        ),
+        contacts=tuple(_contact(name, table) for name, table in numbers["contacts"].items()),
         notes=tuple(numbers["notes"]),
         failure=None if numbers["complete"] else ConvergenceError(numbers["failure"]),
         solution=solution,
@@ -117,9 +114,27 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         versions=numbers["versions"],
         seconds=numbers["seconds"],
         ranks=numbers["ranks"],
-        refinement=restored(Refinement, refinement) if refinement else None,
+        refinement=restored_refinement(refinement) if refinement else None,
         directory=directory,
     )
+
+
+def _contact(name: str, table: Mapping[str, Any]) -> ContactSummary:
+    stations = [
+        restored(Station, {**each, "front": each["side"], "number": each["station"]})
+        for each in table["edges"]
+    ]
+    contact = restored(ContactSummary, {**table, "name": name, "fronts": ()})
+    return replace(contact, fronts=fronts_of(stations))
+
+
+def restored_refinement(table: Mapping[str, Any]) -> Refinement:
+    """A refinement from its table in `results.json`."""
+    passes = [
+        {**each, "stations": [{**edge, "front": edge["side"]} for edge in each["edges"]]}
+        for each in table["passes"]
+    ]
+    return restored(Refinement, {**table, "passes": passes})
 
 
 def restored(cls: type[T], table: Mapping[str, Any]) -> T:

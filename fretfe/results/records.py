@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from fretfe.edges.evaluate import ContactSummary, Edge
+from fretfe.edges.front import ContactSummary, Station
 
 # Slip zones of a record: those of the last two half cycles.
 ZONES = 2
@@ -20,28 +20,28 @@ def edge_records(contacts: Sequence[ContactSummary]) -> list[dict[str, Any]]:
     order of time, ``predicted_1`` and ``predicted_2`` what the edge factors predict for them. With
     one half cycle only it is the second.
     """
-    return [_record(contact, edge) for contact in contacts for edge in contact.edges]
+    return [_record(contact, station) for contact in contacts for station in contact.stations]
 
 
-def _record(contact: ContactSummary, edge: Edge) -> dict[str, Any]:
-    zones = edge.slip_zones[-ZONES:]
+def _record(contact: ContactSummary, station: Station) -> dict[str, Any]:
+    zones = station.slip_zones[-ZONES:]
     first = ZONES - len(zones) + 1
     lengths = {f"slip_{n}": zone.length for n, zone in enumerate(zones, start=first)}
     predictions = {f"predicted_{n}": zone.prediction for n, zone in enumerate(zones, start=first)}
     numbers = [f"{name}_{n}" for name in ("slip", "predicted") for n in range(1, ZONES + 1)]
     return {
         "contact": contact.name,
-        "edge": edge.side,
-        "position": float(edge.position[-1]),
+        "edge": station.front,
+        "position": float(station.position[-1]),
         "half_width": float(contact.half_width[-1]),
-        "k_n": float(edge.k_n[-1]),
-        "k_n_spread": float(edge.k_n_spread[-1]),
-        "k_t_range": float(edge.k_t_range),
-        "k_i_range": float(edge.k_i_range),
+        "k_n": float(station.k_n[-1]),
+        "k_n_spread": float(station.k_n_spread[-1]),
+        "k_t_range": float(station.k_t_range),
+        "k_i_range": float(station.k_i_range),
         **{name: float((lengths | predictions).get(name, math.nan)) for name in numbers},
         "gross": any(zone.gross for zone in zones),
         "resolved": all(zone.resolved for zone in zones),
-        "dissipation": float(edge.dissipation),
+        "dissipation": float(station.dissipation),
         "steady": bool(contact.steady),
         "warnings": "; ".join(contact.warnings),
     }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What a solved history consists of: arrays that every later stage reads, whoever computed them.
+"""Arrays of a solved history, which every later stage reads, whoever computed them.
 
 T is the number of states (steps plus the unloaded state 0), N the number of nodes of a contact, d
 the number of space dimensions. Tractions are in the stress unit, lengths in the length unit, forces
@@ -10,6 +10,7 @@ tangents; in the plane the one tangent is the x axis of the contact (see the the
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +18,18 @@ import numpy.typing as npt
 from fretfe._typing import Array, Indices
 
 OPEN, STICK, SLIP = 0, 1, 2
+
+
+class Factor(IntEnum):
+    """Order of the singular edge factors of full stick: that of the components of a traction.
+
+    The pressure has K_I, the shear along a station's `inward` K_T, that along its `along` K_S. Axes
+    of this order have d entries: in the plane K_S vanishes and is left out.
+    """
+
+    K_I = 0
+    K_T = 1
+    K_S = 2
 
 
 @dataclass(frozen=True)
@@ -36,14 +49,14 @@ class FullStickUnits:
 
 
 @dataclass(frozen=True)
-class EdgeIntegrals:
-    """Edge factors from displacements around the edges, by interaction integrals.
+class StationIntegrals:
+    """Edge factors from displacements around the stations of a contact, by interaction integrals.
 
     Attributes:
         areas: (S,) contact areas, as counted in `FullStickUnits`.
-        positions: (S, 2) left and right edge at these areas.
+        positions: (S, stations) along the arc, at these areas.
         reaches: (R,) radii of the circles.
-        factors: (S, R, 2, 2, J) edge, factor (K_T, K_I), for a unit of each driver.
+        factors: (S, R, stations, d, J) in the order of `Factor`, for a unit of each driver.
     """
 
     areas: Indices
@@ -58,7 +71,7 @@ class Neighbours:
 
     Attributes:
         pressure: (2, N) at these loads.
-        k_i: (R, 2) K_I of the difference between them at both edges, determined in R ways.
+        k_i: (R, stations) K_I of the difference between them, determined in R ways.
     """
 
     pressure: Array
@@ -106,7 +119,7 @@ class ContactHistory:
     status: npt.NDArray[np.int8]
     dissipation: Array
     full_stick: FullStickUnits
-    integrals: EdgeIntegrals | None = None
+    integrals: StationIntegrals | None = None
     neighbours: Neighbours | None = None
 
 

@@ -17,7 +17,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.front import ContactSummary, Station
 from fretfe.edges.refinement import Refinement
 from fretfe.environment import versions
 from fretfe.errors import OutputError
@@ -151,19 +151,28 @@ def _refinement_numbers(refinement: Refinement | None) -> dict[str, Any] | None:
     if refinement is None:
         return None
     numbers = asdict(refinement)
+    for each in numbers["passes"]:
+        each["edges"] = [
+            {"side": station.pop("front"), **station} for station in each.pop("stations")
+        ]
     numbers["limits"] = [
-        {"contact": edge.contact, "side": edge.side, "values": limits}
-        for edge, limits in refinement.limits
+        {"contact": station.contact, "side": station.front, "values": limits}
+        for station, limits in refinement.limits
     ]
     return numbers
 
 
 def _contact_numbers(contact: ContactSummary) -> dict[str, Any]:
-    """A contact's histories; `station` counts places along an edge, one in the plane."""
+    """A contact's histories; its fronts in one list of stations."""
     numbers = {field.name: getattr(contact, field.name) for field in fields(contact)}
-    del numbers["name"]
-    numbers["edges"] = [{"station": 0, **asdict(edge)} for edge in contact.edges]
-    return numbers
+    del numbers["name"], numbers["fronts"]
+    return {**numbers, "edges": [_station_numbers(station) for station in contact.stations]}
+
+
+def _station_numbers(station: Station) -> dict[str, Any]:
+    """A station; `side` is the name of its front, `station` its place along the front."""
+    numbers = asdict(station)
+    return {"station": numbers.pop("number"), "side": numbers.pop("front"), **numbers}
 
 
 def _plain(value: Any) -> Any:

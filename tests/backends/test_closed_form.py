@@ -13,7 +13,7 @@ from fretfe._typing import Array
 from fretfe.analytic.profiles import FlatRounded, Wedge
 from fretfe.backends.analytic import solve_closed_form
 from fretfe.backends.closed_form import ASYMPTOTE, EXACT, MODERATE
-from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.front import ContactSummary
 from fretfe.idealise import HalfPlaneProblem
 
 STEPS = 24
@@ -70,7 +70,7 @@ CASES: dict[str, tuple[HalfPlaneProblem, str, float]] = {
 
 
 def last_lengths(summary: ContactSummary) -> Array:
-    return np.array([[z.length for z in edge.slip_zones[-2:]] for edge in summary.edges])
+    return np.array([[z.length for z in edge.slip_zones[-2:]] for edge in summary.stations])
 
 
 @pytest.mark.parametrize(("given", "solution", "tolerance"), CASES.values(), ids=CASES)
@@ -79,7 +79,7 @@ def test_steady_cycles(given: HalfPlaneProblem, solution: str, tolerance: float)
     numerical = solved(given)
     assert solution in used
     assert last_lengths(closed) == pytest.approx(last_lengths(numerical), abs=tolerance)
-    for mine, other in zip(closed.edges, numerical.edges, strict=True):
+    for mine, other in zip(closed.stations, numerical.stations, strict=True):
         assert [(z.start, z.end) for z in mine.slip_zones[-2:]] == [
             (z.start, z.end) for z in other.slip_zones[-2:]
         ]
@@ -111,7 +111,7 @@ def test_first_loading(given: HalfPlaneProblem, solution: str, tolerance: float)
     closed, used = solve_closed_form(given)
     numerical = solved(given)
     assert used == {solution}
-    for mine, other in zip(closed.edges, numerical.edges, strict=True):
+    for mine, other in zip(closed.stations, numerical.stations, strict=True):
         length = mine.slip_zones[-1].length
         assert length == pytest.approx(other.slip_zones[-1].length, abs=tolerance)
         assert length > 0.02
@@ -121,13 +121,13 @@ def test_moment() -> None:
     given = problem(LOAD, 0.0, 0.2 * LOAD * np.sin(loop(STEPS)), cycle=STEPS)
     closed, _ = solve_closed_form(given)
     numerical = solved(given)
-    for mine, other in zip(closed.edges, numerical.edges, strict=True):
+    for mine, other in zip(closed.stations, numerical.stations, strict=True):
         assert mine.position[6:] == pytest.approx(other.position[6:], abs=5e-3)
         assert mine.k_i_range == pytest.approx(other.k_i_range, rel=5e-3)
     assert closed.moment == pytest.approx(numerical.moment, abs=1e-3 * LOAD)
     # Hertz: K_I moves each edge with the contact, 2 dK_I/K_N = range of M/P
-    k_n = float(closed.edges[0].k_n[-1])
-    assert 2 * closed.edges[0].k_i_range / k_n == pytest.approx(0.4, rel=1e-6)
+    k_n = float(closed.stations[0].k_n[-1])
+    assert 2 * closed.stations[0].k_i_range / k_n == pytest.approx(0.4, rel=1e-6)
 
 
 def test_friction_work() -> None:
@@ -140,8 +140,8 @@ def test_friction_work() -> None:
 
 def test_no_friction_no_slip_zones() -> None:
     closed, used = solve_closed_form(problem(LOAD, friction=0.0))
-    assert used == set() and [edge.slip_zones for edge in closed.edges] == [(), ()]
-    assert closed.edges[0].k_n[-1] == pytest.approx(np.sqrt(2) * HERTZ.e_star / 100)
+    assert used == set() and [edge.slip_zones for edge in closed.stations] == [(), ()]
+    assert closed.stations[0].k_n[-1] == pytest.approx(np.sqrt(2) * HERTZ.e_star / 100)
 
 
 def test_a_long_slip_zone_is_warned_about() -> None:

@@ -18,7 +18,8 @@ from meshes_b1 import RADIUS, write_b1
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import Hertz
 from fretfe.case import parse_case
-from fretfe.edges.evaluate import ContactSummary, evaluate
+from fretfe.edges.evaluate import evaluate
+from fretfe.edges.front import ContactSummary
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.results.solution import SLIP, ContactHistory, Solution
@@ -103,7 +104,7 @@ def test_half_width(b1: Run, state: int) -> None:
 def test_k_n(b1: Run, state: int, side: int) -> None:
     a = b1.reference(state).half_width
     expected = E_STAR / (2 * RADIUS) * np.sqrt(2 * a)
-    assert b1.summary.edges[side].k_n[state] == pytest.approx(expected, rel=0.01)
+    assert b1.summary.stations[side].k_n[state] == pytest.approx(expected, rel=0.01)
 
 
 @pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
@@ -113,13 +114,15 @@ def test_k_t(b1: Run, state: int, side: int) -> None:
     sign = 1 if side == 0 else -1
     expected = sign * b1.summary.shear_force[state] / (np.pi * np.sqrt(2 * a))
     # 1 %: the block is 20 half-widths deep; a half-plane's factor differs by (a/depth) squared
-    assert b1.summary.edges[side].k_t[state] == pytest.approx(expected, rel=0.01)
+    assert b1.summary.stations[side].k_t[state] == pytest.approx(expected, rel=0.01)
 
 
 @pytest.mark.parametrize("state", EXTREMES)
 def test_stick_half_width(fine: Run, state: int) -> None:
     reference = fine.reference(state)
-    zones = [zone for edge in fine.summary.edges for zone in edge.slip_zones if zone.end == state]
+    zones = [
+        zone for edge in fine.summary.stations for zone in edge.slip_zones if zone.end == state
+    ]
     stick = abs(zones[1].border - zones[0].border) / 2
     expected = float(reference.stick_half_width(fine.summary.shear_force[state]))
     assert stick == pytest.approx(expected, abs=0.005 * reference.half_width)
@@ -193,7 +196,7 @@ def test_friction_from_the_first_step(tmp_path: Path) -> None:
 def test_the_side_of_the_multipliers_does_not_matter(tmp_path: Path, fine: Run) -> None:
     other = run_b1(tmp_path, 2, 0.02, multipliers="surface2")
     k_n = [
-        [edge.k_n[state] for edge in run.summary.edges for state in EXTREMES]
+        [edge.k_n[state] for edge in run.summary.stations for state in EXTREMES]
         for run in (fine, other)
     ]
     assert np.allclose(k_n[0], k_n[1], rtol=0.005)

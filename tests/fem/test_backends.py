@@ -42,7 +42,7 @@ def answers(request: pytest.FixtureRequest) -> dict[str, Result]:
 @pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
 @pytest.mark.parametrize("name", ["analytic", "halfplane"])
 def test_edges_agree(answers: dict[str, Result], name: str, side: int) -> None:
-    edge, reference = (answers[n].contacts[0].edges[side] for n in (name, "fem"))
+    edge, reference = (answers[n].contacts[0].stations[side] for n in (name, "fem"))
     half_width = float(answers["analytic"].contacts[0].half_width[-1])
     assert edge.position[-1] == pytest.approx(reference.position[-1], abs=0.01 * half_width)
     assert edge.k_n[-1] == pytest.approx(reference.k_n[-1], rel=0.01)

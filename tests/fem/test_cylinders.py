@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from fretfe.case import parse_case
-from fretfe.edges.evaluate import ContactSummary, evaluate
+from fretfe.edges.evaluate import evaluate
+from fretfe.edges.front import ContactSummary
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.results.solution import ContactHistory
@@ -66,7 +67,7 @@ def cylinders() -> tuple[ContactHistory, ContactSummary]:
 
 
 def factors(summary: ContactSummary) -> list[float]:
-    left, right = summary.edges
+    left, right = summary.stations
     borders = [edge.slip_zones[-1].border for edge in (left, right)]
     return [
         summary.half_width[-1],

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from fretfe.case import parse_case
-from fretfe.edges.evaluate import ContactSummary, evaluate
+from fretfe.edges.evaluate import evaluate
+from fretfe.edges.front import ContactSummary
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.results.solution import STICK, Solution
@@ -49,7 +50,7 @@ def mirrored(contacts: tuple[ContactSummary, ...]) -> tuple[np.ndarray, np.ndarr
         rows.append(
             [
                 value
-                for edge in contact.edges[::order]
+                for edge in contact.stations[::order]
                 for value in (
                     order * edge.position[-1],
                     edge.k_n[-1],
@@ -100,7 +101,7 @@ def test_forward_and_backward_slip_end_at_the_same_place(
     coarse: tuple[Solution, tuple[ContactSummary, ...]],
 ) -> None:
     for contact in coarse[1]:
-        for edge in contact.edges:
+        for edge in contact.stations:
             borders = [zone.border for zone in edge.slip_zones[-2:]]
             # half an element of .004: the shortest zone has only three slipping nodes
             assert np.ptp(borders) < 0.002
@@ -110,7 +111,7 @@ def test_slip_zones_follow_the_loop_formula(
     coarse: tuple[Solution, tuple[ContactSummary, ...]],
 ) -> None:
     for contact in coarse[1]:
-        for edge in contact.edges:
+        for edge in contact.stations:
             for zone in edge.slip_zones[-2:]:
                 # The formula is low by 4 to 20 % for d from .1 to .5 of the rounded zone (.15 mm);
                 # on this mesh the shortest zone holds three nodes.
@@ -150,6 +151,6 @@ def test_factors_are_converged(
     fine: tuple[Solution, tuple[ContactSummary, ...]],
 ) -> None:
     for before, after in zip(coarse[1], fine[1], strict=True):
-        for rough, smooth in zip(before.edges, after.edges, strict=True):
+        for rough, smooth in zip(before.stations, after.stations, strict=True):
             assert rough.k_n[-1] == pytest.approx(smooth.k_n[-1], rel=0.02)
             assert rough.k_t_range == pytest.approx(smooth.k_t_range, rel=0.02)

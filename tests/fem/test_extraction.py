@@ -69,14 +69,14 @@ CASES = {name: tension_case(*loads) for name, loads in TENSION.items()}
 @pytest.mark.parametrize("name", TENSION)
 def test_bulk_tension_and_phase(name: str, number: int) -> None:
     fem, reference = (solved(name, backend).contacts[0] for backend in ("fem", "halfplane"))
-    edge, expected = fem.edges[number], reference.edges[number]
+    edge, expected = fem.stations[number], reference.stations[number]
     half_width = float(reference.half_width[-1])
     lengths, references = (
         [zone.length for zone in each.slip_zones[-2:]] for each in (edge, expected)
     )
     assert lengths == pytest.approx(references, abs=0.01 * half_width)
     # formulas (4), (5); a K_T that nearly vanishes is compared with that of the other edge
-    largest = max(each.k_t_range for each in reference.edges)
+    largest = max(each.k_t_range for each in reference.stations)
     assert edge.k_t_range == pytest.approx(expected.k_t_range, rel=0.01, abs=0.003 * largest)
     assert edge.k_t_range_fitted == pytest.approx(edge.k_t_range, rel=5e-3, abs=0.003 * largest)
 
@@ -119,7 +119,7 @@ def test_k_n_by_both_methods(name: str) -> None:
     profile = PUNCHES[name][0]
     answer = find_backend("fem").solve(punch_case(name))
     expected = float(edge_factor_k_n(profile, 1.0))
-    for edge in answer.contacts[0].edges:
+    for edge in answer.contacts[0].stations:
         assert edge.k_n[-1] == pytest.approx(expected, rel=0.01)
         assert edge.k_n_moved == pytest.approx(expected, rel=0.01)
 
@@ -139,7 +139,7 @@ def test_normal_load_in_phase() -> None:
     fem = find_backend("fem").solve(varying_case()).contacts[0]
     reference = find_backend("halfplane").solve(varying_case()).contacts[0]
     half_width = float(np.nanmax(fem.half_width))
-    for edge, expected in zip(fem.edges, reference.edges, strict=True):
+    for edge, expected in zip(fem.stations, reference.stations, strict=True):
         first, second = edge.slip_zones[-2:]
         # the same material point
         assert first.border == pytest.approx(second.border, abs=0.01 * half_width)
@@ -156,7 +156,7 @@ def test_a_coarse_mesh_is_not_trusted() -> None:
     answer = find_backend("fem").solve(parse_case(pad(geometry=cylinder(0.07))))
     contact = answer.contacts[0]
     fine = find_backend("halfplane").solve(parse_case(pad(geometry=cylinder()))).contacts[0]
-    for edge, reference in zip(contact.edges, fine.edges, strict=True):
+    for edge, reference in zip(contact.stations, fine.stations, strict=True):
         error = abs(edge.k_n[-1] - reference.k_n[-1])
         assert edge.k_n_spread[-1] > error
     assert any("refine the mesh" in text or "not resolved" in text for text in contact.warnings)
@@ -165,7 +165,7 @@ def test_a_coarse_mesh_is_not_trusted() -> None:
 def test_holds_are_no_cycle() -> None:
     loads = {"press": press(), "shear": {**shear(), "history": [HOLD]}}
     contact = find_backend("fem").solve(parse_case(pad(geometry=cylinder(0.02), loads=loads)))
-    for edge in contact.contacts[0].edges:
+    for edge in contact.contacts[0].stations:
         assert np.isnan(edge.k_t_range) and np.isfinite(edge.k_n_moved)
 
 
@@ -181,5 +181,5 @@ def test_friction_work_is_the_area_of_the_hysteresis_loop() -> None:
     # the friction work takes the shear at the end of each step: first order in the 60 steps
     assert contact.dissipation == pytest.approx(work, rel=0.03)
     assert work > 0
-    assert sum(edge.dissipation for edge in contact.edges) == pytest.approx(contact.dissipation)
+    assert sum(edge.dissipation for edge in contact.stations) == pytest.approx(contact.dissipation)
     assert abs(contact.dissipation_change) < 1e-4

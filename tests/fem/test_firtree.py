@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from fretfe.case import parse_case
-from fretfe.edges.evaluate import ContactSummary, evaluate
+from fretfe.edges.evaluate import evaluate
+from fretfe.edges.front import ContactSummary
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.results.solution import Solution
@@ -57,7 +58,7 @@ def forces(solution: Solution) -> dict[str, np.ndarray]:
 
 
 def test_all_edges_have_factors(touching: tuple[Solution, dict[str, ContactSummary]]) -> None:
-    edges = [edge for contact in touching[1].values() for edge in contact.edges]
+    edges = [edge for contact in touching[1].values() for edge in contact.stations]
     assert len(edges) == 12
     for edge in edges:
         # at small loads the contact covers too few of the coarse elements beyond the flat
@@ -71,7 +72,7 @@ def test_contacts_end_on_the_roundings(
     # between the ends of the flat, 2.5 long, and the ends of the candidate contact
     reach = 1.25 + 2.0 * np.sin(np.radians(10))
     for contact in touching[1].values():
-        for edge in contact.edges:
+        for edge in contact.stations:
             assert 1.25 < abs(edge.position[-1]) < reach
 
 
@@ -97,7 +98,7 @@ def test_left_mirrors_right(name: str, request: pytest.FixtureRequest) -> None:
         np.testing.assert_allclose(
             share[left.name], share[right.name] * [-1, 1], rtol=1e-5, atol=1e-2
         )
-        for one, other in zip(left.edges, right.edges[::-1], strict=True):
+        for one, other in zip(left.stations, right.stations[::-1], strict=True):
             np.testing.assert_allclose(one.k_n[4:], other.k_n[4:], rtol=0.01)
             assert one.k_t_range == pytest.approx(other.k_t_range, rel=0.01)
             np.testing.assert_allclose(one.position[1:], -other.position[1:], atol=1e-3)

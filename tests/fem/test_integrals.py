@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from pad_cases import HOLD, SLIDING, pad, press, pull, shear, wave
 
+from fretfe.analytic._arguments import Side
 from fretfe.analytic.edges import normal_increment_factor, tangential_factor
 from fretfe.case import parse_case
-from fretfe.edges import Side
 from fretfe.fem.backend import BACKEND
 from fretfe.results.model import Result
-from fretfe.results.solution import EdgeIntegrals
+from fretfe.results.solution import Factor, StationIntegrals
 
 SIDES: tuple[Side, Side] = ("left", "right")
 # Large, so that half-planes are near; held from below, the block takes Q half to either side.
@@ -38,7 +38,7 @@ def answer(request: pytest.FixtureRequest) -> Result:
     return solve(*request.param)
 
 
-def integrals(answer: Result) -> EdgeIntegrals:
+def integrals(answer: Result) -> StationIntegrals:
     assert answer.solution is not None
     found = answer.solution.contacts[0].integrals
     assert found is not None
@@ -59,21 +59,21 @@ def test_half_planes(answer: Result, number: int) -> None:
     assert answer.solution is not None
     half_width = float(np.diff(found.positions[-1])[0]) / 2
     drivers = answer.solution.drivers
-    shear_unit = found.factors[-1, :, number, 0, drivers.index("shear")]
-    press_unit = found.factors[-1, :, number, 1, drivers.index("press")]
+    shear_unit = found.factors[-1, :, number, Factor.K_T, drivers.index("shear")]
+    press_unit = found.factors[-1, :, number, Factor.K_I, drivers.index("press")]
     # 0.5 % from the bodies' size, and half an element of a 58-element half-width
     expected = float(tangential_factor(1.0, 0.0, half_width, side))
     assert shear_unit == pytest.approx(np.full(3, expected), rel=0.01)
     expected = float(normal_increment_factor(-1.0, 0.0, half_width, side))
     assert press_unit == pytest.approx(np.full(3, expected), rel=0.01)
     # a normal load does not shear the edge, but for the slope of the pad there, a/R = 0.0115
-    press_shear = found.factors[-1, :, number, 0, drivers.index("press")]
+    press_shear = found.factors[-1, :, number, Factor.K_T, drivers.index("press")]
     assert np.abs(press_shear).max() < 0.02 * abs(expected)
 
 
 @pytest.mark.parametrize("number", [0, 1], ids=SIDES)
 def test_two_extractions_agree(answer: Result, number: int) -> None:
-    edge = answer.contacts[0].edges[number]
+    edge = answer.contacts[0].stations[number]
     assert answer.solution is not None
     # At order 1 the tractions alternate more, and the edges of a discrete increment are known less
     # well: 0.51 % measured.
@@ -85,7 +85,7 @@ def test_two_extractions_agree(answer: Result, number: int) -> None:
 
 @pytest.mark.parametrize("number", [0, 1], ids=SIDES)
 def test_k_n_from_the_movement_of_the_edge(answer: Result, number: int) -> None:
-    edge = answer.contacts[0].edges[number]
+    edge = answer.contacts[0].stations[number]
     # order 1: positions of the edges alternate by a few hundredths of an element
     assert edge.k_n_moved == pytest.approx(edge.k_n[-1], rel=0.02)
 
@@ -99,11 +99,11 @@ def test_bulk_tension() -> None:
     answer = solve(2, 0.02, loads=loads, supports=SLIDING)
     contact = answer.contacts[0]
     a = float(contact.half_width[-1])
-    for edge, side in zip(contact.edges, SIDES, strict=True):
+    for edge, side in zip(contact.stations, SIDES, strict=True):
         expected = 2 * float(tangential_factor(0.0, 100.0, a, side))
         assert edge.k_t_range == pytest.approx(expected, rel=0.01)
         # tension pulls body 2 outward under the pad: the shear on it points inward at both edges
-        peak = int(np.argmax(answer.history.values[:, 2]))
+        peak = int(np.argmax(answer.loads.values[:, 2]))
         assert edge.k_t[peak] == pytest.approx(expected / 2, rel=0.01)
     assert np.ptp(contact.effective_tension) == pytest.approx(200.0, rel=0.01)
 
@@ -113,14 +113,14 @@ def test_the_sign_follows_the_shear_at_both_edges() -> None:
     contact = answer.contacts[0]
     for state in (7, 9, 17, 19):
         force = contact.shear_force[state]
-        left, right = (edge.k_t[state] for edge in contact.edges)
+        left, right = (edge.k_t[state] for edge in contact.stations)
         assert np.sign(left) == np.sign(force) == -np.sign(right)
 
 
 def test_stiffness_and_plane_state_do_not_matter() -> None:
     bodies = {"upper": {"young": 70e3, "poisson": 0.3}, "lower": {"young": 70e3, "poisson": 0.3}}
     answer = solve(2, 0.02, "stress", 1.6, bodies=bodies)
-    edge = answer.contacts[0].edges[0]
+    edge = answer.contacts[0].stations[0]
     a = float(answer.contacts[0].half_width[-1])
     # K_T does not depend on the stiffness or the plane state
     assert edge.k_t_range == pytest.approx(
@@ -132,8 +132,8 @@ def test_stiffness_and_plane_state_do_not_matter() -> None:
 def test_no_k_n_from_an_edge_that_leaves_its_surface() -> None:
     # 5 % more load makes the half-width 2.5 % larger than 0.575
     answer = solve(2, 0.02, zone=0.58)
-    assert all(np.isnan(edge.k_n_moved) for edge in answer.contacts[0].edges)
-    assert all(np.isfinite(edge.k_n[-1]) for edge in answer.contacts[0].edges)
+    assert all(np.isnan(edge.k_n_moved) for edge in answer.contacts[0].stations)
+    assert all(np.isfinite(edge.k_n[-1]) for edge in answer.contacts[0].stations)
 
 
 def test_waves_that_start_with_a_phase_have_integrals() -> None:
@@ -141,5 +141,5 @@ def test_waves_that_start_with_a_phase_have_integrals() -> None:
     shifted = {**shear(), "history": history}
     contacts = {"main": {**pad()["contacts"]["main"], "friction_from": 0.0}}
     answer = solve(2, 0.02, loads={"press": press(), "shear": shifted}, contacts=contacts)
-    edge = answer.contacts[0].edges[0]
+    edge = answer.contacts[0].stations[0]
     assert edge.k_t_range == pytest.approx(edge.k_t_range_fitted, rel=0.01)

@@ -11,7 +11,8 @@ import pytest
 from meshes_b1 import write_b1
 
 from fretfe.case import parse_case
-from fretfe.edges.evaluate import ContactSummary, evaluate
+from fretfe.edges.evaluate import evaluate
+from fretfe.edges.front import ContactSummary
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 
@@ -77,7 +78,7 @@ def summaries(tmp_path_factory: pytest.TempPathFactory) -> list[ContactSummary]:
 @pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
 def test_slip_zones_do_not_depend_on_the_steps(summaries: list[ContactSummary], side: int) -> None:
     coarse, fine = (
-        [zone.length for zone in summary.edges[side].slip_zones[-2:]] for summary in summaries
+        [zone.length for zone in summary.stations[side].slip_zones[-2:]] for summary in summaries
     )
     # A border is located to about a tenth of the element size; 20 steps miss a reversal by up to
     # (pi/20)^2/2 of the range.
@@ -86,4 +87,4 @@ def test_slip_zones_do_not_depend_on_the_steps(summaries: list[ContactSummary], 
 
 @pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
 def test_slip_zones_are_resolved(summaries: list[ContactSummary], side: int) -> None:
-    assert all(zone.resolved for zone in summaries[0].edges[side].slip_zones[-2:])
+    assert all(zone.resolved for zone in summaries[0].stations[side].slip_zones[-2:])

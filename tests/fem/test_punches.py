@@ -28,7 +28,8 @@ from fretfe.analytic.profiles import (
     edge_factor_k_n,
 )
 from fretfe.case import parse_case
-from fretfe.edges.evaluate import ContactSummary, evaluate
+from fretfe.edges.evaluate import evaluate
+from fretfe.edges.front import ContactSummary
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.results.solution import ContactHistory
@@ -124,7 +125,7 @@ def test_k_n(pressed: Pressed, side: int) -> None:
     punch, _, summary = pressed
     expected = float(edge_factor_k_n(punch.profile, HALF_WIDTH))
     # mesh at the edge: 0.4 to 0.6 %; wedge: 0.3 % more from the bodies
-    assert summary.edges[side].k_n[-1] == pytest.approx(expected, rel=0.01)
+    assert summary.stations[side].k_n[-1] == pytest.approx(expected, rel=0.01)
 
 
 def test_pressure(pressed: Pressed) -> None:

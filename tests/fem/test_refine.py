@@ -63,7 +63,7 @@ def test_hertz_to_half_a_percent_with_thirty_thousand_unknowns() -> None:
     assert refinement.converged, refinement.reason
     assert refinement.passes[-1].change <= 0.005
     assert refinement.passes[-1].unknowns < 30_000
-    for edge in solved_hertz().contacts[0].edges:
+    for edge in solved_hertz().contacts[0].stations:
         assert edge.k_n[-1] == pytest.approx(k_n(PROFILE, HALF_WIDTH), rel=5e-3)
         # 2 Q/(pi sqrt(2 a)); the bodies are 21 half-widths wide, which takes away 0.2 %
         expected = 0.08 * FRICTION * LOAD / (math.pi * math.sqrt(2 * HALF_WIDTH))
@@ -75,7 +75,7 @@ def test_short_slip_zones_are_resolved() -> None:
     solution = solved_hertz().solution
     zone = HALF_WIDTH * (1 - math.sqrt(1 - 0.04))
     assert zone == pytest.approx(0.02 * HALF_WIDTH, rel=0.02)
-    for edge in solved_hertz().contacts[0].edges:
+    for edge in solved_hertz().contacts[0].stations:
         for found in edge.slip_zones[-2:]:
             # 0.3 % of it are 6e-5 of the half-width
             assert found.length == pytest.approx(zone, rel=5e-3)
@@ -119,7 +119,7 @@ def test_a_tiny_rounding_to_one_percent_with_forty_thousand_unknowns() -> None:
     assert result.refinement is not None
     assert result.refinement.converged
     assert result.refinement.passes[-1].unknowns < 40_000
-    for edge in result.contacts[0].edges:
+    for edge in result.contacts[0].stations:
         assert edge.k_n[-1] == pytest.approx(k_n(profile, half_width), rel=0.01)
         assert abs(edge.position[-1]) == pytest.approx(half_width, rel=1e-3)
 
@@ -130,7 +130,7 @@ def test_edges_that_differ_are_resolved_each_for_itself() -> None:
     result = BACKEND.solve(parse_case(case))
     assert result.refinement is not None
     assert result.refinement.converged
-    left, right = result.contacts[0].edges
+    left, right = result.contacts[0].stations
     assert left.k_t_range > 2 * right.k_t_range
     for edge in (left, right):
         assert edge.k_n[-1] == pytest.approx(k_n(PROFILE, HALF_WIDTH), rel=0.01)
@@ -145,7 +145,7 @@ def test_a_contact_smaller_than_an_element_is_found() -> None:
     result = BACKEND.solve(parse_case(case))
     assert result.refinement is not None
     assert result.refinement.passes[0].smallest_element > 2 * half_width
-    for edge in result.contacts[0].edges:
+    for edge in result.contacts[0].stations:
         assert edge.k_n[-1] == pytest.approx(k_n(PROFILE, half_width), rel=0.01)
 
 
@@ -160,7 +160,7 @@ def test_too_many_unknowns_end_the_refinement_and_keep_what_there_is() -> None:
     assert "pad.toml: edges.unknowns: mesh 3 would have" in refinement.reason
     assert "expected at most 12000" in refinement.reason
     assert len(refinement.passes) == 2
-    assert np.isfinite(result.contacts[0].edges[0].k_n[-1])
+    assert np.isfinite(result.contacts[0].stations[0].k_n[-1])
     assert told.announced[0].startswith("mesh 1: ")
 
 

@@ -93,7 +93,7 @@ def test_a_step_file_gives_the_edge_factors_of_hertz(folder: Path) -> None:
     half_width = math.sqrt(4 * FORCE * RADIUS / (math.pi * modulus))
     # p = p0 sqrt(1 - (x/a)^2) ~ p0 sqrt(2/a) sqrt(a - x), with p0 = 2 P/(pi a) (Johnson 1985, 4.2)
     k_n = 2 * FORCE / (math.pi * half_width) * math.sqrt(2 / half_width)
-    for edge in contact.edges:
+    for edge in contact.stations:
         # half-width to (a/W)^2/4 = 0.06 % for the finite bodies (W = 12) and as much for the mesh;
         # K_N goes with a^(-3/2) at a given force
         assert abs(edge.position[-1]) == pytest.approx(half_width, rel=1e-3)

@@ -154,7 +154,9 @@ def test_all_formats_hold_the_same_mesh(folder: Path, geometry: dict[str, Any]) 
 def results(folder: Path, geometry: dict[str, Any]) -> np.ndarray:
     loads = {"press": press(600.0), "shear": shear(60.0, cycles=1, steps=4)}
     contact = BACKEND.solve(case_in(folder, geometry, loads=loads)).contacts[0]
-    return np.array([(e.position[-1], e.k_n[-1], e.k_t_range) for e in contact.edges], dtype=float)
+    return np.array(
+        [(e.position[-1], e.k_n[-1], e.k_t_range) for e in contact.stations], dtype=float
+    )
 
 
 def test_all_formats_give_the_same_results(folder: Path) -> None:

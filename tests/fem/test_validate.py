@@ -19,7 +19,7 @@ def run(**parameters: float) -> Validation:
     case = load_case(DEMO)
     data = case.model_dump(mode="json", exclude_unset=True)
     data["geometry"]["parameters"] |= parameters
-    return validate(parse_case(data, DEMO), find_backend("fem"), lambda _: None)
+    return validate(parse_case(data, DEMO), find_backend("fem"))
 
 
 def chosen(validation: Validation, quantity: str) -> list[Row]:

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, loop, problem, solved, started
 
+from fretfe.analytic._arguments import Side
 from fretfe.analytic.edges import factor_range_phase_shifted, tangential_factor
 from fretfe.analytic.partial_slip import PartialSlip, hertz_dissipation
 from fretfe.analytic.paths import PolygonPath, permanent_stick_load
 from fretfe.analytic.profiles import FlatRounded, Profile, Wedge
-from fretfe.edges import Side
-from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.front import ContactSummary
 from fretfe.halfplane import solve_half_planes
 
 SIDES: tuple[Side, Side] = ("left", "right")
@@ -23,7 +23,7 @@ STEPS = 60
 
 def last_zones(summary: ContactSummary) -> list[tuple[float, float]]:
     """Lengths of the last two slip zones at each edge."""
-    return [(edge.slip_zones[-2].length, edge.slip_zones[-1].length) for edge in summary.edges]
+    return [(edge.slip_zones[-2].length, edge.slip_zones[-1].length) for edge in summary.stations]
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])
@@ -31,7 +31,7 @@ def last_zones(summary: ContactSummary) -> list[tuple[float, float]]:
 def test_cattaneo_mindlin(ratio: float, direction: float) -> None:
     shear = direction * ratio * LIMIT * np.linspace(0.1, 1.0, 10)
     summary = solved(problem(LOAD, shear))
-    stick = [1.0 - edge.slip_zones[-1].length for edge in summary.edges]
+    stick = [1.0 - edge.slip_zones[-1].length for edge in summary.stations]
     # 0.2 % is what the solution promises; 0.03 % were measured
     assert stick == pytest.approx([np.sqrt(1 - ratio)] * 2, abs=0.001)
 
@@ -78,7 +78,7 @@ def test_phase_shifted_loops(
     for zones, expected in zip(last_zones(summary), forward_and_backward, strict=True):
         assert zones == pytest.approx(expected, abs=0.005)
     assert summary.steady
-    for edge, side in zip(summary.edges, SIDES, strict=True):
+    for edge, side in zip(summary.stations, SIDES, strict=True):
         ellipse = factor_range_phase_shifted(shear * LIMIT, tension * FRICTION, lag, 1.0, side)
         # the reversals may fall between two of the 60 steps: (pi/60)^2/2 of the range
         assert edge.k_t_range == pytest.approx(float(ellipse), rel=1.5e-3, abs=1e-6)
@@ -91,7 +91,7 @@ def test_exact_slip_zones_of_tension_in_proportion() -> None:
         q, s = 0.3 * LIMIT * np.cos(angle), sign * 0.4 * FRICTION * np.cos(angle)
         summary = solved(problem(LOAD, started(q), 0.0, started(s), cycle=24))
         c, e = np.sqrt(0.7), sign * 0.1
-        lengths = [edge.slip_zones[-1].length for edge in summary.edges]
+        lengths = [edge.slip_zones[-1].length for edge in summary.stations]
         assert lengths == pytest.approx([1 - c + e, 1 - c - e], abs=0.001)
 
 
@@ -109,7 +109,7 @@ def test_permanent_stick_zone_under_varying_normal_load(swing: float, phase: flo
     zero = np.zeros(STEPS + 1)
     path = PolygonPath(np.column_stack([p[-STEPS - 1 :], zero, q[-STEPS - 1 :], zero]))
     border = float(HERTZ.half_width(permanent_stick_load(path, FRICTION)))
-    for edge, sign in zip(summary.edges, (-1, 1), strict=True):
+    for edge, sign in zip(summary.stations, (-1, 1), strict=True):
         for zone in edge.slip_zones[-2:]:
             assert sign * zone.border == pytest.approx(border, rel=1e-3)
             # the load at that area, which the formula gives
@@ -127,7 +127,7 @@ def test_an_edge_that_moves_more_than_it_is_sheared_does_not_slip() -> None:
     # quarter of that with half the steps.
     constant = float(hertz_dissipation(HERTZ, LOAD, FRICTION, 0.1 * LIMIT))
     assert summary.dissipation < 0.004 * constant
-    assert [zone.length for edge in summary.edges for zone in edge.slip_zones[-2:]] == [0.0] * 4
+    assert [zone.length for edge in summary.stations for zone in edge.slip_zones[-2:]] == [0.0] * 4
 
 
 PROFILES: dict[str, Profile] = {
@@ -159,7 +159,7 @@ def test_friction_work() -> None:
 
 def test_shear_factor_counts_both_loads() -> None:
     summary = solved(problem(LOAD, [0.05, 0.1], 0.0, [0.1, 0.2]))
-    for edge, side in zip(summary.edges, SIDES, strict=True):
+    for edge, side in zip(summary.stations, SIDES, strict=True):
         expected = float(tangential_factor(0.1, 0.2, 1.0, side))
         assert edge.k_t[-1] == pytest.approx(expected, rel=1e-4)
 

@@ -28,7 +28,7 @@ def test_pressure_and_edges(profile: Profile) -> None:
     solution = solve_half_planes(given).solution
     contact, summary = solution.contacts[0], solved(given)
     scale = 1.0 - max(profile.kinks, default=0.0)
-    for edge, sign in zip(summary.edges, (-1, 1), strict=True):
+    for edge, sign in zip(summary.stations, (-1, 1), strict=True):
         assert sign * edge.position[-1] == pytest.approx(1.0, abs=5e-4 * scale)
         # the fits of K_N are good to 0.5 % on any profile; Hertz is exact for them
         assert edge.k_n[-1] == pytest.approx(float(edge_factor_k_n(profile, 1.0)), rel=5e-3)
@@ -55,7 +55,7 @@ def test_moment_moves_the_edges(profile: Profile, moment: float) -> None:
     # the moment acts at the right edge if it is positive
     assert np.sign(summary.centre[-1]) == np.sign(moment)
     for edge, position, k_n in zip(
-        summary.edges,
+        summary.stations,
         (expected.left, expected.right),
         (expected.k_n_left, expected.k_n_right),
         strict=True,

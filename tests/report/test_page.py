@@ -17,7 +17,7 @@ from pad_cases import pad
 from stored_runs import REASON, RUNS, edit_numbers, solved, write_many_contacts, write_run
 
 from fretfe.case import parse_case
-from fretfe.edges.refinement import EdgeValues, Pass, Refinement
+from fretfe.edges.refinement import Pass, Refinement, StationValues
 from fretfe.errors import OutputError
 from fretfe.report.page.html import REPORT, render, write_report
 from fretfe.results.writer import write_results
@@ -93,7 +93,7 @@ def test_page_is_one_file_that_loads_nothing(pages: dict[str, str], name: str) -
     page = check_alone(pages[name])
     assert len(pages[name]) < 1.5e6
     # Tractions, 2 edges, slip map, factors, loads, path, loops, iterations, certificate.
-    arrays = solved(name)[2].solution is not None
+    arrays = solved(name).solution is not None
     assert page.tags.count("svg") >= (9 if arrays else 3)
     assert page.tags.count("table") >= 5
     assert ("gives no tractions along the contact" in pages[name]) == (not arrays)
@@ -101,12 +101,12 @@ def test_page_is_one_file_that_loads_nothing(pages: dict[str, str], name: str) -
 
 
 def test_answer_comes_first_with_numbers_and_verdicts(pages: dict[str, str]) -> None:
-    (contact,) = solved("halfplane")[2].contacts
+    (contact,) = solved("halfplane").contacts
     text = pages["halfplane"]
     assert text.index('id="answer"') < text.index("<svg")
     rows = Page(text).rows("Contact edges")
     assert [row[:2] for row in rows] == [["main", side] for side in ("left",) * 2 + ("right",) * 2]
-    zones = [(edge, zone) for edge in contact.edges for zone in edge.slip_zones[-2:]]
+    zones = [(edge, zone) for edge in contact.stations for zone in edge.slip_zones[-2:]]
     for row, (edge, zone) in zip(rows, zones, strict=True):
         # All digits but the last ones.
         assert float(row[3].split("±")[0]) == pytest.approx(edge.k_n[-1], rel=1e-3)
@@ -321,12 +321,11 @@ def test_frictionless_contact_has_a_report(tmp_path: Path) -> None:
 def test_refinement_is_shown(tmp_path: Path) -> None:
 
     def done(unknowns: int, k_n: float) -> Pass:
-        edge = EdgeValues("main", "left", k_n, 35.6, (0.077, 0.076), 0.3, 0.4)
+        edge = StationValues("main", "left", k_n, 35.6, (0.077, 0.076), 0.3, 0.4)
         return Pass(unknowns, 0.01, (edge,), True, 0.1)
 
-    case, backend, result = solved("analytic")
     refinement = Refinement(0.01, (done(1000, 1200.0), done(2000, 1236.0)), False, "too <large>")
-    write_results(tmp_path, case, backend, replace(result, refinement=refinement))
+    write_results(tmp_path, replace(solved("analytic"), refinement=refinement))
     page = check_alone(render(tmp_path))
     assert [row[:4] for row in page.rows("Changes from mesh to mesh")][1][
         3

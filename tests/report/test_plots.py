@@ -40,7 +40,7 @@ def shown(run: Result) -> Shown:
 @pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
 def test_change_of_the_stuck_contact_is_that_of_the_closed_form(shown: Shown, side: int) -> None:
     """2 Q/(pi sqrt(a^2 - x^2)) between Q and -Q, positive in the sense of ΔK_T at both edges."""
-    near = _near(shown, shown.summary.edges[side])
+    near = _near(shown, shown.summary.stations[side])
     assert near is not None
     solution = shown.run.solution
     assert solution is not None
@@ -58,7 +58,7 @@ def test_change_of_the_stuck_contact_is_that_of_the_closed_form(shown: Shown, si
 
 def test_states_that_are_compared_are_the_reversals(shown: Shown) -> None:
     first, last = shown.run.loads.cycle or (0, 0)
-    near = _near(shown, shown.summary.edges[0])
+    near = _near(shown, shown.summary.stations[0])
     assert near is not None
     states = [near.earlier, near.later]
     shear = shown.summary.shear_force
@@ -69,7 +69,7 @@ def test_states_that_are_compared_are_the_reversals(shown: Shown) -> None:
 def test_without_a_cycle_first_loading_is_compared(tmp_path: Path) -> None:
     run = load_result(write_run(tmp_path, "no cycle"))
     (shown,) = shown_contacts(run)
-    near = _near(shown, shown.summary.edges[0])
+    near = _near(shown, shown.summary.stations[0])
     assert near is not None
     times = run.loads.times
     # Friction begins at 1, where the shear begins too.

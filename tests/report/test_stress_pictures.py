@@ -16,7 +16,8 @@ from launch import python
 from PIL import Image
 
 from fretfe._typing import Array
-from fretfe.cli.pictures import animate, export
+from fretfe.cli.pictures import animate
+from fretfe.cli.pictures import scene as write_scene
 from fretfe.edges.extremes import load_extremes
 from fretfe.errors import CaseError, FretfeError, OutputError
 from fretfe.report.pictures.fields import BodyField, field_times, find_time, read_body
@@ -30,7 +31,7 @@ from fretfe.report.pictures.stress import (
     round_down,
     round_up,
 )
-from fretfe.results.solution import OPEN, SLIP, STICK, BondedUnits, ContactHistory
+from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 
 needs_pyvista = pytest.mark.skipif(
     importlib.util.find_spec("pyvista") is None, reason="PyVista is not installed"
@@ -119,7 +120,7 @@ def contact(gap: list[list[float]], **changes: Any) -> ContactHistory:
         traction=zeros,
         mean_traction=zeros,
         dissipation=np.zeros(len(gap)),
-        bonded=BondedUnits(np.zeros((0, count, 2, 0)), np.full(len(gap), -1)),
+        full_stick=FullStickUnits(np.zeros((0, count, 2, 0)), np.full(len(gap), -1)),
         **values,
     )
 
@@ -228,7 +229,7 @@ def test_an_animation_needs_all_states(tmp_path: Path) -> None:
 
 @needs_pyvista
 def test_the_bodies_are_a_scene(cycle: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    export(cycle, cycle / "scene.gltf")
+    write_scene(cycle, cycle / "scene.gltf")
     assert "displacements × 5" in capsys.readouterr().out.replace("\n", " ")
     scene = json.loads((cycle / "scene.gltf").read_text())
     assert len(scene["meshes"]) == len(BODIES)
@@ -241,9 +242,9 @@ def test_the_bodies_are_a_scene(cycle: Path, capsys: pytest.CaptureFixture[str])
     ("make", "name", "expected", "words"),
     [
         (animate, "cycle.mp4", CaseError, r"ends in \.gif"),
-        (export, "scene.obj", CaseError, r"ends in \.gltf"),
+        (write_scene, "scene.obj", CaseError, r"ends in \.gltf"),
         (animate, "nowhere/cycle.gif", OutputError, "existing folder"),
-        (export, "scene.gltf", OutputError, "results of a run"),
+        (write_scene, "scene.gltf", OutputError, "results of a run"),
     ],
     ids=["not a GIF", "not glTF", "no folder", "no results"],
 )

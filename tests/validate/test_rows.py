@@ -18,6 +18,7 @@ from told import Told
 from fretfe.backends import RunOptions, find_backend
 from fretfe.case import Case, parse_case
 from fretfe.edges.evaluate import evaluate
+from fretfe.edges.front import fronts_of
 from fretfe.halfplane import solve_half_planes
 from fretfe.loads import History
 from fretfe.quality.validate import Row, validate
@@ -76,8 +77,8 @@ def test_what_does_not_exist_is_no_failure() -> None:
     """No cycle or friction to be steady in; no second load that tells a formula's error."""
     result = halfplane(0.15)
     (contact,) = result.contacts
-    left, right = (replace(edge, stiffening=math.nan) for edge in contact.edges)
-    edited = replace(contact, edges=(left, right), cycle_change=math.nan)
+    fronts = fronts_of(replace(edge, stiffening=math.nan) for edge in contact.stations)
+    edited = replace(contact, fronts=fronts, cycle_change=math.nan)
     rows = list(own_rows(replace(result, contacts=(edited,))))
     assert verdicts(rows, "change of q") == verdicts(rows, "d, by formula") == {"-"}
 
@@ -86,18 +87,18 @@ def test_large_expected_error_does_not_excuse_a_large_difference() -> None:
     """A prediction of half the length that was found, where an error of 200 % is expected."""
     result = halfplane(0.15)
     (contact,) = result.contacts
-    zones = [zone for zone in contact.edges[0].slip_zones if math.isfinite(zone.predicted_loop)]
+    zones = [zone for zone in contact.stations[0].slip_zones if math.isfinite(zone.predicted_loop)]
     longer = tuple(replace(zone, predicted_loop=zone.length / 2) for zone in zones)
     stiffening = 4.0 / longer[0].length
-    edges = tuple(replace(edge, slip_zones=longer, stiffening=stiffening) for edge in contact.edges)
-    edited = replace(contact, edges=(edges[0], edges[1]))
+    edges = (replace(edge, slip_zones=longer, stiffening=stiffening) for edge in contact.stations)
+    edited = replace(contact, fronts=fronts_of(edges))
     rows = list(own_rows(replace(result, contacts=(edited,))))
     assert verdicts(rows, "d, by formula") == {"outside"}
 
 
 @pytest.mark.parametrize("ratio", [0.1, 0.2, 0.4])
 def test_expected_error_of_the_asymptote(ratio: float) -> None:
-    for edge in halfplane(ratio).contacts[0].edges:
+    for edge in halfplane(ratio).contacts[0].stations:
         zone = edge.slip_zones[-1]
         # Hertz: d/(2a); the second derivative of P(a) comes from fits at two loads
         assert expected_error(edge, zone.length) == pytest.approx(zone.length / 2, rel=0.1)
@@ -118,17 +119,17 @@ def test_what_is_wrong_fails() -> None:
     contact = result.contacts[0]
 
     def with_edge(**changes: object) -> list[Row]:
-        edges = (replace(contact.edges[0], **changes), contact.edges[1])  # type: ignore[arg-type]
-        changed = replace(result, contacts=(replace(contact, edges=edges),))
+        edges = (replace(contact.stations[0], **changes), contact.stations[1])  # type: ignore[arg-type]
+        changed = replace(result, contacts=(replace(contact, fronts=fronts_of(edges)),))
         return list(own_rows(changed))
 
-    zones = contact.edges[0].slip_zones
+    zones = contact.stations[0].slip_zones
     longer = (*zones[:-1], replace(zones[-1], length=1.5 * zones[-1].length))
     assert "FAIL" in verdicts(with_edge(slip_zones=longer), "half cycle 2")
     moved = (*zones[:-1], replace(zones[-1], border=zones[-1].border + 0.02))
     assert "FAIL" in verdicts(with_edge(slip_zones=moved), "inner end")
-    assert "FAIL" in verdicts(with_edge(k_n=1.1 * contact.edges[0].k_n), "moving edge")
-    changes = {"k_t_range_fitted": 1.05 * contact.edges[0].k_t_range}
+    assert "FAIL" in verdicts(with_edge(k_n=1.1 * contact.stations[0].k_n), "moving edge")
+    changes = {"k_t_range_fitted": 1.05 * contact.stations[0].k_t_range}
     assert "FAIL" in verdicts(with_edge(**changes), "by fit")
     unsteady = replace(result, contacts=(replace(contact, cycle_change=0.1),))
     assert verdicts(list(own_rows(unsteady)), "change of q") == {"FAIL"}
@@ -137,7 +138,7 @@ def test_what_is_wrong_fails() -> None:
 
 
 def test_histories_of_the_companions() -> None:
-    history = halfplane(0.15).history
+    history = halfplane(0.15).loads
     assert history.cycle is not None
     values = np.column_stack([np.linspace(0, 1, len(history.times)), np.ones(len(history.times))])
     first, last = history.cycle
@@ -203,9 +204,9 @@ class Sliding:
             replace(
                 edge, slip_zones=tuple(replace(z, length=2 * z.length) for z in edge.slip_zones)
             )
-            for edge in contact.edges
+            for edge in contact.stations
         ]
-        return replace(result, contacts=(replace(contact, edges=(edges[0], edges[1])),))
+        return replace(result, contacts=(replace(contact, fronts=fronts_of(edges)),))
 
 
 def test_companions_that_disagree() -> None:

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What a companion run says about the case."""
+"""Rows of a companion run: its numbers against those of the case."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 
-from fretfe.edges.evaluate import Edge
+from fretfe.edges.front import Station
 from fretfe.quality.validate.rows import Row, Verdict, compared
 from fretfe.quality.validate.single import BORDER_ELEMENTS, BORDER_FRACTION, element_size
 from fretfe.quality.validate.variants import COARSER, MEAN, MESH, START
@@ -19,44 +19,48 @@ SLIP_TOLERANCE = 0.05
 
 
 def companion_rows(name: str, result: Result, other: Result) -> Iterator[Row]:
-    """Rows for each edge, the companion's numbers as references."""
+    """Rows for each station, the companion's numbers as references."""
     for contact, twin in zip(result.contacts, other.contacts, strict=True):
         size = element_size(result, contact)
-        for edge, reference in zip(contact.edges, twin.edges, strict=True):
+        for station, reference in zip(contact.stations, twin.stations, strict=True):
             if name == MESH:
-                yield from _mesh_rows(contact.name, edge, reference, size)
+                yield from _mesh_rows(contact.name, station, reference, size)
             else:
-                yield from _slip_rows(name, contact.name, edge, reference, size)
+                yield from _slip_rows(name, contact.name, station, reference, size)
 
 
-def _slip_rows(name: str, contact: str, edge: Edge, other: Edge, size: float) -> Iterator[Row]:
+def _slip_rows(
+    name: str, contact: str, station: Station, other: Station, size: float
+) -> Iterator[Row]:
     """The same steady slip zone, whatever the mean and the way to it."""
     otherwise: Verdict = "depends" if name == START else "FAIL"
     reason = {
         MEAN: "the mean of K_T does not count in a steady cycle",
         START: "the steady cycle forgets how it was reached, unless the whole contact slid",
     }[name]
-    length, reference = _length(edge), _length(other)
+    length, reference = _length(station), _length(other)
     tolerance = BORDER_ELEMENTS * size + BORDER_FRACTION * (length if length > 0 else 0.0)
-    yield compared(contact, edge.side, f"d {name}", length, reference, tolerance, reason, otherwise)
+    yield compared(
+        contact, station.front, f"d {name}", length, reference, tolerance, reason, otherwise
+    )
 
 
-def _mesh_rows(contact: str, edge: Edge, coarse: Edge, size: float) -> Iterator[Row]:
+def _mesh_rows(contact: str, station: Station, coarse: Station, size: float) -> Iterator[Row]:
     """Extrapolated error of each number, first order."""
     reason = f"elements {COARSER:g} times as large: the error of the case is about twice the change"
     for quantity, value, reference, share in (
-        ("K_N", float(edge.k_n[-1]), float(coarse.k_n[-1]), MESH_TOLERANCE),
-        ("ΔK_T", edge.k_t_range, coarse.k_t_range, MESH_TOLERANCE),
+        ("K_N", float(station.k_n[-1]), float(coarse.k_n[-1]), MESH_TOLERANCE),
+        ("ΔK_T", station.k_t_range, coarse.k_t_range, MESH_TOLERANCE),
     ):
         tolerance = share * abs(value) / EXTRAPOLATION
         yield compared(
-            contact, edge.side, f"{quantity} {MESH}", value, reference, tolerance, reason
+            contact, station.front, f"{quantity} {MESH}", value, reference, tolerance, reason
         )
-    length, reference = _length(edge), _length(coarse)
+    length, reference = _length(station), _length(coarse)
     if not math.isnan(length):
         tolerance = SLIP_TOLERANCE * length / EXTRAPOLATION + BORDER_ELEMENTS * COARSER * size
-        yield compared(contact, edge.side, f"d {MESH}", length, reference, tolerance, reason)
+        yield compared(contact, station.front, f"d {MESH}", length, reference, tolerance, reason)
 
 
-def _length(edge: Edge) -> float:
-    return edge.slip_zones[-1].length if edge.slip_zones else math.nan
+def _length(station: Station) -> float:
+    return station.slip_zones[-1].length if station.slip_zones else math.nan

@@ -39,7 +39,7 @@ def print_validation(console: Console, validation: Validation) -> None:
 
 
 def summary(validation: Validation) -> str:
-    """How many rows have which verdict, and what that means."""
+    """Numbers of rows by verdict, and their meaning."""
     counts = {
         verdict: sum(row.verdict == verdict for row in validation.rows)
         for verdict in ("pass", "FAIL", "outside", "depends", "-")

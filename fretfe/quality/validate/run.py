@@ -25,7 +25,7 @@ class Validation:
 
     @property
     def passed(self) -> bool:
-        """Whether no comparison failed."""
+        """True if no comparison failed."""
         return all(row.verdict != "FAIL" for row in self.rows)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What one run says about itself: two extractions of each factor, and the formulas."""
+"""Rows of one run by itself: two extractions of each factor, and the formulas."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from fretfe.edges import analyse_tractions
-from fretfe.edges.evaluate import ContactSummary, Edge
-from fretfe.edges.slip_zones import SlipZone
+from fretfe.edges.front import ContactSummary, SlipZone, Station
+from fretfe.edges.section import plane_front
 from fretfe.quality.validate.rows import Row, Verdict, compared, missing
 from fretfe.results.model import Result
 
@@ -28,13 +28,13 @@ CERTIFIED, BALANCED = 1e-6, 1e-8
 
 
 def own_rows(result: Result) -> Iterator[Row]:
-    """Rows for each contact and edge of a run."""
+    """Rows for each contact and station of a run."""
     for contact in result.contacts:
         yield from _contact_rows(contact)
         size = element_size(result, contact)
-        for edge in contact.edges:
-            yield from _edge_rows(contact, edge, size)
-            yield from _traction_rows(result, contact, edge, size)
+        for station in contact.stations:
+            yield from _station_rows(contact, station, size)
+            yield from _traction_rows(result, contact, station, size)
     yield from _solution_rows(result)
 
 
@@ -44,7 +44,7 @@ def element_size(result: Result, contact: ContactSummary) -> float:
         return 0.0
     history = result.contact_history(contact.name)
     sizes = np.diff(history.arc)
-    places = [edge.position[-1] for edge in contact.edges]
+    places = [station.position[-1] for station in contact.stations]
     return float(max(sizes[np.clip(np.searchsorted(history.arc[1:-1], places), 0, None)]))
 
 
@@ -71,46 +71,46 @@ def _contact_rows(contact: ContactSummary) -> Iterator[Row]:
         yield compared(contact.name, "", "change of q", contact.cycle_change, 0.0, 1e-3, reason)
 
 
-def _edge_rows(contact: ContactSummary, edge: Edge, size: float) -> Iterator[Row]:
-    name, side = contact.name, edge.side
-    k_n = float(edge.k_n[-1])
-    if math.isnan(edge.k_n_moved):
+def _station_rows(contact: ContactSummary, station: Station, size: float) -> Iterator[Row]:
+    name, side = contact.name, station.front
+    k_n = float(station.k_n[-1])
+    if math.isnan(station.k_n_moved):
         reason = "no two load levels: the edge does not move, or reaches the end of its surface"
         yield missing(name, side, "K_N, by moving edge", reason)
     else:
-        tolerance = K_N_AGREEMENT * k_n + float(edge.k_n_spread[-1])
+        tolerance = K_N_AGREEMENT * k_n + float(station.k_n_spread[-1])
         reason = f"{K_N_AGREEMENT:.0%} and the spread of the fits"
-        yield compared(name, side, "K_N, by moving edge", k_n, edge.k_n_moved, tolerance, reason)
-    if math.isnan(edge.k_t_range_fitted):
+        yield compared(name, side, "K_N, by moving edge", k_n, station.k_n_moved, tolerance, reason)
+    if math.isnan(station.k_t_range_fitted):
         yield missing(name, side, "ΔK_T, by fit", "only one way with this backend")
     else:
-        tolerance = K_T_AGREEMENT * edge.k_t_range + edge.k_t_range_spread
+        tolerance = K_T_AGREEMENT * station.k_t_range + station.k_t_range_spread
         reason = f"{K_T_AGREEMENT:.0%} and the spread over three radii"
         yield compared(
             name,
             side,
             "ΔK_T, by fit",
-            edge.k_t_range,
-            edge.k_t_range_fitted,
+            station.k_t_range,
+            station.k_t_range_fitted,
             tolerance,
             reason,
         )
-    yield from _slip_rows(contact, edge, size)
+    yield from _slip_rows(contact, station, size)
 
 
-def _slip_rows(contact: ContactSummary, edge: Edge, size: float) -> Iterator[Row]:
-    zones = edge.slip_zones[-2:]
+def _slip_rows(contact: ContactSummary, station: Station, size: float) -> Iterator[Row]:
+    zones = station.slip_zones[-2:]
     if not zones:
-        yield missing(contact.name, edge.side, "slip zone", "no friction")
+        yield missing(contact.name, station.front, "slip zone", "no friction")
         return
     for number, zone in enumerate(zones, start=1):
-        yield asymptote_row(contact, edge, zone, f"d, by formula, half cycle {number}", size)
+        yield asymptote_row(contact, station, zone, f"d, by formula, half cycle {number}", size)
     if len(zones) == 2:
         # Slip does not repeat itself where both half cycles end.
         tolerance = BORDER_ELEMENTS * size + BORDER_FRACTION * max(z.length for z in zones)
         yield compared(
             contact.name,
-            edge.side,
+            station.front,
             "inner end, both ways",
             zones[1].border,
             zones[0].border,
@@ -120,47 +120,49 @@ def _slip_rows(contact: ContactSummary, edge: Edge, size: float) -> Iterator[Row
 
 
 def _traction_rows(
-    result: Result, contact: ContactSummary, edge: Edge, size: float
+    result: Result, contact: ContactSummary, station: Station, size: float
 ) -> Iterator[Row]:
     """Slip zones once more, from where the shear leaves the friction bound."""
-    if result.solution is None or not edge.slip_zones:
+    if result.solution is None or not station.slip_zones:
         return
-    if edge.k_i_range > CONSTANT_NORMAL * edge.k_t_range:
+    if station.k_i_range > CONSTANT_NORMAL * station.k_t_range:
         reason = "the normal load varies: the shear keeps traces of slip with other edges"
-        yield missing(contact.name, edge.side, "d, by traction", reason)
+        yield missing(contact.name, station.front, "d, by traction", reason)
         return
     history = result.contact_history(contact.name)
-    for number, zone in enumerate(edge.slip_zones[-2:], start=1):
+    for number, zone in enumerate(station.slip_zones[-2:], start=1):
         label = f"d, by traction, half cycle {number}"
         if zone.gross or not zone.length > 0:
             continue
         pressure, shear = history.traction[zone.end].T
         friction = float(history.friction[zone.end])
         analysis = analyse_tractions(history.arc, pressure, shear, friction=friction)
-        found = analysis.edges[0 if edge.side == "left" else 1].slip_from_traction
+        found = analysis.edges[plane_front(station.front).number].slip_from_traction
         if not found.known:
-            yield missing(contact.name, edge.side, label, found.remark)
+            yield missing(contact.name, station.front, label, found.remark)
             continue
         tolerance = found.spread + size / 2 + BORDER_FRACTION * zone.length
         reason = (
             "by slip, and where the shear leaves the friction bound: error bar, half an element"
         )
-        yield compared(contact.name, edge.side, label, zone.length, found.value, tolerance, reason)
+        yield compared(
+            contact.name, station.front, label, zone.length, found.value, tolerance, reason
+        )
 
 
 def asymptote_row(
-    contact: ContactSummary, edge: Edge, zone: SlipZone, label: str, size: float
+    contact: ContactSummary, station: Station, zone: SlipZone, label: str, size: float
 ) -> Row:
     """A slip zone, found and predicted by (11) or (8).
 
     Args:
         contact: of the zone.
-        edge: of the zone.
-        zone: one of the last two of the edge.
+        station: of the zone.
+        zone: one of the last two of the station.
         label: what the row is called.
         size: of the elements at the edge.
     """
-    name, side = contact.name, edge.side
+    name, side = contact.name, station.front
     predicted = zone.prediction
     if zone.gross:
         reason = "the whole contact slips in this half cycle: there is no slip zone"
@@ -168,8 +170,8 @@ def asymptote_row(
     if math.isnan(predicted):
         return missing(name, side, label, "no prediction outside the evaluated cycle")
     # An edge that moves is described over the longer of the two zones, which ends where it was.
-    longest = max(each.length for each in edge.slip_zones[-2:] if not each.gross)
-    error = expected_error(edge, longest)
+    longest = max(each.length for each in station.slip_zones[-2:] if not each.gross)
+    error = expected_error(station, longest)
     if math.isnan(error):
         reason = "the error to expect of the formula is not known: the edge does not move"
         return missing(name, side, label, reason)
@@ -184,25 +186,16 @@ def asymptote_row(
     if error > LARGEST_ERROR:
         reason += ". Long against the edge's own length: use the computed length"
     otherwise: Verdict = "outside" if error > LARGEST_ERROR else "FAIL"
-    return compared(
-        name,
-        side,
-        label,
-        zone.length,
-        predicted,
-        tolerance,
-        reason,
-        otherwise,
-    )
+    return compared(name, side, label, zone.length, predicted, tolerance, reason, otherwise)
 
 
-def expected_error(edge: Edge, length: float) -> float:
+def expected_error(station: Station, length: float) -> float:
     """Relative error that (9) and (11) are expected to have for a slip zone of this length.
 
     First order: half the length times the relative growth of dP/da with a, which is d/(2a) for
     Hertz, d/(2(a - b)) or less for a flat with rounded ends, nothing for a wedge.
     """
-    return 0.5 * length * edge.stiffening
+    return 0.5 * length * station.stiffening
 
 
 def _solution_rows(result: Result) -> Iterator[Row]:

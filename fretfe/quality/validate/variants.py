@@ -68,9 +68,9 @@ def make_variants(case: Case, result: Result) -> tuple[list[Variant], dict[str, 
 
 def _constant_normal(result: Result) -> bool:
     return all(
-        float(result_edge.k_i_range) <= CONSTANT_NORMAL * float(result_edge.k_t_range)
+        float(station.k_i_range) <= CONSTANT_NORMAL * float(station.k_t_range)
         for contact in result.contacts
-        for result_edge in contact.edges
+        for station in contact.stations
     )
 
 

@@ -51,8 +51,8 @@ def _first_loading_law(side: int) -> Measure:
     """2 ΔK_T/(f K_N) in place of the slip length that the backend found."""
 
     def measure(result: Result) -> float:
-        edge = result.contacts[0].edges[side]
-        return float(2 * edge.k_t_range / (FRICTION * edge.k_n[-1]))
+        station = result.contacts[0].stations[side]
+        return float(2 * station.k_t_range / (FRICTION * station.k_n[-1]))
 
     return measure
 

@@ -49,12 +49,12 @@ class Loop:
 
     @property
     def name(self) -> str:
-        """What it consists of."""
+        """Name of the loop: its loads."""
         return f"loop Q {self.shear:g}, tension {self.tension:g}, lag {self.lag:g}°"
 
     @property
     def exact(self) -> bool:
-        """Whether there is an exact solution: shear alone, or in phase with the tension."""
+        """True if there is an exact solution: shear alone, or in phase with the tension."""
         return self.shear > 0 and self.lag == 0
 
     @property

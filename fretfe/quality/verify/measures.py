@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fretfe.edges.evaluate import ContactSummary, Edge
+from fretfe.edges.front import ContactSummary, Station
 from fretfe.quality.verify.model import Measure
 from fretfe.results.model import Result
 
@@ -28,12 +28,12 @@ def half_width(result: Result) -> float:
 
 def k_n(result: Result) -> float:
     """K_N, mean of both edges."""
-    return float(np.mean([edge.k_n[-1] for edge in _contact(result).edges]))
+    return float(np.mean([station.k_n[-1] for station in _contact(result).stations]))
 
 
 def k_t(result: Result) -> float:
     """The part of K_T that has opposite signs at the two edges: that of the shear force."""
-    left, right = _contact(result).edges
+    left, right = _contact(result).stations
     return float(left.k_t[-1] - right.k_t[-1]) / 2
 
 
@@ -44,28 +44,28 @@ def dissipation(result: Result) -> float:
 
 def position(side: int) -> Measure:
     """Position of an edge."""
-    return lambda result: float(_contact(result).edges[side].position[-1])
+    return lambda result: float(_contact(result).stations[side].position[-1])
 
 
 def k_t_range(side: int) -> Measure:
     """Range of K_T at an edge over the cycle."""
-    return lambda result: float(_contact(result).edges[side].k_t_range)
+    return lambda result: float(_contact(result).stations[side].k_t_range)
 
 
 def slip_length(side: int) -> Measure:
     """Length of the last slip zone at an edge."""
-    return lambda result: _slip_length(_contact(result).edges[side])
+    return lambda result: _slip_length(_contact(result).stations[side])
 
 
-def _slip_length(edge: Edge) -> float:
-    return float(edge.slip_zones[-1].length) if edge.slip_zones else np.nan
+def _slip_length(station: Station) -> float:
+    return float(station.slip_zones[-1].length) if station.slip_zones else np.nan
 
 
 def predicted_length(side: int) -> Measure:
     """Length of the last slip zone at an edge as K_T and K_N predict it."""
 
     def measure(result: Result) -> float:
-        zones = _contact(result).edges[side].slip_zones
+        zones = _contact(result).stations[side].slip_zones
         return float(zones[-1].predicted) if zones else np.nan
 
     return measure
@@ -73,7 +73,7 @@ def predicted_length(side: int) -> Measure:
 
 def mean_slip_length(result: Result) -> float:
     """Length of the last slip zones, mean of both edges."""
-    return float(np.mean([_slip_length(edge) for edge in _contact(result).edges]))
+    return float(np.mean([_slip_length(station) for station in _contact(result).stations]))
 
 
 def stick_half_width_ratio(result: Result) -> float:
@@ -83,7 +83,7 @@ def stick_half_width_ratio(result: Result) -> float:
 
 def stick_centre_ratio(result: Result) -> float:
     """e/a: centre of the same stick zone, in half-widths from the centre of the contact."""
-    left, right = (_slip_length(edge) for edge in _contact(result).edges)
+    left, right = (_slip_length(station) for station in _contact(result).stations)
     return (left - right) / (2 * half_width(result))
 
 
@@ -91,7 +91,7 @@ def stick_border(side: int) -> Measure:
     """Position of the inner end of the last slip zone at an edge."""
 
     def measure(result: Result) -> float:
-        zones = _contact(result).edges[side].slip_zones
+        zones = _contact(result).stations[side].slip_zones
         return float(zones[-1].border) if zones else np.nan
 
     return measure

@@ -15,8 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fretfe._typing import Array, Bools
-from fretfe.edges.evaluate import Edge
 from fretfe.edges.extremes import load_extremes
+from fretfe.edges.front import Station
 from fretfe.report.figures.plot import Plot, legend_above, log_axis, make_plot
 from fretfe.report.source import Shown, edge_title, inward, when
 from fretfe.report.theme import BLUE, DOUBLE, GREEN, GREY, PALE, VERMILLION
@@ -53,7 +53,7 @@ class _Near:
         moved: by how much the edge moves between the two.
     """
 
-    edge: Edge
+    edge: Station
     earlier: int
     later: int
     sign: float
@@ -61,7 +61,7 @@ class _Near:
     moved: float
 
 
-def edge_plot(shown: Shown, edge: Edge) -> Plot | None:
+def edge_plot(shown: Shown, edge: Station) -> Plot | None:
     """Asymptotes and tractions at one edge; None if there is no edge or nothing to compare."""
     near = _near(shown, edge)
     if near is None:
@@ -71,7 +71,7 @@ def edge_plot(shown: Shown, edge: Edge) -> Plot | None:
     if near.moved > SMALL_MOVE * shown.summary.half_width[near.later]:
         caption += MOVED.format(near.moved, shown.run.case.units.length)
     return make_plot(
-        f"{shown.key}-{edge.side}",
+        f"{shown.key}-{edge.front}",
         f"Contact {shown.summary.name}, {edge_title(edge)}",
         caption,
         DOUBLE,
@@ -79,7 +79,7 @@ def edge_plot(shown: Shown, edge: Edge) -> Plot | None:
     )
 
 
-def _near(shown: Shown, edge: Edge) -> _Near | None:
+def _near(shown: Shown, edge: Station) -> _Near | None:
     cycle = shown.run.loads.cycle
     if cycle is None:
         friction = np.flatnonzero(shown.tractions.friction > 0)

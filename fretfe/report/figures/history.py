@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from fretfe._typing import Array
 from fretfe.case import Case
-from fretfe.edges.evaluate import ContactSummary
+from fretfe.edges.front import ContactSummary
 from fretfe.loads import History
 from fretfe.report.figures.plot import Plot, legend_above, make_plot
 from fretfe.report.source import edge_title, span
@@ -98,7 +98,7 @@ def _draw_factors(
     """One panel for each factor, by the name of its attribute, with a line for each edge."""
     stress, root = case.units.stress, f"√{case.units.length}"
     panels = _panels(figure, len(names), case, history)
-    edges = [(contact.name, edge) for contact in contacts for edge in contact.edges]
+    edges = [(contact.name, edge) for contact in contacts for edge in contact.stations]
     for panel, (name, label) in zip(panels, names.items(), strict=True):
         for number, (contact, edge) in enumerate(edges):
             title = edge_title(edge) if len(contacts) == 1 else f"{contact}, {edge_title(edge)}"

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from fretfe._typing import Array
-from fretfe.edges.evaluate import Edge
+from fretfe.edges.front import Station
 from fretfe.report.figures.plot import Plot, make_plot
 from fretfe.report.source import Shown, edge_title, inward, span
 from fretfe.report.theme import DOUBLE, PALE, SKY, VERMILLION
@@ -48,15 +48,15 @@ def _draw(figure: Figure, shown: Shown) -> None:
     panels = figure.subplot_mosaic([["whole", "whole"], ["left", "right"]])
     times, units = shown.run.loads.times, shown.run.case.units
     first, last = span(shown.run)
-    positions = np.concatenate([edge.position for edge in shown.summary.edges])
+    positions = np.concatenate([edge.position for edge in shown.summary.stations])
     low, high = _limits(shown, positions)
     _map(panels["whole"], shown, low, high, (0, len(times) - 1))
     panels["whole"].set_ylim(times[0], times[-1])
     if shown.run.loads.cycle is not None:
         for time in times[[first, last]]:
             panels["whole"].axhline(time, color="black", lw=0.8, ls="--")
-    for edge in shown.summary.edges:
-        axes = panels[edge.side]
+    for edge in shown.summary.stations:
+        axes = panels[edge.front]
         _map(axes, shown, *_window(shown, edge, first, last), (first, last))
         _zone_ends(axes, shown, edge, first, last)
         axes.set_ylim(times[first], times[last])
@@ -83,7 +83,7 @@ def _limits(shown: Shown, positions: Array) -> tuple[float, float]:
     return max(places.min() - margin, arc[0]), min(places.max() + margin, arc[-1])
 
 
-def _window(shown: Shown, edge: Edge, first: int, last: int) -> tuple[float, float]:
+def _window(shown: Shown, edge: Station, first: int, last: int) -> tuple[float, float]:
     """Places that an edge and its slip zones reach in some states, and as much again."""
     places = edge.position[first : last + 1]
     half_width = np.nanmax(shown.summary.half_width, initial=0.0)
@@ -91,7 +91,7 @@ def _window(shown: Shown, edge: Edge, first: int, last: int) -> tuple[float, flo
     lengths = [length for z in zones for length in (z.length, z.prediction) if length > 0]
     depth = ZONES * max(lengths, default=0.0)
     if not np.isfinite(places).any() or any(zone.gross for zone in zones):
-        return _limits(shown, np.concatenate([each.position for each in shown.summary.edges]))
+        return _limits(shown, np.concatenate([each.position for each in shown.summary.stations]))
     low, high = np.nanmin(places), np.nanmax(places)
     depth = min(max(depth, high - low, NARROWEST * half_width), 2 * half_width)
     below, above = (0.25 * depth, depth)[:: int(inward(edge))]
@@ -118,12 +118,12 @@ def _map(axes: Axes, shown: Shown, low: float, high: float, states: tuple[int, i
         norm=BoundaryNorm(np.arange(len(KINDS) + 1) - 0.5, len(KINDS)),
         rasterized=True,
     )
-    for edge in shown.summary.edges:
+    for edge in shown.summary.stations:
         axes.plot(edge.position, times, color="black", lw=0.7)
     axes.set_xlim(low, high)
 
 
-def _zone_ends(axes: Axes, shown: Shown, edge: Edge, first: int, last: int) -> None:
+def _zone_ends(axes: Axes, shown: Shown, edge: Station, first: int, last: int) -> None:
     times = shown.run.loads.times
     for zone in edge.slip_zones:
         if first < zone.end <= last:

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from fretfe._typing import Bools
 from fretfe.case import Case
-from fretfe.edges.evaluate import ContactSummary
 from fretfe.edges.extremes import load_extremes
+from fretfe.edges.front import ContactSummary
 from fretfe.report.figures.plot import Plot, legend_above, make_plot
 from fretfe.report.source import Shown
 from fretfe.report.theme import BLUE, GREY, SINGLE, STYLE, VERMILLION, WIDTH
@@ -57,7 +57,7 @@ def _draw_contact(
 ) -> None:
     """Draw p, f p and q along a contact at the two load extremes."""
     stress, length = case.units.stress, case.units.length
-    edges = summary.edges
+    edges = summary.stations
     states = load_extremes([e.k_t for e in edges], [e.k_i for e in edges], solution.cycle)
     for state, colour in zip(states, (BLUE, VERMILLION), strict=False):
         time = f"t = {solution.times[state]:g} {case.units.time}"

@@ -6,8 +6,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
-from fretfe.edges.evaluate import ContactSummary, Edge
-from fretfe.edges.slip_zones import SlipZone
+from fretfe.edges.front import ContactSummary, SlipZone, Station
 from fretfe.quality.validate.single import asymptote_row, element_size
 from fretfe.report.texts import number, with_error
 from fretfe.results.model import Result
@@ -52,15 +51,15 @@ class EdgeAnswer:
 def edge_answers(run: Result) -> tuple[EdgeAnswer, ...]:
     """One answer for each edge."""
     return tuple(
-        _edge_answer(run, contact, edge) for contact in run.contacts for edge in contact.edges
+        _edge_answer(run, contact, edge) for contact in run.contacts for edge in contact.stations
     )
 
 
-def _edge_answer(run: Result, contact: ContactSummary, edge: Edge) -> EdgeAnswer:
+def _edge_answer(run: Result, contact: ContactSummary, edge: Station) -> EdgeAnswer:
     size = element_size(run, contact)
     return EdgeAnswer(
         contact=contact.name,
-        side=edge.side,
+        side=edge.front,
         position=number(float(edge.position[-1])),
         k_n=with_error(float(edge.k_n[-1]), float(edge.k_n_spread[-1])),
         k_t_range=with_error(edge.k_t_range, edge.k_t_range_spread),
@@ -72,7 +71,7 @@ def _edge_answer(run: Result, contact: ContactSummary, edge: Edge) -> EdgeAnswer
 
 
 def _zone_answer(
-    run: Result, contact: ContactSummary, edge: Edge, zone: SlipZone, size: float
+    run: Result, contact: ContactSummary, edge: Station, zone: SlipZone, size: float
 ) -> ZoneAnswer:
     row = asymptote_row(contact, edge, zone, "", size)
     verdict = WORDS[row.verdict]

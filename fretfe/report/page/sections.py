@@ -41,7 +41,7 @@ def plot_sections(run: Result) -> tuple[Section, ...]:
     if not shown:
         none = f"The backend {run.backend} gives no tractions along the contact."
         return (Section("tractions", "Along the contacts", none, ()), *histories)
-    asymptotes = (edges.edge_plot(each, edge) for each in shown for edge in each.summary.edges)
+    asymptotes = (edges.edge_plot(each, edge) for each in shown for edge in each.summary.stations)
     sections = (
         _section(
             "tractions", "Along the contacts", tractions.INTRO, map(tractions.traction_plot, shown)

@@ -13,9 +13,8 @@ from rich.table import Table
 from fretfe._typing import Array
 from fretfe.backends import Installed
 from fretfe.case import Case
-from fretfe.edges.evaluate import ContactSummary, Edge
-from fretfe.edges.refinement import EdgeValues, Refinement, changes_by_kind
-from fretfe.edges.slip_zones import SlipZone
+from fretfe.edges.front import ContactSummary, SlipZone, Station
+from fretfe.edges.refinement import Refinement, StationValues, changes_by_kind
 from fretfe.geometry.templates import Parameter, Template
 from fretfe.report.texts import MISSING, number, percent
 
@@ -33,8 +32,8 @@ def edge_table(case: Case, contacts: tuple[ContactSummary, ...]) -> Table:
     headers = ("contact", "edge", "x", "K_N", "ΔK_T", "slip zones", "predicted")
     table = _table(title, headers, text=2)
     for contact in contacts:
-        for edge in contact.edges:
-            table.add_row(contact.name, edge.side, *_edge_cells(edge))
+        for edge in contact.stations:
+            table.add_row(contact.name, edge.front, *_edge_cells(edge))
     return table
 
 
@@ -48,7 +47,7 @@ def _table(title: str, headers: tuple[str, ...], text: int) -> Table:
     return table
 
 
-def _edge_cells(edge: Edge) -> list[str]:
+def _edge_cells(edge: Station) -> list[str]:
     zones = edge.slip_zones[-2:]
     measured = [_zone_length(zone) for zone in zones]
     return [
@@ -104,17 +103,17 @@ def mesh_table(refinement: Refinement) -> Table:
     """One row per mesh of a run that refined its mesh itself, with the changes from the last."""
     headers = ("mesh", "unknowns", "smallest element", "K_N", "K_T", "slip zones")
     table = _table("Changes from mesh to mesh", headers, text=0)
-    before: tuple[EdgeValues, ...] = ()
+    before: tuple[StationValues, ...] = ()
     for place, done in enumerate(refinement.passes, start=1):
-        changes = changes_by_kind(before, done.edges)
+        changes = changes_by_kind(before, done.stations)
         table.add_row(
             str(place),
             str(done.unknowns),
             number(done.smallest_element, 3),
             *(percent(change) for change in changes[:2]),
-            percent(changes[2]) if any(edge.slip for edge in done.edges) else MISSING,
+            percent(changes[2]) if any(edge.slip for edge in done.stations) else MISSING,
         )
-        before = done.edges
+        before = done.stations
     return table
 
 
@@ -124,7 +123,7 @@ def limit_table(refinement: Refinement) -> Table:
     table = _table("Limits that the meshes tend to", headers, text=2)
     for edge, limits in refinement.limits:
         slip = " / ".join(number(limit, 3) for limit in limits[2:])
-        table.add_row(edge.contact, edge.side, *map(number, limits[:2]), slip or MISSING)
+        table.add_row(edge.contact, edge.front, *map(number, limits[:2]), slip or MISSING)
     return table
 
 

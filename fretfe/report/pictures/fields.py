@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
 from fretfe.report.pictures.panels import Pixels, View
+from fretfe.report.source import folder_of
 from fretfe.report.theme import COLOURS
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
@@ -153,7 +154,7 @@ class Fields:
     def bodies(self, state: int) -> dict[str, BodyField]:
         """Fields of all bodies at a state, which must be there."""
         if state not in self._read:
-            number, folder = self._number(state), self.run.directory / FIELDS
+            number, folder = self._number(state), folder_of(self.run) / FIELDS
             assert number is not None
             self._read[state] = {
                 name: read_body(folder, name, number, self._poisson(name))

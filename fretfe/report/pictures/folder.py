@@ -21,7 +21,7 @@ from fretfe.errors import OutputError
 from fretfe.report.pictures.child import draw_in_child
 from fretfe.report.pictures.panels import save_png
 from fretfe.report.pictures.status import draw_status
-from fretfe.report.source import edge_title, extremes
+from fretfe.report.source import edge_title, extremes, folder_of
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import FIELDS
@@ -109,7 +109,7 @@ def _edge_places(run: Result) -> list[EdgePlace]:
     """All edges that the last state has."""
     places = []
     for contact in run.contacts:
-        for edge in contact.edges:
+        for edge in contact.stations:
             position, half_width = float(edge.position[-1]), float(contact.half_width[-1])
             if np.isfinite([position, half_width]).all():
                 slip = float(np.nanmax([zone.length for zone in edge.slip_zones[-2:]], initial=0.0))
@@ -161,18 +161,18 @@ def _draw(run: Result, wanted: Sequence[Wanted]) -> dict[str, dict[str, Any]]:
     files = [each.file for each in wanted if each.kind != "status"]
     if not files:
         return reports
-    if not any((run.directory / FIELDS).glob("*.pvd")):
+    if not any((folder_of(run) / FIELDS).glob("*.pvd")):
         reason = (
             "the run wrote no fields: 'fields' in the table [output] of the case says which states "
             'to write; "extremes" suits pictures'
         )
         return {**reports, **{file: {"reason": reason} for file in files}}
-    return {**reports, **draw_in_child("pictures", run.directory, files)}
+    return {**reports, **draw_in_child("pictures", folder_of(run), files)}
 
 
 def _draw_status(run: Result, wanted: Wanted) -> dict[str, Any]:
     figure, caption = draw_status(run, wanted.contacts, wanted.states)
-    width, height = save_png(figure, run.directory / FOLDER / wanted.file)
+    width, height = save_png(figure, folder_of(run) / FOLDER / wanted.file)
     return {"caption": caption, "width": width, "height": height}
 
 

@@ -17,7 +17,7 @@ from fretfe.report.pictures.fields import Fields, Scene, open_fields
 from fretfe.report.pictures.folder import FOLDER, Wanted, plan_pictures
 from fretfe.report.pictures.panels import pixels, save_png
 from fretfe.report.pictures.stress import bodies_caption, draw_bodies, draw_edges, find_look
-from fretfe.report.source import extremes, span, when
+from fretfe.report.source import extremes, folder_of, span, when
 from fretfe.report.theme import COLOURS
 
 # Of an animation: its width in inches, and how long a cycle takes in milliseconds.
@@ -54,7 +54,7 @@ def _draw(source: Fields, wanted: Wanted) -> dict[str, Any]:
         scene.close()
     else:
         figure, caption = draw_edges(source, states[-1], wanted.edges)
-    width, height = save_png(figure, source.run.directory / FOLDER / wanted.file, COLOURS)
+    width, height = save_png(figure, folder_of(source.run) / FOLDER / wanted.file, COLOURS)
     return {**report, "caption": caption, "width": width, "height": height}
 
 

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Fronts of a contact, their stations, and what an evaluation tells of them.
+
+A front is a boundary curve of the contact area, a station a point of it with a frame. A plane
+contact has two fronts, "left" and "right", of one station each: its edges. T is the number of
+states; lengths, stresses and forces are in the units of the case, forces per unit thickness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fretfe._typing import Array
+
+# Spread of the fits of K_N, relative to K_N, from which it is marked as uncertain.
+LARGEST_SPREAD = 0.05
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Right-handed unit vectors of a station before deformation, (3,) each; NaN where unknown.
+
+    Attributes:
+        inward: normal of the front in the tangent plane of the contact, into the contact.
+        along: tangent of the front, `across` x `inward`; in the plane out of it.
+        across: outward normal of body 2.
+    """
+
+    inward: Array
+    along: Array
+    across: Array
+
+
+@dataclass(frozen=True)
+class SlipZone:
+    """Slip at one station in one direction, from one reversal to the next.
+
+    Attributes:
+        start, end: states between which the nodes slipped.
+        length: slip-zone length from the front at `end`, inward; NaN if the whole contact slipped.
+        border: position of its inner end along the arc.
+        resolved: whether the mesh resolves the zone.
+        gross: whether the whole contact slipped.
+        predicted: slip length from K_T and K_N: 2 K_T/(f K_N) for first loading, ΔK_T/(f K_N) in
+            the evaluated cycle; NaN elsewhere.
+        predicted_loop: the same with varying normal load, from `end`; NaN outside the cycle.
+    """
+
+    start: int
+    end: int
+    length: float
+    border: float
+    resolved: bool
+    gross: bool
+    predicted: float
+    predicted_loop: float
+
+    @property
+    def prediction(self) -> float:
+        """Predicted length to compare with: `predicted_loop` in the cycle, else `predicted`."""
+        return self.predicted_loop if np.isfinite(self.predicted_loop) else self.predicted
+
+
+@dataclass(frozen=True)
+class StationHistory:
+    """Position and factors of a station in every state.
+
+    Attributes:
+        front: name of its front.
+        number: place along the front, from 0.
+        position: (T,) along the arc; NaN where there is no contact or it cannot be fitted.
+        k_n: (T,) pressure factor.
+        k_n_spread: (T,) uncertainty of the fit.
+        k_t: (T,) factor of the shear along `inward`, counted from the first state with friction.
+        k_s: (T,) factor of the shear along `along`, counted likewise; zero in the plane.
+        k_i: (T,) factor of the normal increments, counted from the first state in contact.
+    """
+
+    front: str
+    number: int
+    position: Array
+    k_n: Array
+    k_n_spread: Array
+    k_t: Array
+    k_s: Array
+    k_i: Array
+
+
+@dataclass(frozen=True)
+class Station(StationHistory):
+    """A point of a contact front, evaluated.
+
+    Attributes:
+        frame: in the last state in which the position is known.
+        k_n_moved: K_N in the last state from the movement of the front between two load levels,
+            2 dK_I/da; NaN without them.
+        stiffening: relative growth of dP/da with the half-width a in the last state, from the same
+            two loads; it tells how long a slip zone may be for the edge description.
+        k_t_range: range of K_T over the evaluated cycle, NaN without one.
+        k_t_range_spread: half the difference of the ranges that the radii of the interaction
+            integral give; 0 if K_T is known in closed form.
+        k_t_range_fitted: range of K_T by fits to the tractions of full stick; NaN without them.
+        k_i_range: range of K_I.
+        slip_zones: one for each half cycle, in time order.
+        dissipation: friction work on this side of the contact in the evaluated cycle, per unit
+            thickness.
+    """
+
+    frame: Frame
+    k_n_moved: float
+    stiffening: float
+    k_t_range: float
+    k_t_range_spread: float
+    k_t_range_fitted: float
+    k_i_range: float
+    slip_zones: tuple[SlipZone, ...]
+    dissipation: float
+
+    @property
+    def uncertain(self) -> bool:
+        """True if the fits of K_N at the last state spread too far for a prediction."""
+        return bool(self.k_n_spread[-1] > LARGEST_SPREAD * self.k_n[-1])
+
+
+@dataclass(frozen=True)
+class Front:
+    """A boundary curve of a contact area, as its stations along it; at least one."""
+
+    stations: tuple[Station, ...]
+
+    @property
+    def name(self) -> str:
+        """The name of the front; in the plane "left" or "right"."""
+        return self.stations[0].front
+
+
+def fronts_of(stations: Iterable[Station]) -> tuple[Front, ...]:
+    """The fronts that stations belong to, in the order in which they occur."""
+    named: dict[str, list[Station]] = {}
+    for station in stations:
+        named.setdefault(station.front, []).append(station)
+    return tuple(Front(tuple(each)) for each in named.values())
+
+
+@dataclass(frozen=True)
+class ContactSummary:
+    """One contact, evaluated.
+
+    Attributes:
+        name: of the contact.
+        fronts: in the plane left and right.
+        normal_force, shear_force: (T,) P and Q per unit thickness.
+        moment: (T,) moment of the pressure about the centre of the contact.
+        centre, half_width: (T,) of the contact, NaN where it has none.
+        effective_tension: (T,) bulk tension that gives half-planes the same mean of K_T over the
+            two fronts, counted like K_T.
+        shear_mismatch: (range of Q that half-planes need for K_T at the two fronts)/(range of Q of
+            full stick) - 1 over the cycle: zero if the half-plane description holds; NaN without a
+            cycle.
+        cycle_change: change of the shear over the evaluated cycle relative to f p_max.
+        steady: whether that is below the limit; False without a cycle.
+        dissipation: friction work in the evaluated cycle, per unit thickness.
+        dissipation_change: relative change of it from the cycle before; NaN if there is none.
+        warnings: what a reader must know, in words.
+    """
+
+    name: str
+    fronts: tuple[Front, ...]
+    normal_force: Array
+    shear_force: Array
+    moment: Array
+    centre: Array
+    half_width: Array
+    effective_tension: Array
+    shear_mismatch: float
+    cycle_change: float
+    steady: bool
+    dissipation: float
+    dissipation_change: float
+    warnings: tuple[str, ...]
+
+    @property
+    def stations(self) -> tuple[Station, ...]:
+        """The stations of all fronts in one row: in the plane the left and the right edge."""
+        return tuple(station for front in self.fronts for station in front.stations)
