@@ -103,7 +103,7 @@ def test_bulk_tension() -> None:
         expected = 2 * float(tangential_factor(0.0, 100.0, a, side))
         assert edge.k_t_range == pytest.approx(expected, rel=0.01)
         # tension pulls body 2 outward under the pad: the shear on it points inward at both edges
-        peak = int(np.argmax(answer.history.values[:, 2]))
+        peak = int(np.argmax(answer.loads.values[:, 2]))
         assert edge.k_t[peak] == pytest.approx(expected / 2, rel=0.01)
     assert np.ptp(contact.effective_tension) == pytest.approx(200.0, rel=0.01)
 

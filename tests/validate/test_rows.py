@@ -137,7 +137,7 @@ def test_what_is_wrong_fails() -> None:
 
 
 def test_histories_of_the_companions() -> None:
-    history = halfplane(0.15).history
+    history = halfplane(0.15).loads
     assert history.cycle is not None
     values = np.column_stack([np.linspace(0, 1, len(history.times)), np.ones(len(history.times))])
     first, last = history.cycle
