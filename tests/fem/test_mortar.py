@@ -232,7 +232,7 @@ def test_nodes_run_along_t_with_right_handed_frames(
 
 def test_finer_side_carries_the_multipliers() -> None:
     first, second = chains.straight_pair(3, False, HERE)
-    assert np.median(second.lengths) < np.median(first.lengths)
+    assert np.median(second.measures) < np.median(first.measures)
     chosen = coupling((first, second), "finer", 1)
     expected = coupling((first, second), "surface2", 1)
     np.testing.assert_array_equal(chosen.points, expected.points)
