@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from launch import python
 from matplotlib.figure import Figure
-from pads import HERTZ
+from pad_cases import HERTZ
 
 import fretfe
 from fretfe.api import Result

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from launch import python
-from pads import HERTZ
+from pad_cases import HERTZ
 
 
 @pytest.mark.parametrize("backend", ["analytic", "halfplane"])

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from halfplane_problems import LIMIT, LOAD, loop, problem, started
-from launch import python
+from launch import fretfe, python
 from pad_cases import pad, press, shear
 
 from fretfe.backends import EdgeHistories, RunOptions, find_backend
@@ -213,7 +213,7 @@ def test_companions_that_disagree() -> None:
 
 
 def test_command(tmp_path: Path) -> None:
-    from pads import HERTZ
+    from pad_cases import HERTZ
 
     file = tmp_path / "pad.toml"
     file.write_text(HERTZ, encoding="utf-8")
@@ -226,5 +226,5 @@ def test_command(tmp_path: Path) -> None:
     assert data["passed"] and data == json.loads((tmp_path / "out/validation.json").read_text())
     assert {"contact", "edge", "quantity", "value", "verdict", "difference"} <= set(data["rows"][0])
     assert (tmp_path / "out/results.json").exists()
-    table = python(*arguments)
+    table = fretfe(*arguments[2:])
     assert "description holds for this case." in " ".join(table.stdout.split())
