@@ -30,6 +30,8 @@ from fretfe.edges import (
     resultants,
 )
 
+pytestmark = pytest.mark.formula
+
 # --- patches and resultants
 
 

@@ -13,6 +13,8 @@ from fretfe.analytic._arguments import Side
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.edges import cycle_change, fit_edge, predicted_slip, slip_border
 
+pytestmark = pytest.mark.formula
+
 
 @both_sides
 @both_sizes
