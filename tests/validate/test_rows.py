@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +46,7 @@ def test_verdicts(value: float, reference: float, verdict: str) -> None:
     assert (row.where, whole.where) == ("main, left edge", "main")
 
 
+@cache
 def halfplane(shear_ratio: float, cycles: int = 3) -> EdgeHistories:
     """Hertz under a steady shear cycle."""
     given = problem(LOAD, started(shear_ratio * LIMIT * np.cos(loop(24, cycles))), cycle=24)
