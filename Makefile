@@ -25,6 +25,9 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 export PYTEST_ADDOPTS := -o faulthandler_exit_on_timeout=true
 # A stage in which nothing is collected fails: pytest then exits with 5.
 PYTEST := $(ONE_THREAD) $(BIN)/pytest
+# The tests of one file stay in one process: they share what they solve.
+SHARED_OUT := --numprocesses=auto --maxprocesses=4 --dist=loadfile
+SLOW_LIMITS := --timeout=1800 -o faulthandler_timeout=1860
 
 # The Debian that `make test-debian` tests on; FRESH=1 does without the system of the last time.
 SUITE ?= trixie
@@ -39,15 +42,16 @@ demo: .venv/.installed  ## solve the dovetail demo and write results/dovetail
 	$(BIN)/fretfe run demos/dovetail.toml -o results/dovetail
 
 test: .venv/.installed  ## all tests on 1 rank, those marked mpi on 2; the slow ones if CI or SLOW is set
-	$(PYTEST) -m "not slow"
+	$(PYTEST) $(SHARED_OUT) -m "not slow"
 	$(ONE_THREAD) $(BIN)/mpirun -n 2 $(BIN)/pytest -m "mpi and not slow" \
 	    -p no:cacheprovider --timeout-method=thread </dev/null
 ifneq ($(call is_set,$(CI) $(SLOW)),)
-	$(PYTEST) -m slow --timeout=1800 -o faulthandler_timeout=1860
+	$(PYTEST) $(SHARED_OUT) $(SLOW_LIMITS) -m "slow and not speed"
+	$(PYTEST) $(SLOW_LIMITS) -m speed
 endif
 
 test-light: .venv-light/.installed  ## the tests of the parts without DOLFINx, in .venv-light
-	$(ONE_THREAD) $(LIGHT)/pytest -m "not fem and not slow"
+	$(ONE_THREAD) $(LIGHT)/pytest $(SHARED_OUT) -m "not fem and not slow"
 
 test-debian:  ## install on Debian (SUITE=trixie, sid) as the README says and test there; as root
 	tools/debian/test.sh $(SUITE) $(if $(call is_set,$(FRESH)),fresh)

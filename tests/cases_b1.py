@@ -1,11 +1,47 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Benchmark B1: the case of one fretting cycle on a mesh as `meshes_b1` writes it."""
+"""Benchmark B1: cases of fretting cycles on a mesh as `meshes_b1` writes it."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
 
+# Of order 1, as a case file beside its mesh pad.msh: 19 steps.
+PAD_ON_BLOCK = """
+title = "Pad on a block"
+[model]
+degree = 1
+[geometry]
+file = "pad.msh"
+[bodies.pad]
+young = 210e3
+poisson = 0.3
+[bodies.substrate]
+young = 210e3
+poisson = 0.3
+[contacts.main]
+surface1 = "pad_contact"
+surface2 = "substrate_contact"
+friction = 0.4
+[supports.base]
+boundary = "substrate_bottom"
+fix = ["x", "y"]
+[loads.press]
+type = "platen"
+boundary = "pad_top"
+direction = "y"
+control = "displacement"
+history = [{ ramp = -0.042, until = 1.0, steps = 3 }]
+[loads.shear]
+type = "platen"
+boundary = "pad_top"
+direction = "x"
+control = "displacement"
+history = [
+  { hold = true, until = 1.0 },
+  { wave = "sine", mean = 0.0, amplitude = 0.01, period = 1.0, cycles = 2, steps_per_cycle = 8 },
+]
+"""
 YOUNG, POISSON, FRICTION = 210e3, 0.3, 0.4
 
 

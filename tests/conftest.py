@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What all tests share: the marker of the DOLFINx tests, and pytest on several MPI ranks.
+"""What all tests share: markers by folder, and pytest on several MPI ranks.
 
 Under mpirun every rank runs the same tests. Rank 0 alone writes the usual report; a failure on
 another rank is written to standard error when it happens and fails the run of rank 0 too.
@@ -17,7 +17,10 @@ from typing import Any
 import pytest
 
 PETSC_DEPRECATION = "PETSc DEPRECATION WARNING"
-FEM_TESTS = Path(__file__).parent / "fem"
+TESTS = Path(__file__).parent
+FEM_TESTS = TESTS / "fem"
+# NumPy and SciPy alone; single files elsewhere say so themselves.
+FORMULA_TESTS = [TESTS / name for name in ("analytic", "contact", "halfplane", "idealise")]
 HAS_DOLFINX = importlib.util.find_spec("dolfinx") is not None
 # Set by the launchers of MPICH and Open MPI; asking MPI itself would need mpi4py.
 MPI_SIZE = int(os.environ.get("PMI_SIZE") or os.environ.get("OMPI_COMM_WORLD_SIZE") or 1)
@@ -28,6 +31,9 @@ os.environ["PYTHONWARNINGS"] = "error"
 if HAS_DOLFINX:
     # Before any other module that is linked with MPI.
     importlib.import_module("fretfe.fem._compat")
+    # For a form that another process of pytest-xdist compiles; by default 10 s, which may be short.
+    options: dict[str, Any] = importlib.import_module("dolfinx.jit").DOLFINX_DEFAULT_JIT_OPTIONS
+    options["timeout"] = (240, options["timeout"][1])
 
 collect_ignore = [] if HAS_DOLFINX else [str(FEM_TESTS)]
 
@@ -111,6 +117,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.path.is_relative_to(FEM_TESTS):
             item.add_marker(pytest.mark.fem)
+        if any(item.path.is_relative_to(folder) for folder in FORMULA_TESTS):
+            item.add_marker(pytest.mark.formula)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from pad_cases import pad, press, shear
 
 from fretfe._typing import Array
 from fretfe.backends import find_backend
@@ -44,37 +45,8 @@ BODIES = {"upper": rectangle((-2.0, 0.0), (2.0, 2.0)), "lower": rectangle((-3.0,
 
 def pad_case(**output: object) -> Case:
     """A cylinder on a block, P = 600 and Q = 60 sin t."""
-    platen = {"type": "platen", "boundary": "upper_top", "control": "force"}
-    shear = {"wave": "sine", "amplitude": 60.0, "period": 1.0, "cycles": 2, "steps_per_cycle": 4}
-    size = {"upper_radius": 50.0, "upper_width": 12.0, "lower_radius": 0.0, "lower_width": 12.0}
-    return parse_case(
-        {
-            "geometry": {"template": "cylinder", "parameters": size},
-            "bodies": {name: {"young": 210e3, "poisson": 0.3} for name in BODIES},
-            "contacts": {
-                "main": {
-                    "surface1": "upper_contact",
-                    "surface2": "lower_contact",
-                    "friction": 0.4,
-                    "friction_from": 1.0,
-                }
-            },
-            "supports": {"base": {"boundary": "lower_bottom", "fix": ["x", "y"]}},
-            "loads": {
-                "press": {
-                    **platen,
-                    "direction": "y",
-                    "history": [{"ramp": -600.0, "until": 1.0, "steps": 2}],
-                },
-                "shear": {
-                    **platen,
-                    "direction": "x",
-                    "history": [{"hold": True, "until": 1.0}, shear],
-                },
-            },
-            "output": output,
-        }
-    )
+    loads = {"press": press(steps=2), "shear": shear(steps=4)}
+    return parse_case(pad(loads=loads, output=output))
 
 
 def write_folder(folder: Path, times: Sequence[float]) -> Path:

@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Start Python in processes of its own, on one rank or several."""
+"""Commands of fretfe in this process, and Python in processes of its own, on several ranks too."""
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from unittest.mock import patch
 
 # The launcher's variables of an outer mpirun must not reach the child.
 ENVIRONMENT = {
@@ -15,6 +18,26 @@ ENVIRONMENT = {
     for name, value in os.environ.items()
     if not name.startswith(("PMI_", "PMIX_", "OMPI_", "MPI_", "HYDI_"))
 }
+
+
+def fretfe(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """Return what `python("-m", "fretfe", ...)` does, without the start of another Python."""
+    from fretfe.cli.app import main
+
+    command = ["fretfe", *map(str, arguments)]
+    code: object = 0
+    out, err = io.StringIO(), io.StringIO()
+    with (
+        patch.object(sys, "argv", command),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+    ):
+        try:
+            main()
+        except SystemExit as ended:
+            code = ended.code or 0
+    assert isinstance(code, int), code
+    return subprocess.CompletedProcess(command, code, out.getvalue(), err.getvalue())
 
 
 def python(

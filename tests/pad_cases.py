@@ -1,14 +1,52 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Cases of a pad on a block as tables, to change in a test."""
+"""Cases of a pad on a block that half-planes can stand for: as text, and as tables to change."""
 
 from __future__ import annotations
 
+import copy
+import tomllib
 from typing import Any
 
-STEEL = {"young": 210e3, "poisson": 0.3}
+import tomli_w
+
+# Hertz, R = 50, P = 600, steady shear of 60 = f P/4 from the first reversal on: 20 steps.
+HERTZ = """
+title = "Cylindrical pad on a flat block"
+[geometry]
+template = "cylinder"
+parameters = { upper_radius = 50, upper_width = 12, lower_radius = 0, lower_width = 12 }
+[bodies]
+upper = { young = 210e3, poisson = 0.3 }
+lower = { young = 210e3, poisson = 0.3 }
+[contacts.main]
+surface1 = "upper_contact"
+surface2 = "lower_contact"
+friction = 0.4
+friction_from = 1.0
+[supports]
+base = { boundary = "lower_bottom", fix = ["x", "y"] }
+[loads.press]
+type = "platen"
+boundary = "upper_top"
+direction = "y"
+control = "force"
+history = [{ ramp = -600, until = 1, steps = 4 }]
+[loads.shear]
+type = "platen"
+boundary = "upper_top"
+direction = "x"
+control = "force"
+history = [
+  { hold = true, until = 1 },
+  { wave = "sine", amplitude = 60, period = 1, cycles = 2, steps_per_cycle = 8 },
+]
+"""
+
+PAD = {name: table for name, table in tomllib.loads(HERTZ).items() if name != "title"}
+STEEL = PAD["bodies"]["upper"]
 TOP = {"type": "platen", "boundary": "upper_top", "control": "force"}
 HOLD = {"hold": True, "until": 1.0}
-BASE = {"base": {"boundary": "lower_bottom", "fix": ["x", "y"]}}
+BASE = PAD["supports"]
 # One side held, the other pulled: the block slides on its base.
 SLIDING = {
     "base": {"boundary": "lower_bottom", "fix": ["y"]},
@@ -21,8 +59,8 @@ def wave(amplitude: float, phase: float = 0.0, cycles: int = 2, steps: int = 20)
     return {**shape, "cycles": cycles, "steps_per_cycle": steps}
 
 
-def press(force: float = 600.0) -> dict[str, Any]:
-    ramp = {"ramp": -force, "until": 1.0, "steps": 4}
+def press(force: float = 600.0, steps: int = 4) -> dict[str, Any]:
+    ramp = {"ramp": -force, "until": 1.0, "steps": steps}
     return {**TOP, "direction": "y", "history": [ramp]}
 
 
@@ -39,29 +77,18 @@ def pull(amplitude: float, boundary: str = "lower_right", **options: Any) -> dic
     }
 
 
-def pad(**tables: Any) -> dict[str, Any]:
-    """A cylinder of R = 50 on a block, P = 600, Q = 60 sin t; tables replace those of the case."""
-    return {
-        "geometry": {
-            "template": "cylinder",
-            "parameters": {
-                "upper_radius": 50.0,
-                "upper_width": 12.0,
-                "lower_radius": 0.0,
-                "lower_width": 12.0,
-            },
-        },
-        "bodies": {"upper": STEEL, "lower": STEEL},
-        "contacts": {
-            "main": {
-                "surface1": "upper_contact",
-                "surface2": "lower_contact",
-                "friction": 0.4,
-                "friction_from": 1.0,
-            }
-        },
-        "supports": BASE,
-        "loads": {"press": press(), "shear": shear()},
-        "output": {"fields": "none"},
-        **tables,
-    }
+def pad(**changed: Any) -> dict[str, Any]:
+    """A cylinder of R = 50 on a block, P = 600, Q = 60 sin t; tables may be changed."""
+    tables = {**PAD, "loads": {"press": press(), "shear": shear()}, "output": {"fields": "none"}}
+    return copy.deepcopy({**tables, **changed})
+
+
+def cylinder(**parameters: float) -> dict[str, Any]:
+    """The geometry of `pad` with other element sizes."""
+    own = PAD["geometry"]
+    return {**own, "parameters": {**own["parameters"], **parameters}}
+
+
+def pad_text(**changed: Any) -> str:
+    """`pad` as a case file."""
+    return tomli_w.dumps(pad(**changed))

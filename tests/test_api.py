@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from launch import python
 from matplotlib.figure import Figure
-from pads import HERTZ
+from pad_cases import HERTZ
 from told import Told
 
 import fretfe

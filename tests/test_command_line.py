@@ -14,7 +14,7 @@ from pathlib import Path
 import launch
 import pytest
 import typer
-from pads import HERTZ
+from pad_cases import HERTZ
 from typer.testing import CliRunner
 
 from fretfe.cli import app as cli

@@ -22,6 +22,8 @@ from fretfe.analytic.edges import tangential_factor
 from fretfe.edges.full_stick import FullStickFit, effective_overhang, full_stick_factors
 from fretfe.edges.patches import Patch, contact_patches, main_patch, resultants
 
+pytestmark = pytest.mark.formula
+
 # --- patches and resultants
 
 

@@ -31,6 +31,9 @@ def border_at(x: Array, slip: Array, slipping: Bools, edge: float, side: Side) -
     return slip_border(front.distances(x, edge), front.from_front(slip), front.from_front(slipping))
 
 
+pytestmark = pytest.mark.formula
+
+
 @both_sides
 @both_sizes
 @phases

@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from launch import python
-from pad_cases import pad
-from pads import HERTZ
+from launch import fretfe
+from pad_cases import HERTZ, pad
 
 from fretfe.case import as_written, case_text, changed, load_case, parse_assignments, parse_case
 from fretfe.case.overrides import parse_value, with_overrides
@@ -198,10 +197,6 @@ def test_files_get_their_full_paths(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert written["geometry"]["file"] == str(tmp_path / "meshes" / "pad.msh")
     csv = Path(written["loads"]["press"]["history"][0]["csv"])
     assert csv.is_absolute() and csv.resolve() == tmp_path.parent / "loads.csv"
-
-
-def fretfe(*arguments: str | Path) -> Any:
-    return python("-m", "fretfe", *arguments, timeout=60)
 
 
 def run(case: Path, out: Path, *options: str) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from email.message import Message
 from pathlib import Path
 
 import pytest
-from pads import HERTZ
+from pad_cases import HERTZ
 from test_layers import FEM_ONLY
 
 pytestmark = pytest.mark.slow

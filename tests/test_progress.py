@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from launch import ENVIRONMENT
-from pads import HERTZ
+from pad_cases import HERTZ
 
 from fretfe.backends import RunOptions
 from fretfe.cli.progress import StepReport

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import launch
 import pytest
-from pads import HERTZ
+from pad_cases import HERTZ
 from stored_runs import write_run
 from typer.testing import CliRunner
 

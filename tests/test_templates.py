@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import math
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
+from subprocess import CompletedProcess
 from typing import Any
 
 import pytest
+from launch import fretfe
 
 from fretfe.errors import CaseError
 from fretfe.geometry import templates
@@ -114,26 +113,21 @@ def test_the_bound_in_the_message_is_the_true_one(relaxed: str, radius: float) -
         check_parameters(firtree, {relaxed: 1.00001 * bound})
 
 
-def command(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "fretfe", "templates", *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=os.environ | {"COLUMNS": "200"},
-    )
+def command(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> CompletedProcess[str]:
+    monkeypatch.setenv("COLUMNS", "200")
+    return fretfe("templates", *arguments)
 
 
-def test_the_command_lists_the_templates() -> None:
-    done = command()
+def test_the_command_lists_the_templates(monkeypatch: pytest.MonkeyPatch) -> None:
+    done = command(monkeypatch)
     assert done.returncode == 0, done.stderr
     rows = [line.split() for line in done.stdout.splitlines()]
     assert [row[0] for row in rows if row and row[0] in NAMES] == list(NAMES)
     assert "Firtree: a blade root with 2 to 4 pairs of lobes" in done.stdout
 
 
-def test_the_command_lists_the_parameters_of_a_template() -> None:
-    done = command("firtree")
+def test_the_command_lists_the_parameters_of_a_template(monkeypatch: pytest.MonkeyPatch) -> None:
+    done = command(monkeypatch, "firtree")
     assert done.returncode == 0, done.stderr
     names = [line.split()[0] for line in done.stdout.splitlines() if " … " in line]
     assert names == [each.name for each in find_template("firtree").parameters]
@@ -141,8 +135,8 @@ def test_the_command_lists_the_parameters_of_a_template() -> None:
     assert re.search(r"flank_angle +45 +30 … 65 +degrees +Angle of the flanks", done.stdout)
 
 
-def test_the_command_refuses_an_unknown_template() -> None:
-    done = command("firtre")
+def test_the_command_refuses_an_unknown_template(monkeypatch: pytest.MonkeyPatch) -> None:
+    done = command(monkeypatch, "firtre")
     assert done.returncode == 2
     assert "NAME: no template is called 'firtre' (did you mean firtree?)" in done.stderr
 

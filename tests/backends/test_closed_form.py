@@ -16,6 +16,8 @@ from fretfe.backends.closed_form import ASYMPTOTE, EXACT, MODERATE
 from fretfe.edges.front import ContactSummary
 from fretfe.idealise import HalfPlaneProblem
 
+pytestmark = pytest.mark.formula
+
 STEPS = 24
 WEDGE, FLAT = Wedge(0.01, 100.0), FlatRounded(0.5, 20.0, 100.0)
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import launch
 import numpy as np
 import pytest
-from pads import HERTZ
+from pad_cases import HERTZ
 from test_layers import FEM_ONLY
 
 HAS_DOLFINX = importlib.util.find_spec("dolfinx") is not None

@@ -14,7 +14,7 @@ import h5py
 import launch
 import numpy as np
 import pytest
-from pads import HERTZ
+from pad_cases import HERTZ
 
 from fretfe.analytic.edges import tangential_factor
 from fretfe.analytic.profiles import Hertz, composite_modulus, edge_factor_k_n
@@ -30,6 +30,7 @@ def _elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("elsewhere"))
         patch.setitem(launch.ENVIRONMENT, "COLUMNS", "1000")
+        patch.setenv("COLUMNS", "1000")
         yield
 
 
@@ -177,7 +178,8 @@ def test_mistake_gets_a_clear_message_before_any_work(tmp_path: Path, mistake: s
     (old, new), code, words = MISTAKES[mistake]
     assert old in HERTZ
     (tmp_path / "case.toml").write_text(HERTZ.replace(old, new, 1))
-    done = run(tmp_path / "case.toml", "halfplane", tmp_path / "out")
+    arguments = ("--backend", "halfplane", "-o", tmp_path / "out")
+    done = launch.fretfe("run", tmp_path / "case.toml", *arguments)
     assert done.returncode == code, done.stdout + done.stderr
     assert "Traceback" not in done.stderr and "step" not in done.stdout
     assert all(word in done.stderr for word in words), done.stderr

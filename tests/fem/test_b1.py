@@ -8,6 +8,7 @@ of the contact: the guided pad tilts under shear, which moves it by about 1 % of
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +40,7 @@ class Run:
         return PartialSlip(HERTZ, float(self.summary.normal_force[state]), FRICTION)
 
 
+@cache
 def run_b1(
     folder: Path, degree: int, h: float, friction_from: float = 5.0, multipliers: str = "finer"
 ) -> Run:
@@ -61,15 +63,21 @@ CASES = {
 }
 
 
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Has each mesh once."""
+    return tmp_path_factory.mktemp("b1")
+
+
 @pytest.fixture(scope="module", params=list(CASES))
-def b1(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Run:
+def b1(request: pytest.FixtureRequest, folder: Path) -> Run:
     degree, h, multipliers = CASES[request.param]
-    return run_b1(tmp_path_factory.mktemp("b1"), degree, h, multipliers=multipliers)
+    return run_b1(folder, degree, h, multipliers=multipliers)
 
 
 @pytest.fixture(scope="module")
-def fine(tmp_path_factory: pytest.TempPathFactory) -> Run:
-    return run_b1(tmp_path_factory.mktemp("b1"), 2, 0.02)
+def fine(folder: Path) -> Run:
+    return run_b1(folder, 2, 0.02, multipliers="finer")
 
 
 def is_linear(run: Run) -> bool:
@@ -187,14 +195,14 @@ def test_certificate(b1: Run) -> None:
     assert certificates["dissipation"].min() >= 0
 
 
-def test_friction_from_the_first_step(tmp_path: Path) -> None:
-    run = run_b1(tmp_path, 2, 0.02, friction_from=0.0)
+def test_friction_from_the_first_step(folder: Path) -> None:
+    run = run_b1(folder, 2, 0.02, friction_from=0.0)
     # points that come into contact in different steps keep different stick references
     assert max(shear_error(run, state) for state in EXTREMES) < 0.035
 
 
-def test_the_side_of_the_multipliers_does_not_matter(tmp_path: Path, fine: Run) -> None:
-    other = run_b1(tmp_path, 2, 0.02, multipliers="surface2")
+def test_the_side_of_the_multipliers_does_not_matter(folder: Path, fine: Run) -> None:
+    other = run_b1(folder, 2, 0.02, multipliers="surface2")
     k_n = [
         [edge.k_n[state] for edge in run.summary.stations for state in EXTREMES]
         for run in (fine, other)

@@ -7,22 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pad_cases import SLIDING, pad, press, pull, shear
+from pad_cases import SLIDING, cylinder, pad, press, pull, shear
 
 from fretfe.backends import ParallelBackend, find_backend
 from fretfe.case import parse_case
 from fretfe.results.model import Result
 
-FINE = {
-    "template": "cylinder",
-    "parameters": {
-        "upper_radius": 50.0,
-        "upper_width": 12.0,
-        "lower_radius": 0.0,
-        "lower_width": 12.0,
-        "size": 0.008,
-    },
-}
+FINE = cylinder(size=0.008)
 CASES: dict[str, dict[str, Any]] = {
     "shear": pad(geometry=FINE),
     "bulk tension in phase": pad(

@@ -11,52 +11,17 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from launch import python
+from cases_b1 import PAD_ON_BLOCK as CASE
+from launch import fretfe, python
 from meshes_b1 import write_b1
 
 from fretfe.case import load_case
 from fretfe.mesh.mesh import read_mesh
 from fretfe.surface.load import load_mesh
 
-CASE = """
-title = "Pad on a block"
-[model]
-degree = 1
-[geometry]
-file = "pad.msh"
-[bodies.pad]
-young = 210e3
-poisson = 0.3
-[bodies.substrate]
-young = 210e3
-poisson = 0.3
-[contacts.main]
-surface1 = "pad_contact"
-surface2 = "substrate_contact"
-friction = 0.4
-[supports.base]
-boundary = "substrate_bottom"
-fix = ["x", "y"]
-[loads.press]
-type = "platen"
-boundary = "pad_top"
-direction = "y"
-control = "displacement"
-history = [{ ramp = -0.042, until = 1.0, steps = 3 }]
-[loads.shear]
-type = "platen"
-boundary = "pad_top"
-direction = "x"
-control = "displacement"
-history = [
-  { hold = true, until = 1.0 },
-  { wave = "sine", mean = 0.0, amplitude = 0.01, period = 1.0, cycles = 2, steps_per_cycle = 8 },
-]
-"""
 
-
-def fretfe(*arguments: str | Path, ranks: int = 1) -> subprocess.CompletedProcess[str]:
-    return python("-m", "fretfe", *arguments, ranks=ranks)
+def on_two_processes(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    return python("-m", "fretfe", *arguments, ranks=2)
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +34,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def results(folder: Path) -> Path:
-    done = fretfe("run", folder / "case.toml", "-o", folder / "results", "--timings")
+    done = python(
+        "-m", "fretfe", "run", folder / "case.toml", "-o", folder / "results", "--timings"
+    )
     assert done.returncode == 0, done.stderr
     (folder / "results" / "stdout.txt").write_text(done.stdout)
     return folder / "results"
@@ -117,7 +84,7 @@ def test_run_writes_pictures_and_fields(results: Path, name: str) -> None:
 
 
 def test_two_processes_give_the_same_results(results: Path, folder: Path) -> None:
-    done = fretfe("run", folder / "case.toml", "-o", folder / "parallel", ranks=2)
+    done = on_two_processes("run", "--no-report", folder / "case.toml", "-o", folder / "parallel")
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("Results in") == 1
     serial, parallel = (
@@ -228,7 +195,7 @@ def test_output_folder_that_cannot_be_written(folder: Path, tmp_path: Path) -> N
 def test_error_on_two_processes_is_one_message(folder: Path, tmp_path: Path) -> None:
     shutil.copy(folder / "pad.msh", tmp_path)
     (tmp_path / "case.toml").write_text(CASE.replace('fix = ["x", "y"]', 'fix = ["x"]'))
-    done = fretfe("run", "--no-report", tmp_path / "case.toml", "-o", tmp_path / "out", ranks=2)
+    done = on_two_processes("run", "--no-report", tmp_path / "case.toml", "-o", tmp_path / "out")
     assert done.returncode == 4
     assert done.stderr.count("fretfe: error:") == 1
 

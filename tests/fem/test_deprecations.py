@@ -10,28 +10,10 @@ from pathlib import Path
 
 import launch
 import pytest
+from cases_b1 import PAD_ON_BLOCK
 from meshes_b1 import write_b1
 
 TESTS = Path(__file__).parents[1]
-CASE = """
-[geometry]
-file = "pad.msh"
-[bodies]
-pad = { young = 210e3, poisson = 0.3 }
-substrate = { young = 210e3, poisson = 0.3 }
-[contacts.main]
-surface1 = "pad_contact"
-surface2 = "substrate_contact"
-friction = 0.4
-[supports]
-base = { boundary = "substrate_bottom", fix = ["x", "y"] }
-[loads.press]
-type = "platen"
-boundary = "pad_top"
-direction = "y"
-control = "displacement"
-history = [{ ramp = -0.04, until = 1.0, steps = 1 }]
-"""
 # DOLFINx as it is when it deprecates a function that fretfe calls.
 WITH_DEPRECATED_FUNCTION = """
 import sys, warnings
@@ -66,7 +48,7 @@ def test_in_this_process(module: str, kind: type[Warning]) -> None:
 
 def test_in_a_run_that_a_test_starts(tmp_path: Path) -> None:
     write_b1(tmp_path / "pad.msh", order=1, h=0.1, growth=0.3)
-    (tmp_path / "case.toml").write_text(CASE)
+    (tmp_path / "case.toml").write_text(PAD_ON_BLOCK)
     case, out = str(tmp_path / "case.toml"), str(tmp_path / "out")
     options = ["run", case, "--no-report", "-o", out]
     done = launch.python("-c", WITH_DEPRECATED_FUNCTION, *options, timeout=300)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -12,16 +13,19 @@ from pad_cases import HOLD, SLIDING, TOP, pad, press, pull, shear, wave
 
 from fretfe.analytic.profiles import FlatRounded, Profile, Wedge, composite_modulus, edge_factor_k_n
 from fretfe.backends import find_backend
-from fretfe.case import Case, parse_case
+from fretfe.case import parse_case
 from fretfe.results.model import Result
 
 BLOCKS = {"upper_width": 20.0, "upper_height": 10.0, "lower_width": 30.0, "lower_height": 30.0}
 E_STAR = float(composite_modulus(210e3, 0.3, 210e3, 0.3))
 
 
+Solve = Callable[[dict[str, Any]], Result]
+
+
 @cache
-def solved(name: str, backend: str) -> Result:
-    return find_backend(backend).solve(CASES[name])
+def half_planes(name: str) -> Result:
+    return find_backend("halfplane").solve(parse_case(CASES[name]))
 
 
 def cylinder(size: float = 0.01) -> dict[str, Any]:
@@ -29,7 +33,7 @@ def cylinder(size: float = 0.01) -> dict[str, Any]:
     return {"template": "cylinder", "parameters": values}
 
 
-def tension_case(shear_ratio: float, tension: float, phase: float) -> Case:
+def tension_case(shear_ratio: float, tension: float, phase: float) -> dict[str, Any]:
     """Q = 240 shear_ratio sin, sigma0 = tension sin(- phase); what the held side adds is taken off.
 
     f P = 240 with P = 600, f = 0.4.
@@ -38,17 +42,15 @@ def tension_case(shear_ratio: float, tension: float, phase: float) -> Case:
     side = amplitude / (2 * BLOCKS["lower_height"])
     start = float(tension * np.sin(np.radians(-phase)))
     lagging = [{"ramp": start, "until": 1.0, "steps": 4}, wave(tension, -phase)]
-    return parse_case(
-        pad(
-            geometry=cylinder(),
-            supports=SLIDING,
-            loads={
-                "press": press(),
-                "shear": shear(amplitude),
-                "pull": {**pull(tension), "history": lagging},
-                "balance": pull(-side),
-            },
-        )
+    return pad(
+        geometry=cylinder(),
+        supports=SLIDING,
+        loads={
+            "press": press(),
+            "shear": shear(amplitude),
+            "pull": {**pull(tension), "history": lagging},
+            "balance": pull(-side),
+        },
     )
 
 
@@ -67,8 +69,8 @@ CASES = {name: tension_case(*loads) for name, loads in TENSION.items()}
 
 @pytest.mark.parametrize("number", [0, 1], ids=["left", "right"])
 @pytest.mark.parametrize("name", TENSION)
-def test_bulk_tension_and_phase(name: str, number: int) -> None:
-    fem, reference = (solved(name, backend).contacts[0] for backend in ("fem", "halfplane"))
+def test_bulk_tension_and_phase(solved: Solve, name: str, number: int) -> None:
+    fem, reference = (each.contacts[0] for each in (solved(CASES[name]), half_planes(name)))
     edge, expected = fem.stations[number], reference.stations[number]
     half_width = float(reference.half_width[-1])
     lengths, references = (
@@ -81,7 +83,6 @@ def test_bulk_tension_and_phase(name: str, number: int) -> None:
     assert edge.k_t_range_fitted == pytest.approx(edge.k_t_range, rel=5e-3, abs=0.003 * largest)
 
 
-STEEL = {"young": 210e3, "poisson": 0.3}
 WEDGE_ANGLE = 0.5
 PUNCHES: dict[str, tuple[Profile, dict[str, float], float]] = {
     "wedge": (
@@ -95,7 +96,7 @@ PUNCHES: dict[str, tuple[Profile, dict[str, float], float]] = {
 }
 
 
-def punch_case(name: str) -> Case:
+def punch_case(name: str) -> dict[str, Any]:
     profile, parameters, width = PUNCHES[name]
     values = {**parameters, "upper_width": width, "lower_width": width}
     values |= {"upper_height": width, "lower_height": width}
@@ -105,26 +106,24 @@ def punch_case(name: str) -> Case:
         values |= {"flat_half_width": profile.flat_half_width, "radius": profile.radius}
     ramp = {"ramp": -float(profile.load(1.0)), "until": 1.0, "steps": 2}
     contact = {"surface1": "upper_contact", "surface2": "lower_contact", "friction": 0.0}
-    return parse_case(
-        pad(
-            geometry={"template": template, "parameters": values},
-            contacts={"main": contact},
-            loads={"press": {**TOP, "direction": "y", "history": [ramp]}},
-        )
+    return pad(
+        geometry={"template": template, "parameters": values},
+        contacts={"main": contact},
+        loads={"press": {**TOP, "direction": "y", "history": [ramp]}},
     )
 
 
 @pytest.mark.parametrize("name", PUNCHES)
-def test_k_n_by_both_methods(name: str) -> None:
+def test_k_n_by_both_methods(solved: Solve, name: str) -> None:
     profile = PUNCHES[name][0]
-    answer = find_backend("fem").solve(punch_case(name))
+    answer = solved(punch_case(name))
     expected = float(edge_factor_k_n(profile, 1.0))
     for edge in answer.contacts[0].stations:
         assert edge.k_n[-1] == pytest.approx(expected, rel=0.01)
         assert edge.k_n_moved == pytest.approx(expected, rel=0.01)
 
 
-def varying_case() -> Case:
+def varying_case() -> dict[str, Any]:
     """P from 600 to 1200 in phase with Q."""
     normal = [
         {"ramp": -900.0, "until": 1.0, "steps": 6},
@@ -132,12 +131,12 @@ def varying_case() -> Case:
     ]
     loads = {"press": {**press(), "history": normal}, "shear": shear(190.0, steps=24)}
     contacts = {"main": {**pad()["contacts"]["main"], "friction_from": 0.0}}
-    return parse_case(pad(geometry=cylinder(0.008), loads=loads, contacts=contacts))
+    return pad(geometry=cylinder(0.008), loads=loads, contacts=contacts)
 
 
-def test_normal_load_in_phase() -> None:
-    fem = find_backend("fem").solve(varying_case()).contacts[0]
-    reference = find_backend("halfplane").solve(varying_case()).contacts[0]
+def test_normal_load_in_phase(solved: Solve) -> None:
+    fem = solved(varying_case()).contacts[0]
+    reference = find_backend("halfplane").solve(parse_case(varying_case())).contacts[0]
     half_width = float(np.nanmax(fem.half_width))
     for edge, expected in zip(fem.stations, reference.stations, strict=True):
         first, second = edge.slip_zones[-2:]
@@ -151,9 +150,9 @@ def test_normal_load_in_phase() -> None:
             assert zone.predicted_loop == pytest.approx(zone.length, rel=1.5 * error + 0.03)
 
 
-def test_a_coarse_mesh_is_not_trusted() -> None:
+def test_a_coarse_mesh_is_not_trusted(solved: Solve) -> None:
     # eight elements across the half-width
-    answer = find_backend("fem").solve(parse_case(pad(geometry=cylinder(0.07))))
+    answer = solved(pad(geometry=cylinder(0.07)))
     contact = answer.contacts[0]
     fine = find_backend("halfplane").solve(parse_case(pad(geometry=cylinder()))).contacts[0]
     for edge, reference in zip(contact.stations, fine.stations, strict=True):
@@ -162,16 +161,16 @@ def test_a_coarse_mesh_is_not_trusted() -> None:
     assert any("refine the mesh" in text or "not resolved" in text for text in contact.warnings)
 
 
-def test_holds_are_no_cycle() -> None:
+def test_holds_are_no_cycle(solved: Solve) -> None:
     loads = {"press": press(), "shear": {**shear(), "history": [HOLD]}}
-    contact = find_backend("fem").solve(parse_case(pad(geometry=cylinder(0.02), loads=loads)))
+    contact = solved(pad(geometry=cylinder(0.02), loads=loads))
     for edge in contact.contacts[0].stations:
         assert np.isnan(edge.k_t_range) and np.isfinite(edge.k_n_moved)
 
 
-def test_friction_work_is_the_area_of_the_hysteresis_loop() -> None:
+def test_friction_work_is_the_area_of_the_hysteresis_loop(solved: Solve) -> None:
     loads = {"press": press(), "shear": shear(100.0, cycles=3, steps=60)}
-    answer = find_backend("fem").solve(parse_case(pad(geometry=cylinder(0.02), loads=loads)))
+    answer = solved(pad(geometry=cylinder(0.02), loads=loads))
     solution, contact = answer.solution, answer.contacts[0]
     assert solution is not None and solution.cycle is not None
     cycle = slice(solution.cycle[0], solution.cycle[1] + 1)

@@ -13,58 +13,15 @@ import pytest
 from dolfinx import fem
 from dolfinx.io import VTKFile
 from dolfinx.mesh import CellType, create_rectangle
-from launch import python
-from pad_cases import pad
+from launch import fretfe, python
+from pad_cases import cylinder, pad, pad_text, press, shear
 
 from fretfe.backends import RunOptions
 from fretfe.case import parse_case
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 
-COARSE = {
-    "template": "cylinder",
-    "parameters": {
-        "upper_radius": 50.0,
-        "upper_width": 12.0,
-        "lower_radius": 0.0,
-        "lower_width": 12.0,
-        "size": 0.05,
-    },
-}
-CASE = """
-[geometry]
-template = "cylinder"
-[geometry.parameters]
-upper_radius = 50
-upper_width = 12
-lower_radius = 0
-lower_width = 12
-size = 0.05
-[bodies]
-upper = { young = 210e3, poisson = 0.3 }
-lower = { young = 210e3, poisson = 0.3 }
-[contacts.main]
-surface1 = "upper_contact"
-surface2 = "lower_contact"
-friction = 0.4
-[supports]
-base = { boundary = "lower_bottom", fix = ["x", "y"] }
-[loads.press]
-type = "platen"
-boundary = "upper_top"
-direction = "y"
-control = "force"
-history = [{ ramp = -600, until = 1, steps = 2 }]
-[loads.shear]
-type = "platen"
-boundary = "upper_top"
-direction = "x"
-control = "force"
-history = [
-  { hold = true, until = 1 },
-  { wave = "sine", amplitude = 60, period = 1, cycles = 1, steps_per_cycle = 8 },
-]
-"""
+COARSE = cylinder(size=0.05)
 
 
 def times_of(path: Path) -> list[float]:
@@ -140,12 +97,14 @@ def test_quadrilaterals_are_read_in_the_order_they_are_written(tmp_path: Path, d
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_a_run_draws_pictures_once(tmp_path: Path, ranks: int) -> None:
     pytest.importorskip("pyvista")
-    (tmp_path / "case.toml").write_text(CASE)
+    loads = {"press": press(steps=2), "shear": shear(cycles=1, steps=8)}
+    (tmp_path / "case.toml").write_text(pad_text(geometry=COARSE, loads=loads, output={}))
     out = tmp_path / "out"
     for stale in ("fields/old.pvd", "fields/old_p3_000000.vtu", "pictures/old.png"):
         (out / stale).parent.mkdir(parents=True, exist_ok=True)
         (out / stale).write_text("of an earlier run")
-    done = python("-m", "fretfe", "run", tmp_path / "case.toml", "-o", out, ranks=ranks)
+    arguments = ("run", tmp_path / "case.toml", "-o", out)
+    done = fretfe(*arguments) if ranks == 1 else python("-m", "fretfe", *arguments, ranks=ranks)
     assert done.returncode == 0, done.stderr
     assert "no pictures" not in done.stdout and done.stdout.count("Results in") == 1
     content = json.loads((out / "pictures" / "pictures.json").read_text())

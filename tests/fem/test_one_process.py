@@ -5,42 +5,29 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from subprocess import CompletedProcess
 
 import pytest
 from launch import python
-from pads import HERTZ
+from pad_cases import HERTZ
+
+
+def run(folder: Path, case: str, backend: str) -> CompletedProcess[str]:
+    (folder / "case.toml").write_text(case)
+    options = ("-o", folder / "out", "--no-report", "--backend", backend)
+    return python("-m", "fretfe", "run", folder / "case.toml", *options, ranks=2)
 
 
 @pytest.mark.parametrize("backend", ["analytic", "halfplane"])
 def test_two_processes_make_one_run(tmp_path: Path, backend: str) -> None:
-    (tmp_path / "case.toml").write_text(HERTZ)
-    arguments = (
-        "run",
-        tmp_path / "case.toml",
-        "-o",
-        tmp_path / "out",
-        "--no-report",
-        "--backend",
-        backend,
-    )
-    done = python("-m", "fretfe", *arguments, ranks=2)
+    done = run(tmp_path, HERTZ, backend)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("step 20/20") == done.stdout.count("Results in") == 1
     assert json.loads((tmp_path / "out" / "results.json").read_text())["ranks"] == 1
 
 
 def test_two_processes_report_an_error_once(tmp_path: Path) -> None:
-    (tmp_path / "case.toml").write_text(HERTZ.replace("amplitude = 60", "amplitude = 300"))
-    arguments = (
-        "run",
-        tmp_path / "case.toml",
-        "-o",
-        tmp_path / "out",
-        "--no-report",
-        "--backend",
-        "halfplane",
-    )
-    done = python("-m", "fretfe", *arguments, ranks=2)
+    done = run(tmp_path, HERTZ.replace("amplitude = 60", "amplitude = 300"), "halfplane")
     assert done.returncode == 4
     assert done.stderr.count("fretfe: error:") == 1
 

@@ -9,8 +9,9 @@ from pathlib import Path
 import gmsh
 import numpy as np
 import pytest
-from launch import python
+from launch import fretfe
 from numpy.typing import NDArray
+from pad_cases import pad_text, press
 from scipy.spatial import cKDTree
 
 from fretfe.case import Solid
@@ -166,42 +167,25 @@ def test_file_holds_the_groups_and_gmsh_finds_good_elements(tmp_path: Path, orde
     assert jacobians.min() > 0 and qualities.min() > 0
 
 
-CASE = """
-[geometry]
-template = "wedge"
-parameters = { size = 0.2, growth = 0.5 }
-order = 1
-[geometry.solid]
-length = 4.0
-layers = 2
-[bodies]
-upper = { young = 210e3, poisson = 0.3 }
-lower = { young = 210e3, poisson = 0.3 }
-[contacts.main]
-surface1 = "upper_contact"
-surface2 = "lower_contact"
-friction = 0.4
-[supports.base]
-boundary = "lower_bottom"
-fix = ["x", "y"]
-[loads.press]
-type = "platen"
-boundary = "upper_top"
-direction = "y"
-control = "force"
-history = [{ ramp = -600.0, until = 1.0, steps = 1 }]
-"""
+SOLID_WEDGE = {
+    "template": "wedge",
+    "parameters": {"size": 0.2, "growth": 0.5},
+    "order": 1,
+    "solid": {"length": 4.0, "layers": 2},
+}
 
 
 def test_the_command_mesh_writes_a_solid_and_others_refuse_it(tmp_path: Path) -> None:
-    (tmp_path / "case.toml").write_text(CASE)
+    (tmp_path / "case.toml").write_text(
+        pad_text(geometry=SOLID_WEDGE, loads={"press": press(steps=1)})
+    )
     case, target = tmp_path / "case.toml", tmp_path / "solid.msh"
-    done = python("-m", "fretfe", "mesh", case, "-o", target)
+    done = fretfe("mesh", case, "-o", target)
     assert done.returncode == 0, done.stderr
     assert "upper, extruded:" in done.stdout and target.stat().st_size > 0
     commands: list[list[str | Path]] = [["check", case], ["run", case, "-o", tmp_path / "results"]]
     for command in commands:
-        done = python("-m", "fretfe", *command)
+        done = fretfe(*command)
         assert done.returncode == 4
         assert "geometry.solid: expected a plane case" in done.stderr
         assert "contact in three dimensions is not solved yet" in done.stderr.replace("\n", " ")

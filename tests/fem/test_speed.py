@@ -79,6 +79,7 @@ print(run_time, shortest(factorise, 3))
 
 
 @pytest.mark.slow
+@pytest.mark.speed
 @pytest.mark.parametrize(
     ("h", "growth", "limit"), [(0.02, 0.15, 10), (0.005, 0.05, 3)], ids=["h .02", "h .005"]
 )

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from launch import python
-from pad_cases import pad, press, shear
+from launch import fretfe, python
+from pad_cases import cylinder, pad, pad_text, press, shear
 from told import Told
 
 from fretfe.backends import RunOptions
@@ -31,14 +31,17 @@ RADIUS = "geometry.parameters.upper_radius"
 ROUND_OFF = 1e-10
 
 
+# Order 1; friction from the start.
+COARSE = {
+    "geometry": {**cylinder(size=0.04, growth=0.3), "order": 1},
+    "model": {"degree": 1},
+    "contacts": {"main": {**pad()["contacts"]["main"], "friction_from": 0.0}},
+}
+
+
 def case(**tables: Any) -> Case:
     """About 30 nodes in contact; friction from the start, which holds the pad sideways."""
-    parameters = {**pad()["geometry"]["parameters"], "size": 0.04, "growth": 0.3}
-    geometry = {"template": "cylinder", "parameters": parameters, "order": 1}
-    loads = {"press": press(), "shear": shear(60.0, steps=8)}
-    contacts = {"main": {**pad()["contacts"]["main"], "friction_from": 0.0}}
-    defaults = {"geometry": geometry, "model": {"degree": 1}, "loads": loads, "contacts": contacts}
-    return parse_case(pad(**defaults) | tables)
+    return parse_case(pad(**COARSE, loads={"press": press(), "shear": shear(steps=8)}) | tables)
 
 
 @pytest.fixture
@@ -162,38 +165,20 @@ def test_meshes_that_refine_themselves_do_so_for_each_case(
         raise MeshError("recorded")
 
     monkeypatch.setattr(backend, "refine", recorded)
-    parameters = pad()["geometry"]["parameters"]
-    geometry = {"template": "cylinder", "parameters": parameters}
-    sweep = swept(case(geometry=geometry, edges={"tolerance": 0.05}), {FRICTION: (0.4, 0.8)})
+    sweep = swept(case(geometry=cylinder(), edges={"tolerance": 0.05}), {FRICTION: (0.4, 0.8)})
     assert refined == [0.4, 0.8]
     assert [each.failure for each in sweep.variants] == ["recorded"] * 2
 
 
-TEXT = """
-geometry = { template = "cylinder", order = 1, parameters = { upper_radius = 50, upper_width = 12, \
-lower_radius = 0, lower_width = 12, size = 0.04, growth = 0.3 } }
-model = { degree = 1 }
-[bodies]
-upper = { young = 210e3, poisson = 0.3 }
-lower = { young = 210e3, poisson = 0.3 }
-[contacts]
-main = { surface1 = "upper_contact", surface2 = "lower_contact", friction = 0.4 }
-[supports]
-base = { boundary = "lower_bottom", fix = ["x", "y"] }
-[loads.press]
-type = "platen"
-boundary = "upper_top"
-direction = "y"
-control = "force"
-history = [{ ramp = -600, until = 1, steps = 2 }]
-"""
+TEXT = pad_text(**COARSE, loads={"press": press(steps=2)}, output={})
 
 
 def test_two_processes_write_one_table(tmp_path: Path) -> None:
     (tmp_path / "pad.toml").write_text(TEXT)
     arguments = ("sweep", tmp_path / "pad.toml", "--vary", "loads.press.ramp=-600,-300,100")
     for ranks in (1, 2):
-        done = python("-m", "fretfe", *arguments, "-o", tmp_path / str(ranks), ranks=ranks)
+        options = (*arguments, "-o", tmp_path / str(ranks))
+        done = fretfe(*options) if ranks == 1 else python("-m", "fretfe", *options, ranks=ranks)
         assert done.returncode == 0, done.stderr
         assert done.stdout.count("3/3: loads.press.ramp = 100: failed: ") == 1
         assert done.stdout.count("3 variants, 1 failed") == 1

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 import typer.testing
-from pad_cases import pad
+from pad_cases import pad, pad_text, press
 
 from fretfe.case import load_case, parse_case
 from fretfe.cli.app import app
@@ -167,26 +167,7 @@ def test_a_script_with_a_mistake(trace: Path) -> None:
         load(trace.parent, trust_geo=True)
 
 
-CASE = """
-[geometry]
-file = "pad.geo"
-[bodies]
-upper = { young = 210e3, poisson = 0.3 }
-lower = { young = 210e3, poisson = 0.3 }
-[contacts.main]
-surface1 = "upper_contact"
-surface2 = "lower_contact"
-friction = 0.4
-[supports.base]
-boundary = "lower_bottom"
-fix = ["x", "y"]
-[loads.press]
-type = "platen"
-boundary = "upper_top"
-direction = "y"
-control = "force"
-history = [{ ramp = -1, until = 1, steps = 1 }]
-"""
+CASE = pad_text(geometry={"file": "pad.geo"}, loads={"press": press(1.0, steps=1)})
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,8 @@ from fretfe.quality.verify.run import run_benchmark
 from fretfe.quality.verify.sliding import FRICTION, MESH, SLOPE
 from fretfe.runner import OneProcess
 
+pytestmark = pytest.mark.formula
+
 BACKENDS = ("analytic", "halfplane")
 BENCHMARKS = {benchmark.name: benchmark for benchmark in benchmarks()}
 CONTROLS = {control.name: control for control in controls()}

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from launch import python
+from launch import fretfe, python
 from typer.testing import CliRunner
 
 from fretfe.backends import Backend, Installed
@@ -65,7 +65,7 @@ def test_json_numbers(document: dict[str, Any]) -> None:
 
 
 def test_tables() -> None:
-    done = python("-m", "fretfe", "verify", "--backend", "analytic")
+    done = fretfe("verify", "--backend", "analytic")
     assert done.returncode == 0, done.stdout + done.stderr
     for words in ("two cylinders", "reference", "tolerance", "verdict", "pass", "caught"):
         assert words in done.stdout
@@ -73,7 +73,7 @@ def test_tables() -> None:
 
 
 def test_unknown_backend() -> None:
-    done = python("-m", "fretfe", "verify", "--backend", "analitic")
+    done = fretfe("verify", "--backend", "analitic")
     assert done.returncode == 2
     assert "'analitic'" in done.stderr and "halfplane" in done.stderr
 

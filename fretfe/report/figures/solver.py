@@ -96,7 +96,7 @@ def refinement_plot(refinement: Refinement) -> Plot | None:
     if len(passes) < 2:
         return None
     pairs = itertools.pairwise(passes)
-    changes = np.array([changes_by_kind(old.stations, new.edges) for old, new in pairs])
+    changes = np.array([changes_by_kind(old.stations, new.stations) for old, new in pairs])
     unknowns = [done.unknowns for done in passes[1:]]
     if not np.any(np.isfinite(changes) & (changes > 0)):
         return None
