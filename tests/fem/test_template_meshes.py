@@ -343,7 +343,7 @@ BAD: dict[str, tuple[str, str, dict[str, float]]] = {
     ),
     "dovetail wall": (
         "dovetail",
-        "overhang: .* would touch the side wall",
+        "overhang: .*would touch the side wall",
         {"lower_radius": 9, "slot_fillet": 0.5},
     ),
     "firtree teeth": (
@@ -353,7 +353,7 @@ BAD: dict[str, tuple[str, str, dict[str, float]]] = {
     ),
     "firtree necks": (
         "firtree",
-        "neck_width: .* the lowest neck",
+        "neck_width: .*the lowest neck",
         {"pitch": 24, "disc_depth": 80},
     ),
     "firtree corner": (
@@ -363,12 +363,12 @@ BAD: dict[str, tuple[str, str, dict[str, float]]] = {
     ),
     "firtree grooves": (
         "firtree",
-        "(groove_radius|flank_clearance): .* the flat of the disc must cover",
+        "(groove_radius|flank_clearance): .*the flat of the disc must cover",
         {"groove_radius": 4},
     ),
     "wedge height": (
         "wedge",
-        "upper_height: .* the body needs a side",
+        "upper_height: .*the body needs a side",
         {"angle": 20, "upper_height": 2},
     ),
 }
