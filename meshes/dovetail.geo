@@ -98,6 +98,82 @@ disc_top = mouth_cy + mouth_height;
 disc_base = disc_top - disc_depth;
 blade_top = disc_top + shank_height;
 
+// What the parameters must satisfy together; a message begins with the name of its parameter.
+// Outside the contact surfaces the bodies stay apart by `apart`, far more than elastic displacements.
+wrong = 0;
+apart = 0.01 * neck_width;
+most = Min(relief_angle, 90 - flank_angle) - 5;
+If (contact_angle > most)
+  Error("contact_angle: expected at most %.6g (5 degrees less than relief_angle and than 90 - flank_angle), found %g", most, contact_angle); wrong = 1;
+EndIf
+least = Max(upper_radius, lower_radius) * Sin(touch) + flank_size;
+If (overhang < least)
+  Error("overhang: expected at least %.6g (the flat of the disc must cover the candidate contact on the larger rounding), found %g", least, overhang); wrong = 1;
+EndIf
+most = Min(0.9 * Min(upper_radius, lower_radius) * touch, 0.45 * flank_length);
+If (edge_zone > most)
+  Error("edge_zone: expected at most %.6g (nine tenths of the candidate contact on the smaller rounding, 45 percent of the flat), found %g", most, edge_zone); wrong = 1;
+EndIf
+least = flank_length * nx + lower_radius * ny + root_corner + flank_size;
+If (root_height < least)
+  Error("root_height: expected at least %.6g (flat, lower rounding and root corner take that much; a smaller lower_radius helps), found %g", least, root_height); wrong = 1;
+EndIf
+least = (flank_length + overhang) * nx + slot_fillet * (1 + ny) + flank_size - root_height;
+If (slot_clearance < least)
+  Error("slot_clearance: expected at least %.6g (the flat of the disc and the slot fillets must fit in; a smaller slot_fillet helps), found %g", least, slot_clearance); wrong = 1;
+EndIf
+least = overhang + (apart - (slot - root)) / ny;
+If (overhang < least)
+  Error("overhang: expected at least %.6g (the blade root would touch the side wall of the slot; a larger slot_fillet helps too), found %g", least, overhang); wrong = 1;
+EndIf
+// between the convex corner of the root and the concave fillet of the slot around it
+dx = (root - root_corner) - (slot - slot_fillet);
+dy = (slot_fillet - slot_clearance) - root_corner;
+gap = slot_fillet - root_corner - Hypot(dx, dy);
+If (dx > 0 && dy > 0 && gap < apart)
+  Error("root_corner: the corners of the root, of radius %g, come too near to the fillets of the slot, of radius %g: expected a gap of at least %.3g, found %.3g; a larger root_corner, overhang or slot_clearance or a smaller slot_fillet helps", root_corner, slot_fillet, apart, gap); wrong = 1;
+EndIf
+// between the edge of the slot and the neck with its fillet, over their directions
+gap = neck_width;
+For i In {0 : 50}
+  angle = (Pi / 2 - flank) * i / 50;
+  gap = Min(gap, neck_fillet - mouth_radius - (neck_cx - mouth_cx) * Cos(angle) - (neck_cy - mouth_cy) * Sin(angle));
+EndFor
+If (gap < apart)
+  Error("neck_width: the neck with its fillets does not pass through the mouth of the slot, which is %.6g wide: expected a gap of at least %.3g, found %.3g (neck_width %g); a smaller overhang or mouth_radius or a larger neck_fillet helps", 2 * mouth, apart, gap, neck_width); wrong = 1;
+EndIf
+most = 0.9 * root;
+If (root_corner > most)
+  Error("root_corner: expected at most %.6g (nine tenths of half the width of the root), found %g", most, root_corner); wrong = 1;
+EndIf
+most = 0.9 * slot;
+If (slot_fillet > most)
+  Error("slot_fillet: expected at most %.6g (nine tenths of half the width of the slot), found %g", most, slot_fillet); wrong = 1;
+EndIf
+least = neck_cy - disc_top + flank_size;
+If (shank_height < least)
+  Error("shank_height: expected at least %.6g (the neck fillet must end below the top), found %g", least, shank_height); wrong = 1;
+EndIf
+least = 2 * (slot + slot_fillet);
+If (disc_width < least)
+  Error("disc_width: expected at least %.6g (width of the slot and its fillets), found %g", least, disc_width); wrong = 1;
+EndIf
+least = disc_top - slot_bottom + slot_fillet;
+If (disc_depth < least)
+  Error("disc_depth: expected at least %.6g (depth of the slot and its fillets), found %g", least, disc_depth); wrong = 1;
+EndIf
+most = flank_length / 4;
+If (flank_size > most)
+  Error("flank_size: expected at most %.6g (a quarter of the flat), found %g", most, flank_size); wrong = 1;
+EndIf
+most = Min(flank_size, edge_zone / 2);
+If (edge_size > most)
+  Error("edge_size: expected at most %.6g (flank_size, and half of edge_zone), found %g", most, edge_size); wrong = 1;
+EndIf
+
+// Everything from here to the end of the file is drawn only if nothing is wrong.
+If (!wrong)
+
 // Points on the axis of symmetry, shared by both halves of a body.
 axis_blade_top = newp; Point(axis_blade_top) = {0, blade_top, 0};
 axis_root = newp; Point(axis_root) = {0, root_bottom, 0};
@@ -261,3 +337,5 @@ Mesh.MeshSizeFromPoints = 0;
 Mesh.MeshSizeFromCurvature = 0;
 Mesh.MeshSizeExtendFromBoundary = 0;
 Mesh.Algorithm = 6;
+
+EndIf

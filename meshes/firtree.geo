@@ -122,11 +122,170 @@ If (lobe_gap >= 0)
 Else
   first_gap = -lobe_gap * (lobes - 1);
 EndIf
+
+// Where the disc has its teeth and grooves. Lobe i lies (ox, oy) below lobe 1; the normals of the blade
+// above and below it are at the angles above[i] and below[i] to the x axis. The flat of the disc lies at
+// (nx, ny) . (x, y) = level, the line above it (back of the lobe above, or neck, and the clearance) at
+// (ax, ay) . (x, y) = line, the line below it likewise.
+above[] = {};
+below[] = {};
+teeth_x[] = {}; teeth_y[] = {};
+grooves_x[] = {}; grooves_y[] = {};
+For i In {0 : lobes - 1}
+  ox = i * step_x; oy = i * step_y;
+  gap = first_gap + lobe_gap * i;
+  above[] += {(i == 0) ? 0 : back};
+  below[] += {(i == lobes - 1) ? 0 : back};
+  ax = Cos(above[i]); ay = Sin(above[i]);
+  bx = Cos(below[i]); by = Sin(below[i]);
+  level = (upper_x + ox) * nx + (upper_y + oy) * ny + gap;
+  line = (fillet_x + ox) * ax + (fillet_y + oy) * ay - neck_fillet + flank_clearance;
+  u = level + tooth_radius; v = line + tooth_radius; cross = nx * ay - ny * ax;
+  teeth_x[] += {(u * ay - v * ny) / cross}; teeth_y[] += {(nx * v - ax * u) / cross};
+  line = (lower_cx + ox) * bx + (lower_cy + oy) * by + lower_radius + flank_clearance;
+  u = level - groove_radius; v = line - groove_radius; cross = nx * by - ny * bx;
+  grooves_x[] += {(u * by - v * ny) / cross}; grooves_y[] += {(nx * v - bx * u) / cross};
+EndFor
+
+// Levels at the top of the slot and of the disc;
 // the flat of the disc is a line of given (nx, ny) . (x, y), the wall beside the neck one of given x
 mouth_cy = (upper_x * nx + upper_y * ny + first_gap + tooth_radius - (mouth + tooth_radius) * nx) / ny;
 disc_top = mouth_cy + rim_height;
 disc_base = disc_top - disc_depth;
 blade_top = disc_top + shank_height;
+
+// What the parameters must satisfy together; a message begins with the name of its parameter.
+wrong = 0;
+// The backs of the lobes narrow outwards: their normal (vx, vy) points down by 80 degrees or less. It is
+// at the pitch at which (F - L) . (vx, vy) is the sum of the radii, with F the centre of the fillet of
+// lobe 2 and L that of the lower rounding of lobe 1.
+vx = Cos(-80 * degree); vy = Sin(-80 * degree);
+smallest_pitch = (lower_radius + neck_fillet - (fillet_x - lower_cx) * vx - (fillet_y - lower_cy) * vy)
+                 * pitch / (step_x * vx + step_y * vy);
+If (pitch < smallest_pitch)
+  Error("pitch: expected at least %.6g (the backs of the lobes must slope by 10 degrees or more; a smaller flank_length, lower_radius, upper_radius or neck_fillet helps too), found %g", smallest_pitch, pitch); wrong = 1;
+EndIf
+most = Min(relief_angle, 90 - flank_angle) - 5;
+If (contact_angle > most)
+  Error("contact_angle: expected at most %.6g (5 degrees less than relief_angle and than 90 - flank_angle), found %g", most, contact_angle); wrong = 1;
+EndIf
+most = Min(0.9 * Min(upper_radius, lower_radius) * touch, 0.45 * flank_length);
+If (edge_zone > most)
+  Error("edge_zone: expected at most %.6g (nine tenths of the candidate contact on the smaller rounding, 45 percent of the flat), found %g", most, edge_zone); wrong = 1;
+EndIf
+narrower = -2 * down_x;
+least = narrower / 0.85;
+If (neck_width < least)
+  Error("neck_width: expected at least %.6g (the lowest neck is %.6g narrower; a smaller wedge_angle or pitch helps), found %g", least, narrower, neck_width); wrong = 1;
+EndIf
+least = flank_length * nx + lower_radius * ny + root_corner + flank_size;
+If (root_height < least)
+  Error("root_height: expected at least %.6g (flat, lower rounding and root corner take that much; a smaller lower_radius helps), found %g", least, root_height); wrong = 1;
+EndIf
+// between the convex corner of the root and the concave corner of the slot around it
+u = groove_radius - flank_clearance - root_corner;
+v = groove_radius - slot_clearance - root_corner;
+gap = groove_radius - root_corner - Hypot(u, v);
+least = 0.5 * Min(flank_clearance, slot_clearance);
+If (u > 0 && v > 0 && gap < least)
+  Error("root_corner: the corners of the root, of radius %g, come too near to the corners of the slot, of radius %g: expected a gap of at least %.3g, found %.3g; a larger root_corner or a smaller groove_radius helps", root_corner, groove_radius, least, gap); wrong = 1;
+EndIf
+most = flank_length / 4;
+If (flank_size > most)
+  Error("flank_size: expected at most %.6g (a quarter of the flat), found %g", most, flank_size); wrong = 1;
+EndIf
+most = Min(flank_size, edge_zone / 2);
+If (edge_size > most)
+  Error("edge_size: expected at most %.6g (flank_size, and half of edge_zone), found %g", most, edge_size); wrong = 1;
+EndIf
+// Two lobes may be so near to each other that the back between them does not exist.
+If (pitch >= smallest_pitch)
+  // the straight pieces between the arcs, of the blade and of the disc
+  straight = Sqrt(dx^2 + dy^2 - (lower_radius + neck_fillet)^2);
+  For i In {1 : lobes - 1}
+    straight = Min(straight, (teeth_x[i] - grooves_x[i - 1]) * my - (teeth_y[i] - grooves_y[i - 1]) * mx);
+  EndFor
+  If (straight < flank_size)
+    Error("pitch: the straight backs of the lobes and of the disc teeth are only %.3g long, expected at least flank_size, %g, found pitch %g; a larger pitch, or smaller neck_fillet, tooth_radius or groove_radius helps", straight, flank_size, pitch); wrong = 1;
+  EndIf
+  turn = (relieved - back) / degree;
+  If (turn > 170)
+    Error("relief_angle: from the back of a lobe to the rounding below it the neck fillet turns by %.4g degrees, expected at most 170, found relief_angle %g; a larger pitch or flank_angle helps too", turn, relief_angle); wrong = 1;
+  EndIf
+  // how far the flats of the disc go on beyond the upper ends of those of the blade
+  reach = upper_radius * Sin(touch) + flank_size;
+  short = 0; most = tooth_radius; least = 0;
+  For i In {0 : lobes - 1}
+    ox = i * step_x; oy = i * step_y;
+    missing = reach + ((teeth_x[i] - upper_x - ox) * tx + (teeth_y[i] - upper_y - oy) * ty);
+    turn = normal - above[i];
+    short = Max(short, missing);
+    most = Min(most, tooth_radius - missing / Tan(turn / 2));
+    least = Max(least, missing * Sin(turn) + flank_clearance);
+  EndFor
+  If (short > 0 && most > 0)
+    Error("tooth_radius: expected at most %.6g (the flat of the disc must cover the candidate contact and an element of flank_size; a larger flank_clearance helps too), found %g", most, tooth_radius); wrong = 1;
+  ElseIf (short > 0)
+    Error("flank_clearance: expected at least %.6g (the flat of the disc must cover the candidate contact and an element of flank_size), found %g", least, flank_clearance); wrong = 1;
+  EndIf
+  // how far the flats of the disc go on beyond the lower ends of those of the blade
+  reach = lower_radius * Sin(touch) + flank_size;
+  short = 0; most = groove_radius; least = 0;
+  For i In {0 : lobes - 1}
+    ox = i * step_x; oy = i * step_y;
+    missing = reach - ((grooves_x[i] - lower_x - ox) * tx + (grooves_y[i] - lower_y - oy) * ty);
+    turn = normal - below[i];
+    short = Max(short, missing);
+    most = Min(most, groove_radius - missing / Tan(turn / 2));
+    least = Max(least, missing * Sin(turn) + flank_clearance);
+  EndFor
+  If (short > 0 && most > 0)
+    Error("groove_radius: expected at most %.6g (the flat of the disc must cover the candidate contact and an element of flank_size; a larger flank_clearance helps too), found %g", most, groove_radius); wrong = 1;
+  ElseIf (short > 0)
+    Error("flank_clearance: expected at least %.6g (the flat of the disc must cover the candidate contact and an element of flank_size), found %g", least, flank_clearance); wrong = 1;
+  EndIf
+  // between the tips of the teeth and the fillets around them, over the directions of the tip
+  gap = 1e22; widest = 0;
+  For i In {0 : lobes - 1}
+    widest = Max(widest, grooves_x[i]);
+    For j In {0 : 50}
+      angle = above[i] + (normal - above[i]) * j / 50;
+      gap = Min(gap, neck_fillet - tooth_radius - (fillet_x + i * step_x - teeth_x[i]) * Cos(angle)
+                     - (fillet_y + i * step_y - teeth_y[i]) * Sin(angle));
+    EndFor
+  EndFor
+  least = 0.5 * flank_clearance;
+  If (gap < least)
+    Error("tooth_radius: the tips of the disc teeth, of radius %g, come too near to the neck fillets of the blade, of radius %g: expected a gap of half of flank_clearance, %.3g, found %.3g; a larger tooth_radius or relief_angle, or a smaller neck_fillet or flank_clearance helps", tooth_radius, neck_fillet, least, gap); wrong = 1;
+  EndIf
+  least = slot_clearance + flank_size - (grooves_y[lobes - 1] - groove_radius - slot_bottom);
+  If (slot_clearance < least)
+    Error("slot_clearance: expected at least %.6g (the lowest groove and the slot corner must fit in; a smaller groove_radius helps), found %g", least, slot_clearance); wrong = 1;
+  EndIf
+  most = 0.7 * root;
+  If (root_corner > most)
+    Error("root_corner: expected at most %.6g (seven tenths of half the width of the root), found %g", most, root_corner); wrong = 1;
+  EndIf
+  most = 0.9 * slot;
+  If (groove_radius > most)
+    Error("groove_radius: expected at most %.6g (nine tenths of half the width of the slot), found %g", most, groove_radius); wrong = 1;
+  EndIf
+  least = fillet_y - disc_top + flank_size;
+  If (shank_height < least)
+    Error("shank_height: expected at least %.6g (the neck fillet must end below the top), found %g", least, shank_height); wrong = 1;
+  EndIf
+  least = 2 * (widest + 2 * groove_radius);
+  If (disc_width < least)
+    Error("disc_width: expected at least %.6g (width of the slot and its grooves), found %g", least, disc_width); wrong = 1;
+  EndIf
+  least = disc_top - slot_bottom + groove_radius;
+  If (disc_depth < least)
+    Error("disc_depth: expected at least %.6g (depth of the slot and its corners), found %g", least, disc_depth); wrong = 1;
+  EndIf
+EndIf
+
+// Everything from here to the end of the file is drawn only if nothing is wrong.
+If (!wrong)
 
 // Points on the axis of symmetry, shared by both halves of a body.
 axis_blade_top = newp; Point(axis_blade_top) = {0, blade_top, 0};
@@ -160,13 +319,12 @@ For side In {1 : -1 : -2}
   disc[] = {c + 3, c + 1, c + 2};
 
   For i In {0 : lobes - 1}
-    // where lobe i is, its initial gap, and the normals of the blade above and below the lobe
     ox = i * step_x; oy = i * step_y;
     gap = first_gap + lobe_gap * i;
-    above = (i == 0) ? 0 : back;
-    below = (i == lobes - 1) ? 0 : back;
-    ax = Cos(above); ay = Sin(above);
-    bx = Cos(below); by = Sin(below);
+    ax = Cos(above[i]); ay = Sin(above[i]);
+    bx = Cos(below[i]); by = Sin(below[i]);
+    tooth_x = teeth_x[i]; tooth_y = teeth_y[i];
+    groove_x = grooves_x[i]; groove_y = grooves_y[i];
 
     p = newp;
     Point(p)      = {side * (fillet_x + ox - neck_fillet * ax), fillet_y + oy - neck_fillet * ay, 0};
@@ -205,15 +363,6 @@ For side In {1 : -1 : -2}
     fine[] += {c + 4, c + 5, c + 7, c + 8};
     fillets[] += {c + 1};
 
-    // The disc: its flat lies at (nx, ny) . (x, y) = level, the line above it (back of the lobe above,
-    // or neck, and the clearance) at (ax, ay) . (x, y) = above, the line below it likewise.
-    level = (upper_x + ox) * nx + (upper_y + oy) * ny + gap;
-    line = (fillet_x + ox) * ax + (fillet_y + oy) * ay - neck_fillet + flank_clearance;
-    u = level + tooth_radius; v = line + tooth_radius; cross = nx * ay - ny * ax;
-    tooth_x = (u * ay - v * ny) / cross; tooth_y = (nx * v - ax * u) / cross;
-    line = (lower_cx + ox) * bx + (lower_cy + oy) * by + lower_radius + flank_clearance;
-    u = level - groove_radius; v = line - groove_radius; cross = nx * by - ny * bx;
-    groove_x = (u * by - v * ny) / cross; groove_y = (nx * v - bx * u) / cross;
     gx = ox + gap * nx; gy = oy + gap * ny;
 
     p = newp;
@@ -341,3 +490,5 @@ Mesh.MeshSizeFromPoints = 0;
 Mesh.MeshSizeFromCurvature = 0;
 Mesh.MeshSizeExtendFromBoundary = 0;
 Mesh.Algorithm = 6;
+
+EndIf

@@ -42,6 +42,41 @@ DefineConstant[
   growth          = {0.15,  Min 0.02, Max 0.5, Name "Parameters/10 Growth of the element size per distance from the fine mesh [-]"}
 ];
 
+// What the parameters must satisfy together; a message begins with the name of its parameter.
+wrong = 0;
+least = (upper_width - flat_half_width) / 0.99;
+If (radius < least)
+  Error("radius: expected at least %.6g (the roundings must reach the sides of the upper body; a smaller upper_width helps), found %g", least, radius); wrong = 1;
+EndIf
+most = 0.9 * Min(upper_width, lower_width);
+If (zone > most)
+  Error("zone: expected at most %.6g (nine tenths of the smaller of the half widths), found %g", most, zone); wrong = 1;
+EndIf
+least = flat_half_width + 4 * edge_size;
+If (zone < least)
+  Error("zone: expected at least %.6g (the contact ends beyond flat_half_width; four elements of edge_size must fit in there), found %g", least, zone); wrong = 1;
+EndIf
+rise = radius - Sqrt(Max(radius^2 - (upper_width - flat_half_width)^2, 0));
+least = rise + 0.1 * upper_width;
+If (upper_height < least)
+  Error("upper_height: expected at least %.6g (the face rises by %.6g and the body needs a side), found %g", least, rise, upper_height); wrong = 1;
+EndIf
+least = 0.1 * lower_width;
+If (lower_height < least)
+  Error("lower_height: expected at least %.6g (the body needs a side), found %g", least, lower_height); wrong = 1;
+EndIf
+most = flat_half_width / 2;
+If (flat_size > most)
+  Error("flat_size: expected at most %.6g (half of flat_half_width), found %g", most, flat_size); wrong = 1;
+EndIf
+most = flat_size;
+If (edge_size > most)
+  Error("edge_size: expected at most %.6g (flat_size), found %g", most, edge_size); wrong = 1;
+EndIf
+
+// Everything from here to the end of the file is drawn only if nothing is wrong.
+If (!wrong)
+
 fine = Max(flat_half_width - (zone - flat_half_width) / 2, flat_half_width / 2);
 
 // Curves of a half body run from the origin along the face to the far end and back to the axis of
@@ -140,3 +175,5 @@ Mesh.MeshSizeFromPoints = 0;
 Mesh.MeshSizeFromCurvature = 0;
 Mesh.MeshSizeExtendFromBoundary = 0;
 Mesh.Algorithm = 6;
+
+EndIf

@@ -34,6 +34,29 @@ DefineConstant[
   growth       = {0.15, Min 0.02, Max 0.5, Name "Parameters/08 Growth of the element size per distance from the contact zone [-]"}
 ];
 
+// What the parameters must satisfy together; a message begins with the name of its parameter.
+wrong = 0;
+most = 0.9 * Min(upper_width, lower_width);
+If (zone > most)
+  Error("zone: expected at most %.6g (nine tenths of the smaller of the half widths), found %g", most, zone); wrong = 1;
+EndIf
+rise = upper_width * Tan(angle * Pi / 180);
+least = rise + 0.1 * upper_width;
+If (upper_height < least)
+  Error("upper_height: expected at least %.6g (the face rises by %.6g and the body needs a side), found %g", least, rise, upper_height); wrong = 1;
+EndIf
+least = 0.1 * lower_width;
+If (lower_height < least)
+  Error("lower_height: expected at least %.6g (the body needs a side), found %g", least, lower_height); wrong = 1;
+EndIf
+most = zone / 4;
+If (size > most)
+  Error("size: expected at most %.6g (a quarter of zone), found %g", most, size); wrong = 1;
+EndIf
+
+// Everything from here to the end of the file is drawn only if nothing is wrong.
+If (!wrong)
+
 // Curves of a half body run from the origin along the face to the far end and back to the axis of
 // symmetry; up is 1 (upper body) or -1 (lower body), side is 1 (right) or -1 (left).
 halves[] = {};
@@ -111,3 +134,5 @@ Mesh.MeshSizeFromPoints = 0;
 Mesh.MeshSizeFromCurvature = 0;
 Mesh.MeshSizeExtendFromBoundary = 0;
 Mesh.Algorithm = 6;
+
+EndIf

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import DependencyError, MeshError
+from fretfe.geometry.templates import Template, check_parameters, parameter_error
 
 CELL_TYPES = {
     2: ("triangle", 1),
@@ -88,8 +89,6 @@ def gmsh_model(source: Path) -> Iterator[ModuleType]:
     try:
         gmsh.model.add(f"fretfe {source.name}")
         yield gmsh
-    except MeshError:
-        raise
     except Exception as error:
         # Gmsh raises bare Exception; anything more specific is a mistake of ours
         if type(error) is not Exception:
@@ -105,18 +104,48 @@ def gmsh_model(source: Path) -> Iterator[ModuleType]:
 
 
 @contextlib.contextmanager
-def script_model(path: Path, values: Mapping[str, float]) -> Iterator[ModuleType]:
-    """The model that a Gmsh script (.geo) describes, with values of its parameters.
+def script_model(template: Template, parameters: Mapping[str, float]) -> Iterator[ModuleType]:
+    """The model that a Gmsh script (.geo) describes.
 
-    Gmsh errors inside the block are raised as MeshError.
+    Args:
+        template: the script; one of fretfe's or one of the user's.
+        parameters: values that differ from the defaults of the script.
+
+    Raises:
+        CaseError: a parameter is unknown or out of range, or the script itself says, with
+            `Error("NAME: ...")`, that the parameters do not fit together.
+        MeshError: any other error of Gmsh, here or inside the block.
     """
-    with gmsh_model(path) as gmsh:
+    values = check_parameters(template, parameters)
+    with gmsh_model(template.path) as gmsh:
         # all parameters, defaults too: what an earlier script left in this process does not count
         for name, value in values.items():
             gmsh.parser.setNumber(name, [value])
-        # merge, not open: open forgets the numbers set above
-        gmsh.merge(str(path))
+        errors = _merge(gmsh, template.path)
+        if wrong := [error for error in errors if error.partition(":")[0] in values]:
+            raise parameter_error(template, wrong)
+        if errors:
+            raise MeshError(f"{template.path}: Gmsh reports: {errors[0]}")
         yield gmsh
+
+
+def _merge(gmsh: ModuleType, script: Path) -> list[str]:
+    """Read a script to its end, past errors, and return the errors."""
+    wanted = {"General.AbortOnError": 0, "General.Verbosity": 1}
+    before = {option: gmsh.option.getNumber(option) for option in wanted}
+    for option, value in wanted.items():
+        gmsh.option.setNumber(option, value)
+    gmsh.logger.start()
+    known = len(gmsh.logger.get())
+    try:
+        # merge, not open: open forgets the numbers that were set
+        gmsh.merge(str(script))
+        messages = gmsh.logger.get()[known:]
+    finally:
+        gmsh.logger.stop()
+        for option, value in before.items():
+            gmsh.option.setNumber(option, value)
+    return [text.removeprefix("Error: ") for text in messages if text.startswith("Error: ")]
 
 
 def raw_mesh(gmsh: ModuleType, source: Path) -> RawMesh:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The geometry templates: where they are, what parameters they have, which values make sense.
+"""The geometry templates: where they are, and the parameters that they take.
 
-A template is a Gmsh script (.geo). Its DefineConstant block is the only place where parameters,
-defaults, ranges and descriptions are written; they are read from there.
+A template is one Gmsh script (.geo). Its DefineConstant block defines the parameters with their
+defaults, ranges and descriptions, which are read here, without Gmsh. What the parameters must
+satisfy together is checked by the script itself when Gmsh reads it (`gmsh_model.script_model`).
 """
 
 from __future__ import annotations
@@ -15,13 +16,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fretfe.errors import CaseError, MeshError
-from fretfe.geometry.template_checks import CROSS_CHECKS
 
+# DefineConstant[ size = {0.01, Min 1e-5, Max 1, Name "Parameters/01 Element size [mm]"}, ... ];
 _BLOCK = re.compile(r"DefineConstant\s*\[(.*?)\n\s*\];", re.DOTALL)
 _PARAMETER = re.compile(
-    r"(?P<name>\w+)\s*=\s*\{\s*(?P<default>[^,]+),\s*Min\s+(?P<minimum>[^,]+),"
-    r'\s*Max\s+(?P<maximum>[^,]+),\s*Name\s+"Parameters/\d+ (?P<text>[^"\[]+) \[(?P<unit>[^]]+)\]"'
-    r"(?P<whole>,\s*Step\s+1\b)?"
+    r"""(?P<name>\w+) \s*=\s* \{
+        \s* (?P<default>[^,]+),
+        \s* Min \s+ (?P<minimum>[^,]+),
+        \s* Max \s+ (?P<maximum>[^,]+),
+        \s* Name \s+ "Parameters/\d+ [ ] (?P<description>[^"\[]+) [ ] \[ (?P<unit>[^]]+) \]"
+        (?P<whole>, \s* Step \s+ 1\b)?""",
+    re.VERBOSE,
 )
 
 
@@ -111,8 +116,8 @@ def check_parameters(template: Template, values: Mapping[str, float]) -> dict[st
     """All parameters of the template: the given values, and the defaults of the others.
 
     Raises:
-        CaseError: A name is unknown, a value is no number or outside its range, or the values
-            together describe no valid geometry. Everything found is in the message.
+        CaseError: A name is unknown, or a value is no number or outside its range. Everything
+            found is in the message.
     """
     known = {parameter.name: parameter for parameter in template.parameters}
     problems = [
@@ -127,15 +132,15 @@ def check_parameters(template: Template, values: Mapping[str, float]) -> dict[st
         for name, value in values.items()
         if name in known and (problem := _range_problem(known[name], value))
     ]
-    complete = {name: float(parameter.default) for name, parameter in known.items()}
-    if not problems:
-        complete |= {name: float(value) for name, value in values.items()}
-        checks = CROSS_CHECKS.get(template.name, ())
-        problems = [problem for check in checks if (problem := check(complete))]
     if problems:
-        lines = "".join(f"\n  - {problem}" for problem in problems)
-        raise CaseError(f"geometry.parameters of template '{template.name}':{lines}")
-    return complete
+        raise parameter_error(template, problems)
+    return {name: float(values.get(name, each.default)) for name, each in known.items()}
+
+
+def parameter_error(template: Template, problems: Iterable[str]) -> CaseError:
+    """The error that lists what is wrong with the parameters of a template."""
+    lines = "".join(f"\n  - {problem}" for problem in problems)
+    return CaseError(f"geometry.parameters of template '{template.name}':{lines}")
 
 
 def _read_summary(text: str) -> str:
@@ -153,7 +158,7 @@ def _read_parameters(text: str) -> tuple[Parameter, ...]:
             default=float(match["default"]),
             minimum=float(match["minimum"]),
             maximum=float(match["maximum"]),
-            description=match["text"],
+            description=match["description"],
             unit=match["unit"],
             whole=match["whole"] is not None,
         )

@@ -14,7 +14,7 @@ from fretfe.errors import CaseError, MeshError
 from fretfe.geometry.cad import cad_model
 from fretfe.geometry.gmsh_model import RawMesh, script_model
 from fretfe.geometry.sizing import Sizes, apply_sizes
-from fretfe.geometry.templates import Template, check_parameters, find_template, read_template
+from fretfe.geometry.templates import Template, find_template, read_template
 from fretfe.mesh.groups import check_groups, named_boundaries
 from fretfe.mesh.inp_groups import read_inp
 from fretfe.mesh.mesh import Mesh, SetSizes, mesh_from_raw, mesh_model, mesh_template, read_mesh
@@ -110,7 +110,7 @@ def _mesh_of_script(case: Case, path: Path, size: SetSizes | None) -> Mesh:
         raise CaseError(complaint(case.source, ("geometry", "parameters"), text))
     if size is not None:
         _refuse_sizes(case, template)
-    model = script_model(path, check_parameters(template, given))
+    model = script_model(template, given)
     return mesh_model(model, path, case.geometry.order, size, str(path))
 
 

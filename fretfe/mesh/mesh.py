@@ -27,7 +27,7 @@ from fretfe.geometry.gmsh_model import (
     raw_mesh,
     script_model,
 )
-from fretfe.geometry.templates import Template, check_parameters
+from fretfe.geometry.templates import Template
 from fretfe.mesh.cell_geometry import (
     counter_clockwise,
     directed_edges,
@@ -109,7 +109,7 @@ def mesh_template(
         CaseError: A parameter is unknown, out of range or at odds with another.
         MeshError: Gmsh cannot mesh the geometry, or the mesh is not valid.
     """
-    model = script_model(template.path, check_parameters(template, parameters))
+    model = script_model(template, parameters)
     return mesh_model(model, template.path, order, size, f"template '{template.name}'")
 
 

@@ -94,6 +94,18 @@ def test_parameters_are_checked(trace: Path, parameters: dict[str, Any], expecte
     assert not trace.exists()
 
 
+def test_a_script_checks_its_own_parameters(trace: Path) -> None:
+    script = trace.parent / "pad.geo"
+    check = 'If (height > 1.2)\n  Error("height: expected at most 1.2, found %g", height);\nEndIf\n'
+    script.write_text(script.read_text() + check)
+    with pytest.raises(CaseError, match=r"pad.geo':\n  - height: expected at most 1.2, found 1.5"):
+        load(trace.parent, trust_geo=True, parameters={"height": 1.5})
+    assert set(load(trace.parent, trust_geo=True).bodies) == {"upper", "lower"}
+    script.write_text(script.read_text() + 'Error("nothing of the kind");\n')
+    with pytest.raises(MeshError, match=r"pad.geo: Gmsh reports: nothing of the kind"):
+        load(trace.parent, trust_geo=True)
+
+
 @pytest.mark.parametrize("block", ["height = 1;", "DefineConstant[\n height = 0.5 * 2\n];"])
 def test_parameters_that_nothing_is_known_of(trace: Path, block: str) -> None:
     script = trace.parent / "pad.geo"
