@@ -28,10 +28,14 @@ API = (
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("fretfe")
     if name not in API:
         raise AttributeError(f"module 'fretfe' has no attribute {name!r}")
     return getattr(importlib.import_module("fretfe.api"), name)
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *API])
+    return sorted([*globals(), *API, "__version__"])

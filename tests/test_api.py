@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+import importlib.metadata
 import json
 import sys
 from pathlib import Path
@@ -271,3 +272,7 @@ def test_mistakes(pad: Path) -> None:
         fretfe.run(case, "halfplain")
     with pytest.raises(CaseError, match="there is no 'mian' in contacts"):
         fretfe.sweep(case, {"contacts.mian.friction": [0.4]}, "analytic")
+
+
+def test_the_version_is_that_of_the_package() -> None:
+    assert fretfe.__version__ == importlib.metadata.version("fretfe")

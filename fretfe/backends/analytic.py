@@ -71,7 +71,9 @@ def solve_closed_form(problem: HalfPlaneProblem) -> tuple[ContactSummary, set[st
         [problem.normal_force, problem.moment, problem.shear_force, problem.bulk_tension]
     )
     units = half_plane_units(np.stack([contact.left, contact.right]))
-    histories = add_up(units, loads, problem.friction)
+    histories = add_up(
+        units, loads, problem.friction, contact.right > contact.left, problem.history.cycle
+    )
     stations, used = [], set()
     for front in PLANE_FRONTS:
         station, solutions = _station(problem, contact, front, histories[front.number])
@@ -79,7 +81,7 @@ def solve_closed_form(problem: HalfPlaneProblem) -> tuple[ContactSummary, set[st
         used |= solutions
     centre = (contact.left + contact.right) / 2
     half_width = (contact.right - contact.left) / 2
-    k_t, cycle = histories[..., Factor.K_T], cycle_states(problem.history.cycle)
+    k_t, cycle = histories[..., Factor.K_T], problem.history.cycle
     dissipation = sum(station.dissipation for station in stations)
     return ContactSummary(
         name=problem.contact,
@@ -89,7 +91,7 @@ def solve_closed_form(problem: HalfPlaneProblem) -> tuple[ContactSummary, set[st
         moment=problem.moment - np.nan_to_num(centre) * problem.normal_force,
         centre=centre,
         half_width=half_width,
-        effective_tension=tension_history(k_t, half_width),
+        effective_tension=tension_history(k_t, half_width, cycle),
         shear_mismatch=shear_mismatch(k_t, half_width, problem.shear_force, cycle),
         cycle_change=np.nan,
         # The closed forms are those of the steady cycle.

@@ -5,36 +5,43 @@ from __future__ import annotations
 
 import numpy as np
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array
 from fretfe.analytic.edges import effective_bulk_tension, shear_force_from_factors
+from fretfe.edges.counting import count_up
 from fretfe.results.solution import ContactHistory, Solution
 
 
-def tension_history(k_t: Array, half_width: Array) -> Array:
-    """(T,) effective bulk tension, added up over the steps like K_T.
+def tension_history(k_t: Array, half_width: Array, cycle: tuple[int, int] | None) -> Array:
+    """(T,) effective bulk tension, counted like K_T.
 
     Args:
         k_t: (2, T) at the left and the right front.
         half_width: (T,), NaN without contact.
+        cycle: its first and last state, or None.
     """
     steps, a = _steps(k_t, half_width)
-    return _added_up(effective_bulk_tension(steps[0], steps[1], a))
+    return count_up(effective_bulk_tension(steps[0], steps[1], a), cycle)
 
 
-def shear_mismatch(k_t: Array, half_width: Array, shear_force: Array, cycle: Indices) -> float:
+def shear_mismatch(
+    k_t: Array, half_width: Array, shear_force: Array, cycle: tuple[int, int] | None
+) -> float:
     """(range of Q that half-planes need for K_T at the two fronts)/(range of Q) - 1; NaN if none.
 
     Args:
         k_t: (2, T) at the left and the right front.
         half_width: (T,), NaN without contact.
         shear_force: (T,) Q of full stick.
-        cycle: its states.
+        cycle: its first and last state, or None.
     """
-    if not len(cycle) or np.ptp(shear_force[cycle]) <= 1e-9 * np.abs(shear_force).max():
+    if cycle is None:
+        return np.nan
+    states = slice(cycle[0], cycle[1] + 1)
+    if np.ptp(shear_force[states]) <= 1e-9 * np.abs(shear_force).max():
         return np.nan
     steps, a = _steps(k_t, half_width)
-    needed = _added_up(shear_force_from_factors(steps[0], steps[1], a))
-    return float(np.ptp(needed[cycle]) / np.ptp(shear_force[cycle]) - 1)
+    needed = count_up(shear_force_from_factors(steps[0], steps[1], a), cycle)
+    return float(np.ptp(needed[states]) / np.ptp(shear_force[states]) - 1)
 
 
 def full_stick_shear_force(solution: Solution, contact: ContactHistory) -> Array:
@@ -53,7 +60,7 @@ def full_stick_shear_force(solution: Solution, contact: ContactHistory) -> Array
     pairs = known[1:].astype(float) + known[:-1]
     mean = (units[1:] + units[:-1]) / np.maximum(pairs, 1.0)[:, None]
     steps = np.einsum("tj,tj->t", mean, np.diff(solution.driver_values, axis=0))
-    return _added_up(steps * (contact.friction[1:] > 0))
+    return count_up(steps * (contact.friction[1:] > 0), solution.cycle)
 
 
 def _steps(k_t: Array, half_width: Array) -> tuple[Array, Array]:
@@ -62,7 +69,3 @@ def _steps(k_t: Array, half_width: Array) -> tuple[Array, Array]:
     # From no contact to the first one: that of the first one.
     a = np.where(np.isfinite(a), a, half_width[1:])
     return np.diff(k_t, axis=1), np.where(np.isfinite(a), a, 1.0)
-
-
-def _added_up(increments: Array) -> Array:
-    return np.concatenate([[0.0], np.cumsum(increments)])

@@ -3,16 +3,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from fretfe._typing import Array
 from fretfe.edges.consistency import full_stick_shear_force, shear_mismatch, tension_history
-from fretfe.edges.factors import UnitFactors, add_up, edge_fits, edge_movement, integral_units
+from fretfe.edges.factors import (
+    FEWEST_NODES,
+    UnitFactors,
+    add_up,
+    edge_fits,
+    edge_movement,
+    integral_units,
+)
 from fretfe.edges.front import ContactSummary, Frame, Station, fronts_of
-from fretfe.edges.patches import resultants
+from fretfe.edges.patches import contact_patches, resultants
 from fretfe.edges.pressure import EdgeFit
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront, nearest_front
 from fretfe.edges.slip import cycle_change
@@ -23,6 +31,11 @@ from fretfe.results.solution import OPEN, ContactHistory, Factor, Solution
 FindUnits = Callable[[Solution, ContactHistory, Array], UnitFactors]
 # Change of the shear from one cycle to the next, relative to f p_max, below which it is steady.
 STEADY_CHANGE = 1e-3
+# Patches that carry less than this share of the normal force are traces of round-off.
+SMALLEST_PATCH = 1e-3
+# Sliding over the width of the contact beyond which the small-sliding model is doubted: gaps of
+# round surfaces are then wrong by more than a hundredth of the approach.
+LARGEST_SLIDING = 0.1
 
 
 def evaluate(
@@ -56,7 +69,6 @@ def _evaluate_contact(
         for t, c in zip(contact.traction, centre, strict=True)
     ]
     change = _cycle_change(solution, contact)
-    cycle = cycle_states(solution.cycle)
     k_t = np.array([station.k_t for station in stations])
     return ContactSummary(
         name=contact.name,
@@ -66,15 +78,15 @@ def _evaluate_contact(
         moment=np.array(moments),
         centre=centre,
         half_width=half_width,
-        effective_tension=tension_history(k_t, half_width),
+        effective_tension=tension_history(k_t, half_width, solution.cycle),
         shear_mismatch=shear_mismatch(
-            k_t, half_width, full_stick_shear_force(solution, contact), cycle
+            k_t, half_width, full_stick_shear_force(solution, contact), solution.cycle
         ),
         cycle_change=change,
         steady=bool(change < STEADY_CHANGE),
         dissipation=float(_over_cycle(solution, contact.dissipation).sum()),
         dissipation_change=_dissipation_change(solution, contact),
-        warnings=_warnings(contact, stations, change),
+        warnings=(*_unknown(solution, contact, stations), *_warnings(contact, stations, change)),
     )
 
 
@@ -84,17 +96,21 @@ class _Histories:
 
     ways: Array
     fitted: Array | None
+    exact: bool
 
 
 def _factor_histories(
     solution: Solution, contact: ContactHistory, positions: Array, find_units: FindUnits
 ) -> _Histories:
-    drivers, friction = solution.driver_values, contact.friction
     units = find_units(solution, contact, positions)
-    ways = np.array([add_up(each, drivers, friction) for each in units.main])
-    if units.fitted is None:
-        return _Histories(ways, None)
-    return _Histories(ways, add_up(units.fitted, drivers, friction))
+    touching = np.any(contact.traction[:, :, 0] > 0, axis=1)
+
+    def history(each: Array) -> Array:
+        drivers = solution.driver_values
+        return add_up(each, drivers, contact.friction, touching, solution.cycle)
+
+    fitted = history(units.fitted) if units.fitted is not None else None
+    return _Histories(np.array([history(each) for each in units.main]), fitted, units.exact)
 
 
 def _evaluate_station(
@@ -120,7 +136,7 @@ def _evaluate_station(
         k_n_moved=movement.k_n,
         stiffening=movement.stiffening,
         k_t_range=_range(history.k_t, cycle),
-        k_t_range_spread=float(np.ptp(ranges)) / 2,
+        k_t_range_spread=_spread(ranges, histories.exact),
         k_t_range_fitted=(
             _range(fitted[front.number, :, Factor.K_T], cycle) if fitted is not None else np.nan
         ),
@@ -128,6 +144,13 @@ def _evaluate_station(
         slip_zones=slip_zones(cycle, contact.friction, history, border),
         dissipation=float(_over_cycle(solution, contact.dissipation)[here].sum()),
     )
+
+
+def _spread(ranges: list[float], exact: bool) -> float:
+    """Half the difference of several ways; one alone has no spread unless it is exact."""
+    if len(ranges) > 1:
+        return float(np.ptp(ranges)) / 2
+    return 0.0 if exact else np.nan
 
 
 def _frame(contact: ContactHistory, front: PlaneFront, position: Array) -> Frame:
@@ -174,6 +197,63 @@ def _cycle_change(solution: Solution, contact: ContactHistory) -> float:
     return cycle_change(shear[last], shear[first], float(contact.friction[last]), float(pressure))
 
 
+def _unknown(
+    solution: Solution, contact: ContactHistory, stations: tuple[Station, ...]
+) -> Iterator[str]:
+    """Factors that cannot be told, and why."""
+    states = cycle_states(solution.cycle)
+    states = states if len(states) else np.array([len(solution.times) - 1])
+    nodes = np.count_nonzero(contact.traction[states, :, 0] > 0, axis=1)
+    if not nodes.any():
+        return
+    finer = FEWEST_NODES / max(int(nodes.min()), 1)
+    reason = (
+        f"{nodes.min()} nodes are in contact, {FEWEST_NODES} are wanted at least: make the "
+        f"elements {math.ceil(2 * finer) / 2:g} times smaller"
+        if finer > 1
+        else "the pressure does not fall to zero like a root there"
+    )
+    for station in stations:
+        missing = ["K_N"] if not math.isfinite(station.k_n[-1]) else []
+        if len(cycle_states(solution.cycle)) and not math.isfinite(station.k_t_range):
+            missing.append("ΔK_T")
+        if missing:
+            yield f"{' and '.join(missing)} at the {station.front} edge: unknown, because {reason}"
+
+
+def _patches(contact: ContactHistory) -> Iterator[str]:
+    """A contact of several patches, of which only the main one is evaluated."""
+    shares = [_main_share(contact.arc, pressure) for pressure in contact.traction[:, :, 0]]
+    several = [share for share in shares if share < 1 - SMALLEST_PATCH]
+    if several:
+        yield (
+            f"several patches are in contact in {len(several)} of {len(shares) - 1} states: "
+            "edges, half-width and slip zones are those of the patch that carries most, as little "
+            f"as {min(several):.0%} of P; P and Q are those of all. Make a contact of each patch"
+        )
+
+
+def _main_share(arc: Array, pressure: Array) -> float:
+    patches = contact_patches(arc, np.maximum(pressure, 0.0))
+    forces = [patch.force for patch in patches]
+    return max(forces) / sum(forces) if forces else 1.0
+
+
+def _sliding(contact: ContactHistory) -> Iterator[str]:
+    """Sliding that is not small against the contact: points are paired where they are at first."""
+    closed = contact.status != OPEN
+    if not closed[1:].any():
+        return
+    largest = float(np.abs(np.where(closed, contact.slip[..., 0], 0.0)).max())
+    width = max(float(contact.weights[state].sum()) for state in closed[1:])
+    if largest > LARGEST_SLIDING * width:
+        yield (
+            f"the surfaces slide by {largest:.3g}, {largest / width:.0%} of the width of the "
+            f"contact: beyond {LARGEST_SLIDING:.0%} pairing points in the undeformed position "
+            "is no longer a good one"
+        )
+
+
 def _warnings(
     contact: ContactHistory, stations: tuple[Station, ...], change: float
 ) -> tuple[str, ...]:
@@ -188,6 +268,7 @@ def _warnings(
                 f"the contact reaches the {front.name} end of its surface: extend the physical "
                 "group, the edge there is not that of the contact"
             )
+    warnings += [*_patches(contact), *_sliding(contact)]
     if change >= STEADY_CHANGE:
         warnings.append(
             f"not in steady state: the shear changes by {change:.2g} f p_max over the evaluated "

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Factor histories of a plane contact: position and K_N by fits, K_T and K_I by increments.
 
-K_T and K_I are counted from the first state: they add up the increments of full stick over the
-steps, each with the mean of the contact areas before and after it. K_T counts only steps with
-friction.
+K_T and K_I add up the increments of full stick over the steps, each with the mean of the contact
+areas before and after it; K_T counts only steps with friction. They are counted from the first
+state, or from the last one before the cycle at which an increment is unknown: what is not known is
+NaN, never zero.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import astuple, dataclass, fields
 import numpy as np
 
 from fretfe._typing import Array, Bools
+from fretfe.edges.counting import count_up
 from fretfe.edges.full_stick import OVERHANG, effective_edges, full_stick_factors
 from fretfe.edges.patches import main_patch
 from fretfe.edges.pressure import EdgeFit, fit_edge
@@ -40,22 +42,32 @@ def _full(fit: EdgeFit, fitted: Bools) -> EdgeFit:
     return EdgeFit(*parts)
 
 
-def add_up(units: Array, drivers: Array, friction: Array) -> Array:
+def add_up(
+    units: Array,
+    drivers: Array,
+    friction: Array,
+    touching: Bools,
+    cycle: tuple[int, int] | None,
+) -> Array:
     """(stations, T, d) singular factors at each station, in the order of `Factor`.
 
     Args:
         units: (T, stations, d, J) factors for a unit of each driver; NaN where unknown.
         drivers: (T, J) values of the drivers.
         friction: (T,) coefficient in the step that ends at each state.
+        touching: (T,) states in which there is contact.
+        cycle: its first and last state, or None.
     """
-    histories = np.zeros((len(drivers), *units.shape[1:3]))
+    increments = np.zeros((len(drivers) - 1, *units.shape[1:3]))
     for state in range(1, len(drivers)):
         step = drivers[state] - drivers[state - 1]
+        if not step.any() or not touching[state - 1 : state + 1].any():
+            continue
         known = [units[s] for s in (state - 1, state) if np.isfinite(units[s]).all()]
-        increment = np.mean(known, axis=0) @ step if known else np.zeros(units.shape[1:3])
-        increment[:, Factor.K_T :] *= friction[state] > 0
-        histories[state] = histories[state - 1] + increment
-    return histories.swapaxes(0, 1)
+        increments[state - 1] = np.mean(known, axis=0) @ step if known else np.nan
+        if friction[state] == 0:
+            increments[state - 1, :, Factor.K_T :] = 0.0
+    return count_up(increments, cycle).swapaxes(0, 1)
 
 
 @dataclass(frozen=True)
@@ -65,10 +77,12 @@ class UnitFactors:
     Attributes:
         main: (R, T, stations, d, J) determined in R ways.
         fitted: (T, stations, d, J) by fits to tractions, as a check; None without them.
+        exact: whether they are closed forms.
     """
 
     main: Array
-    fitted: Array | None
+    fitted: Array | None = None
+    exact: bool = False
 
 
 def full_stick_units(solution: Solution, contact: ContactHistory, positions: Array) -> Array:
@@ -97,7 +111,7 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     """Unit factors by the interaction integral, for each of its R radii, and by fits.
 
     The integrals are taken at a few contact areas; what the fits miss there is interpolated over
-    the half-width to the other states. Without integrals both are those of the fits.
+    the half-width to the other states. Without integrals there are only the fits, and no check.
 
     Args:
         solution: the solved history.
@@ -107,7 +121,7 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     fits = full_stick_units(solution, contact, positions)
     integrals = contact.integrals
     if integrals is None:
-        return UnitFactors(fits[None], fits)
+        return UnitFactors(fits[None])
     fitted = np.array([_at_own_edges(solution, contact, int(area)) for area in integrals.areas])
     missed = integrals.factors - fitted[:, None]
     half_widths = (integrals.positions[:, 1] - integrals.positions[:, 0]) / 2

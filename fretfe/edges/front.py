@@ -74,9 +74,10 @@ class StationHistory:
         position: (T,) along the arc; NaN where there is no contact or it cannot be fitted.
         k_n: (T,) pressure factor.
         k_n_spread: (T,) uncertainty of the fit.
-        k_t: (T,) factor of the shear along `inward`, counted from the first state with friction.
+        k_t: (T,) factor of the shear along `inward`, counted from the first state with friction,
+            or the first one from which on it is known; NaN before and where unknown.
         k_s: (T,) factor of the shear along `along`, counted likewise; zero in the plane.
-        k_i: (T,) factor of the normal increments, counted from the first state in contact.
+        k_i: (T,) factor of the normal increments, counted likewise from the first state in contact.
     """
 
     front: str
@@ -99,9 +100,10 @@ class Station(StationHistory):
             2 dK_I/da; NaN without them.
         stiffening: relative growth of dP/da with the half-width a in the last state, from the same
             two loads; it tells how long a slip zone may be for the edge description.
-        k_t_range: range of K_T over the evaluated cycle, NaN without one.
+        k_t_range: range of K_T over the evaluated cycle; NaN without one, or if K_T is unknown in
+            one of its states.
         k_t_range_spread: half the difference of the ranges that the radii of the interaction
-            integral give; 0 if K_T is known in closed form.
+            integral give; 0 if K_T is known in closed form, NaN if nothing can be compared.
         k_t_range_fitted: range of K_T by fits to the tractions of full stick; NaN without them.
         k_i_range: range of K_I.
         slip_zones: one for each half cycle, in time order.

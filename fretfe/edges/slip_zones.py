@@ -56,8 +56,12 @@ def slip_zones(
     if not len(frictional):
         return ()
     first = int(frictional[0]) - 1
+    known = np.isfinite(station.k_t) & np.isfinite(station.k_i)
+    begin = max(first, int(np.argmax(known)))
+    if not known[begin:].all():
+        return ()
     zones = []
-    for start, end in _half_cycles(cycle, friction, station, first):
+    for start, end in _half_cycles(cycle, friction, station, begin):
         if not np.isfinite(station.position[end]):
             continue
         border = find_border(start, end)

@@ -22,6 +22,7 @@ from fretfe.fem._compat import MPI
 from fretfe.fem.balance import force_balance
 from fretfe.fem.extraction import add_integrals
 from fretfe.fem.fields import write_fields
+from fretfe.fem.limits import imbalance, with_model_warnings
 from fretfe.fem.model import Model, step_loads
 from fretfe.fem.parallel import on_root, release
 from fretfe.fem.timing import Clock
@@ -137,7 +138,8 @@ def solve_prepared(
     with clock("edge integrals"):
         solution = add_integrals(model, case, recorder, prepared.march, solution)
     with clock("evaluation"):
-        contacts = on_root(comm, lambda: evaluate(solution) if solution else ())
+        contacts = on_root(comm, lambda: _evaluate(case, solution) if solution else ())
+        failure = failure or on_root(comm, lambda: imbalance(solution) if solution else None)
     if options.fields is not None:
         with clock("fields"):
             chosen = _field_states(case, history, solution, contacts) if solution else None
@@ -153,6 +155,10 @@ def solve_prepared(
         seconds=clock.seconds,
         ranks=comm.size,
     )
+
+
+def _evaluate(case: Case, solution: Solution) -> tuple[ContactSummary, ...]:
+    return with_model_warnings(case, solution, evaluate(solution))
 
 
 def _solved_history(solution: Solution) -> History:

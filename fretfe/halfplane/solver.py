@@ -64,7 +64,7 @@ class HalfPlaneOutcome:
     ) -> UnitFactors:
         """Singular factors for a unit of each driver in closed form; see `evaluate`."""
         units = half_plane_units(positions)[..., [2, 0, 1, 3]] * np.array([1.0, -1.0, -1.0, 1.0])
-        return UnitFactors(units[None], None)
+        return UnitFactors(units[None], exact=True)
 
 
 def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:

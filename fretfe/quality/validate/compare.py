@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 
 from fretfe.edges.front import Station
-from fretfe.quality.validate.rows import Row, Verdict, compared
+from fretfe.quality.validate.rows import Row, Verdict, compared, missing
 from fretfe.quality.validate.single import BORDER_ELEMENTS, BORDER_FRACTION, element_size
 from fretfe.quality.validate.variants import COARSER, MEAN, MESH, START
 from fretfe.results.model import Result
@@ -52,12 +52,16 @@ def _mesh_rows(contact: str, station: Station, coarse: Station, size: float) -> 
         ("K_N", float(station.k_n[-1]), float(coarse.k_n[-1]), MESH_TOLERANCE),
         ("ΔK_T", station.k_t_range, coarse.k_t_range, MESH_TOLERANCE),
     ):
+        if math.isnan(value) or math.isnan(reference):
+            given = "the coarser mesh does not carry this number"
+            yield missing(contact, station.front, f"{quantity} {MESH}", given)
+            continue
         tolerance = share * abs(value) / EXTRAPOLATION
         yield compared(
             contact, station.front, f"{quantity} {MESH}", value, reference, tolerance, reason
         )
     length, reference = _length(station), _length(coarse)
-    if not math.isnan(length):
+    if coarse.slip_zones and not math.isnan(length):
         tolerance = SLIP_TOLERANCE * length / EXTRAPOLATION + BORDER_ELEMENTS * COARSER * size
         yield compared(contact, station.front, f"d {MESH}", length, reference, tolerance, reason)
 

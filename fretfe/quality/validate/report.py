@@ -42,16 +42,23 @@ def summary(validation: Validation) -> str:
     """Numbers of rows by verdict, and their meaning."""
     counts = {
         verdict: sum(row.verdict == verdict for row in validation.rows)
-        for verdict in ("pass", "FAIL", "outside", "depends", "-")
+        for verdict in ("pass", "FAIL", "outside", "depends", "unknown", "-")
     }
     text = (
         f"{counts['pass']} agree, {counts['FAIL']} fail, {counts['outside']} outside the range of "
         f"a formula, {counts['depends']} depend on the start, {counts['-']} not applicable."
     )
+    if counts["unknown"]:
+        return (
+            f"{text} {counts['unknown']} unknown: nothing can be said of this case before they are "
+            "known."
+        )
     if counts["FAIL"]:
         return f"{text} Do not use these numbers before the failures are understood."
     if counts["outside"]:
         return f"{text} Use the computed numbers where a formula is outside its range."
+    if not counts["pass"]:
+        return f"{text} Nothing was compared."
     return f"{text} The edge description holds for this case."
 
 

@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-Verdict = Literal["pass", "FAIL", "outside", "depends", "-"]
+Verdict = Literal["pass", "FAIL", "outside", "depends", "unknown", "-"]
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,8 @@ class Row:
         tolerance: largest acceptable |value - reference|, in the same unit.
         reason: where the tolerance comes from, or why there is no comparison.
         verdict: "pass"; "FAIL"; "outside" the range of the formula, which is an answer and no
-            failure; "depends" on how the cycle was reached; "-" if there is nothing to compare.
+            failure; "depends" on how the cycle was reached; "unknown" if the run does not carry
+            the number; "-" if there is nothing to compare.
     """
 
     contact: str
@@ -69,6 +70,6 @@ def compared(
     return Row(contact, edge, quantity, value, reference, tolerance, reason, verdict)
 
 
-def missing(contact: str, edge: str, quantity: str, reason: str) -> Row:
+def missing(contact: str, edge: str, quantity: str, reason: str, verdict: Verdict = "-") -> Row:
     """A row without a comparison."""
-    return Row(contact, edge, quantity, math.nan, math.nan, math.nan, reason, "-")
+    return Row(contact, edge, quantity, math.nan, math.nan, math.nan, reason, verdict)

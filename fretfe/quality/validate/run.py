@@ -25,8 +25,8 @@ class Validation:
 
     @property
     def passed(self) -> bool:
-        """True if no comparison failed."""
-        return all(row.verdict != "FAIL" for row in self.rows)
+        """True if no comparison failed and no number that matters is unknown."""
+        return all(row.verdict not in ("FAIL", "unknown") for row in self.rows)
 
 
 def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Validation:

@@ -74,6 +74,9 @@ def _contact_rows(contact: ContactSummary) -> Iterator[Row]:
 def _station_rows(contact: ContactSummary, station: Station, size: float) -> Iterator[Row]:
     name, side = contact.name, station.front
     k_n = float(station.k_n[-1])
+    yield from _unknown_rows(contact, station)
+    if math.isnan(k_n):
+        return
     if math.isnan(station.k_n_moved):
         reason = "no two load levels: the edge does not move, or reaches the end of its surface"
         yield missing(name, side, "K_N, by moving edge", reason)
@@ -81,8 +84,8 @@ def _station_rows(contact: ContactSummary, station: Station, size: float) -> Ite
         tolerance = K_N_AGREEMENT * k_n + float(station.k_n_spread[-1])
         reason = f"{K_N_AGREEMENT:.0%} and the spread of the fits"
         yield compared(name, side, "K_N, by moving edge", k_n, station.k_n_moved, tolerance, reason)
-    if math.isnan(station.k_t_range_fitted):
-        yield missing(name, side, "ΔK_T, by fit", "only one way with this backend")
+    if math.isnan(station.k_t_range_fitted) or math.isnan(station.k_t_range):
+        yield missing(name, side, "ΔK_T, by fit", "there is no second way here")
     else:
         tolerance = K_T_AGREEMENT * station.k_t_range + station.k_t_range_spread
         reason = f"{K_T_AGREEMENT:.0%} and the spread over three radii"
@@ -96,6 +99,21 @@ def _station_rows(contact: ContactSummary, station: Station, size: float) -> Ite
             reason,
         )
     yield from _slip_rows(contact, station, size)
+
+
+def _unknown_rows(contact: ContactSummary, station: Station) -> Iterator[Row]:
+    """Numbers that this run should carry and does not; warnings of the contact say why."""
+    for quantity, value in (("K_N", float(station.k_n[-1])), ("ΔK_T", station.k_t_range)):
+        if (
+            math.isnan(value)
+            and contact.normal_force[-1] > 0
+            and not math.isnan(contact.cycle_change)
+        ):
+            reason = next(
+                (each for each in contact.warnings if quantity in each and "unknown" in each),
+                "it is not known in every state of the cycle",
+            )
+            yield missing(contact.name, station.front, quantity, reason, "unknown")
 
 
 def _slip_rows(contact: ContactSummary, station: Station, size: float) -> Iterator[Row]:

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a mesh or a model does not carry is said to be unknown, with the reason, and never zero."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pad_cases import HOLD, cylinder, pad, press, shear, wave
+
+from fretfe.backends import find_backend
+from fretfe.case import parse_case
+from fretfe.fem.limits import imbalance
+from fretfe.quality.validate import validate
+from fretfe.quality.validate.report import summary
+from fretfe.results.model import Result
+from fretfe.results.writer import write_results
+
+EXACT_RANGE = 35.6  # 2 K_T of Q = 60 on a half-width of .5749, eq. (4)
+CONTACT = pad()["contacts"]["main"]
+
+
+def rough(size: float) -> dict[str, Any]:
+    return pad(geometry=cylinder(size=size), contacts={"main": {**CONTACT, "friction": 0.5}})
+
+
+@pytest.fixture(scope="module", params=[0.25, 0.15, 0.075], ids=str)
+def coarse(request: pytest.FixtureRequest, solved: Any) -> Result:
+    result: Result = solved(rough(request.param))
+    return result
+
+
+def test_factors_of_few_elements_are_unknown_or_right(coarse: Result) -> None:
+    contact = coarse.contacts[0]
+    for station in contact.stations:
+        if math.isnan(station.k_t_range):
+            assert any(
+                f"ΔK_T at the {station.front} edge: unknown" in text for text in contact.warnings
+            )
+        else:
+            assert station.k_t_range == pytest.approx(EXACT_RANGE, rel=0.02)
+        assert math.isnan(station.k_n[-1])
+        assert any("wanted at least: make the elements" in text for text in contact.warnings)
+
+
+def test_unknown_is_null_in_the_results(coarse: Result, tmp_path: Path) -> None:
+    write_results(tmp_path, coarse)
+    (contact,) = json.loads((tmp_path / "results.json").read_text("utf-8"))["contacts"].values()
+    for edge, station in zip(contact["edges"], coarse.contacts[0].stations, strict=True):
+        assert (edge["k_t_range"] is None) == math.isnan(station.k_t_range)
+        assert edge["k_n"][-1] is None
+
+
+def test_unknown_passes_no_check() -> None:
+    validation = validate(parse_case(rough(0.25)), find_backend("fem"))
+    verdicts = {row.verdict for row in validation.rows if row.quantity in ("K_N", "ΔK_T")}
+    assert verdicts == {"unknown"}
+    assert not validation.passed
+    assert summary(validation).endswith("nothing can be said of this case before they are known.")
+
+
+def test_sliding_beyond_the_model_is_told(solved: Any) -> None:
+    history = [HOLD, {"ramp": 0.5, "until": 2.0, "steps": 5}]
+    loads = {"press": press(), "shear": {**shear(), "control": "displacement", "history": history}}
+    (contact,) = solved(pad(geometry=cylinder(size=0.04), loads=loads)).contacts
+    assert any("the surfaces slide by 0.4" in text for text in contact.warnings)
+
+
+def test_dissimilar_bodies_with_friction_are_told(solved: Any) -> None:
+    bodies = {
+        "upper": {"young": 70e3, "poisson": 0.3},
+        "lower": {"young": 210e3, "poisson": 0.3},
+    }
+    loads = {"press": press(), "shear": {**shear(), "history": [HOLD, wave(30.0, steps=8)]}}
+    (contact,) = solved(pad(geometry=cylinder(size=0.04), bodies=bodies, loads=loads)).contacts
+    assert any("Dundurs' beta = " in text for text in contact.warnings)
+
+
+def test_equilibrium_is_judged(solved: Any) -> None:
+    solution = solved(rough(0.25)).solution
+    assert imbalance(solution) is None
+    wrong = solution.certificates["force_imbalance"].copy()
+    wrong[3] += 1e-3 * solution.certificates["force_scale"].max()
+    broken = {**solution.certificates, "force_imbalance": wrong}
+    failure = imbalance(replace(solution, certificates=broken))
+    assert failure is not None
+    assert "step 3: expected forces that balance" in str(failure)

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Histories that add up increments: unknown adds up to unknown, and what is known later stays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fretfe.edges.counting import count_up
+from fretfe.edges.factors import add_up
+from fretfe.results.solution import Factor
+
+NAN = np.nan
+
+
+@pytest.mark.parametrize(
+    ("increments", "cycle", "expected"),
+    [
+        ([1.0, 2.0, 3.0], None, [0.0, 1.0, 3.0, 6.0]),
+        # an unknown first step leaves the rest known, counted from where it ends
+        ([NAN, 2.0, 3.0], None, [NAN, 0.0, 2.0, 5.0]),
+        ([NAN, 2.0, 3.0], (1, 3), [NAN, 0.0, 2.0, 5.0]),
+        ([1.0, NAN, 3.0], (2, 3), [NAN, NAN, 0.0, 3.0]),
+        # a step of the cycle that is unknown leaves nothing known behind it
+        ([1.0, NAN, 3.0], (0, 3), [0.0, 1.0, NAN, NAN]),
+        ([1.0, NAN, 3.0], (1, 3), [0.0, 1.0, NAN, NAN]),
+        ([NAN, NAN, NAN], (0, 3), [0.0, NAN, NAN, NAN]),
+        # without a cycle all steps count
+        ([1.0, NAN, 3.0], None, [NAN, NAN, 0.0, 3.0]),
+    ],
+)
+def test_sums(
+    increments: list[float], cycle: tuple[int, int] | None, expected: list[float]
+) -> None:
+    found = count_up(np.array(increments), cycle)
+    np.testing.assert_array_equal(found, expected)
+
+
+def test_each_column_is_counted_by_itself() -> None:
+    found = count_up(np.array([[[NAN, 1.0]], [[2.0, 1.0]]]), None)
+    np.testing.assert_array_equal(found[:, 0], [[NAN, 0.0], [0.0, 1.0], [2.0, 2.0]])
+
+
+def units(states: int, unknown: tuple[int, ...] = ()) -> np.ndarray:
+    """One driver, two stations, K_I = 1 and K_T = 2 for a unit of it."""
+    values = np.zeros((states, 2, 2, 1))
+    values[:, :, Factor.K_I], values[:, :, Factor.K_T] = 1.0, 2.0
+    values[list(unknown)] = NAN
+    return values
+
+
+DRIVER = np.array([[0.0], [1.0], [3.0], [2.0]])
+FRICTION = np.array([0.0, 0.4, 0.4, 0.4])
+TOUCHING = np.array([False, True, True, True])
+
+
+def test_known_units_add_up() -> None:
+    histories = add_up(units(4, (0,)), DRIVER, FRICTION, TOUCHING, (1, 3))
+    np.testing.assert_allclose(histories[0, :, Factor.K_T], [0.0, 2.0, 6.0, 4.0])
+    np.testing.assert_allclose(histories[1, :, Factor.K_I], [0.0, 1.0, 3.0, 2.0])
+
+
+def test_a_step_between_unknown_states_is_unknown() -> None:
+    histories = add_up(units(4, (0, 1, 2)), DRIVER, FRICTION, TOUCHING, (1, 3))
+    # from state 1 to 2 neither state is known: so is the range over the cycle
+    assert np.isnan(np.ptp(histories[:, 1:, Factor.K_T], axis=1)).all()
+
+
+def test_shear_without_friction_is_known_to_be_none() -> None:
+    friction = np.array([0.0, 0.0, 0.4, 0.4])
+    histories = add_up(units(4, (0, 1)), DRIVER, friction, TOUCHING, (1, 3))
+    np.testing.assert_allclose(histories[0, :, Factor.K_T], [0.0, 0.0, 4.0, 2.0])
+    assert np.isnan(histories[0, 0, Factor.K_I])
+    np.testing.assert_allclose(histories[0, 1:, Factor.K_I], [0.0, 2.0, 1.0])
+
+
+def test_without_contact_or_change_nothing_is_unknown() -> None:
+    driver = np.array([[0.0], [1.0], [1.0], [1.0]])
+    open_first = np.array([False, False, True, True])
+    histories = add_up(units(4, (0, 1, 2, 3)), driver, FRICTION, open_first, None)
+    np.testing.assert_array_equal(histories, np.zeros((2, 4, 2)))
