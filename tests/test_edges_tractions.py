@@ -117,6 +117,7 @@ def test_error_bars(h: float) -> None:
     assert (np.median(bars, axis=0) < 4 * np.median(errors, axis=0)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.001, 0.005, 0.01])
 @pytest.mark.parametrize(
     "sampled",

@@ -98,6 +98,7 @@ def test_far_away_the_mesh_stays_coarse_and_well_shaped() -> None:
     assert last.unknowns < 3 * first.unknowns
 
 
+@pytest.mark.slow
 def test_a_tiny_rounding_to_one_percent_with_forty_thousand_unknowns() -> None:
     profile = FlatRounded(1.0, 50.0, E_STAR)
     half_width = 1 / 0.95
@@ -124,6 +125,7 @@ def test_a_tiny_rounding_to_one_percent_with_forty_thousand_unknowns() -> None:
         assert abs(edge.position[-1]) == pytest.approx(half_width, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_edges_that_differ_are_resolved_each_for_itself() -> None:
     loads = {"press": press(), "shear": shear(40.0), "pull": pull(30.0)}
     case = {**hertz(0.01, 40.0), "supports": SLIDING, "loads": loads}

@@ -26,7 +26,7 @@ README = ROOT / "README.md"
 FEM = ["fenics-dolfinx>=0.9", "gmsh>=4.11", "mpi4py>=4"]
 # Debian packages that are not called python3-NAME, and modules not called as on PyPI.
 PACKAGES = {"fenics-dolfinx": "python3-dolfinx-real"}
-MODULES = {"fenics-dolfinx": "dolfinx.fem.petsc"}
+MODULES = {"fenics-dolfinx": "dolfinx.fem.petsc", "pytest-xdist": "xdist"}
 
 
 def blas_is_fast() -> None:
