@@ -27,7 +27,7 @@ export PYTEST_ADDOPTS := -o faulthandler_exit_on_timeout=true
 PYTEST := $(ONE_THREAD) $(BIN)/pytest
 # The tests of one file stay in one process: they share what they solve.
 SHARED_OUT := --numprocesses=auto --maxprocesses=4 --dist=loadfile
-# Markers of tests that are left out of the first stage, as " and not formula".
+# Markers of tests that are left out of the first stage, as "and not formula".
 WITHOUT ?=
 SLOW_LIMITS := --timeout=1800 -o faulthandler_timeout=1860
 
@@ -44,7 +44,7 @@ demo: .venv/.installed  ## solve the dovetail demo and write results/dovetail
 	$(BIN)/fretfe run demos/dovetail.toml -o results/dovetail
 
 test: .venv/.installed  ## all tests on 1 rank, those marked mpi on 2; the slow ones if CI or SLOW is set
-	$(PYTEST) $(SHARED_OUT) -m "not slow$(WITHOUT)"
+	$(PYTEST) $(SHARED_OUT) -m "not slow $(WITHOUT)"
 	$(ONE_THREAD) $(BIN)/mpirun -n 2 $(BIN)/pytest -m "mpi and not slow" \
 	    -p no:cacheprovider --timeout-method=thread </dev/null
 ifneq ($(call is_set,$(CI) $(SLOW)),)
