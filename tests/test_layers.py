@@ -150,7 +150,7 @@ for module in modules:
 def test_all_but_fem_can_be_imported_without_dolfinx() -> None:
     arguments = [",".join(OUTSIDE_FEM), ",".join(sorted(FEM_ONLY))]
     process = subprocess.run(
-        [sys.executable, "-c", IMPORT_WITHOUT_DOLFINX, *arguments],
+        [sys.executable, "-P", "-c", IMPORT_WITHOUT_DOLFINX, *arguments],
         capture_output=True,
         text=True,
         check=False,
