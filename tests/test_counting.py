@@ -49,6 +49,10 @@ def units(states: int, unknown: tuple[int, ...] = ()) -> np.ndarray:
     return values
 
 
+def test_a_history_without_steps_has_its_first_state() -> None:
+    np.testing.assert_array_equal(count_up(np.zeros((0, 2, 3)), None), np.zeros((1, 2, 3)))
+
+
 DRIVER = np.array([[0.0], [1.0], [3.0], [2.0]])
 FRICTION = np.array([0.0, 0.4, 0.4, 0.4])
 TOUCHING = np.array([False, True, True, True])

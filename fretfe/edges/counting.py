@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from fretfe._typing import Array
@@ -19,7 +21,7 @@ def count_up(increments: Array, cycle: tuple[int, int] | None) -> Array:
         increments: (T-1, ...) of the steps; NaN where unknown.
         cycle: its first and last state, or None.
     """
-    flat = increments.reshape(len(increments), -1)
+    flat = increments.reshape(len(increments), math.prod(increments.shape[1:]))
     unknown = ~np.isfinite(flat)
     unknown[cycle[0] if cycle is not None else len(flat) :] = False
     sums = np.full((len(flat) + 1, flat.shape[1]), np.nan)
