@@ -25,7 +25,7 @@ FRICTION = [0.4, 0.5, 0.6, 0.7, 0.8]
 # A little coarser than the demo itself, to be quick.
 path = Path(__file__).with_name("dovetail.toml")
 case = fretfe.load_case(path, {"geometry.parameters.edge_size": 0.003})
-sweep = fretfe.sweep(case, {"contacts.*.friction": FRICTION}, announce=print)
+sweep = fretfe.sweep(case, {"contacts.*.friction": FRICTION})
 
 # The upper edge of the right flank.
 edges = [r for r in sweep.records() if (r["contact"], r["edge"]) == ("right", "left")]

@@ -64,7 +64,7 @@ def run(pad: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixtur
 LIGHT = """
 import sys
 import fretfe.cli.app
-print(sorted({"numpy", "pydantic", "matplotlib", "dolfinx", "rich"} & set(sys.modules)))
+print(sorted({"numpy", "pydantic", "matplotlib", "dolfinx"} & set(sys.modules)))
 """
 
 

@@ -17,6 +17,7 @@ import pytest
 
 SCRIPT = """
 import os, sys
+from dataclasses import replace
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
 sys.path.insert(0, sys.argv[1] + "/fem")
