@@ -50,13 +50,13 @@ def full_stick_shear_force(solution: Solution, contact: ContactHistory) -> Array
     Where slip changes how the loads divide between several contacts, this is not the Q of the
     contact itself, but the one that belongs to K_T. Without increments it is the Q of the contact.
     """
-    bonded = contact.full_stick
-    if not len(bonded.fields):
+    increments = contact.full_stick
+    if not len(increments.fields):
         return np.asarray(contact.traction[:, :, 1] @ contact.weights)
     # Area -1, the last entry, is that of states without contact.
-    units = np.einsum("n,unj->uj", contact.weights, bonded.fields[:, :, 1])
-    units = np.vstack([units, np.zeros(units.shape[1])])[bonded.area]
-    known = bonded.area >= 0
+    units = np.einsum("n,unj->uj", contact.weights, increments.fields[:, :, 1])
+    units = np.vstack([units, np.zeros(units.shape[1])])[increments.area]
+    known = increments.area >= 0
     pairs = known[1:].astype(float) + known[:-1]
     mean = (units[1:] + units[:-1]) / np.maximum(pairs, 1.0)[:, None]
     steps = np.einsum("tj,tj->t", mean, np.diff(solution.driver_values, axis=0))

@@ -77,7 +77,7 @@ class UnitFactors:
     Attributes:
         main: (R, T, stations, d, J) determined in R ways.
         fitted: (T, stations, d, J) by fits to tractions, as a check; None without them.
-        exact: whether they are closed forms.
+        exact: True for closed forms.
     """
 
     main: Array

@@ -14,6 +14,7 @@ from fretfe.contact.march import March
 from fretfe.contact.neighbours import FRACTION, neighbour_states
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
+from fretfe.edges.factors import FEWEST_NODES
 from fretfe.edges.pressure import fit_edge
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront, plane_sections
 from fretfe.edges.slip_zones import cycle_states
@@ -41,8 +42,6 @@ SAME_AREA = 0.02
 # from elements and from the middle.
 REACHES = (0.1, 0.15, 0.25)
 FEWEST_ELEMENTS, LARGEST = 10.0, 0.5
-# Fewer nodes in contact than this have no edges that could be fitted.
-FEWEST_NODES = 16
 
 
 @dataclass(frozen=True)
