@@ -101,14 +101,16 @@ def coordinate_range(coordinates: list[Coordinate] | tuple[Coordinate, ...], bod
     return slice(own[0], own[-1] + 1) if own else slice(0, 0)
 
 
-def unresisted_motions(interface: Interface, released: Bools) -> Array:
+def unresisted_motions(
+    interface: Interface, released: Bools, resisting: Bools | None = None
+) -> Array:
     """Combinations of released coordinates that neither contact nor stiffness resists.
-
-    Contact is taken as stuck at every node, so that nothing at all resists a motion that remains.
 
     Args:
         interface: the interface problem.
         released: (m,) coordinates that may move.
+        resisting: (N*d,) displacements that contact resists; None for all of them: every node
+            stuck, so that nothing at all resists a motion that remains.
 
     Returns:
         (m, k) motions, orthonormal after scaling each coordinate with its effect on the contact.
@@ -118,7 +120,8 @@ def unresisted_motions(interface: Interface, released: Bools) -> Array:
         return np.zeros((len(released), 0))
     scale = coordinate_scale(interface)
     stiffness = interface.compliance.level * interface.stiffness
-    resisted = np.vstack([interface.motion * scale, stiffness * scale * scale[:, None]])[:, chosen]
+    motion = interface.motion if resisting is None else interface.motion[resisting]
+    resisted = np.vstack([motion * scale, stiffness * scale * scale[:, None]])[:, chosen]
     _, values, rows = np.linalg.svd(resisted, full_matrices=False)
     null = rows[values < UNRESISTED * max(values[0], 1e-300)].T
     motions = np.zeros((len(released), null.shape[1]))

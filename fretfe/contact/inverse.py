@@ -152,20 +152,25 @@ class StuckSolution:
         target[released.freed] *= springs
         diagonal = np.arange(len(matrix))[released.freed]
         matrix[diagonal, diagonal] += 1.0
+        residual = 0.0
         if conditions.floating:
-            changes = np.linalg.lstsq(matrix, target, rcond=UNRESISTED)[0]
+            changes, residual = _least_motion(matrix, target)
         else:
             changes = np.linalg.solve(matrix, target)
-        return self._response(stuck + response @ changes, released, changes)
+        return self._response(stuck + response @ changes, released, changes, residual)
 
-    def _response(self, unknowns: Array, released: _Released, changes: Array) -> Response:
+    def _response(
+        self, unknowns: Array, released: _Released, changes: Array, residual: float
+    ) -> Response:
         area, split = self._area, len(self._area.rows)
         traction, relative = np.zeros_like(self._free), np.zeros_like(self._free)
         traction[area.rows] = unknowns[:split]
         relative[area.rows[released.all[: released.moved]]] = changes[: released.moved]
         relative[area.others] = self._free[area.others] + area.effect @ unknowns
         shape = (area.interface.size, area.interface.components, -1)
-        return Response(traction.reshape(shape), relative.reshape(shape), unknowns[split:])
+        return Response(
+            traction.reshape(shape), relative.reshape(shape), unknowns[split:], residual
+        )
 
 
 class _Released:
@@ -221,6 +226,20 @@ class _Released:
             )
             matrix[rows] -= _by_node(turning, trial)
             target[rows] += _by_node(turning, stuck[self._shear])
+
+
+def _least_motion(matrix: Array, target: Array) -> tuple[Array, float]:
+    """Smallest solution of a system that leaves some motions free, and its relative residual.
+
+    Rows and columns are of different units: they are brought to one size first.
+    """
+    rows = np.linalg.norm(matrix, axis=1)[:, None]
+    matrix, target = matrix / rows, target / rows
+    columns = np.linalg.norm(matrix, axis=0)[:, None]
+    matrix = matrix / columns.T
+    changes = np.linalg.lstsq(matrix, target, rcond=UNRESISTED)[0]
+    size = max(float(np.linalg.norm(target)), np.finfo(np.float64).tiny)
+    return changes / columns, float(np.linalg.norm(matrix @ changes - target)) / size
 
 
 def _by_node(blocks: Array, values: Array) -> Array:

@@ -9,10 +9,12 @@ status: see `fretfe.contact.status_rules`.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.contact.interface import Interface
+from fretfe.contact.interface import Interface, unresisted_motions
 from fretfe.contact.operator import Conditions, ContactArea, InterfaceOperator, StuckContact
 from fretfe.contact.state import OPEN, SLIP, STICK, ContactState, Status, StepLoads
 from fretfe.contact.status_rules import Guess, LinearSolution, StatusRules
@@ -20,6 +22,8 @@ from fretfe.contact.status_rules import Guess, LinearSolution, StatusRules
 MAX_ITERATIONS = 60
 # A motion this many times that in full stick is a division by round-off: nothing resists it.
 RUNAWAY = 1e7
+# Loads are in equilibrium if a motion that nothing resists leaves this part of them.
+EQUILIBRIUM = 1e-8
 NO_RESISTANCE = "the loads find no resistance: the contact slides or opens as a whole"
 # Directions of slip (in three dimensions) are converged when they change by less than this.
 DIRECTION_TOLERANCE = 1e-10
@@ -137,8 +141,13 @@ class Newton:
         Raises:
             numpy.linalg.LinAlgError: if the loads find no resistance.
         """
-        area = self._operator.area(guess.closed, step.free[:, 0])
-        response = step.stuck(area).release(self._linearised(guess, step.loads))
+        stuck = step.stuck(self._operator.area(guess.closed, step.free[:, 0]))
+        conditions = self._linearised(guess, step.loads)
+        response = None
+        if self._glides(guess, step.loads):
+            response = stuck.release(replace(conditions, floating=True))
+        if response is None or response.residual > EQUILIBRIUM:
+            response = stuck.release(conditions)
         coordinates = response.coordinates[:, 0]
         return LinearSolution(
             traction=response.traction[..., 0],
@@ -146,6 +155,20 @@ class Newton:
             coordinates=coordinates,
             motion=step.motion(coordinates),
         )
+
+    def _glides(self, guess: Guess, loads: StepLoads) -> bool:
+        """Tell whether a body is free to move along contacts without friction.
+
+        Where no load pushes it that way it stays; round-off would move it any distance.
+        """
+        interface = self._operator.interface
+        if loads.friction.all() or interface.prescribed.all():
+            return False
+        resisting = np.zeros((interface.size, interface.components), dtype=bool)
+        resisting[:, 0] = guess.closed
+        resisting[:, 1:] = (guess.closed & (loads.friction > 0))[:, None]
+        released = ~interface.prescribed
+        return unresisted_motions(interface, released, resisting.ravel()).shape[1] > 0
 
     def _linearised(self, guess: Guess, loads: StepLoads) -> Conditions:
         """Contact conditions linearised at a guess.

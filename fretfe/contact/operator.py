@@ -60,11 +60,14 @@ class Response:
         relative: (N, d, J) gap and increment Δ; where they are released or stuck as the conditions
             have it, not as the bodies' displacements give it.
         coordinates: (m, J) c.
+        residual: what is left of the right-hand sides, relative to them, if bodies can move without
+            any resistance: zero but for round-off if the loads are in equilibrium.
     """
 
     traction: Array
     relative: Array
     coordinates: Array
+    residual: float = 0.0
 
 
 class StuckContact(Protocol):

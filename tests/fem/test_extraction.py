@@ -83,6 +83,17 @@ def test_bulk_tension_and_phase(solved: Solve, name: str, number: int) -> None:
     assert edge.k_t_range_fitted == pytest.approx(edge.k_t_range, rel=5e-3, abs=0.003 * largest)
 
 
+def test_free_pad_stays_where_nothing_pushes_it(solved: Solve) -> None:
+    """Pressed on without friction, and free to slide: round-off of the loads must not move it."""
+    solution = solved(CASES["in phase"]).solution
+    assert solution is not None
+    (contact,) = solution.contacts
+    frictionless = np.flatnonzero(contact.friction == 0)
+    assert len(frictionless) == 5
+    # Points of the two surfaces part by some of their elastic displacement, p0/E* of the width.
+    assert np.abs(contact.slip[frictionless]).max() < 1e-3
+
+
 WEDGE_ANGLE = 0.5
 PUNCHES: dict[str, tuple[Profile, dict[str, float], float]] = {
     "wedge": (
