@@ -49,7 +49,7 @@ def station(front: PlaneFront, k_t: np.ndarray) -> StationHistory:
     """A station at the edge with K_N = 1."""
     one, zero = np.ones(STATES), np.zeros(STATES)
     position = np.array([np.nan, *[-front.inward * EDGE] * 3])
-    return StationHistory(front.name, 0, position, one, zero, k_t, zero, zero)
+    return StationHistory(front.name, 0, position, zero, one, zero, k_t, zero, zero)
 
 
 def length(side: Side, increments: np.ndarray) -> float:
@@ -58,7 +58,7 @@ def length(side: Side, increments: np.ndarray) -> float:
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
     no_cycle = np.array([], dtype=np.int64)
     border = slip_border_of(contact, front, at_edge.position)
-    zones = slip_zones(no_cycle, contact.friction, at_edge, border)
+    zones = slip_zones(no_cycle, contact.friction, at_edge, border, None)
     assert [(zone.start, zone.end, zone.resolved) for zone in zones] == [(1, 3, True)]
     return zones[0].length
 
@@ -100,7 +100,7 @@ def test_a_zone_between_the_nodes_is_not_resolved(
     at_edge = station(front, k_t)
     border = slip_border_of(contact, front, at_edge.position)
     no_cycle = np.array([], dtype=np.int64)
-    (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
+    (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border, None)
     assert zone.predicted == pytest.approx(elements * H)
     assert (zone.length, zone.resolved, zone.gross) == (0.0, resolved, False)
 

@@ -14,9 +14,10 @@ from fretfe.analytic.rocking import TiltedContact
 from fretfe.backends.closed_form import ASYMPTOTE, ClosedFormBorders
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
+from fretfe.edges.between import excess, load_path
 from fretfe.edges.consistency import shear_mismatch, tension_history
 from fretfe.edges.factors import add_up
-from fretfe.edges.front import ContactSummary, SlipZone, Station, fronts_of
+from fretfe.edges.front import ContactSummary, RangeSpread, SlipZone, Station, fronts_of
 from fretfe.edges.half_plane import half_plane_units
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront
 from fretfe.edges.slip_zones import cycle_states, slip_zones
@@ -108,17 +109,22 @@ def _station(
     """The station of a front, singular factors (T, 2), and where its slip lengths come from."""
     position = (contact.left, contact.right)[front.number]
     k_n = (contact.k_n_left, contact.k_n_right)[front.number]
-    history = front.history(position, k_n, np.zeros_like(k_n), factors)
+    exact = np.zeros_like(k_n)
+    history = front.history(position, exact, k_n, exact, factors)
     cycle = cycle_states(problem.history.cycle)
     borders = ClosedFormBorders(problem, cycle, history)
-    zones = slip_zones(cycle, problem.friction, history, borders)
+    loads = problem.history
+    path = load_path(loads.values, loads.between, loads.cycle)
+    zones = slip_zones(cycle, problem.friction, history, borders, path)
+    spread = RangeSpread(0.0, 0.0, excess(history.k_t, cycle, path))
     station = Station(
         **vars(history),
         frame=front.frame(across=np.array([0.0, 1.0]), tangent=np.array([1.0, 0.0])),
         k_n_moved=np.nan,
         stiffening=_stiffening(problem, contact),
         k_t_range=float(np.ptp(history.k_t[cycle])) if len(cycle) else np.nan,
-        k_t_range_spread=0.0,
+        k_t_range_spread=spread.total,
+        k_t_range_parts=spread,
         k_t_range_fitted=np.nan,
         k_i_range=float(np.ptp(history.k_i[cycle])) if len(cycle) else np.nan,
         slip_zones=zones,

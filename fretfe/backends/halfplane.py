@@ -43,7 +43,13 @@ class HalfPlaneBackend:
         contacts = evaluate(solution, outcome.unit_factors)
         return Result(
             case=case,
-            loads=History(solution.channels, solution.times, solution.values, solution.cycle),
+            loads=History(
+                solution.channels,
+                solution.times,
+                solution.values,
+                solution.cycle,
+                solution.between,
+            ),
             contacts=contacts,
             notes=problem.notes,
             failure=outcome.failure,

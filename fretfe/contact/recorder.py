@@ -176,6 +176,7 @@ class Recorder:
             parts=np.array([0] + [r.parts for r in self.results]),
             fallbacks=np.array([0] + [r.fallbacks for r in self.results]),
             certificates=self._certificates() | balance,
+            between=None if history.between is None else history.between[: count - 1],
         )
 
     def _contact(self, place: Place) -> ContactHistory:

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.edges.between import LoadPath, load_path
 from fretfe.edges.consistency import full_stick_shear_force, shear_mismatch, tension_history
 from fretfe.edges.factors import (
     FEWEST_NODES,
@@ -18,10 +18,19 @@ from fretfe.edges.factors import (
     edge_fits,
     edge_movement,
     integral_units,
+    one_sided_share,
 )
-from fretfe.edges.front import ContactSummary, Frame, Station, fronts_of
+from fretfe.edges.front import (
+    LARGEST_SPREAD,
+    ContactSummary,
+    Frame,
+    RangeSpread,
+    Station,
+    fronts_of,
+)
 from fretfe.edges.patches import contact_patches, resultants
 from fretfe.edges.pressure import EdgeFit
+from fretfe.edges.range_spread import FactorHistories, range_spreads
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront, nearest_front
 from fretfe.edges.slip import cycle_change
 from fretfe.edges.slip_zones import States, cycle_states, slip_border_of, slip_zones
@@ -31,8 +40,13 @@ from fretfe.results.solution import OPEN, ContactHistory, Factor, Solution
 FindUnits = Callable[[Solution, ContactHistory, Array], UnitFactors]
 # Change of the shear from one cycle to the next, relative to f p_max, below which it is steady.
 STEADY_CHANGE = 1e-3
+# Linear elements are too stiff: K_N was 1.6 % (cylinder) to 2.8 % (flat with rounded ends) high
+# with them, however fine the mesh at the edges.
+LINEAR_ELEMENTS = 0.025
 # Patches that carry less than this share of the normal force are traces of round-off.
 SMALLEST_PATCH = 1e-3
+# Part of the range of K_T that may lie between the steps without a warning.
+LARGEST_STEPS = 0.02
 # Sliding over the width of the contact beyond which the small-sliding model is doubted: gaps of
 # round surfaces are then wrong by more than a hundredth of the approach.
 LARGEST_SLIDING = 0.1
@@ -58,8 +72,13 @@ def _evaluate_contact(
     positions = np.array([fit.position for fit in fits])
     centre, half_width = positions.mean(axis=0), (positions[1] - positions[0]) / 2
     histories = _factor_histories(solution, contact, positions, find_units)
+    cycle = cycle_states(solution.cycle)
+    path = load_path(solution.values, solution.between, solution.cycle)
+    spreads = range_spreads(histories, fits, contact.arc, cycle, path)
     stations = tuple(
-        _evaluate_station(solution, contact, front, fit, histories, centre)
+        _evaluate_station(
+            solution, contact, front, fit, histories, spreads[front.number], centre, path
+        )
         for front, fit in zip(PLANE_FRONTS, fits, strict=True)
     )
     # The weights are those of the solution itself: P and Q balance the loads to round-off.
@@ -90,18 +109,9 @@ def _evaluate_contact(
     )
 
 
-@dataclass(frozen=True)
-class _Histories:
-    """Singular factors (R, stations, T, d) in R ways, and (stations, T, d) by fits, if any."""
-
-    ways: Array
-    fitted: Array | None
-    exact: bool
-
-
 def _factor_histories(
     solution: Solution, contact: ContactHistory, positions: Array, find_units: FindUnits
-) -> _Histories:
+) -> FactorHistories:
     units = find_units(solution, contact, positions)
     touching = np.any(contact.traction[:, :, 0] > 0, axis=1)
 
@@ -110,7 +120,12 @@ def _factor_histories(
         return add_up(each, drivers, contact.friction, touching, solution.cycle)
 
     fitted = history(units.fitted) if units.fitted is not None else None
-    return _Histories(np.array([history(each) for each in units.main]), fitted, units.exact)
+    return FactorHistories(
+        ways=np.array([history(each) for each in units.main]),
+        fitted=fitted,
+        exact=units.exact,
+        one_sided=one_sided_share(units.main[0], solution.driver_values, solution.cycle),
+    )
 
 
 def _evaluate_station(
@@ -118,14 +133,18 @@ def _evaluate_station(
     contact: ContactHistory,
     front: PlaneFront,
     fit: EdgeFit,
-    histories: _Histories,
+    histories: FactorHistories,
+    spread: RangeSpread,
     centre: Array,
+    path: LoadPath | None,
 ) -> Station:
     by_way = histories.ways[:, front.number]
-    history = front.history(fit.position, fit.k_n, fit.spread_k_n, by_way.mean(axis=0))
     cycle = cycle_states(solution.cycle)
     movement = edge_movement(contact, front, abs(float((centre - fit.position)[-1])))
-    ranges = [_range(each, cycle) for each in by_way[..., Factor.K_T]]
+    k_n_spread = _k_n_spread(solution, fit, movement.k_n, histories.exact)
+    history = front.history(
+        fit.position, fit.spread_position, fit.k_n, k_n_spread, by_way.mean(axis=0)
+    )
     fitted = histories.fitted
     end = centre[cycle[-1] if len(cycle) else -1]
     here = nearest_front(contact.arc, float(end)) == front.number
@@ -136,21 +155,29 @@ def _evaluate_station(
         k_n_moved=movement.k_n,
         stiffening=movement.stiffening,
         k_t_range=_range(history.k_t, cycle),
-        k_t_range_spread=_spread(ranges, histories.exact),
+        k_t_range_spread=spread.total,
+        k_t_range_parts=spread,
         k_t_range_fitted=(
             _range(fitted[front.number, :, Factor.K_T], cycle) if fitted is not None else np.nan
         ),
         k_i_range=_range(history.k_i, cycle),
-        slip_zones=slip_zones(cycle, contact.friction, history, border),
+        slip_zones=slip_zones(cycle, contact.friction, history, border, path),
         dissipation=float(_over_cycle(solution, contact.dissipation)[here].sum()),
     )
 
 
-def _spread(ranges: list[float], exact: bool) -> float:
-    """Half the difference of several ways; one alone has no spread unless it is exact."""
-    if len(ranges) > 1:
-        return float(np.ptp(ranges)) / 2
-    return 0.0 if exact else np.nan
+def _k_n_spread(solution: Solution, fit: EdgeFit, moved: float, exact: bool) -> Array:
+    """(T,) error bars of K_N: the fits see nothing of what the elements of the bodies do to p.
+
+    Where the fits of the last state disagree, so may all of them; K_N by the movement of the edge
+    does not depend on them.
+    """
+    spread = fit.spread_k_n.copy()
+    if solution.degree == 1 and not exact:
+        spread = np.hypot(spread, LINEAR_ELEMENTS * fit.k_n)
+    if spread[-1] > LARGEST_SPREAD * fit.k_n[-1] and math.isfinite(moved):
+        spread[-1] = max(spread[-1], abs(fit.k_n[-1] - moved))
+    return spread
 
 
 def _frame(contact: ContactHistory, front: PlaneFront, position: Array) -> Frame:
@@ -279,6 +306,12 @@ def _warnings(
             warnings.append(
                 f"K_N at the {station.front} edge is {station.k_n[-1]:.3g} ± "
                 f"{station.k_n_spread[-1]:.2g}: refine the mesh at this edge"
+            )
+        steps = station.k_t_range_parts.steps
+        if steps > LARGEST_STEPS * station.k_t_range:
+            warnings.append(
+                f"K_T at the {station.front} edge exceeds its range by "
+                f"{steps / station.k_t_range:.1%} between the steps: take more steps per cycle"
             )
         if any(zone.gross for zone in station.slip_zones[-2:]):
             warnings.append(f"gross slip in the last half cycles ({station.front} edge)")

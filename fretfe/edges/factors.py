@@ -70,6 +70,26 @@ def add_up(
     return count_up(increments, cycle).swapaxes(0, 1)
 
 
+def one_sided_share(units: Array, drivers: Array, cycle: tuple[int, int] | None) -> Array:
+    """(stations,) half of what the steps of a cycle add to K_T of which one end only is known.
+
+    Their increments take the factors of that end for those of both, and factors may change as much
+    within a step as over it where the contact is about to open or hardly resolved.
+
+    Args:
+        units: (T, stations, d, J) factors for a unit of each driver; NaN where unknown.
+        drivers: (T, J) values of the drivers.
+        cycle: its first and last state, or None.
+    """
+    total = np.zeros(units.shape[1])
+    for state in range(cycle[0] + 1, cycle[1] + 1) if cycle is not None else ():
+        known = [units[s] for s in (state - 1, state) if np.isfinite(units[s]).all()]
+        if len(known) == 1:
+            step = drivers[state] - drivers[state - 1]
+            total += np.abs(known[0][:, Factor.K_T] @ step) / 2
+    return total
+
+
 @dataclass(frozen=True)
 class UnitFactors:
     """Singular factors, as `Factor`, for a unit of each of J drivers; NaN where unknown.

@@ -8,6 +8,7 @@ states; lengths, stresses and forces are in the units of the case, forces per un
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -15,7 +16,7 @@ import numpy as np
 
 from fretfe._typing import Array
 
-# Spread of the fits of K_N, relative to K_N, from which it is marked as uncertain.
+# Error bar of K_N or of the range of K_T, relative to it, from which it is marked as uncertain.
 LARGEST_SPREAD = 0.05
 
 
@@ -42,7 +43,10 @@ class SlipZone:
         start, end: states between which the nodes slipped.
         length: slip-zone length from the front at `end`, inward; NaN if the whole contact slipped.
         border: position of its inner end along the arc.
-        resolved: whether the mesh resolves the zone.
+        spread: half the width of an interval that is meant to hold `length` with 95 %: border of
+            the slip, position of the front, and extremes of the cycle between the steps; infinite
+            where it cannot be told.
+        resolved: whether the mesh resolves the zone: its border and the front.
         gross: whether the whole contact slipped.
         predicted: slip length from K_T and K_N: 2 K_T/(f K_N) for first loading, ΔK_T/(f K_N) in
             the evaluated cycle; NaN elsewhere.
@@ -53,6 +57,7 @@ class SlipZone:
     end: int
     length: float
     border: float
+    spread: float
     resolved: bool
     gross: bool
     predicted: float
@@ -72,8 +77,9 @@ class StationHistory:
         front: name of its front.
         number: place along the front, from 0.
         position: (T,) along the arc; NaN where there is no contact or it cannot be fitted.
+        position_spread: (T,) its error bar.
         k_n: (T,) pressure factor.
-        k_n_spread: (T,) uncertainty of the fit.
+        k_n_spread: (T,) its error bar.
         k_t: (T,) factor of the shear along `inward`, counted from the first state with friction,
             or the first one from which on it is known; NaN before and where unknown.
         k_s: (T,) factor of the shear along `along`, counted likewise; zero in the plane.
@@ -83,11 +89,34 @@ class StationHistory:
     front: str
     number: int
     position: Array
+    position_spread: Array
     k_n: Array
     k_n_spread: Array
     k_t: Array
     k_s: Array
     k_i: Array
+
+
+@dataclass(frozen=True)
+class RangeSpread:
+    """Parts of the error bar of a range of K_T, each half the width of a 95 % interval.
+
+    Attributes:
+        extraction: half the difference of the ranges that the radii of the interaction integral
+            give; 0 if K_T is known in closed form, NaN if nothing can be compared.
+        discretisation: difference from the range by fits to tractions, and what steps contribute of
+            which one end is unknown.
+        steps: how far K_T exceeds the range between the steps.
+    """
+
+    extraction: float
+    discretisation: float
+    steps: float
+
+    @property
+    def total(self) -> float:
+        """All parts together; NaN if one is unknown."""
+        return math.hypot(self.extraction, self.discretisation, self.steps)
 
 
 @dataclass(frozen=True)
@@ -102,8 +131,9 @@ class Station(StationHistory):
             two loads; it tells how long a slip zone may be for the edge description.
         k_t_range: range of K_T over the evaluated cycle; NaN without one, or if K_T is unknown in
             one of its states.
-        k_t_range_spread: half the difference of the ranges that the radii of the interaction
-            integral give; 0 if K_T is known in closed form, NaN if nothing can be compared.
+        k_t_range_spread: half the width of an interval that is meant to hold it with 95 %; 0 if
+            K_T is known in closed form at any time, NaN if nothing can be compared.
+        k_t_range_parts: what that is made of.
         k_t_range_fitted: range of K_T by fits to the tractions of full stick; NaN without them.
         k_i_range: range of K_I.
         slip_zones: one for each half cycle, in time order.
@@ -116,6 +146,7 @@ class Station(StationHistory):
     stiffening: float
     k_t_range: float
     k_t_range_spread: float
+    k_t_range_parts: RangeSpread
     k_t_range_fitted: float
     k_i_range: float
     slip_zones: tuple[SlipZone, ...]
@@ -125,6 +156,13 @@ class Station(StationHistory):
     def uncertain(self) -> bool:
         """True if the fits of K_N at the last state spread too far for a prediction."""
         return bool(self.k_n_spread[-1] > LARGEST_SPREAD * self.k_n[-1])
+
+    @property
+    def uncertain_range(self) -> bool:
+        """True if the range of K_T is known to less than a twentieth, or not known how well."""
+        if not math.isfinite(self.k_t_range):
+            return False
+        return not self.k_t_range_spread <= LARGEST_SPREAD * self.k_t_range
 
 
 @dataclass(frozen=True)

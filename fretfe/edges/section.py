@@ -100,12 +100,25 @@ class PlaneFront:
         return position + self.inward * s
 
     def history(
-        self, position: Array, k_n: Array, k_n_spread: Array, factors: Array
+        self,
+        position: Array,
+        position_spread: Array,
+        k_n: Array,
+        k_n_spread: Array,
+        factors: Array,
     ) -> StationHistory:
         """Return the history of the front's station; (T,) arrays and singular factors (T, 2)."""
-        k_t, k_i = factors[:, Factor.K_T], factors[:, Factor.K_I]
-        k_s = np.zeros_like(k_t)
-        return StationHistory(self.name, 0, position, k_n, k_n_spread, k_t, k_s, k_i)
+        return StationHistory(
+            front=self.name,
+            number=0,
+            position=position,
+            position_spread=position_spread,
+            k_n=k_n,
+            k_n_spread=k_n_spread,
+            k_t=factors[:, Factor.K_T],
+            k_s=np.zeros(len(factors)),
+            k_i=factors[:, Factor.K_I],
+        )
 
     def frame(self, across: Array, tangent: Array) -> Frame:
         """Return the frame of the front's station.

@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.edges import slip_length_first_loading
+from fretfe.edges.between import LoadPath
 from fretfe.edges.front import SlipZone, StationHistory
 from fretfe.edges.patches import main_patch
 from fretfe.edges.section import PlaneFront, plane_front
@@ -25,6 +27,10 @@ SMALLEST_SLIP = 3e-4
 # Where no node slips there is no slip zone if the formulas predict less than this fraction of the
 # distance within which no node would see it.
 HIDDEN = 0.1
+# Error bar of border and front over the length of the zone, beyond which it is not resolved.
+LARGEST_SPREAD = 0.5
+# Fewer sticking nodes than this are no stick zone.
+FEWEST_STUCK = 3
 # The history ends with a complete half cycle if K_T is this close to its extreme, as a fraction of
 # its range.
 AT_EXTREME = 1e-2
@@ -42,7 +48,11 @@ def cycle_states(cycle: tuple[int, int] | None) -> States:
 
 
 def slip_zones(
-    cycle: States, friction: Array, station: StationHistory, find_border: FindBorder
+    cycle: States,
+    friction: Array,
+    station: StationHistory,
+    find_border: FindBorder,
+    path: LoadPath | None,
 ) -> tuple[SlipZone, ...]:
     """Slip zones of a station in time order.
 
@@ -51,6 +61,7 @@ def slip_zones(
         friction: (T,) coefficient in the step that ends at each state.
         station: position and factors.
         find_border: gives the slip zone of a half cycle.
+        path: loads of the cycle between its steps, unless they are straight lines.
     """
     frictional = np.flatnonzero((friction > 0) & np.isfinite(station.position))
     if not len(frictional):
@@ -69,18 +80,46 @@ def slip_zones(
         if start == first:
             rise = abs(station.k_t[end] - station.k_t[first])
             cyclic = float(slip_length_first_loading(rise, station.k_n[end], friction[end]))
+        spread = math.hypot(border.spread, float(station.position_spread[end]))
+        missed = _missed(cycle, friction[end], end, station, path) if path is not None else 0.0
+        # A zone that is long against its edge grows faster than predicted.
+        missed *= max(1.0, border.length / loop) if loop > 0 else 1.0
         zone = SlipZone(
             start=start,
             end=end,
             length=border.length,
             border=plane_front(station.front).place(float(station.position[end]), border.length),
-            resolved=border.resolved,
+            spread=math.hypot(spread, missed),
+            resolved=border.resolved and _told(border, spread),
             gross=border.gross,
             predicted=cyclic,
             predicted_loop=loop,
         )
         zones.append(replace(zone, resolved=False) if _hides(zone, border.spread) else zone)
     return tuple(zones)
+
+
+def _told(border: SlipBorder, spread: float) -> bool:
+    """True if the length is known to a good part of itself, or there is none to be known."""
+    return border.gross or border.length == 0 or spread <= LARGEST_SPREAD * border.length
+
+
+def _missed(
+    cycle: States, friction: float, end: int, station: StationHistory, path: LoadPath
+) -> float:
+    """Length by which a zone that ends between two steps of the cycle is longer, as predicted."""
+    _, sampled = _prediction(cycle, friction, end, station)
+    if not np.isfinite(sampled) or end not in cycle:
+        return 0.0
+    k_t, k_i, k_n = (path.refine(each) for each in (station.k_t, station.k_i, station.k_n))
+    if not np.isfinite(k_t + k_i + k_n).all():
+        return 0.0
+    forward, backward = k_t - friction * k_i, k_t + friction * k_i
+    near = path.instants(end)
+    middle = (forward.max() + backward.min()) / 2
+    turns = forward[near] if station.k_t[end] > middle else -backward[near]
+    turn = near.start + int(np.argmax(turns))
+    return abs(predicted_slip(k_t, k_i, float(k_n[turn]), friction, turn).loop - sampled)
 
 
 def _hides(zone: SlipZone, spread: float) -> bool:
@@ -174,7 +213,30 @@ def _border(
     direction = np.sign(total[np.argmax(np.abs(total))])
     slip = np.maximum(direction * increments, 0.0).sum(axis=0)
     moved = slip > SMALLEST_SLIP * slip.max()
-    return slip_border(front.distances(contact.arc[closed], position), slip[nodes], moved[nodes])
+    s, moved = front.distances(contact.arc[closed], position), moved[nodes]
+    border = slip_border(s, slip[nodes], moved)
+    behind = _slip_behind(moved)
+    if behind is None or border.gross:
+        return border
+    spread = max(border.spread, float(s[behind]) - border.length)
+    return replace(border, resolved=False, spread=spread)
+
+
+def _slip_behind(moved: Bools) -> int | None:
+    """Innermost node that has slipped behind one that has not, but for the zone of the other edge.
+
+    None without any. Few sticking nodes in between are none.
+
+    Args:
+        moved: (n,) nodes in contact that have slipped, from the front inward.
+    """
+    stuck = np.flatnonzero(~moved[1:]) + 1  # the status of the outermost node means nothing
+    if not len(stuck):
+        return None
+    between = moved[stuck[0] : stuck[-1]]
+    if len(stuck) < FEWEST_STUCK:
+        return len(moved) - 1
+    return int(stuck[0] + np.flatnonzero(between)[-1]) if between.any() else None
 
 
 def _prediction(

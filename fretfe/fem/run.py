@@ -162,7 +162,9 @@ def _evaluate(case: Case, solution: Solution) -> tuple[ContactSummary, ...]:
 
 
 def _solved_history(solution: Solution) -> History:
-    return History(solution.channels, solution.times, solution.values, solution.cycle)
+    return History(
+        solution.channels, solution.times, solution.values, solution.cycle, solution.between
+    )
 
 
 def _solution(model: Model, history: History, recorder: Recorder) -> Solution:

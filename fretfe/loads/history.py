@@ -14,6 +14,9 @@ from fretfe.errors import CaseError
 from fretfe.loads.cycle import check_times, find_cycle
 from fretfe.loads.segments import SAME_TIME, Piece, read_pieces
 
+# Parts of a step at whose ends the loads are known.
+PARTS = 8
+
 
 @dataclass(frozen=True)
 class History:
@@ -24,12 +27,15 @@ class History:
         times: (T,) increasing; ``times[0] == 0``.
         values: (T, C), in the units of each load; row 0 is zero: the unloaded state.
         cycle: first and last step index of the cycle that is evaluated, if there is one.
+        between: (T-1, S, C) values at S places within each step, at equal distances in time; None
+            if they are not known, as of loads that were measured.
     """
 
     channels: tuple[str, ...]
     times: Array
     values: Array
     cycle: tuple[int, int] | None
+    between: Array | None = None
 
     def at(self, time: float) -> Array:
         """Values (C,) at a time, linear between steps and constant after the last one."""
@@ -67,7 +73,12 @@ def build_history(case: Case) -> History:
         raise CaseError(complaint(case.source, ("loads",), text))
     values = np.column_stack([_evaluate(pieces, times) for pieces in channels.values()])
     check_times(case, times)
-    return History(tuple(channels), times, values, find_cycle(case, times, values, channels))
+    cycle = find_cycle(case, times, values, channels)
+    shares = np.arange(1, PARTS) / PARTS
+    instants = (times[:-1, None] + np.diff(times)[:, None] * shares).ravel()
+    between = np.column_stack([_evaluate(pieces, instants) for pieces in channels.values()])
+    between = between.reshape(len(times) - 1, PARTS - 1, len(channels))
+    return History(tuple(channels), times, values, cycle, between)
 
 
 def _clock(pieces: Sequence[Piece]) -> Array:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 CONTACT = (
     "normal_force", "shear_force", "moment", "centre", "half_width", "effective_tension"
 )  # fmt: skip
-EDGE = ("position", "k_n", "k_n_spread", "k_t", "k_i")
+EDGE = ("position", "position_spread", "k_n", "k_n_spread", "k_t", "k_i")
 # Fields along a contact, with what they have besides times and nodes.
 NODAL = {
     "traction": "component",

@@ -17,8 +17,9 @@ def edge_records(contacts: Sequence[ContactSummary]) -> list[dict[str, Any]]:
     """Texts, numbers and truth values of every edge, by name; numbers that do not exist are NaN.
 
     ``slip_1`` and ``slip_2`` are the lengths of the slip zones of the last two half cycles, in the
-    order of time, ``predicted_1`` and ``predicted_2`` what the edge factors predict for them. With
-    one half cycle only it is the second.
+    order of time, ``slip_1_spread`` and ``slip_2_spread`` their error bars, ``predicted_1`` and
+    ``predicted_2`` what the edge factors predict for them. With one half cycle only it is the
+    second. All spreads are half the width of an interval meant to hold the truth with 95 %.
     """
     return [_record(contact, station) for contact in contacts for station in contact.stations]
 
@@ -27,8 +28,10 @@ def _record(contact: ContactSummary, station: Station) -> dict[str, Any]:
     zones = station.slip_zones[-ZONES:]
     first = ZONES - len(zones) + 1
     lengths = {f"slip_{n}": zone.length for n, zone in enumerate(zones, start=first)}
+    spreads = {f"slip_{n}_spread": zone.spread for n, zone in enumerate(zones, start=first)}
     predictions = {f"predicted_{n}": zone.prediction for n, zone in enumerate(zones, start=first)}
-    numbers = [f"{name}_{n}" for name in ("slip", "predicted") for n in range(1, ZONES + 1)]
+    kinds = ("slip_{}", "slip_{}_spread", "predicted_{}")
+    numbers = [kind.format(n) for kind in kinds for n in range(1, ZONES + 1)]
     return {
         "contact": contact.name,
         "edge": station.front,
@@ -37,8 +40,9 @@ def _record(contact: ContactSummary, station: Station) -> dict[str, Any]:
         "k_n": float(station.k_n[-1]),
         "k_n_spread": float(station.k_n_spread[-1]),
         "k_t_range": float(station.k_t_range),
+        "k_t_range_spread": float(station.k_t_range_spread),
         "k_i_range": float(station.k_i_range),
-        **{name: float((lengths | predictions).get(name, math.nan)) for name in numbers},
+        **{name: float((lengths | spreads | predictions).get(name, math.nan)) for name in numbers},
         "gross": any(zone.gross for zone in zones),
         "resolved": all(zone.resolved for zone in zones),
         "dissipation": float(station.dissipation),

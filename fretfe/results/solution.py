@@ -133,6 +133,7 @@ class Solution:
         channels: names of the loads.
         values: (T, C) value of each load.
         cycle: first and last state of the evaluated cycle, or None.
+        between: (T-1, S, C) value of each load within each step, as of `History`, or None.
         coordinates: names of the rigid boundaries' amplitudes.
         amplitudes: (T, m) amplitude of each coordinate.
         forces: (T, m) force on each coordinate, per unit thickness.
@@ -160,3 +161,4 @@ class Solution:
     parts: Indices
     fallbacks: Indices
     certificates: dict[str, Array]
+    between: Array | None = None

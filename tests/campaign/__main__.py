@@ -1,53 +1,38 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""`PYTHONPATH=tests python -m campaign [COUNT]`: how many numbers are right, flagged or wrong."""
+"""`PYTHONPATH=tests python -m campaign [COUNT]`: how many numbers are right, flagged or wrong.
+
+Progress and each number that is wrong without a warning go to the standard error, the tables for
+docs/validate.md to the standard output.
+"""
 
 from __future__ import annotations
 
 import sys
 
-import numpy as np
 from campaign.draw import draw
-from campaign.judge import Judged, judge
-
-import fretfe.fem  # noqa: F401
+from campaign.judge import Judged, judge, solve
+from campaign.tables import tables
 
 COUNT = 300
 
 
 def main() -> None:
-    """Judge the first cases and print a table for docs/validate.md."""
+    """Judge the first cases and print the tables."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else COUNT
     judged: list[Judged] = []
     for number in range(count):
-        numbers = list(judge(draw(number)))
+        numbers = list(judge(solve(draw(number))))
         judged += numbers
         for each in numbers:
             if each.verdict == "wrong":
                 print(
-                    f"wrong: {number} {each.edge} {each.quantity} {each.value:.5g} "
-                    f"± {each.bar:.2g}, "
-                    f"should be {each.truth:.5g} ± {each.allowance:.2g}",
+                    f"wrong: case {number}, {each.edge} edge, {each.quantity} = {each.value:.5g} "
+                    f"± {each.bar:.2g}, should be {each.truth:.5g} ± {each.allowance:.2g}",
                     file=sys.stderr,
                     flush=True,
                 )
-    print(table(judged))
-
-
-def table(judged: list[Judged]) -> str:
-    """Markdown: a row for each quantity."""
-    rows = [
-        "| number | given | right | flagged | silently wrong | median bar | median error |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    for quantity in ("K_N", "ΔK_T", "d"):
-        own = [each for each in judged if each.quantity == quantity]
-        given = [each for each in own if np.isfinite(each.value) and each.truth]
-        counts = [sum(e.verdict == v for e in own) for v in ("right", "flagged", "wrong")]
-        bar = np.median([each.bar / abs(each.truth) for each in given])
-        error = np.median([each.error / abs(each.truth) for each in given])
-        cells = [f"{len(given)} of {len(own)}", *map(str, counts), f"{bar:.2%}", f"{error:.2%}"]
-        rows.append("| " + " | ".join([quantity, *cells]) + " |")
-    return "\n".join(rows)
+        print(f"\r{number + 1} of {count}", end="", file=sys.stderr, flush=True)
+    print("\n" + tables(judged))
 
 
 if __name__ == "__main__":

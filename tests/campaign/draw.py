@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 POISSON = 0.3
+MESHES = Path(__file__).parents[2] / "meshes"
 # Height and half-width of the bodies over the half-width of the contact: next to half-planes.
-BODY = 24.0
+BODY = 40.0
 PROFILES = ("cylinder", "wedge", "flat_rounded")
 TOP = {"type": "platen", "boundary": "upper_top", "control": "force"}
 
@@ -39,6 +41,7 @@ class Draw:
         per_half_width: elements over the half-width, or over the rounded part in contact.
         degree: of the displacements; also the order of the geometry.
         steps: load steps in a cycle.
+        quadrilaterals: recombined elements instead of triangles.
     """
 
     number: int
@@ -55,6 +58,7 @@ class Draw:
     per_half_width: float
     degree: int
     steps: int
+    quadrilaterals: bool
 
 
 def draw(number: int) -> Draw:
@@ -62,7 +66,7 @@ def draw(number: int) -> Draw:
     random = np.random.default_rng(7000 + number)
     profile = str(random.choice(PROFILES))
     shape = {
-        "cylinder": 10 ** random.uniform(-2.3, -1.5),
+        "cylinder": 10 ** random.uniform(-2.6, -1.8),
         "wedge": math.radians(random.uniform(0.3, 1.5)),
         "flat_rounded": random.uniform(0.3, 0.9),
     }[profile]
@@ -82,6 +86,7 @@ def draw(number: int) -> Draw:
         per_half_width=float(10 ** random.uniform(0.5, 1.9)),
         degree=int(random.choice([1, 2], p=[0.3, 0.7])),
         steps=int(random.choice([8, 12, 20, 40])),
+        quadrilaterals=bool(random.random() < 0.25),
     )
 
 
@@ -123,6 +128,18 @@ def case_of(one: Draw, steps: int | None = None) -> dict[str, Any]:
     }
 
 
+def with_quadrilaterals(case: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The case on quadrilaterals: its template as a script of the user's in a folder."""
+    geometry = case["geometry"]
+    text = (MESHES / f"{geometry['template']}.geo").read_text(encoding="utf-8")
+    script = folder / "quadrilaterals.geo"
+    script.write_text(
+        f"{text}\nMesh.RecombineAll = 1;\nMesh.RecombinationAlgorithm = 3;\n", encoding="utf-8"
+    )
+    order = {"order": geometry["order"], "parameters": geometry["parameters"]}
+    return {**case, "geometry": {"file": str(script), **order}}
+
+
 def contact_modulus(one: Draw) -> float:
     """E* of two equal bodies in plane strain."""
     return one.young / (2 * (1 - POISSON**2))
@@ -157,7 +174,7 @@ def element_size(one: Draw) -> float:
 
 def _rounding(one: Draw) -> float:
     """Radius of the rounded ends: small slopes at the edge of the contact."""
-    return 40.0 * one.a
+    return 100.0 * one.a
 
 
 def _parameters(one: Draw) -> dict[str, float]:
@@ -180,7 +197,7 @@ def _parameters(one: Draw) -> dict[str, float]:
             "flat_half_width": one.shape * a,
             "radius": _rounding(one),
             "edge_size": size,
-            "flat_size": min(3 * size, 0.3 * one.shape * a),
+            "flat_size": max(size, min(3 * size, 0.3 * one.shape * a)),
         }
     return {**body, **own}
 

@@ -84,7 +84,7 @@ def _zone_answer(
     ratio = predicted / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
         time=f"{times[zone.start]:g} … {times[zone.end]:g}",
-        found="gross" if zone.gross else number(zone.length, 3),
+        found="gross" if zone.gross else with_error(zone.length, zone.spread),
         predicted=number(predicted, 3),
         ratio=number(ratio, 3),
         verdict=verdict,

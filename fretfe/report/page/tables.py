@@ -53,7 +53,7 @@ def _edge_cells(edge: Station) -> list[str]:
     return [
         number(edge.position[-1]),
         ("~" if edge.uncertain else "") + number(edge.k_n[-1]),
-        number(edge.k_t_range),
+        ("~" if edge.uncertain_range else "") + number(edge.k_t_range),
         " / ".join(measured) or MISSING,
         " / ".join(number(zone.prediction, 3) for zone in zones) or MISSING,
     ]

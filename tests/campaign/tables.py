@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Tables of the campaign in Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from campaign.judge import QUANTITIES, Judged
+
+# Elements over the half-width, or over the rounded part in contact, that the guide advises: with
+# them a contact counts as resolved.
+RESOLVED = 25
+
+
+def tables(judged: Iterable[Judged]) -> str:
+    """A table of all numbers, and one of those on meshes as they are advised."""
+    everything = list(judged)
+    resolved = [each for each in everything if each.draw.per_half_width >= RESOLVED]
+    return "\n\n".join(
+        [
+            f"All {_count(everything)} cases:",
+            table(everything),
+            f"The {_count(resolved)} cases with {RESOLVED} elements or more:",
+            table(resolved),
+        ]
+    )
+
+
+def _count(judged: list[Judged]) -> int:
+    return len({each.draw.number for each in judged})
+
+
+def table(judged: list[Judged]) -> str:
+    """A row for each quantity."""
+    rows = [
+        "| number | given | right | flagged | silently wrong | bars hold | median bar | "
+        "median error |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for quantity in QUANTITIES:
+        own = [each for each in judged if each.quantity == quantity]
+        given = [each for each in own if np.isfinite(each.value)]
+        counts = [sum(e.verdict == v for e in own) for v in ("right", "flagged", "wrong")]
+        hold = np.mean([each.error <= each.bar for each in given])
+        sized = [each for each in given if each.truth]
+        bar = np.median([each.bar / abs(each.truth) for each in sized])
+        error = np.median([abs(each.value - each.truth) / abs(each.truth) for each in sized])
+        cells = [f"{len(given)} of {len(own)}", *map(str, counts), f"{hold:.1%}"]
+        rows.append("| " + " | ".join([quantity, *cells, f"{bar:.2%}", f"{error:.2%}"]) + " |")
+    return "\n".join(rows)

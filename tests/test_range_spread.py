@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The three parts of the error bar of a range of K_T, each by itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fretfe._typing import Array
+from fretfe.edges.between import load_path
+from fretfe.edges.front import RangeSpread
+from fretfe.edges.pressure import EdgeFit
+from fretfe.edges.range_spread import FactorHistories, range_spreads
+from fretfe.results.solution import Factor
+
+T = 9
+CYCLE = np.arange(T)
+WAVE = np.sin(2 * np.pi * (np.arange(T) / (T - 1) + 1 / 16))
+ARC = np.linspace(-2.0, 2.0, 41)
+HALF_WIDTH = 1.03
+
+
+def histories(ways: list[float], fitted: float | None = None) -> FactorHistories:
+    """Waves of given amplitudes at two stations, of which the right one has a tenth."""
+
+    def of(amplitude: float) -> Array:
+        factors = np.zeros((2, T, 2))
+        factors[:, :, Factor.K_T] = amplitude * np.array([[1.0], [0.1]]) * WAVE
+        return factors
+
+    return FactorHistories(
+        ways=np.array([of(each) for each in ways]),
+        fitted=of(fitted) if fitted is not None else None,
+        exact=True,
+        one_sided=np.zeros(2),
+    )
+
+
+def fits(spread: float = 0.0) -> list[EdgeFit]:
+    one = np.ones(T)
+    return [EdgeFit(side * HALF_WIDTH * one, one, spread * one, one) for side in (-1, 1)]
+
+
+def spreads(each: FactorHistories, spread: float = 0.0) -> tuple[RangeSpread, ...]:
+    return range_spreads(each, fits(spread), ARC, CYCLE, None)
+
+
+RANGE = float(np.ptp(WAVE))
+
+
+def test_extraction_is_half_the_difference_of_the_ways() -> None:
+    left, right = spreads(histories([1.0, 1.1, 1.04]))
+    assert left.extraction == pytest.approx(0.05 * RANGE)
+    assert right.extraction == pytest.approx(0.005 * RANGE)
+    assert (left.discretisation, left.steps) == (0.0, 0.0)
+
+
+def test_one_way_alone_is_exact_or_has_no_bar() -> None:
+    alone = histories([1.0])
+    assert spreads(alone)[0] == RangeSpread(0.0, 0.0, 0.0)
+    assert np.isnan(spreads(replace(alone, exact=False))[0].total)
+
+
+def test_discretisation_holds_fits_elements_edges_and_half_known_steps() -> None:
+    (left, _) = spreads(histories([1.0, 1.0], fitted=0.97))
+    assert left.discretisation == pytest.approx(0.03 * RANGE)
+    # An element of .1 and an edge known to .05, over twice the half-width; at the right station
+    # likewise, since its K_T may be a small difference.
+    both = spreads(replace(histories([1.0, 1.0]), exact=False), spread=0.05)
+    share = np.hypot(0.1, 0.05) / (2 * HALF_WIDTH)
+    assert [each.discretisation for each in both] == pytest.approx([share * RANGE] * 2)
+    half_known = replace(histories([1.0, 1.0]), one_sided=np.array([0.2, 0.0]))
+    assert [each.discretisation for each in spreads(half_known)] == [0.2, 0.0]
+
+
+def test_steps_miss_what_lies_between_them() -> None:
+    """Eight steps per cycle, the extremes in the middle of two: 1 - cos(22.5°) of the amplitude."""
+    fine = np.sin(2 * np.pi * (np.arange(8 * (T - 1) + 1) / (8 * (T - 1)) + 1 / 16))
+    within = fine[:-1].reshape(T - 1, 8, 1)[:, 1:]
+    path = load_path(WAVE[:, None], within, (0, T - 1))
+    (left, right) = range_spreads(histories([1.0, 1.0]), fits(), ARC, CYCLE, path)
+    missed = 2 - RANGE
+    assert missed > 0.1
+    assert left.steps == pytest.approx(missed, rel=1e-9)
+    assert right.steps == pytest.approx(0.1 * missed, rel=1e-9)
+
+
+def test_the_whole_bar() -> None:
+    assert RangeSpread(3.0, 4.0, 12.0).total == pytest.approx(13.0)
