@@ -18,6 +18,13 @@ from fretfe._typing import Array
 
 # Error bar of K_N or of the range of K_T, relative to it, from which it is marked as uncertain.
 LARGEST_SPREAD = 0.05
+# Error bar, relative to its number, beyond which tables show no number.
+NO_NUMBER = 0.5
+
+
+def told(value: float, spread: float) -> float:
+    """A number with its error bar; NaN if the bar is unknown or more than half of the number."""
+    return float(value) if spread <= NO_NUMBER * abs(value) else math.nan
 
 
 @dataclass(frozen=True)
@@ -62,6 +69,11 @@ class SlipZone:
     gross: bool
     predicted: float
     predicted_loop: float
+
+    @property
+    def told_length(self) -> float:
+        """The length, unless its error bar is unknown or more than half of it: then NaN."""
+        return told(self.length, self.spread)
 
     @property
     def prediction(self) -> float:
@@ -151,6 +163,16 @@ class Station(StationHistory):
     k_i_range: float
     slip_zones: tuple[SlipZone, ...]
     dissipation: float
+
+    @property
+    def told_k_n(self) -> float:
+        """K_N in the last state; NaN if its error bar is unknown or more than half of it."""
+        return told(float(self.k_n[-1]), float(self.k_n_spread[-1]))
+
+    @property
+    def told_range(self) -> float:
+        """The range of K_T; NaN if its error bar is unknown or more than half of it."""
+        return told(self.k_t_range, self.k_t_range_spread)
 
     @property
     def uncertain(self) -> bool:

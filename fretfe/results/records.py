@@ -19,7 +19,8 @@ def edge_records(contacts: Sequence[ContactSummary]) -> list[dict[str, Any]]:
     ``slip_1`` and ``slip_2`` are the lengths of the slip zones of the last two half cycles, in the
     order of time, ``slip_1_spread`` and ``slip_2_spread`` their error bars, ``predicted_1`` and
     ``predicted_2`` what the edge factors predict for them. With one half cycle only it is the
-    second. All spreads are half the width of an interval meant to hold the truth with 95 %.
+    second. All spreads are half the width of an interval meant to hold the truth with 95 %; where
+    that is more than half of the number, or unknown, there is none.
     """
     return [_record(contact, station) for contact in contacts for station in contact.stations]
 
@@ -27,7 +28,7 @@ def edge_records(contacts: Sequence[ContactSummary]) -> list[dict[str, Any]]:
 def _record(contact: ContactSummary, station: Station) -> dict[str, Any]:
     zones = station.slip_zones[-ZONES:]
     first = ZONES - len(zones) + 1
-    lengths = {f"slip_{n}": zone.length for n, zone in enumerate(zones, start=first)}
+    lengths = {f"slip_{n}": zone.told_length for n, zone in enumerate(zones, start=first)}
     spreads = {f"slip_{n}_spread": zone.spread for n, zone in enumerate(zones, start=first)}
     predictions = {f"predicted_{n}": zone.prediction for n, zone in enumerate(zones, start=first)}
     kinds = ("slip_{}", "slip_{}_spread", "predicted_{}")
@@ -37,9 +38,9 @@ def _record(contact: ContactSummary, station: Station) -> dict[str, Any]:
         "edge": station.front,
         "position": float(station.position[-1]),
         "half_width": float(contact.half_width[-1]),
-        "k_n": float(station.k_n[-1]),
+        "k_n": station.told_k_n,
         "k_n_spread": float(station.k_n_spread[-1]),
-        "k_t_range": float(station.k_t_range),
+        "k_t_range": station.told_range,
         "k_t_range_spread": float(station.k_t_range_spread),
         "k_i_range": float(station.k_i_range),
         **{name: float((lengths | spreads | predictions).get(name, math.nan)) for name in numbers},

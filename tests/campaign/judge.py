@@ -128,12 +128,12 @@ def _judge_factors(
     finite = FINITE_BODY / BODY**2
     edge, truth = EDGES[number], exact[number]
     k_n, k_t = float(truth.k_n[-1]), truth.k_t_range
-    value, bar = float(station.k_n[-1]), float(station.k_n_spread[-1])
+    value, bar = station.told_k_n, float(station.k_n_spread[-1])
     yield Judged(one, edge, "K_N", value, bar, k_n, finite * k_n, remark)
     if k_t > 0:
         # What the finite body adds does not vanish where shear and tension cancel.
         allowance = finite * max(each.k_t_range for each in exact)
-        value, bar = station.k_t_range, station.k_t_range_spread
+        value, bar = station.told_range, station.k_t_range_spread
         yield Judged(one, edge, "ΔK_T", value, bar, k_t, allowance, remark)
 
 
@@ -153,7 +153,7 @@ def _judge_zone(
         return
     if zone is not None and zone.gross:
         return
-    value, bar = (zone.length, zone.spread) if zone is not None else (math.nan, math.nan)
+    value, bar = (zone.told_length, zone.spread) if zone is not None else (math.nan, math.nan)
     allowance = counterpart.spread + HALF_PLANE_BORDER * answers.draw.a
     truth = counterpart.length
     yield Judged(answers.draw, station.front, "d", value, bar, truth, allowance, remark)

@@ -61,8 +61,8 @@ def _edge_answer(run: Result, contact: ContactSummary, edge: Station) -> EdgeAns
         contact=contact.name,
         side=edge.front,
         position=number(float(edge.position[-1])),
-        k_n=with_error(float(edge.k_n[-1]), float(edge.k_n_spread[-1])),
-        k_t_range=with_error(edge.k_t_range, edge.k_t_range_spread),
+        k_n=with_error(edge.told_k_n, float(edge.k_n_spread[-1])),
+        k_t_range=with_error(edge.told_range, edge.k_t_range_spread),
         uncertain=edge.uncertain,
         zones=tuple(
             _zone_answer(run, contact, edge, zone, size) for zone in edge.slip_zones[-ZONES:]
@@ -84,7 +84,7 @@ def _zone_answer(
     ratio = predicted / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
         time=f"{times[zone.start]:g} … {times[zone.end]:g}",
-        found="gross" if zone.gross else with_error(zone.length, zone.spread),
+        found="gross" if zone.gross else with_error(zone.told_length, zone.spread),
         predicted=number(predicted, 3),
         ratio=number(ratio, 3),
         verdict=verdict,

@@ -52,17 +52,19 @@ def _edge_cells(edge: Station) -> list[str]:
     measured = [_zone_length(zone) for zone in zones]
     return [
         number(edge.position[-1]),
-        ("~" if edge.uncertain else "") + number(edge.k_n[-1]),
-        ("~" if edge.uncertain_range else "") + number(edge.k_t_range),
+        ("~" if edge.uncertain else "") + number(edge.told_k_n),
+        ("~" if edge.uncertain_range else "") + number(edge.told_range),
         " / ".join(measured) or MISSING,
         " / ".join(number(zone.prediction, 3) for zone in zones) or MISSING,
     ]
 
 
 def _zone_length(zone: SlipZone) -> str:
-    """Length of a slip zone; ~ marks one that the mesh does not resolve."""
+    """Length of a slip zone; ~ marks one that the mesh does not resolve well."""
     if zone.gross:
         return "gross"
+    if not math.isfinite(zone.told_length):
+        return MISSING
     return ("" if zone.resolved else "~") + number(zone.length, 3)
 
 
