@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,20 +19,21 @@ from fretfe.edges.factors import (
     edge_movement,
     integral_units,
 )
-from fretfe.edges.front import ContactSummary, Frame, Station, fronts_of
+from fretfe.edges.front import ContactSummary, Frame, Station, StationHistory, fronts_of
 from fretfe.edges.patches import contact_patches, resultants
 from fretfe.edges.pressure import EdgeFit
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront, nearest_front
 from fretfe.edges.slip import cycle_change
 from fretfe.edges.slip_zones import States, cycle_states, slip_border_of, slip_zones
+from fretfe.edges.tracks import SMALLEST_PATCH
 from fretfe.results.solution import OPEN, ContactHistory, Factor, Solution
 
 # From solution, contact and positions (stations, T) along the arc.
 FindUnits = Callable[[Solution, ContactHistory, Array], UnitFactors]
+# From the states of a life of a patch, and the cycle counted in them: (states, ...) histories.
+CountLife = Callable[[slice, tuple[int, int] | None], Array]
 # Change of the shear from one cycle to the next, relative to f p_max, below which it is steady.
 STEADY_CHANGE = 1e-3
-# Patches that carry less than this share of the normal force are traces of round-off.
-SMALLEST_PATCH = 1e-3
 # Sliding over the width of the contact beyond which the small-sliding model is doubted: gaps of
 # round surfaces are then wrong by more than a hundredth of the approach.
 LARGEST_SLIDING = 0.1
@@ -72,13 +73,18 @@ def _evaluate_contact(
     k_t = np.array([station.k_t for station in stations])
     return ContactSummary(
         name=contact.name,
+        pair=contact.pair,
         fronts=fronts_of(stations),
         normal_force=forces[:, 0],
         shear_force=forces[:, 1],
         moment=np.array(moments),
         centre=centre,
         half_width=half_width,
-        effective_tension=tension_history(k_t, half_width, solution.cycle),
+        effective_tension=_by_life(
+            solution,
+            contact,
+            lambda life, cycle: tension_history(k_t[:, life], half_width[life], cycle),
+        ),
         shear_mismatch=shear_mismatch(
             k_t, half_width, full_stick_shear_force(solution, contact), solution.cycle
         ),
@@ -106,11 +112,46 @@ def _factor_histories(
     touching = np.any(contact.traction[:, :, 0] > 0, axis=1)
 
     def history(each: Array) -> Array:
-        drivers = solution.driver_values
-        return add_up(each, drivers, contact.friction, touching, solution.cycle)
+        def count(life: slice, cycle: tuple[int, int] | None) -> Array:
+            parts = each, solution.driver_values, contact.friction, touching
+            return add_up(*(part[life] for part in parts), cycle).swapaxes(0, 1)
+
+        return _by_life(solution, contact, count).swapaxes(0, 1)
 
     fitted = history(units.fitted) if units.fitted is not None else None
     return _Histories(np.array([history(each) for each in units.main]), fitted, units.exact)
+
+
+def _by_life(solution: Solution, contact: ContactHistory, count: CountLife) -> Array:
+    """(T, ...) histories that begin anew with each life of a patch; NaN where it does not exist."""
+    histories = None
+    for first, last in contact.lives:
+        cycle = solution.cycle
+        if cycle is not None:
+            whole = first <= cycle[0] and cycle[1] <= last
+            cycle = (cycle[0] - first, cycle[1] - first) if whole else None
+        states = slice(first, last + 1)
+        found = count(states, cycle)
+        if histories is None:
+            histories = np.full((len(solution.times), *found.shape[1:]), np.nan)
+        histories[states] = found
+    assert histories is not None
+    return histories
+
+
+def _life_of_cycle(
+    solution: Solution, contact: ContactHistory, history: StationHistory
+) -> StationHistory:
+    """A history without what is not in the life of the evaluated cycle, the last one without it."""
+    first, last = contact.lives[-1]
+    if solution.cycle is not None and not first <= solution.cycle[0] < solution.cycle[1] <= last:
+        first = last + 1
+    states = np.arange(len(solution.times))
+    known = (states >= first) & (states <= last)
+    names = ("position", "k_n", "k_n_spread", "k_t", "k_s", "k_i")
+    return replace(
+        history, **{name: np.where(known, getattr(history, name), np.nan) for name in names}
+    )
 
 
 def _evaluate_station(
@@ -127,8 +168,7 @@ def _evaluate_station(
     movement = edge_movement(contact, front, abs(float((centre - fit.position)[-1])))
     ranges = [_range(each, cycle) for each in by_way[..., Factor.K_T]]
     fitted = histories.fitted
-    end = centre[cycle[-1] if len(cycle) else -1]
-    here = nearest_front(contact.arc, float(end)) == front.number
+    here = nearest_front(contact.arc, _last_known(centre, cycle)) == front.number
     border = slip_border_of(contact, front, fit.position)
     return Station(
         **vars(history),
@@ -141,7 +181,9 @@ def _evaluate_station(
             _range(fitted[front.number, :, Factor.K_T], cycle) if fitted is not None else np.nan
         ),
         k_i_range=_range(history.k_i, cycle),
-        slip_zones=slip_zones(cycle, contact.friction, history, border),
+        slip_zones=slip_zones(
+            cycle, contact.friction, _life_of_cycle(solution, contact, history), border
+        ),
         dissipation=float(_over_cycle(solution, contact.dissipation)[here].sum()),
     )
 
@@ -153,10 +195,16 @@ def _spread(ranges: list[float], exact: bool) -> float:
     return 0.0 if exact else np.nan
 
 
+def _last_known(values: Array, cycle: States) -> float:
+    """The last of values (T,) that is known, up to the end of the cycle; NaN if none is."""
+    values = values[: cycle[-1] + 1] if len(cycle) else values
+    known = values[np.isfinite(values)]
+    return float(known[-1]) if len(known) else np.nan
+
+
 def _frame(contact: ContactHistory, front: PlaneFront, position: Array) -> Frame:
     """Frame in the last state in which the position (T,) is known."""
-    known = position[np.isfinite(position)]
-    place = known[-1] if len(known) else np.nan
+    place = _last_known(position, np.array([], dtype=np.int64))
     rows = contact.frames.reshape(len(contact.arc), -1).T
     across, tangent = np.reshape([np.interp(place, contact.arc, row) for row in rows], (2, 2))
     return front.frame(across, tangent)
@@ -207,14 +255,18 @@ def _unknown(
     if not nodes.any():
         return
     finer = FEWEST_NODES / max(int(nodes.min()), 1)
+    existing = contact.exists[states]
     reason = (
-        f"{nodes.min()} nodes are in contact, {FEWEST_NODES} are wanted at least: make the "
+        f"the patch exists in {np.count_nonzero(existing)} of the {len(states)} states of the cycle"
+        if not existing.all()
+        else f"{nodes.min()} nodes are in contact, {FEWEST_NODES} are wanted at least: make the "
         f"elements {math.ceil(2 * finer) / 2:g} times smaller"
         if finer > 1
         else "the pressure does not fall to zero like a root there"
     )
     for station in stations:
-        missing = ["K_N"] if not math.isfinite(station.k_n[-1]) else []
+        unknown = contact.exists[-1] and not math.isfinite(station.k_n[-1])
+        missing = ["K_N"] if unknown else []
         if len(cycle_states(solution.cycle)) and not math.isfinite(station.k_t_range):
             missing.append("ΔK_T")
         if missing:
@@ -222,14 +274,20 @@ def _unknown(
 
 
 def _patches(contact: ContactHistory) -> Iterator[str]:
-    """A contact of several patches, of which only the main one is evaluated."""
+    """The fate of a patch, and nodes that belong to it but lie apart."""
+    if contact.fate:
+        yield (
+            f"not there all the time, as one of several patches of {contact.pair!r}: it "
+            f"{'; it '.join(contact.fate)}. It has edges only where it exists, and K_T and K_I "
+            "begin anew whenever it appears"
+        )
     shares = [_main_share(contact.arc, pressure) for pressure in contact.traction[:, :, 0]]
     several = [share for share in shares if share < 1 - SMALLEST_PATCH]
     if several:
         yield (
-            f"several patches are in contact in {len(several)} of {len(shares) - 1} states: "
-            "edges, half-width and slip zones are those of the patch that carries most, as little "
-            f"as {min(several):.0%} of P; P and Q are those of all. Make a contact of each patch"
+            f"in {len(several)} of {len(shares) - 1} states up to {1 - min(several):.1%} of P is "
+            "on single nodes apart from the patch, too few for edges of their own: make the "
+            "elements smaller there"
         )
 
 

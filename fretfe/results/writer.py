@@ -191,7 +191,7 @@ def _plain(value: Any) -> Any:
 
 
 def _write_contact(group: h5py.Group, contact: ContactHistory) -> None:
-    group.attrs.update({"body1": contact.body1, "body2": contact.body2})
+    group.attrs.update({"pair": contact.pair, "body1": contact.body1, "body2": contact.body2})
     for field in fields(contact):
         value = getattr(contact, field.name)
         if isinstance(value, np.ndarray):
