@@ -18,8 +18,8 @@ from fretfe.edges.patches import Patch, contact_patches
 
 # Patches that carry less than this share of the normal force are traces of round-off.
 SMALLEST_PATCH = 1e-3
-# Fewer nodes than this are no patch by themselves.
-FEWEST_NODES = 3
+# Fewer nodes than this have to carry a larger share: single nodes next to a patch may close.
+FEWEST_NODES, SHARE_OF_FEW = 3, 0.05
 
 
 @dataclass(frozen=True)
@@ -98,11 +98,11 @@ def _clear(patches: Sequence[Patch]) -> list[Patch]:
     """The patches that are no traces; the largest one never is."""
     total = sum(patch.force for patch in patches)
     largest = max(patches, key=lambda patch: patch.force, default=None)
+    shares = [SMALLEST_PATCH if _nodes(each) >= FEWEST_NODES else SHARE_OF_FEW for each in patches]
     return [
         patch
-        for patch in patches
-        if patch is largest
-        or (patch.force >= SMALLEST_PATCH * total and _nodes(patch) >= FEWEST_NODES)
+        for patch, share in zip(patches, shares, strict=True)
+        if patch is largest or patch.force >= share * total
     ]
 
 

@@ -24,7 +24,7 @@ from fretfe.errors import OutputError
 from fretfe.results.model import BodyArrays, Result
 from fretfe.results.solution import ContactHistory, Solution
 
-SCHEMA = {"name": "fretfe-results", "version": 1}
+SCHEMA = {"name": "fretfe-results", "version": 2}
 NUMBERS, ARRAYS, FIELDS = "results.json", "results.h5", "fields"
 
 
