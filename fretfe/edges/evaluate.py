@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,7 +19,8 @@ from fretfe.edges.factors import (
     edge_movement,
     integral_units,
 )
-from fretfe.edges.front import ContactSummary, Frame, Station, StationHistory, fronts_of
+from fretfe.edges.front import ContactSummary, Frame, Station, fronts_of
+from fretfe.edges.lives import by_life, in_evaluated_life
 from fretfe.edges.patches import contact_patches, resultants
 from fretfe.edges.pressure import EdgeFit
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront, nearest_front
@@ -30,8 +31,6 @@ from fretfe.results.solution import OPEN, ContactHistory, Factor, Solution
 
 # From solution, contact and positions (stations, T) along the arc.
 FindUnits = Callable[[Solution, ContactHistory, Array], UnitFactors]
-# From the states of a life of a patch, and the cycle counted in them: (states, ...) histories.
-CountLife = Callable[[slice, tuple[int, int] | None], Array]
 # Change of the shear from one cycle to the next, relative to f p_max, below which it is steady.
 STEADY_CHANGE = 1e-3
 # Sliding over the width of the contact beyond which the small-sliding model is doubted: gaps of
@@ -65,26 +64,22 @@ def _evaluate_contact(
     )
     # The weights are those of the solution itself: P and Q balance the loads to round-off.
     forces = np.einsum("n,tnc->tc", contact.weights, contact.traction)
-    moments = [
-        resultants(contact.arc, t[:, 0], t[:, 1], c if np.isfinite(c) else 0.0).moment
-        for t, c in zip(contact.traction, centre, strict=True)
-    ]
     change = _cycle_change(solution, contact)
     k_t = np.array([station.k_t for station in stations])
+
+    def tension(life: slice, cycle: tuple[int, int] | None) -> Array:
+        return tension_history(k_t[:, life], half_width[life], cycle)
+
     return ContactSummary(
         name=contact.name,
         pair=contact.pair,
         fronts=fronts_of(stations),
         normal_force=forces[:, 0],
         shear_force=forces[:, 1],
-        moment=np.array(moments),
+        moment=_moments(contact, centre),
         centre=centre,
         half_width=half_width,
-        effective_tension=_by_life(
-            solution,
-            contact,
-            lambda life, cycle: tension_history(k_t[:, life], half_width[life], cycle),
-        ),
+        effective_tension=by_life(contact, solution.cycle, tension),
         shear_mismatch=shear_mismatch(
             k_t, half_width, full_stick_shear_force(solution, contact), solution.cycle
         ),
@@ -94,6 +89,15 @@ def _evaluate_contact(
         dissipation_change=_dissipation_change(solution, contact),
         warnings=(*_unknown(solution, contact, stations), *_warnings(contact, stations, change)),
     )
+
+
+def _moments(contact: ContactHistory, centre: Array) -> Array:
+    """(T,) moments of the pressure about the centre, or about 0 where there is none."""
+    moments = [
+        resultants(contact.arc, t[:, 0], t[:, 1], c if np.isfinite(c) else 0.0).moment
+        for t, c in zip(contact.traction, centre, strict=True)
+    ]
+    return np.array(moments)
 
 
 @dataclass(frozen=True)
@@ -113,45 +117,13 @@ def _factor_histories(
 
     def history(each: Array) -> Array:
         def count(life: slice, cycle: tuple[int, int] | None) -> Array:
-            parts = each, solution.driver_values, contact.friction, touching
-            return add_up(*(part[life] for part in parts), cycle).swapaxes(0, 1)
+            drivers, friction = solution.driver_values[life], contact.friction[life]
+            return add_up(each[life], drivers, friction, touching[life], cycle).swapaxes(0, 1)
 
-        return _by_life(solution, contact, count).swapaxes(0, 1)
+        return by_life(contact, solution.cycle, count).swapaxes(0, 1)
 
     fitted = history(units.fitted) if units.fitted is not None else None
     return _Histories(np.array([history(each) for each in units.main]), fitted, units.exact)
-
-
-def _by_life(solution: Solution, contact: ContactHistory, count: CountLife) -> Array:
-    """(T, ...) histories that begin anew with each life of a patch; NaN where it does not exist."""
-    histories = None
-    for first, last in contact.lives:
-        cycle = solution.cycle
-        if cycle is not None:
-            whole = first <= cycle[0] and cycle[1] <= last
-            cycle = (cycle[0] - first, cycle[1] - first) if whole else None
-        states = slice(first, last + 1)
-        found = count(states, cycle)
-        if histories is None:
-            histories = np.full((len(solution.times), *found.shape[1:]), np.nan)
-        histories[states] = found
-    assert histories is not None
-    return histories
-
-
-def _life_of_cycle(
-    solution: Solution, contact: ContactHistory, history: StationHistory
-) -> StationHistory:
-    """A history without what is not in the life of the evaluated cycle, the last one without it."""
-    first, last = contact.lives[-1]
-    if solution.cycle is not None and not first <= solution.cycle[0] < solution.cycle[1] <= last:
-        first = last + 1
-    states = np.arange(len(solution.times))
-    known = (states >= first) & (states <= last)
-    names = ("position", "k_n", "k_n_spread", "k_t", "k_s", "k_i")
-    return replace(
-        history, **{name: np.where(known, getattr(history, name), np.nan) for name in names}
-    )
 
 
 def _evaluate_station(
@@ -182,7 +154,7 @@ def _evaluate_station(
         ),
         k_i_range=_range(history.k_i, cycle),
         slip_zones=slip_zones(
-            cycle, contact.friction, _life_of_cycle(solution, contact, history), border
+            cycle, contact.friction, in_evaluated_life(contact, solution.cycle, history), border
         ),
         dissipation=float(_over_cycle(solution, contact.dissipation)[here].sum()),
     )

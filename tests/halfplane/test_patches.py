@@ -90,7 +90,7 @@ def test_each_patch_is_a_contact_and_so_is_the_merged_one() -> None:
     left, right, merged = (each.lives for each in solution.contacts)
     assert left == right == ((0, 6), (9, 10), (12, 12))
     assert merged == ((7, 8), (11, 11))
-    total = sum(each.normal_force for each in contacts)
+    total = np.sum([each.normal_force for each in contacts], axis=0)
     assert total[[6, 7, 12]] == pytest.approx([APART, JOINED, APART], rel=1e-9)
     assert contacts[0].normal_force[[6, 10, 12]] == pytest.approx(APART / 2, rel=1e-6)
     assert contacts[0].normal_force[[7, 8, 11]] == pytest.approx(0.0)
