@@ -130,7 +130,8 @@ def _unknown_rows(contact: ContactSummary, station: Station) -> Iterator[Row]:
 def _slip_rows(contact: ContactSummary, station: Station, size: float) -> Iterator[Row]:
     zones = station.slip_zones[-2:]
     if not zones:
-        yield missing(contact.name, station.front, "slip zone", "no friction")
+        reason = "no friction, or factors that are not known through the cycle"
+        yield missing(contact.name, station.front, "slip zone", reason)
         return
     for number, zone in enumerate(zones, start=1):
         yield asymptote_row(contact, station, zone, f"d, by formula, half cycle {number}", size)
