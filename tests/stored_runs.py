@@ -78,7 +78,7 @@ def write_many_contacts(folder: Path, count: int) -> Path:
         for name in names:
             surfaces = {f"surface{side}": f"{name}_{side}" for side in (1, 2)}
             numbers["case"]["contacts"][name] = {**case, **surfaces}
-            numbers["contacts"][name] = results
+            numbers["contacts"][name] = {**results, "pair": name}
 
     for file in ("results.json", "results.h5"):
         shutil.copy(one / file, folder)

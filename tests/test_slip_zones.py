@@ -28,6 +28,7 @@ def history(increments: np.ndarray) -> ContactHistory:
     zero = np.zeros((STATES, len(X)))
     return ContactHistory(
         name="made up",
+        pair="made up",
         body1="upper",
         body2="lower",
         arc=X,

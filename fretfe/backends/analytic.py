@@ -86,6 +86,7 @@ def solve_closed_form(problem: HalfPlaneProblem) -> tuple[ContactSummary, set[st
     dissipation = sum(station.dissipation for station in stations)
     return ContactSummary(
         name=problem.contact,
+        pair=problem.contact,
         fronts=fronts_of(stations),
         normal_force=problem.normal_force,
         shear_force=problem.shear_force,

@@ -9,6 +9,7 @@ from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.contact.march import StepResult
 from fretfe.edges.evaluate import evaluate
+from fretfe.edges.separation import separate_patches
 from fretfe.halfplane.solver import solve_half_planes
 from fretfe.idealise import idealise, obstacles
 from fretfe.loads import History
@@ -39,7 +40,7 @@ class HalfPlaneBackend:
         start = time.perf_counter()
         outcome = solve_half_planes(problem, progress=report)
         solved = time.perf_counter()
-        solution = outcome.solution
+        solution = separate_patches(outcome.solution)
         contacts = evaluate(solution, outcome.unit_factors)
         return Result(
             case=case,

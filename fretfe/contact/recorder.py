@@ -190,6 +190,7 @@ class Recorder:
         shape = (0, len(roots), interface.components, len(self.drivers.names))
         return ContactHistory(
             name=place.name,
+            pair=place.name,
             body1=place.body1,
             body2=place.body2,
             arc=place.nodes.arc,

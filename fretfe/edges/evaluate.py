@@ -28,12 +28,14 @@ from fretfe.edges.front import (
     Station,
     fronts_of,
 )
+from fretfe.edges.lives import by_life, in_evaluated_life
 from fretfe.edges.patches import contact_patches, resultants
 from fretfe.edges.pressure import EdgeFit
 from fretfe.edges.range_spread import FactorHistories, range_spreads
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront, nearest_front
 from fretfe.edges.slip import cycle_change
 from fretfe.edges.slip_zones import States, cycle_states, slip_border_of, slip_zones
+from fretfe.edges.tracks import SMALLEST_PATCH
 from fretfe.results.solution import OPEN, ContactHistory, Factor, Solution
 
 # From solution, contact and positions (stations, T) along the arc.
@@ -43,8 +45,6 @@ STEADY_CHANGE = 1e-3
 # Linear elements are too stiff: K_N was 1.6 % (cylinder) to 2.8 % (flat with rounded ends) high
 # with them, however fine the mesh at the edges.
 LINEAR_ELEMENTS = 0.025
-# Patches that carry less than this share of the normal force are traces of round-off.
-SMALLEST_PATCH = 1e-3
 # Part of the range of K_T that may lie between the steps without a warning.
 LARGEST_STEPS = 0.02
 # Sliding over the width of the contact beyond which the small-sliding model is doubted: gaps of
@@ -83,21 +83,22 @@ def _evaluate_contact(
     )
     # The weights are those of the solution itself: P and Q balance the loads to round-off.
     forces = np.einsum("n,tnc->tc", contact.weights, contact.traction)
-    moments = [
-        resultants(contact.arc, t[:, 0], t[:, 1], c if np.isfinite(c) else 0.0).moment
-        for t, c in zip(contact.traction, centre, strict=True)
-    ]
     change = _cycle_change(solution, contact)
     k_t = np.array([station.k_t for station in stations])
+
+    def tension(life: slice, cycle: tuple[int, int] | None) -> Array:
+        return tension_history(k_t[:, life], half_width[life], cycle)
+
     return ContactSummary(
         name=contact.name,
+        pair=contact.pair,
         fronts=fronts_of(stations),
         normal_force=forces[:, 0],
         shear_force=forces[:, 1],
-        moment=np.array(moments),
+        moment=_moments(contact, centre),
         centre=centre,
         half_width=half_width,
-        effective_tension=tension_history(k_t, half_width, solution.cycle),
+        effective_tension=by_life(contact, solution.cycle, tension),
         shear_mismatch=shear_mismatch(
             k_t, half_width, full_stick_shear_force(solution, contact), solution.cycle
         ),
@@ -109,6 +110,15 @@ def _evaluate_contact(
     )
 
 
+def _moments(contact: ContactHistory, centre: Array) -> Array:
+    """(T,) moments of the pressure about the centre, or about 0 where there is none."""
+    moments = [
+        resultants(contact.arc, t[:, 0], t[:, 1], c if np.isfinite(c) else 0.0).moment
+        for t, c in zip(contact.traction, centre, strict=True)
+    ]
+    return np.array(moments)
+
+
 def _factor_histories(
     solution: Solution, contact: ContactHistory, positions: Array, find_units: FindUnits
 ) -> FactorHistories:
@@ -116,8 +126,11 @@ def _factor_histories(
     touching = np.any(contact.traction[:, :, 0] > 0, axis=1)
 
     def history(each: Array) -> Array:
-        drivers = solution.driver_values
-        return add_up(each, drivers, contact.friction, touching, solution.cycle)
+        def count(life: slice, cycle: tuple[int, int] | None) -> Array:
+            drivers, friction = solution.driver_values[life], contact.friction[life]
+            return add_up(each[life], drivers, friction, touching[life], cycle).swapaxes(0, 1)
+
+        return by_life(contact, solution.cycle, count).swapaxes(0, 1)
 
     fitted = history(units.fitted) if units.fitted is not None else None
     return FactorHistories(
@@ -146,8 +159,7 @@ def _evaluate_station(
         fit.position, fit.spread_position, fit.k_n, k_n_spread, by_way.mean(axis=0)
     )
     fitted = histories.fitted
-    end = centre[cycle[-1] if len(cycle) else -1]
-    here = nearest_front(contact.arc, float(end)) == front.number
+    here = nearest_front(contact.arc, _last_known(centre, cycle)) == front.number
     border = slip_border_of(contact, front, fit.position)
     return Station(
         **vars(history),
@@ -161,7 +173,13 @@ def _evaluate_station(
             _range(fitted[front.number, :, Factor.K_T], cycle) if fitted is not None else np.nan
         ),
         k_i_range=_range(history.k_i, cycle),
-        slip_zones=slip_zones(cycle, contact.friction, history, border, path),
+        slip_zones=slip_zones(
+            cycle,
+            contact.friction,
+            in_evaluated_life(contact, solution.cycle, history),
+            border,
+            path,
+        ),
         dissipation=float(_over_cycle(solution, contact.dissipation)[here].sum()),
     )
 
@@ -180,10 +198,16 @@ def _k_n_spread(solution: Solution, fit: EdgeFit, moved: float, exact: bool) -> 
     return spread
 
 
+def _last_known(values: Array, cycle: States) -> float:
+    """The last of values (T,) that is known, up to the end of the cycle; NaN if none is."""
+    values = values[: cycle[-1] + 1] if len(cycle) else values
+    known = values[np.isfinite(values)]
+    return float(known[-1]) if len(known) else np.nan
+
+
 def _frame(contact: ContactHistory, front: PlaneFront, position: Array) -> Frame:
     """Frame in the last state in which the position (T,) is known."""
-    known = position[np.isfinite(position)]
-    place = known[-1] if len(known) else np.nan
+    place = _last_known(position, np.array([], dtype=np.int64))
     rows = contact.frames.reshape(len(contact.arc), -1).T
     across, tangent = np.reshape([np.interp(place, contact.arc, row) for row in rows], (2, 2))
     return front.frame(across, tangent)
@@ -234,14 +258,18 @@ def _unknown(
     if not nodes.any():
         return
     finer = FEWEST_NODES / max(int(nodes.min()), 1)
+    existing = contact.exists[states]
     reason = (
-        f"{nodes.min()} nodes are in contact, {FEWEST_NODES} are wanted at least: make the "
+        f"the patch exists in {np.count_nonzero(existing)} of the {len(states)} states of the cycle"
+        if not existing.all()
+        else f"{nodes.min()} nodes are in contact, {FEWEST_NODES} are wanted at least: make the "
         f"elements {math.ceil(2 * finer) / 2:g} times smaller"
         if finer > 1
         else "the pressure does not fall to zero like a root there"
     )
     for station in stations:
-        missing = ["K_N"] if not math.isfinite(station.k_n[-1]) else []
+        unknown = contact.exists[-1] and not math.isfinite(station.k_n[-1])
+        missing = ["K_N"] if unknown else []
         if len(cycle_states(solution.cycle)) and not math.isfinite(station.k_t_range):
             missing.append("ΔK_T")
         if missing:
@@ -249,14 +277,20 @@ def _unknown(
 
 
 def _patches(contact: ContactHistory) -> Iterator[str]:
-    """A contact of several patches, of which only the main one is evaluated."""
+    """The fate of a patch, and nodes that belong to it but lie apart."""
+    if contact.fate:
+        yield (
+            f"not there all the time, as one of several patches of {contact.pair!r}: it "
+            f"{'; it '.join(contact.fate)}. It has edges only where it exists, and K_T and K_I "
+            "begin anew whenever it appears"
+        )
     shares = [_main_share(contact.arc, pressure) for pressure in contact.traction[:, :, 0]]
     several = [share for share in shares if share < 1 - SMALLEST_PATCH]
     if several:
         yield (
-            f"several patches are in contact in {len(several)} of {len(shares) - 1} states: "
-            "edges, half-width and slip zones are those of the patch that carries most, as little "
-            f"as {min(several):.0%} of P; P and Q are those of all. Make a contact of each patch"
+            f"in {len(several)} of {len(shares) - 1} states up to {1 - min(several):.1%} of P is "
+            "on single nodes apart from the patch, too few for edges of their own: make the "
+            "elements smaller there"
         )
 
 

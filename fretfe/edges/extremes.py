@@ -26,14 +26,23 @@ def load_extremes(
         cycle: its first and last state; None for the whole history without the unloaded state.
 
     Returns:
-        Two states in the order of time, or the last state alone if the load is constant.
+        Two states in the order of time, or the last state alone if the load is constant: the last
+        one in which it is known.
     """
     first, last = cycle or (1, len(k_t[0]) - 1)
-    shear, normal = (np.nan_to_num(np.array(each)[:, first : last + 1]) for each in (k_t, k_i))
-    if shear.shape[1] == 0:
-        return [last]
-    ranges = np.ptp(shear, axis=1), np.ptp(normal, axis=1)
+    shear, normal = (np.array(each)[:, first : last + 1] for each in (k_t, k_i))
+    ranges = [np.array([_range(each) for each in loads]) for loads in (shear, normal)]
     sheared = ranges[0].max() > SMALLEST_SHEAR * ranges[1].max()
     load = shear[ranges[0].argmax()] if sheared else normal[ranges[1].argmax()]
-    states = {first + int(load.argmax()), first + int(load.argmin())}
-    return sorted(states) if len(states) == 2 else [last]
+    known = first + np.flatnonzero(np.isfinite(load))
+    if not len(known):
+        return [last]
+    load = load[known - first]
+    states = {int(known[load.argmax()]), int(known[load.argmin()])}
+    return sorted(states) if len(states) == 2 else [int(known[-1])]
+
+
+def _range(load: Array) -> float:
+    """Range where a load is known; below zero where it never is."""
+    known = load[np.isfinite(load)]
+    return float(np.ptp(known)) if len(known) else -1.0

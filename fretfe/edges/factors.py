@@ -105,13 +105,16 @@ class UnitFactors:
     exact: bool = False
 
 
-def full_stick_units(solution: Solution, contact: ContactHistory, positions: Array) -> Array:
+def full_stick_units(
+    solution: Solution, contact: ContactHistory, positions: Array, overhang: float
+) -> Array:
     """(T, stations, d, J) unit factors, fitted to the tractions of full stick; NaN where unknown.
 
     Args:
         solution: the solved history.
         contact: one of its contacts.
         positions: (stations, T) along the arc.
+        overhang: of the increments.
     """
     shape = (len(solution.times), len(positions), *contact.full_stick.fields.shape[2:])
     factors = np.full(shape, np.nan)
@@ -122,7 +125,7 @@ def full_stick_units(solution: Solution, contact: ContactHistory, positions: Arr
             contact.arc,
             contact.full_stick.fields[area],
             positions[:, states].T,
-            OVERHANG[solution.degree],
+            overhang,
         )
     return factors
 
@@ -138,7 +141,7 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
         contact: one of its contacts.
         positions: (stations, T) along the arc.
     """
-    fits = full_stick_units(solution, contact, positions)
+    fits = full_stick_units(solution, contact, positions, OVERHANG[solution.degree])
     integrals = contact.integrals
     if integrals is None:
         return UnitFactors(fits[None])

@@ -209,10 +209,11 @@ def fronts_of(stations: Iterable[Station]) -> tuple[Front, ...]:
 
 @dataclass(frozen=True)
 class ContactSummary:
-    """One contact, evaluated.
+    """One contact, evaluated: a surface pair, or one of several patches of it.
 
     Attributes:
-        name: of the contact.
+        name: that of the pair; with a number in brackets for one of several patches.
+        pair: name of the surface pair, the contact in the case.
         fronts: in the plane left and right.
         normal_force, shear_force: (T,) P and Q per unit thickness.
         moment: (T,) moment of the pressure about the centre of the contact.
@@ -230,6 +231,7 @@ class ContactSummary:
     """
 
     name: str
+    pair: str
     fronts: tuple[Front, ...]
     normal_force: Array
     shear_force: Array

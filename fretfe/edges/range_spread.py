@@ -56,7 +56,7 @@ def range_spreads(
     """
     k_t = histories.ways.mean(axis=0)[..., Factor.K_T]
     largest = max((_range(each, cycle) for each in k_t), default=np.nan)
-    misplaced = _misplaced(fits, arc, cycle, 0.0 if histories.exact else 0.5)
+    misplaced = _misplaced(fits, arc, cycle, 0.0 if histories.exact else 0.6)
     spreads = []
     for station, history in enumerate(k_t):
         ranges = [_range(way[station, :, Factor.K_T], cycle) for way in histories.ways]

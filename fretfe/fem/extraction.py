@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +18,7 @@ from fretfe.contact.state import ContactState
 from fretfe.edges.factors import FEWEST_NODES
 from fretfe.edges.pressure import fit_edge
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront, plane_sections
+from fretfe.edges.separation import own_part
 from fretfe.edges.slip_zones import cycle_states
 from fretfe.fem.interaction_integral import MODES, InteractionForm, Tip
 from fretfe.fem.model import Model
@@ -169,11 +171,13 @@ class _Draft:
         self._difference = () if states is None else (self._request_difference(*states),)
         self._contacts: dict[str, _Areas] = {}
         probes: list[Probe] = []
-        for pair, contact in zip(model.reduction.pairs, solution.contacts, strict=True):
+        pairs = {pair.name: pair for pair in model.reduction.pairs}
+        for contact in solution.contacts:
             areas = _choose_areas(solution, contact)
             if areas is not None:
                 self._contacts[contact.name] = areas
-                probes += [self._probe(model, pair, areas, front) for front in PLANE_FRONTS]
+                place = contact.name, pairs[contact.pair]
+                probes += [self._probe(model, *place, areas, front) for front in PLANE_FRONTS]
         self.probes = tuple(probes)
 
     def finish(self, values: list[list[Array]]) -> Solution:
@@ -200,8 +204,12 @@ class _Draft:
     ) -> Neighbours | None:
         if self._neighbours is None:
             return None
-        nodes = self._recorder.nodes_of(contact.name)
+        nodes = self._recorder.nodes_of(contact.pair)
         tractions = np.array([state.traction[nodes, 0] for state in self._neighbours])
+        if contact.territory is not None:
+            tractions = own_part(tractions, contact.territory[-1])
+            if np.any(tractions[:, _borders(contact, -1)] > 0):  # merges with its neighbour
+                return None
         normal = np.stack([values[-1][:, Factor.K_I, 0] for values in stations], axis=1)
         return Neighbours(tractions / np.sqrt(contact.weights), normal)
 
@@ -228,13 +236,15 @@ class _Draft:
             self._area_fields[area] = tuple(range(first, first + count))
         return self._area_fields[area]
 
-    def _probe(self, model: Model, pair: Pair, areas: _Areas, front: PlaneFront) -> Probe:
+    def _probe(
+        self, model: Model, name: str, pair: Pair, areas: _Areas, front: PlaneFront
+    ) -> Probe:
         number = front.number
         edges = [*areas.positions[:, number], *([areas.last[number]] if self._difference else [])]
         fields = [self._fields_of(int(area)) for area in areas.numbers]
         fields += [self._difference] if self._difference else []
         return Probe(
-            contact=pair.name,
+            contact=name,
             front=number,
             bodies=(pair.body1, pair.body2),
             tips=tuple(_tips(model, pair, float(edge), front) for edge in edges),
@@ -285,16 +295,42 @@ def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
     edges = np.stack([fit_edge(section).position for section in sections], axis=1)
     if not np.isfinite(edges).all():
         return None
-    return _Areas(numbers[chosen], edges[:-1], edges[-1], _reaches(contact, edges[-1]))
+    room = _room(contact, edges, [*states[firsts[chosen]], states[-1]])
+    reaches = _reaches(contact, edges[-1], room)
+    return _Areas(numbers[chosen], edges[:-1], edges[-1], reaches) if len(reaches) else None
 
 
-def _reaches(contact: ContactHistory, edges: Array) -> Array:
-    """(R,) radii: some elements at least, and not as far as the other edge."""
+def _room(contact: ContactHistory, edges: Array, states: Sequence[int]) -> float:
+    """Smallest distance of edges (S, stations) of S states from the half-way to another patch."""
+    distances = [
+        np.abs(contact.arc[node] - edge).min()
+        for edge, state in zip(edges, states, strict=True)
+        for node in _borders(contact, state)
+    ]
+    return min(distances, default=np.inf)
+
+
+def _borders(contact: ContactHistory, state: int) -> list[int]:
+    """Ends of a patch's part of the surface, behind which there is another patch."""
+    if contact.territory is None:
+        return []
+    ends = (0, len(contact.arc) - 1)
+    pairs = zip(contact.territory[state], ends, strict=True)
+    return [int(node) for node, end in pairs if node != end]
+
+
+def _reaches(contact: ContactHistory, edges: Array, room: float) -> Array:
+    """(R,) radii: some elements at least, and not as far as the other edge or another patch.
+
+    None (R = 0) where there is no room for some elements between this patch and another one.
+    """
     half_width = (edges[1] - edges[0]) / 2
     sizes = np.diff(contact.arc)
     element = max(sizes[np.searchsorted(contact.arc[1:-1], edge)] for edge in edges)
     smallest = max(REACHES[0] * half_width, FEWEST_ELEMENTS * element)
-    largest = min(REACHES[-1] / REACHES[0] * smallest, LARGEST * half_width)
+    largest = min(REACHES[-1] / REACHES[0] * smallest, LARGEST * half_width, room)
+    if largest == room < FEWEST_ELEMENTS * element:
+        return np.array([])
     return np.array(REACHES) / REACHES[-1] * largest
 
 

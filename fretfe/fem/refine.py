@@ -206,7 +206,8 @@ def _sources(
     """The intervals as places on the surfaces of both bodies."""
     contacts = {contact.name: contact for contact in solution.contacts}
     for each in intervals:
-        history, contact = contacts[each.contact], case.contacts[each.contact]
+        history = contacts[each.contact]
+        contact = case.contacts[history.pair]
         count = math.ceil((each.high - each.low) / each.size) + 1
         arc = np.linspace(each.low, each.high, count)
         points = np.stack([np.interp(arc, history.arc, x) for x in history.points.T], axis=1)

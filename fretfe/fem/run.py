@@ -16,6 +16,7 @@ from fretfe.contact.recorder import Place, Recorder
 from fretfe.edges.evaluate import evaluate
 from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary
+from fretfe.edges.separation import separate_patches
 from fretfe.errors import ConvergenceError, ModelError, StoppedError
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
@@ -170,7 +171,8 @@ def _solved_history(solution: Solution) -> History:
 def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
     reduction = model.reduction
     assert reduction is not None
-    return recorder.solution(history, force_balance(reduction, recorder.states, recorder.steps))
+    balance = force_balance(reduction, recorder.states, recorder.steps)
+    return separate_patches(recorder.solution(history, balance))
 
 
 @dataclass(frozen=True)

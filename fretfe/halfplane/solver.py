@@ -20,7 +20,8 @@ from fretfe.contact.march import March, StepResult
 from fretfe.contact.neighbours import FRACTION, neighbour_states
 from fretfe.contact.recorder import Place, Recorder
 from fretfe.contact.state import StepLoads
-from fretfe.edges.factors import UnitFactors
+from fretfe.edges.factors import UnitFactors, full_stick_units
+from fretfe.edges.full_stick import GALERKIN_OVERHANG
 from fretfe.edges.half_plane import half_plane_units
 from fretfe.edges.slip_zones import cycle_states
 from fretfe.errors import ConvergenceError
@@ -62,7 +63,13 @@ class HalfPlaneOutcome:
     def unit_factors(
         self, solution: Solution, contact: ContactHistory, positions: Array
     ) -> UnitFactors:
-        """Singular factors for a unit of each driver in closed form; see `evaluate`."""
+        """Singular factors for a unit of each driver; see `evaluate`.
+
+        In closed form, but for one of several patches, which feel each other.
+        """
+        if contact.territory is not None:
+            units = full_stick_units(solution, contact, positions, GALERKIN_OVERHANG)
+            return UnitFactors(units[None])
         units = half_plane_units(positions)[..., [2, 0, 1, 3]] * np.array([1.0, -1.0, -1.0, 1.0])
         return UnitFactors(units[None], exact=True)
 

@@ -123,18 +123,22 @@ class Result:
         }
 
     def contact_history(self, contact: str) -> ContactHistory:
-        """Return tractions, gap and slip along a contact.
+        """Return tractions, gap and slip along a contact, or along one of its patches.
 
         Raises:
-            OutputError: if there are none: the backend has none, or this is not process 0.
+            OutputError: if there are none: the backend has none, this is not process 0, or there
+                is no such contact.
         """
-        for each in self.solution.contacts if self.solution is not None else ():
+        if self.solution is None:
+            raise OutputError(
+                f"expected tractions along the contact {contact!r}, found none: {self.backend!r} "
+                "has none, or this process is not the first one"
+            )
+        for each in self.solution.contacts:
             if each.name == contact:
                 return each
-        raise OutputError(
-            f"expected tractions along the contact {contact!r}, found none: {self.backend!r} has "
-            "none, or this process is not the first one"
-        )
+        known = ", ".join(each.name for each in self.solution.contacts)
+        raise OutputError(f"expected one of the contacts {known}, found {contact!r}")
 
     def to_dataframe(self) -> pd.DataFrame:
         """The records of `edges` as a table.

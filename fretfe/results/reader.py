@@ -225,8 +225,10 @@ def _read_contact(name: str, group: h5py.Group) -> ContactHistory:
         if isinstance(group.get(each.name), h5py.Dataset)
     }
     full_stick = FullStickUnits(group["bonded/fields"][:], group["bonded/area"][:])
-    body1, body2 = str(group.attrs["body1"]), str(group.attrs["body2"])
-    return ContactHistory(name=name, body1=body1, body2=body2, **arrays, full_stick=full_stick)
+    pair, body1, body2 = (str(group.attrs[key]) for key in ("pair", "body1", "body2"))
+    return ContactHistory(
+        name=name, pair=pair, body1=body1, body2=body2, **arrays, full_stick=full_stick
+    )
 
 
 def _read_body(group: h5py.Group) -> StoredBody:

@@ -15,7 +15,7 @@ from enum import IntEnum
 import numpy as np
 import numpy.typing as npt
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array, Bools, Indices
 
 OPEN, STICK, SLIP = 0, 1, 2
 
@@ -82,8 +82,12 @@ class Neighbours:
 class ContactHistory:
     """One contact through the whole history.
 
+    It is a pair of surfaces, or one of several patches of a pair. A patch has the nodes of the pair
+    and carries nothing outside its own part of the surface.
+
     Attributes:
-        name: name in the case.
+        name: that of the pair; with a number in brackets for one of several patches.
+        pair: name of the surface pair, the contact in the case.
         body1, body2: names of the bodies.
         arc: (N,) arc length along the surface that carries the tractions, increasing in +x.
         points: (N, d) coordinates of the nodes before deformation.
@@ -102,9 +106,14 @@ class ContactHistory:
         full_stick: full-stick increments.
         integrals: edge factors from displacements; None where there are no displacements.
         neighbours: two load levels that tell how the edges move; None if they have no solution.
+        territory: (T, 2) first and last node of the part of the surface that belongs to a patch,
+            which reaches half-way to its neighbours; -1 where the patch does not exist. None if the
+            pair has one patch only.
+        fate: where a patch comes from and where it goes, in words; one text for each kind of event.
     """
 
     name: str
+    pair: str
     body1: str
     body2: str
     arc: Array
@@ -121,6 +130,21 @@ class ContactHistory:
     full_stick: FullStickUnits
     integrals: StationIntegrals | None = None
     neighbours: Neighbours | None = None
+    territory: Indices | None = None
+    fate: tuple[str, ...] = ()
+
+    @property
+    def exists(self) -> Bools:
+        """(T,) states in which the patch exists; a pair with one patch only always does."""
+        if self.territory is None:
+            return np.ones(len(self.traction), dtype=bool)
+        return np.asarray(self.territory[:, 0] >= 0)
+
+    @property
+    def lives(self) -> tuple[tuple[int, int], ...]:
+        """First and last state of each run of states in which the patch exists."""
+        ends = np.flatnonzero(np.diff(self.exists, prepend=False, append=False)).reshape(-1, 2)
+        return tuple((int(begin), int(end) - 1) for begin, end in ends)
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from fretfe.errors import OutputError
 from fretfe.results.model import BodyArrays, Result
 from fretfe.results.solution import ContactHistory, Solution
 
-SCHEMA = {"name": "fretfe-results", "version": 1}
+SCHEMA = {"name": "fretfe-results", "version": 2}
 NUMBERS, ARRAYS, FIELDS = "results.json", "results.h5", "fields"
 
 
@@ -191,7 +191,7 @@ def _plain(value: Any) -> Any:
 
 
 def _write_contact(group: h5py.Group, contact: ContactHistory) -> None:
-    group.attrs.update({"body1": contact.body1, "body2": contact.body2})
+    group.attrs.update({"pair": contact.pair, "body1": contact.body1, "body2": contact.body2})
     for field in fields(contact):
         value = getattr(contact, field.name)
         if isinstance(value, np.ndarray):

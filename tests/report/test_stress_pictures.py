@@ -114,6 +114,7 @@ def contact(gap: list[list[float]], **changes: Any) -> ContactHistory:
     zeros = np.zeros((len(gap), count, 2))
     return ContactHistory(
         name="main",
+        pair="main",
         body1="upper",
         body2="lower",
         friction=np.zeros(len(gap)),

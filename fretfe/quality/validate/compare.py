@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from fretfe.edges.front import Station
+from fretfe.edges.front import ContactSummary, Station
 from fretfe.quality.validate.rows import Row, Verdict, compared, missing
 from fretfe.quality.validate.single import BORDER_ELEMENTS, BORDER_FRACTION, element_size
 from fretfe.quality.validate.variants import COARSER, MEAN, MESH, START
@@ -20,13 +20,33 @@ SLIP_TOLERANCE = 0.05
 
 def companion_rows(name: str, result: Result, other: Result) -> Iterator[Row]:
     """Rows for each station, the companion's numbers as references."""
-    for contact, twin in zip(result.contacts, other.contacts, strict=True):
+    for contact in result.contacts:
+        twin = _twin(contact, other)
+        if twin is None:
+            reason = "the companion has no patch there at its end"
+            verdict: Verdict = "unknown" if contact.normal_force[-1] > 0 else "-"
+            yield missing(contact.name, "", name, reason, verdict)
+            continue
         size = element_size(result, contact)
         for station, reference in zip(contact.stations, twin.stations, strict=True):
             if name == MESH:
                 yield from _mesh_rows(contact.name, station, reference, size)
             else:
                 yield from _slip_rows(name, contact.name, station, reference, size)
+
+
+def _twin(contact: ContactSummary, other: Result) -> ContactSummary | None:
+    """The contact of a companion that is in the same place at the end; None if there is none.
+
+    What patches are called depends on the order in which they appear, and may differ.
+    """
+    twins = [each for each in other.contacts if each.pair == contact.pair]
+    if contact.name == contact.pair and len(twins) == 1:
+        return twins[0]
+    for each in twins:
+        if abs(each.centre[-1] - contact.centre[-1]) < contact.half_width[-1]:
+            return each
+    return None
 
 
 def _slip_rows(

@@ -11,6 +11,7 @@ import numpy as np
 from fretfe.edges import analyse_tractions
 from fretfe.edges.front import LARGEST_SPREAD, ContactSummary, SlipZone, Station
 from fretfe.edges.section import plane_front
+from fretfe.edges.slip_zones import cycle_states
 from fretfe.quality.validate.rows import Row, Verdict, compared, missing
 from fretfe.results.model import Result
 
@@ -31,6 +32,7 @@ def own_rows(result: Result) -> Iterator[Row]:
     """Rows for each contact and station of a run."""
     for contact in result.contacts:
         yield from _contact_rows(contact)
+        yield from _existence_rows(result, contact)
         size = element_size(result, contact)
         for station in contact.stations:
             yield from _station_rows(contact, station, size)
@@ -69,6 +71,15 @@ def _contact_rows(contact: ContactSummary) -> Iterator[Row]:
     else:
         reason = "relative to f p_max: the cycle is steady"
         yield compared(contact.name, "", "change of q", contact.cycle_change, 0.0, 1e-3, reason)
+
+
+def _existence_rows(result: Result, contact: ContactSummary) -> Iterator[Row]:
+    """A patch that comes or goes within the cycle: what it does there is not known."""
+    cycle = cycle_states(result.loads.cycle)
+    existing = np.count_nonzero(contact.normal_force[cycle] > 0)
+    if contact.name != contact.pair and 0 < existing < len(cycle):
+        reason = f"it exists in {existing} of the {len(cycle)} states: its ranges are unknown"
+        yield missing(contact.name, "", "patch in the cycle", reason, "unknown")
 
 
 def _station_rows(contact: ContactSummary, station: Station, size: float) -> Iterator[Row]:
@@ -121,7 +132,8 @@ def _unknown_rows(contact: ContactSummary, station: Station) -> Iterator[Row]:
 def _slip_rows(contact: ContactSummary, station: Station, size: float) -> Iterator[Row]:
     zones = station.slip_zones[-2:]
     if not zones:
-        yield missing(contact.name, station.front, "slip zone", "no friction")
+        reason = "no friction, or factors that are not known through the cycle"
+        yield missing(contact.name, station.front, "slip zone", reason)
         return
     for number, zone in enumerate(zones, start=1):
         yield asymptote_row(contact, station, zone, f"d, by formula, half cycle {number}", size)

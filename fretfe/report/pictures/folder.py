@@ -112,7 +112,8 @@ def _edge_places(run: Result) -> list[EdgePlace]:
         for edge in contact.stations:
             position, half_width = float(edge.position[-1]), float(contact.half_width[-1])
             if np.isfinite([position, half_width]).all():
-                slip = float(np.nanmax([zone.length for zone in edge.slip_zones[-2:]], initial=0.0))
+                lengths = [zone.length for zone in edge.slip_zones[-2:] if not zone.gross]
+                slip = float(max(lengths, default=0.0))
                 title = f"{contact.name}, {edge_title(edge)}"
                 places.append(EdgePlace(contact.name, title, position, slip, half_width))
     return places
