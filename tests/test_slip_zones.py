@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -104,6 +106,55 @@ def test_a_zone_between_the_nodes_is_not_resolved(
     (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border, None)
     assert zone.predicted == pytest.approx(elements * H)
     assert (zone.length, zone.resolved, zone.gross) == (0.0, resolved, False)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_the_zone_is_as_good_as_its_edge(side: Side) -> None:
+    """An edge that is off by 1.6 elements leaves a zone of three elements open."""
+    contact = history(np.array([0 * X, slip_to(3 * H)]))
+    front = plane_front(side)
+    exact = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
+    no_cycle = np.array([], dtype=np.int64)
+    border = slip_border_of(contact, front, exact.position)
+    (good,) = slip_zones(no_cycle, contact.friction, exact, border, None)
+    vague = replace(exact, position_spread=np.full(STATES, 1.6 * H))
+    (bad,) = slip_zones(no_cycle, contact.friction, vague, border, None)
+    assert (good.resolved, bad.resolved) == (True, False)
+    assert bad.length == good.length == pytest.approx(3 * H, abs=good.spread)
+    assert bad.spread == pytest.approx(np.hypot(good.spread, 1.6 * H))
+    assert np.isnan(bad.told_length) and good.told_length == good.length
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_slip_that_goes_on_behind_the_first_sticking_node(side: Side) -> None:
+    increments = np.array([0 * X, slip_to(ZONE)])
+    depth = EDGE - np.abs(X)
+    behind = np.flatnonzero(CLOSED & (depth > ZONE + 2 * H) & (depth < ZONE + 5 * H))
+    increments[1, behind] = 0.1 * slip_to(ZONE).max()
+    contact = history(increments)
+    front = plane_front(side)
+    at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
+    border = slip_border_of(contact, front, at_edge.position)
+    no_cycle = np.array([], dtype=np.int64)
+    (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border, None)
+    assert not zone.resolved
+    # The bar reaches the innermost node that slips.
+    assert zone.length + zone.spread >= depth[behind].max() - 1e-12
+
+
+@pytest.mark.parametrize(("sticking", "resolved"), [(2, False), (3, True)])
+def test_fewer_than_three_sticking_nodes_are_no_stick_zone(sticking: int, resolved: bool) -> None:
+    inside = np.flatnonzero(CLOSED)
+    middle = inside[len(inside) // 2 - 1 :][:sticking]
+    slip = np.where(CLOSED, 1.0, 0.0) * np.maximum(np.abs(X - X[middle].mean()), H) ** 1.5
+    slip[middle] = 0.0
+    contact = history(np.array([0 * X, slip]))
+    front = plane_front("left")
+    at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
+    border = slip_border_of(contact, front, at_edge.position)
+    no_cycle = np.array([], dtype=np.int64)
+    (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border, None)
+    assert zone.resolved == resolved
 
 
 REVERSALS = {

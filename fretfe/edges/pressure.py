@@ -27,7 +27,7 @@ SHORTEST = 6
 FEWEST_NODES = 1 + SHORTEST + FAR
 # What windows of few nodes hide, times the square of their number: relative error of K_N, and error
 # of the edge in elements. From finite elements with 12 to 100 elements over the rounded part.
-COARSE_K_N, COARSE_POSITION = 3.0, 12.0
+COARSE_K_N, COARSE_POSITION = 4.0, 12.0
 
 # Half-width of the 95 % interval over the estimated error, of the edge and of K_N. The edge depends
 # on the outermost nodes, whose error is rather assumed too large.

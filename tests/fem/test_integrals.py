@@ -79,7 +79,7 @@ def test_two_extractions_agree(answer: Result, number: int) -> None:
     # well: 0.51 % measured.
     limit = 5e-3 if answer.solution.degree == 2 else 8e-3
     assert edge.k_t_range_fitted == pytest.approx(edge.k_t_range, rel=limit)
-    assert edge.k_t_range_spread < 3e-3 * edge.k_t_range
+    assert edge.k_t_range_parts.extraction < 3e-3 * edge.k_t_range
     assert answer.contacts[0].shear_mismatch == pytest.approx(0.0, abs=0.01)
 
 
