@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import time
 
+from fretfe.backends.finite_bodies import size_limit, with_size_errors
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.contact.march import StepResult
 from fretfe.edges.evaluate import evaluate
+from fretfe.edges.limits import contact_limits, with_limit_warnings
 from fretfe.halfplane.solver import solve_half_planes
 from fretfe.idealise import idealise, obstacles
 from fretfe.loads import History
@@ -40,11 +42,13 @@ class HalfPlaneBackend:
         outcome = solve_half_planes(problem, progress=report)
         solved = time.perf_counter()
         solution = outcome.solution
-        contacts = evaluate(solution, outcome.unit_factors)
+        (summary,) = evaluate(solution, outcome.unit_factors)
+        limits = (*contact_limits(case, solution.contacts[0]), size_limit(problem))
         return Result(
             case=case,
             loads=History(solution.channels, solution.times, solution.values, solution.cycle),
-            contacts=contacts,
+            contacts=with_limit_warnings([with_size_errors(summary, problem)], limits),
+            limits=limits,
             notes=problem.notes,
             failure=outcome.failure,
             solution=solution,

@@ -38,6 +38,17 @@ def own_rows(result: Result) -> Iterator[Row]:
     yield from _solution_rows(result)
 
 
+def limit_rows(result: Result) -> Iterator[Row]:
+    """Rows for the limits of the model: beyond one of them nothing is known of the bodies."""
+    for limit in result.limits:
+        name = limit.contact or "all"
+        if math.isnan(limit.found):
+            yield missing(name, "", limit.quantity, "not measured: no evaluated cycle or no ΔK_T")
+            continue
+        reason = f"limit of the model; beyond it {limit.consequence}"
+        yield compared(name, "", limit.quantity, limit.found, 0.0, limit.limit, reason, "unknown")
+
+
 def element_size(result: Result, contact: ContactSummary) -> float:
     """Element size at the edges, the coarser one; 0 without elements."""
     if result.solution is None:
