@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fretfe._typing import Array, Bools
+from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case
 from fretfe.contact.interface import coordinate_range
 from fretfe.contact.state import ContactState, StepLoads
@@ -196,7 +196,7 @@ def _motion_limits(history: ContactHistory, motion: Motion) -> Iterator[ModelLim
     )
 
 
-def _pairing(summary: ContactSummary, motion: Motion, cycle: Array) -> ModelLimit:
+def _pairing(summary: ContactSummary, motion: Motion, cycle: Indices) -> ModelLimit:
     """Error of K_T because a gap along a turned normal counts as tangential displacement.
 
     In a gap g that closes, a common rotation ω moves partners apart by g ω. That adds ω p to the

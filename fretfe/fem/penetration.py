@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
@@ -55,9 +56,9 @@ def unpaired_penetration(
     return deepest
 
 
-def _unpaired(operator: Array) -> Bools:
+def _unpaired(operator: sparse.csr_matrix) -> Bools:
     """(m,) nodes of a surface that no contact integral of an operator (N*d, m*d) refers to."""
-    used = np.diff(operator.tocsc().indptr) > 0  # type: ignore[attr-defined]
+    used = np.diff(operator.tocsc().indptr) > 0
     return np.asarray(~used.reshape(-1, 2).any(axis=1))
 
 
