@@ -120,6 +120,7 @@ def _station(
         **vars(history),
         frame=front.frame(across=np.array([0.0, 1.0]), tangent=np.array([1.0, 0.0])),
         k_n_moved=np.nan,
+        k_n_moved_spread=np.nan,
         stiffening=_stiffening(problem, contact),
         k_t_range=float(np.ptp(history.k_t[cycle])) if len(cycle) else np.nan,
         k_t_range_spread=0.0,

@@ -131,6 +131,7 @@ def _evaluate_station(
         **vars(history),
         frame=_frame(contact, front, fit.position),
         k_n_moved=movement.k_n,
+        k_n_moved_spread=movement.k_n_spread,
         stiffening=movement.stiffening,
         k_t_range=_range(history.k_t, cycle),
         k_t_range_spread=_spread(ranges, histories.exact),

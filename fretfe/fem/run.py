@@ -23,7 +23,7 @@ from fretfe.fem._compat import MPI
 from fretfe.fem.balance import balance
 from fretfe.fem.extraction import add_integrals
 from fretfe.fem.fields import write_fields
-from fretfe.fem.limits import imbalance, model_limits
+from fretfe.fem.limits import imbalance, model_limits, without_moved
 from fretfe.fem.model import Model, step_loads
 from fretfe.fem.parallel import on_root, release
 from fretfe.fem.timing import Clock
@@ -168,7 +168,7 @@ def _evaluate(
     """The contacts, with warnings where the model does not hold, and its limits; on rank 0."""
     assert recorder is not None
     assert solution is not None
-    contacts = evaluate(solution)
+    contacts = without_moved(model.case, solution, evaluate(solution))
     limits = model_limits(model, recorder.states, recorder.steps, solution, contacts)
     return with_limit_warnings(contacts, limits), limits
 

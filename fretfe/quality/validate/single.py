@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from fretfe.edges import analyse_tractions
-from fretfe.edges.front import ContactSummary, SlipZone, Station
+from fretfe.edges.front import LARGEST_SPREAD, ContactSummary, SlipZone, Station
 from fretfe.edges.section import plane_front
 from fretfe.quality.validate.rows import Row, Verdict, compared, missing
 from fretfe.results.model import Result
@@ -88,13 +88,7 @@ def _station_rows(contact: ContactSummary, station: Station, size: float) -> Ite
     yield from _unknown_rows(contact, station)
     if math.isnan(k_n):
         return
-    if math.isnan(station.k_n_moved):
-        reason = "no two load levels: the edge does not move, or reaches the end of its surface"
-        yield missing(name, side, "K_N, by moving edge", reason)
-    else:
-        tolerance = K_N_AGREEMENT * k_n + float(station.k_n_spread[-1])
-        reason = f"{K_N_AGREEMENT:.0%} and the spread of the fits"
-        yield compared(name, side, "K_N, by moving edge", k_n, station.k_n_moved, tolerance, reason)
+    yield _moving_row(name, station)
     if math.isnan(station.k_t_range_fitted) or math.isnan(station.k_t_range):
         yield missing(name, side, "ΔK_T, by fit", "there is no second way here")
     else:
@@ -110,6 +104,24 @@ def _station_rows(contact: ContactSummary, station: Station, size: float) -> Ite
             reason,
         )
     yield from _slip_rows(contact, station, size)
+
+
+def _moving_row(name: str, station: Station) -> Row:
+    """K_N by the pressure and by the movement of the edge, if that is known well enough."""
+    quantity, side = "K_N, by moving edge", station.front
+    k_n, moved, spread = float(station.k_n[-1]), station.k_n_moved, station.k_n_moved_spread
+    if math.isnan(moved):
+        reason = (
+            "no two load levels: the edge does not move, or reaches the end of its surface; or the "
+            "bodies are dissimilar and there is friction"
+        )
+        return missing(name, side, quantity, reason)
+    if spread > LARGEST_SPREAD * moved:
+        reason = f"the movement of the edge is known to {spread / moved:.0%} only: nothing to check"
+        return missing(name, side, quantity, reason)
+    tolerance = K_N_AGREEMENT * k_n + float(station.k_n_spread[-1]) + spread
+    reason = f"{K_N_AGREEMENT:.0%}, the spread of the fits, and of the movement"
+    return compared(name, side, quantity, k_n, moved, tolerance, reason)
 
 
 def _unknown_rows(contact: ContactSummary, station: Station) -> Iterator[Row]:
