@@ -12,6 +12,7 @@ from fretfe.analytic.edges import dissipation_per_cycle
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.rocking import TiltedContact
 from fretfe.backends.closed_form import ASYMPTOTE, ClosedFormBorders
+from fretfe.backends.finite_bodies import size_limit, with_size_errors
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.edges.between import excess, load_path
@@ -19,6 +20,7 @@ from fretfe.edges.consistency import shear_mismatch, tension_history
 from fretfe.edges.factors import add_up
 from fretfe.edges.front import ContactSummary, RangeSpread, SlipZone, Station, fronts_of
 from fretfe.edges.half_plane import half_plane_units
+from fretfe.edges.limits import with_limit_warnings
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront
 from fretfe.edges.slip_zones import cycle_states, slip_zones
 from fretfe.idealise import HalfPlaneProblem, idealise, obstacles
@@ -53,13 +55,15 @@ class AnalyticBackend:
         options.progress(
             len(problem.history.times) - 1, len(problem.history.times) - 1, "closed form"
         )
+        limits = (size_limit(problem.contact, problem),)
         notes = problem.notes
         if used:
             notes = (*notes, f"slip lengths by: {', '.join(sorted(used))}")
         return Result(
             case=case,
             loads=problem.history,
-            contacts=(summary,),
+            contacts=with_limit_warnings([with_size_errors(summary, problem)], limits),
+            limits=limits,
             notes=notes,
             seconds={"closed forms": time.perf_counter() - start},
         )
@@ -122,6 +126,7 @@ def _station(
         **vars(history),
         frame=front.frame(across=np.array([0.0, 1.0]), tangent=np.array([1.0, 0.0])),
         k_n_moved=np.nan,
+        k_n_moved_spread=np.nan,
         stiffening=_stiffening(problem, contact),
         k_t_range=float(np.ptp(history.k_t[cycle])) if len(cycle) else np.nan,
         k_t_range_spread=spread.total,

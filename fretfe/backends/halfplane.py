@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import time
 
+from fretfe.backends.finite_bodies import size_limit, with_size_errors
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.contact.march import StepResult
 from fretfe.edges.evaluate import evaluate
+from fretfe.edges.limits import contact_limits, with_limit_warnings
 from fretfe.edges.separation import separate_patches
 from fretfe.halfplane.solver import solve_half_planes
 from fretfe.idealise import idealise, obstacles
@@ -42,6 +44,8 @@ class HalfPlaneBackend:
         solved = time.perf_counter()
         solution = separate_patches(outcome.solution)
         contacts = evaluate(solution, outcome.unit_factors)
+        judged = (limit for each in solution.contacts for limit in contact_limits(case, each))
+        limits = (*judged, *(size_limit(each.name, problem) for each in contacts))
         return Result(
             case=case,
             loads=History(
@@ -51,7 +55,10 @@ class HalfPlaneBackend:
                 solution.cycle,
                 solution.between,
             ),
-            contacts=contacts,
+            contacts=with_limit_warnings(
+                [with_size_errors(each, problem) for each in contacts], limits
+            ),
+            limits=limits,
             notes=problem.notes,
             failure=outcome.failure,
             solution=solution,

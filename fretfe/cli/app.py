@@ -44,7 +44,7 @@ Exit codes:
   2  the case file or the command line is wrong
   3  geometry, mesh or physical groups
   4  the model: a body that nothing holds, surfaces that never meet
-  5  a load step has no solution, or the forces do not balance; the steps up to there are written
+  5  a load step has no solution, or equilibrium is lost; the steps up to there are written
   6  results cannot be written
   7  a library is missing
   130, 143  Ctrl-C, SIGTERM

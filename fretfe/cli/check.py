@@ -29,10 +29,14 @@ def _print(checked: Checked) -> None:
     from rich.console import Console
 
     from fretfe.cli.mesh_report import print_mesh
+    from fretfe.edges.foresight import coarse_contacts
 
     case, history = checked.case, checked.history
     console = Console()
     print_mesh(console, case, checked.mesh)
+    if case.edges is None and checked.mesh.dimension == 2:
+        for warning in coarse_contacts(case, checked.mesh, history):
+            console.print(f"Warning: {warning}", highlight=False, markup=False)
     for body in checked.definition.bodies:
         console.print(f"{body.name}: E = {body.material.young:g}, ν = {body.material.poisson:g}")
         for coordinate in body.coordinates:

@@ -47,9 +47,6 @@ STEADY_CHANGE = 1e-3
 LINEAR_ELEMENTS = 0.025
 # Part of the range of K_T that may lie between the steps without a warning.
 LARGEST_STEPS = 0.02
-# Sliding over the width of the contact beyond which the small-sliding model is doubted: gaps of
-# round surfaces are then wrong by more than a hundredth of the approach.
-LARGEST_SLIDING = 0.1
 
 
 def evaluate(
@@ -165,6 +162,7 @@ def _evaluate_station(
         **vars(history),
         frame=_frame(contact, front, fit.position),
         k_n_moved=movement.k_n,
+        k_n_moved_spread=movement.k_n_spread,
         stiffening=movement.stiffening,
         k_t_range=_range(history.k_t, cycle),
         k_t_range_spread=spread.total,
@@ -300,21 +298,6 @@ def _main_share(arc: Array, pressure: Array) -> float:
     return max(forces) / sum(forces) if forces else 1.0
 
 
-def _sliding(contact: ContactHistory) -> Iterator[str]:
-    """Sliding that is not small against the contact: points are paired where they are at first."""
-    closed = contact.status != OPEN
-    if not closed[1:].any():
-        return
-    largest = float(np.abs(np.where(closed, contact.slip[..., 0], 0.0)).max())
-    width = max(float(contact.weights[state].sum()) for state in closed[1:])
-    if largest > LARGEST_SLIDING * width:
-        yield (
-            f"the surfaces slide by {largest:.3g}, {largest / width:.0%} of the width of the "
-            f"contact: beyond {LARGEST_SLIDING:.0%} pairing points in the undeformed position "
-            "is no longer a good one"
-        )
-
-
 def _warnings(
     contact: ContactHistory, stations: tuple[Station, ...], change: float
 ) -> tuple[str, ...]:
@@ -329,7 +312,7 @@ def _warnings(
                 f"the contact reaches the {front.name} end of its surface: extend the physical "
                 "group, the edge there is not that of the contact"
             )
-    warnings += [*_patches(contact), *_sliding(contact)]
+    warnings += _patches(contact)
     if change >= STEADY_CHANGE:
         warnings.append(
             f"not in steady state: the shear changes by {change:.2g} f p_max over the evaluated "

@@ -173,10 +173,13 @@ class Movement:
     Attributes:
         k_n: 2 dK_I/da. Needs no assumption about the profile; exact for a small step (central
             difference).
+        k_n_spread: error bar of it: of the places of the edge, and the difference between the ways
+            to find K_I.
         stiffening: (d2P/da2)/(dP/da) = d ln K_N/da + 1/(2a), by K_N = (1/pi) sqrt(2/a) dP/da.
     """
 
     k_n: float
+    k_n_spread: float
     stiffening: float
 
 
@@ -185,7 +188,7 @@ def edge_movement(contact: ContactHistory, front: PlaneFront, half_width: float)
 
     NaN if the edge does not move, or reaches the end of the surface.
     """
-    unknown = Movement(np.nan, np.nan)
+    unknown = Movement(np.nan, np.nan, np.nan)
     neighbours = contact.neighbours
     if neighbours is None or np.any(neighbours.pressure[:, [0, -1]] > 0):
         return unknown
@@ -199,7 +202,10 @@ def edge_movement(contact: ContactHistory, front: PlaneFront, half_width: float)
     # The last way is the one with the largest circle, which the edge stays away from.
     k_i = float(neighbours.k_i[-1, front.number])
     growth = float(np.log(fit.k_n[1] / fit.k_n[0]) / outward)
-    return Movement(2 * k_i / outward, growth + 0.5 / half_width)
+    k_n = 2 * k_i / outward
+    shift = float(np.linalg.norm(fit.spread_position)) / outward
+    spread = abs(k_n) * shift + float(np.ptp(neighbours.k_i[:, front.number])) / outward
+    return Movement(k_n, spread, growth + 0.5 / half_width)
 
 
 def _interpolate(at: Array, x: Array, values: Array) -> Array:

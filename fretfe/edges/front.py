@@ -138,7 +138,8 @@ class Station(StationHistory):
     Attributes:
         frame: in the last state in which the position is known.
         k_n_moved: K_N in the last state from the movement of the front between two load levels,
-            2 dK_I/da; NaN without them.
+            2 dK_I/da; NaN without them, and between dissimilar bodies with friction.
+        k_n_moved_spread: error bar of `k_n_moved`.
         stiffening: relative growth of dP/da with the half-width a in the last state, from the same
             two loads; it tells how long a slip zone may be for the edge description.
         k_t_range: range of K_T over the evaluated cycle; NaN without one, or if K_T is unknown in
@@ -155,6 +156,7 @@ class Station(StationHistory):
 
     frame: Frame
     k_n_moved: float
+    k_n_moved_spread: float
     stiffening: float
     k_t_range: float
     k_t_range_spread: float

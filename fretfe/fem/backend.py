@@ -9,11 +9,13 @@ from typing import TypeVar
 
 from fretfe.backends.protocol import DEFAULTS, Processes, RunOptions, Session
 from fretfe.case import Case
+from fretfe.edges.foresight import coarse_contacts
 from fretfe.fem._compat import MPI
 from fretfe.fem.model_cache import ModelCache, model_key
 from fretfe.fem.parallel import on_root
 from fretfe.fem.refine import refine
 from fretfe.fem.run import LoadMesh, solve
+from fretfe.loads import build_history
 from fretfe.mesh.groups import count_unknowns
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
@@ -98,6 +100,8 @@ def _load(case: Case, options: RunOptions) -> Mesh:
     mesh = load_mesh(case)
     unknowns = count_unknowns(mesh, case.model.degree)
     options.announce(f"mesh: {unknowns} unknowns; the bodies are condensed before the first step")
+    for warning in coarse_contacts(case, mesh, options.history or build_history(case)):
+        options.announce(f"Warning: {warning}")
     return mesh
 
 

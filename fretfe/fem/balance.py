@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Force balance of the bodies: reactions, applied loads and contact forces."""
+"""Balance of forces and moments of the bodies: reactions, applied loads and contact forces."""
 
 from __future__ import annotations
 
@@ -14,31 +14,55 @@ from fretfe.fem.definition import BodyDefinition
 from fretfe.fem.model import Reduction
 
 
-def force_balance(
+def balance(
     reduction: Reduction, states: Sequence[ContactState], steps: Sequence[StepLoads]
 ) -> dict[str, Array]:
-    """(T,) largest sum of all forces on a body, and the largest force, by name.
+    """(T,) largest sums of all forces and moments on a body, and their scales, by name.
+
+    The scale of the forces is the largest of them, that of the moments the largest force on a body
+    times its size.
 
     Args:
         reduction: the bodies.
         states: (T,) solved states.
         steps: (T,) their loads.
     """
-    imbalance, scale = np.zeros(len(states)), np.zeros(len(states))
+    found = {
+        f"{kind}_{part}": np.zeros(len(states))
+        for kind in ("force", "moment")
+        for part in ("imbalance", "scale")
+    }
+    for definition in reduction.definition.bodies:
+        for name, values in _body_balance(reduction, definition, states, steps).items():
+            found[name] = np.maximum(found[name], values)
+    return found
+
+
+def _body_balance(
+    reduction: Reduction,
+    definition: BodyDefinition,
+    states: Sequence[ContactState],
+    steps: Sequence[StepLoads],
+) -> dict[str, Array]:
+    body = reduction.bodies[definition.name]
     amplitudes = np.array([step.amplitudes for step in steps])
     tractions = np.array([state.traction.ravel() for state in states])
-    for definition in reduction.definition.bodies:
-        body = reduction.bodies[definition.name]
-        parts = np.stack(
-            [
-                _reactions(reduction, definition, states),
-                amplitudes @ body.body.load_resultants.T,
-                body.contact_forces(tractions),
-            ]
-        )
-        imbalance = np.maximum(imbalance, np.abs(parts.sum(axis=0)).max(axis=1))
-        scale = np.maximum(scale, np.abs(parts).max(axis=(0, 2)))
-    return {"force_imbalance": imbalance, "force_scale": scale}
+    own = coordinate_range(reduction.interface.coordinates, definition.name)
+    coordinates = np.array([state.coordinates[own] for state in states])
+    parts = np.stack(
+        [
+            _reactions(reduction, definition, states),
+            amplitudes @ body.body.load_resultants.T,
+            body.contact_forces(tractions),
+        ]
+    )
+    largest = np.abs(parts).max(axis=(0, 2))
+    return {
+        "force_imbalance": np.abs(parts.sum(axis=0)).max(axis=1),
+        "force_scale": largest,
+        "moment_imbalance": np.abs(body.moments(tractions, coordinates, amplitudes)).max(axis=1),
+        "moment_scale": largest * body.body.moments.size,
+    }
 
 
 def _reactions(

@@ -48,6 +48,26 @@ class Constraint:
 
 
 @dataclass(frozen=True)
+class MomentOperators:
+    """Moments on a body about the middle of its contact surfaces, k of them: one in the plane.
+
+    Attributes:
+        displacement: (k, n) of the reactions of constrained boundaries, by surface displacements,
+        coordinates: (k, m) by coordinates,
+        loads: (k, l) and by loads: together with the moments of the loads themselves.
+        forces: (k, n) of contact forces on the surface nodes that are not constrained; those on
+            the others are reactions too.
+        size: largest extent of the body.
+    """
+
+    displacement: Array
+    coordinates: Array
+    loads: Array
+    forces: Array
+    size: float
+
+
+@dataclass(frozen=True)
 class CondensedBody:
     """Condensed operators of a body; see the module's docstring.
 
@@ -65,6 +85,7 @@ class CondensedBody:
         modes: (n, k) orthonormal motions of the surface nodes in the rigid modes that are
             restrained only by contact.
         load_resultants: (gdim, l) total force of each load.
+        moments: what moments on the body follow from.
     """
 
     name: str
@@ -76,6 +97,7 @@ class CondensedBody:
     prescribed: Array
     modes: Array
     load_resultants: Array
+    moments: MomentOperators
 
 
 class Body:
@@ -160,6 +182,7 @@ class Body:
             coordinate_forces, self._load_fields
         )
         resultants = self._resultants(load_vectors)
+        moments = self._moments(shape_vectors, coordinate_forces, load_vectors)
         modes = self._rigid_modes()
         prescribed = [self._gather(vector) for vector in shape_vectors]
         if self.elastic.comm.rank != 0:
@@ -176,7 +199,56 @@ class Body:
             prescribed=_columns(prescribed, size),
             modes=modes,
             load_resultants=resultants,
+            moments=moments,
         )
+
+    def _moments(
+        self,
+        shapes: list[PETSc.Vec],
+        coordinate_forces: list[PETSc.Vec],
+        load_vectors: list[PETSc.Vec],
+    ) -> MomentOperators:
+        """Reactions on one more coordinate each, which turns the constrained nodes.
+
+        Reaction by reaction, a coordinate has only the sum of its nodal forces, not their moment.
+        """
+        whole, held = self._rotations()
+        turning = [each.x.petsc_vec for each in held]
+        forces = [self.elastic.forces(each) for each in held]
+        fields = [self._interior_response(-1.0 * force) for force in forces]
+        coupling = [
+            self._gather_unconstrained(force + self._matrix * field)
+            for force, field in zip(forces, fields, strict=True)
+        ]
+        coordinates = _products(turning, coordinate_forces) + _products(
+            forces, self._coordinate_fields
+        )
+        reactions = _products(turning, load_vectors) - _products(forces, self._load_fields)
+        everything = [each.x.petsc_vec for each in whole]
+        unconstrained = [self._gather_unconstrained(each.copy()) for each in everything]
+        points = self.elastic.space.tabulate_dof_coordinates()
+        size = float(np.ptp(np.vstack(self.elastic.comm.allgather(points)), axis=0).max())
+        return MomentOperators(
+            displacement=_columns(coupling, len(self.retained)).T,
+            coordinates=coordinates,
+            loads=_products(everything, load_vectors) - reactions,
+            forces=_columns(unconstrained, len(self.retained)).T,
+            size=size,
+        )
+
+    def _rotations(self) -> tuple[list[fem.Function], list[fem.Function]]:
+        """Rotations of all nodes, and of the constrained ones alone."""
+        gdim = self.elastic.gdim
+        points = self.elastic.space.tabulate_dof_coordinates()[:, :gdim]
+        motions = rigid_motions(points - self._surface_points.mean(axis=0))
+        whole, held = [], []
+        for mode in range(gdim, motions.shape[2]):
+            turned, fixed = fem.Function(self.elastic.space), fem.Function(self.elastic.space)
+            turned.x.array[:] = motions[:, :, mode].ravel()
+            fixed.x.array[self._constrained] = turned.x.array[self._constrained]
+            whole.append(turned)
+            held.append(fixed)
+        return whole, held
 
     def _interior_response(self, forces: PETSc.Vec) -> PETSc.Vec:
         """Displacement under nodal forces with surface nodes and coordinates at zero."""

@@ -75,6 +75,23 @@ class ReducedBody:
         nodal = self._operator.T @ y.T
         return nodal.reshape(-1, len(self.body.load_resultants), len(y)).sum(axis=0).T
 
+    def moments(self, y: Array, coordinates: Array, amplitudes: Array) -> Array:
+        """(T, k) sum of all moments on this body, for arguments of `surface_displacement` in rows.
+
+        They are those of reactions, loads and contact, about the middle of its contact surfaces.
+        """
+        parts = self.body.moments
+        surface = self.surface_displacement(y.T, coordinates.T, amplitudes.T)
+        total = parts.displacement @ surface + parts.loads @ amplitudes.T
+        total += parts.coordinates @ coordinates[:, : parts.coordinates.shape[1]].T
+        total += parts.forces @ (self._operator.T @ y.T)
+        return np.asarray(total.T)
+
+    def relative_displacement(self, y: Array, coordinates: Array, amplitudes: Array) -> Array:
+        """(T, N*d) part of this body in w, for arguments of `surface_displacement` in T rows."""
+        surface = self.surface_displacement(y.T, coordinates.T, amplitudes.T)
+        return np.asarray((self._operator @ surface).T)
+
     def surface_displacement(self, y: Array, coordinates: Array, amplitudes: Array) -> Array:
         """(n,) displacements of the surface nodes.
 

@@ -16,14 +16,15 @@ from fretfe.contact.recorder import Place, Recorder
 from fretfe.edges.evaluate import evaluate
 from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary
+from fretfe.edges.limits import ModelLimit, with_limit_warnings
 from fretfe.edges.separation import separate_patches
 from fretfe.errors import ConvergenceError, ModelError, StoppedError
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
-from fretfe.fem.balance import force_balance
+from fretfe.fem.balance import balance
 from fretfe.fem.extraction import add_integrals
 from fretfe.fem.fields import write_fields
-from fretfe.fem.limits import imbalance, with_model_warnings
+from fretfe.fem.limits import imbalance, model_limits, without_moved
 from fretfe.fem.model import Model, step_loads
 from fretfe.fem.parallel import on_root, release
 from fretfe.fem.timing import Clock
@@ -139,7 +140,10 @@ def solve_prepared(
     with clock("edge integrals"):
         solution = add_integrals(model, case, recorder, prepared.march, solution)
     with clock("evaluation"):
-        contacts = on_root(comm, lambda: _evaluate(case, solution) if solution else ())
+        contacts, limits = on_root(
+            comm,
+            lambda: _evaluate(model, recorder, solution) if recorder and solution else ((), ()),
+        )
         failure = failure or on_root(comm, lambda: imbalance(solution) if solution else None)
     if options.fields is not None:
         with clock("fields"):
@@ -151,6 +155,7 @@ def solve_prepared(
         contacts=contacts,
         solution=solution,
         failure=failure,
+        limits=limits,
         bodies=mesh.bodies if mesh else {},
         versions=_compat.versions(),
         seconds=clock.seconds,
@@ -158,8 +163,15 @@ def solve_prepared(
     )
 
 
-def _evaluate(case: Case, solution: Solution) -> tuple[ContactSummary, ...]:
-    return with_model_warnings(case, solution, evaluate(solution))
+def _evaluate(
+    model: Model, recorder: Recorder | None, solution: Solution | None
+) -> tuple[tuple[ContactSummary, ...], tuple[ModelLimit, ...]]:
+    """The contacts, with warnings where the model does not hold, and its limits; on rank 0."""
+    assert recorder is not None
+    assert solution is not None
+    contacts = without_moved(model.case, solution, evaluate(solution))
+    limits = model_limits(model, recorder.states, recorder.steps, solution, contacts)
+    return with_limit_warnings(contacts, limits), limits
 
 
 def _solved_history(solution: Solution) -> History:
@@ -171,8 +183,8 @@ def _solved_history(solution: Solution) -> History:
 def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
     reduction = model.reduction
     assert reduction is not None
-    balance = force_balance(reduction, recorder.states, recorder.steps)
-    return separate_patches(recorder.solution(history, balance))
+    measures = balance(reduction, recorder.states, recorder.steps)
+    return separate_patches(recorder.solution(history, measures))
 
 
 @dataclass(frozen=True)

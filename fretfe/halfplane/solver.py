@@ -197,9 +197,16 @@ def _nodes(hats: HatFunctions) -> SurfaceNodes:
 
 
 def _balance(recorder: Recorder, hats: HatFunctions) -> dict[str, Array]:
-    """(T,) imbalance of the contact forces and the loads Q and -P, and the largest load."""
-    loads = np.array([step.values[:2] for step in recorder.steps])
+    """(T,) imbalance of the contact forces and the loads Q, -P and -M, and its scales."""
+    loads = np.array([step.values for step in recorder.steps])
     roots = np.sqrt(hats.weights)
     contact = np.array([roots @ state.traction for state in recorder.states])
-    imbalance = np.abs(contact[:, ::-1] * [1.0, -1.0] - loads).max(axis=1)
-    return {"force_imbalance": imbalance, "force_scale": np.abs(loads).max(axis=1)}
+    arms = hats.integrate(lambda at: at) / roots
+    moments = np.array([arms @ state.traction[:, 0] for state in recorder.states])
+    largest = np.abs(loads[:, :2]).max(axis=1)
+    return {
+        "force_imbalance": np.abs(contact[:, ::-1] * [1.0, -1.0] - loads[:, :2]).max(axis=1),
+        "force_scale": largest,
+        "moment_imbalance": np.abs(moments + loads[:, 2]),
+        "moment_scale": largest * np.ptp(hats.nodes),
+    }

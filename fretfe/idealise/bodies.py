@@ -15,6 +15,12 @@ UPPER, LOWER = "upper", "lower"
 # shear: tractions change by about this fraction.
 SIMILAR = 0.01
 
+# Relative error of a half-plane in place of a body, times the square of the half-width of the
+# contact over the height or half-width of the body. Measured by finite elements on cylinders, 3 to
+# 10 half-widths high or wide: K_N 0.23 to 0.25 and 0.10 to 0.14, K_T up to 0.1 and 0.3 to 0.7.
+K_N_BY_HEIGHT, K_N_BY_WIDTH = 0.25, 0.14
+K_T_BY_HEIGHT, K_T_BY_WIDTH = 0.1, 0.7
+
 
 @dataclass(frozen=True)
 class Block:
@@ -23,18 +29,34 @@ class Block:
     Attributes:
         profile: initial gap between the bodies.
         top_width: full width of the upper body's top.
-        height: of that top above the contact.
-        lower_height: of the lower body.
-        smallest: smallest of the half-widths and heights of both bodies.
+        heights: of the upper and the lower body.
+        half_widths: of the upper and the lower body.
         zone: half-width of the candidate contact zone.
     """
 
     profile: Profile
     top_width: float
-    height: float
-    lower_height: float
-    smallest: float
+    heights: tuple[float, float]
+    half_widths: tuple[float, float]
     zone: float
+
+    @property
+    def smallest(self) -> float:
+        """Smallest of the half-widths and heights of both bodies."""
+        return min(*self.heights, *self.half_widths)
+
+    def size_errors(self, reach: float) -> tuple[float, float]:
+        """Relative errors of K_N and K_T to expect of half-planes in place of these bodies.
+
+        Args:
+            reach: largest half-width of the contact.
+        """
+        low = sum((reach / height) ** 2 for height in self.heights)
+        narrow = sum((reach / half_width) ** 2 for half_width in self.half_widths)
+        return (
+            K_N_BY_HEIGHT * low + K_N_BY_WIDTH * narrow,
+            K_T_BY_HEIGHT * low + K_T_BY_WIDTH * narrow,
+        )
 
 
 def _cylinder(values: Mapping[str, float], e_star: float) -> Profile:
@@ -58,13 +80,11 @@ PROFILES = {"cylinder": _cylinder, "wedge": _wedge, "flat_rounded": _flat_rounde
 def read_block(template: str, values: Mapping[str, float], case: Case) -> Block:
     """The idealised bodies of a template, one of `PROFILES`, with all its parameters."""
     e_star = contact_modulus(case.bodies[UPPER], case.bodies[LOWER], case.model.plane)
-    sizes = ("upper_width", "upper_height", "lower_width", "lower_height")
     return Block(
         profile=PROFILES[template](values, e_star),
         top_width=2 * values["upper_width"],
-        height=values["upper_height"],
-        lower_height=values["lower_height"],
-        smallest=min(values[size] for size in sizes),
+        heights=(values["upper_height"], values["lower_height"]),
+        half_widths=(values["upper_width"], values["lower_width"]),
         zone=values["zone"],
     )
 

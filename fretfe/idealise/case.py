@@ -23,9 +23,8 @@ from fretfe.idealise.loading import guided, loading_obstacles, one_sided, read_l
 from fretfe.idealise.problem import HalfPlaneProblem
 from fretfe.loads import History, build_history
 
-# Bodies smaller than this many half-widths are no half-planes at all; below the second number the
-# difference (of the order of (half-width/size)^2) is worth a note.
-SMALLEST_BODY, LARGE_BODY = 2.0, 10.0
+# Bodies smaller than this many half-widths are no half-planes at all.
+SMALLEST_BODY = 2.0
 
 
 class NotIdealisable(ModelError):
@@ -77,7 +76,7 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
     reach = float(np.nanmax(np.abs([edges.left, edges.right])))
     if block.smallest < SMALLEST_BODY * reach:
         raise NotIdealisable(case, [_too_small(block, reach)])
-    return problem.with_notes(_notes(case, block, reach))
+    return problem.with_errors(*block.size_errors(reach)).with_notes(_notes(case, block, reach))
 
 
 def obstacles(case: Case) -> tuple[str, ...]:
@@ -119,6 +118,8 @@ def _notes(case: Case, block: Block, reach: float) -> Iterator[str]:
 
 
 def _size(block: Block, reach: float) -> str:
-    ratio = block.smallest / reach
-    text = f"whose bodies are {ratio:.3g} half-widths wide or high"
-    return text + (": expect differences of some per cent" if ratio < LARGE_BODY else "")
+    k_n, k_t = block.size_errors(reach)
+    return (
+        f"whose bodies are {block.smallest / reach:.3g} half-widths wide or high: K_N is about "
+        f"{k_n:.2%} off, ΔK_T {k_t:.2%}"
+    )

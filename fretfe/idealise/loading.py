@@ -147,12 +147,12 @@ def read_loading(case: Case, history: History, block: Block) -> Loading:
         along = 1.0 if side.direction == "normal" else _direction(side)[0] * SIDES[side.boundary]
         tension += along * values[name]
     if one_sided(case):
-        tension -= SIDES[_held_side(case)] * force[0] / (2 * block.lower_height)
+        tension -= SIDES[_held_side(case)] * force[0] / (2 * block.heights[1])
     modulus = plane_modulus(case.bodies[LOWER], case.model.plane)
     return Loading(
         normal_force=-force[1],
         shear_force=force[0],
-        moment=np.zeros(len(history.times)) if guided(case) else block.height * force[0],
+        moment=np.zeros(len(history.times)) if guided(case) else block.heights[0] * force[0],
         bulk_tension=2 * block.profile.e_star * tension / modulus,
     )
 

@@ -30,6 +30,8 @@ class HalfPlaneProblem:
         shear_force: (T,) Q.
         moment: (T,) M of the pressure about the axis of the profile.
         bulk_tension: (T,) sigma0.
+        k_n_error, k_t_error: relative errors of K_N and K_T to expect because the bodies of the
+            case are finite.
         notes: what was assumed, in words.
     """
 
@@ -43,11 +45,17 @@ class HalfPlaneProblem:
     shear_force: Array
     moment: Array
     bulk_tension: Array
+    k_n_error: float = 0.0
+    k_t_error: float = 0.0
     notes: tuple[str, ...] = ()
 
     def with_notes(self, notes: Iterable[str]) -> HalfPlaneProblem:
         """The same problem with other notes."""
         return replace(self, notes=tuple(notes))
+
+    def with_errors(self, k_n: float, k_t: float) -> HalfPlaneProblem:
+        """The same problem with other errors of K_N and K_T."""
+        return replace(self, k_n_error=k_n, k_t_error=k_t)
 
     def scaled(self, factor: float) -> HalfPlaneProblem:
         """The same problem with all loads multiplied."""

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from fretfe._typing import Array, Indices
 from fretfe.case import Case
 from fretfe.edges.front import ContactSummary
+from fretfe.edges.limits import ModelLimit
 from fretfe.edges.refinement import Refinement
 from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.loads import History
@@ -71,6 +72,7 @@ class Result:
         seconds: wall time by phase.
         ranks: number of processes.
         refinement: how the mesh refined itself, or None.
+        limits: quantities that must be small for the model to hold, with what was found.
         directory: folder with the files of the run; None if nothing was written.
     """
 
@@ -86,6 +88,7 @@ class Result:
     seconds: Mapping[str, float] = field(default_factory=dict)
     ranks: int = 1
     refinement: Refinement | None = None
+    limits: tuple[ModelLimit, ...] = ()
     directory: Path | None = None
 
     def edges(self) -> list[dict[str, Any]]:

@@ -21,6 +21,7 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.case import Case, parse_case
 from fretfe.edges.front import ContactSummary, Station, fronts_of
+from fretfe.edges.limits import ModelLimit
 from fretfe.edges.refinement import Refinement
 from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.loads import History
@@ -114,6 +115,7 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         versions=numbers["versions"],
         seconds=numbers["seconds"],
         ranks=numbers["ranks"],
+        limits=tuple(restored(ModelLimit, each) for each in numbers["limits"]),
         refinement=restored_refinement(refinement) if refinement else None,
         directory=directory,
     )

@@ -106,6 +106,7 @@ def as_numbers(result: Result) -> dict[str, Any]:
             "ranks": result.ranks,
             "seconds": result.seconds,
             "case": case.model_dump(mode="json", exclude_unset=True),
+            "limits": [{**asdict(limit), "exceeded": limit.exceeded} for limit in result.limits],
             "refinement": _refinement_numbers(result.refinement),
             "times": loads.times,
             "cycle": loads.cycle,

@@ -5,16 +5,14 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
-from pad_cases import HOLD, cylinder, pad, press, shear, wave
+from pad_cases import cylinder, pad
 
 from fretfe.backends import find_backend
 from fretfe.case import parse_case
-from fretfe.fem.limits import imbalance
 from fretfe.quality.validate import validate
 from fretfe.quality.validate.report import summary
 from fretfe.results.model import Result
@@ -61,31 +59,3 @@ def test_unknown_passes_no_check() -> None:
     assert verdicts == {"unknown"}
     assert not validation.passed
     assert summary(validation).endswith("nothing can be said of this case before they are known.")
-
-
-def test_sliding_beyond_the_model_is_told(solved: Any) -> None:
-    history = [HOLD, {"ramp": 0.5, "until": 2.0, "steps": 5}]
-    loads = {"press": press(), "shear": {**shear(), "control": "displacement", "history": history}}
-    (contact,) = solved(pad(geometry=cylinder(size=0.04), loads=loads)).contacts
-    assert any("the surfaces slide by 0.4" in text for text in contact.warnings)
-
-
-def test_dissimilar_bodies_with_friction_are_told(solved: Any) -> None:
-    bodies = {
-        "upper": {"young": 70e3, "poisson": 0.3},
-        "lower": {"young": 210e3, "poisson": 0.3},
-    }
-    loads = {"press": press(), "shear": {**shear(), "history": [HOLD, wave(30.0, steps=8)]}}
-    (contact,) = solved(pad(geometry=cylinder(size=0.04), bodies=bodies, loads=loads)).contacts
-    assert any("Dundurs' beta = " in text for text in contact.warnings)
-
-
-def test_equilibrium_is_judged(solved: Any) -> None:
-    solution = solved(rough(0.25)).solution
-    assert imbalance(solution) is None
-    wrong = solution.certificates["force_imbalance"].copy()
-    wrong[3] += 1e-3 * solution.certificates["force_scale"].max()
-    broken = {**solution.certificates, "force_imbalance": wrong}
-    failure = imbalance(replace(solution, certificates=broken))
-    assert failure is not None
-    assert "step 3: expected forces that balance" in str(failure)

@@ -11,7 +11,7 @@ from fretfe.case import Case
 from fretfe.errors import FretfeError
 from fretfe.quality.validate.compare import companion_rows
 from fretfe.quality.validate.rows import Row, missing
-from fretfe.quality.validate.single import own_rows
+from fretfe.quality.validate.single import limit_rows, own_rows
 from fretfe.quality.validate.variants import Variant, make_variants
 from fretfe.results.model import Result
 
@@ -39,7 +39,7 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
     result = backend.solve(case, options)
     if result.failure is not None:
         raise result.failure
-    rows = list(own_rows(result))
+    rows = [*own_rows(result), *limit_rows(result)]
     variants, reasons = make_variants(case, result)
     rows += [missing("all", "", name, reason) for name, reason in reasons.items()]
     for variant in variants:

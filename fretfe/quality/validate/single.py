@@ -18,6 +18,8 @@ from fretfe.results.model import Result
 # Normal increments below this fraction of the tangential ones leave the edges where they are.
 CONSTANT_NORMAL = 0.05
 K_N_AGREEMENT = 0.02
+# A second K_N whose own bar is wider than this checks nothing.
+LOOSE = 0.3
 K_T_AGREEMENT = 0.01
 SHEAR_AGREEMENT = 0.03
 # A slip zone is located to about a tenth of an element, and to this fraction of its length.
@@ -38,6 +40,17 @@ def own_rows(result: Result) -> Iterator[Row]:
             yield from _station_rows(contact, station, size)
             yield from _traction_rows(result, contact, station, size)
     yield from _solution_rows(result)
+
+
+def limit_rows(result: Result) -> Iterator[Row]:
+    """Rows for the limits of the model: beyond one of them nothing is known of the bodies."""
+    for limit in result.limits:
+        name = limit.contact or "all"
+        if math.isnan(limit.found):
+            yield missing(name, "", limit.quantity, "not measured: no evaluated cycle or no ΔK_T")
+            continue
+        reason = f"limit of the model; beyond it {limit.consequence}"
+        yield compared(name, "", limit.quantity, limit.found, 0.0, limit.limit, reason, "unknown")
 
 
 def element_size(result: Result, contact: ContactSummary) -> float:
@@ -88,15 +101,7 @@ def _station_rows(contact: ContactSummary, station: Station, size: float) -> Ite
     yield from _unknown_rows(contact, station)
     if math.isnan(k_n):
         return
-    if math.isnan(station.k_n_moved):
-        reason = "no two load levels: the edge does not move, or reaches the end of its surface"
-        yield missing(name, side, "K_N, by moving edge", reason)
-    else:
-        # A large error bar must not excuse whatever comes out.
-        spread = min(float(station.k_n_spread[-1]), LARGEST_SPREAD * k_n)
-        tolerance = K_N_AGREEMENT * k_n + spread
-        reason = f"{K_N_AGREEMENT:.0%} and the error bar, {LARGEST_SPREAD:.0%} at most"
-        yield compared(name, side, "K_N, by moving edge", k_n, station.k_n_moved, tolerance, reason)
+    yield _moving_row(name, station)
     if math.isnan(station.k_t_range_fitted) or math.isnan(station.k_t_range):
         yield missing(name, side, "ΔK_T, by fit", "there is no second way here")
     else:
@@ -112,6 +117,29 @@ def _station_rows(contact: ContactSummary, station: Station, size: float) -> Ite
             reason,
         )
     yield from _slip_rows(contact, station, size)
+
+
+def _moving_row(name: str, station: Station) -> Row:
+    """K_N by the pressure and by the movement of the edge, if that is known well enough."""
+    quantity, side = "K_N, by moving edge", station.front
+    k_n, moved, spread = float(station.k_n[-1]), station.k_n_moved, station.k_n_moved_spread
+    if math.isnan(moved):
+        reason = (
+            "no two load levels: the edge does not move, or reaches the end of its surface; or the "
+            "bodies are dissimilar and there is friction"
+        )
+        return missing(name, side, quantity, reason)
+    if spread > LOOSE * moved:
+        reason = f"the movement of the edge is known to {spread / moved:.0%} only: nothing to check"
+        return missing(name, side, quantity, reason)
+    # A large error bar must not excuse whatever comes out.
+    own = min(float(station.k_n_spread[-1]), LARGEST_SPREAD * k_n)
+    tolerance = K_N_AGREEMENT * k_n + own + spread
+    reason = (
+        f"{K_N_AGREEMENT:.0%}, the error bar of K_N, {LARGEST_SPREAD:.0%} at most, and that of the "
+        "movement"
+    )
+    return compared(name, side, quantity, k_n, moved, tolerance, reason)
 
 
 def _unknown_rows(contact: ContactSummary, station: Station) -> Iterator[Row]:

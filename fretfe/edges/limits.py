@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Limits of the model, judged on a solved contact: sliding, strain, and the size of half-planes.
+
+A limit compares a number without dimension, measured in the run, with the value from which the
+small-displacement model, or the description of its edges, is wrong by about one per cent.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.case import Case, plane_modulus
+from fretfe.edges.front import ContactSummary
+from fretfe.results.solution import OPEN, ContactHistory
+
+# Sliding over the width of the contact. The gap of round surfaces that slide by s has an error of
+# s²/(4R) against the approach a²/R of two equal cylinders: (s/2a)², one hundredth.
+LARGEST_SLIDING = 0.1
+# Linear elasticity leaves out terms of the order of the strain; 2 % is beyond the yield strain of
+# nearly all metals.
+LARGEST_STRAIN = 0.02
+
+
+@dataclass(frozen=True)
+class ModelLimit:
+    """A quantity that must be small for the model to hold.
+
+    Attributes:
+        contact: name of the contact; "" for all bodies.
+        quantity: what is measured, over what.
+        found: largest value in the run; NaN if it could not be measured.
+        limit: value up to which the model holds.
+        consequence: what is wrong beyond it, and what to do.
+    """
+
+    contact: str
+    quantity: str
+    found: float
+    limit: float
+    consequence: str
+
+    @property
+    def exceeded(self) -> bool:
+        """True if the quantity is known and too large."""
+        return self.found > self.limit
+
+    @property
+    def verdict(self) -> str:
+        """The quantity against its limit: "within", "exceeded" or "not measured"."""
+        if math.isnan(self.found):
+            return "not measured"
+        return "exceeded" if self.exceeded else "within"
+
+    @property
+    def warning(self) -> str:
+        """The quantity, by how much it is too large, and what follows, in one line."""
+        return (
+            f"outside the model: {self.quantity} is {self.found:.2g}, expected at most "
+            f"{self.limit:g}: {self.consequence}"
+        )
+
+
+def with_limit_warnings(
+    contacts: Iterable[ContactSummary], limits: Iterable[ModelLimit]
+) -> tuple[ContactSummary, ...]:
+    """The contacts with a warning for each of their limits that is exceeded."""
+    exceeded = [limit for limit in limits if limit.exceeded]
+    return tuple(
+        replace(
+            each,
+            warnings=(
+                *each.warnings,
+                *(limit.warning for limit in exceeded if limit.contact == each.name),
+            ),
+        )
+        for each in contacts
+    )
+
+
+def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:
+    """Limits that the history of a contact tells by itself; none if it never closes."""
+    if not np.any(contact.status != OPEN):
+        return
+    yield ModelLimit(
+        contact.name,
+        "sliding over the width of the contact",
+        largest_sliding(contact) / largest_width(contact),
+        LARGEST_SLIDING,
+        "points are paired where they are before deformation, which is no longer a good pairing; "
+        "use smaller loads or more friction, or a code for large sliding",
+    )
+    modulus = min(
+        plane_modulus(case.bodies[body], case.model.plane)
+        for body in (contact.body1, contact.body2)
+    )
+    yield ModelLimit(
+        contact.name,
+        "largest pressure over the plane modulus",
+        float(contact.traction[..., 0].max()) / modulus,
+        LARGEST_STRAIN,
+        "strains of this size are not small; check units and loads",
+    )
+
+
+def largest_sliding(contact: ContactHistory) -> float:
+    """Largest tangential displacement between points of the two surfaces in contact."""
+    closed = contact.status != OPEN
+    return float(np.where(closed, np.abs(contact.slip[..., 0]), 0.0).max())
+
+
+def largest_width(contact: ContactHistory) -> float:
+    """Largest length over which the surfaces are in contact in any state."""
+    widths: Array = (contact.status != OPEN) @ contact.weights
+    return float(widths.max())

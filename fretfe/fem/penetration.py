@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Penetration of contact surfaces where no points of them were paired before deformation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import sparse
+from scipy.spatial import cKDTree
+
+from fretfe._typing import Array, Bools, Indices
+from fretfe.contact.interface import coordinate_range
+from fretfe.contact.state import ContactState, StepLoads
+from fretfe.fem.model import Model
+from fretfe.fem.reduction import Pair
+from fretfe.surface.chain import Chain
+from fretfe.surface.gap import INTERPENETRATION_PER_FACET
+from fretfe.surface.surface import Surface
+
+
+def unpaired_penetration(
+    model: Model, pair: Pair, states: Sequence[ContactState], steps: Sequence[StepLoads]
+) -> float:
+    """Largest depth to which unpaired nodes of either surface are inside the other one.
+
+    Only the states in which the surfaces are nearest to each other or have slid farthest are
+    looked at.
+
+    Args:
+        model: the bodies; on rank 0.
+        pair: the contact.
+        states: (T,) solved states.
+        steps: (T,) their loads.
+    """
+    coupling, contact = pair.coupling, model.case.contacts[pair.name]
+    first, second = (model.surfaces[name] for name in (contact.surface1, contact.surface2))
+    alone1, alone2 = (_unpaired(each) for each in (coupling.body1, coupling.body2))
+    if not (alone1.any() or alone2.any()):
+        return 0.0
+    assert model.reduction is not None
+    nodes = model.reduction.interface.contacts[pair.name]
+    deepest = 0.0
+    for state in _extremes(np.array([each.relative[nodes] for each in states])):
+        places1, places2 = (
+            surface.displacement_points(model.case.model.degree)
+            + _moved(model, body, surface.name, states[state], steps[state])
+            for body, surface in ((pair.body1, first), (pair.body2, second))
+        )
+        degree = model.case.model.degree
+        deepest = max(
+            deepest,
+            depth(places1[alone1], places2[second.displacement_facets(degree)], second),
+            depth(places2[alone2], places1[first.displacement_facets(degree)], first),
+        )
+    return deepest
+
+
+def _unpaired(operator: sparse.csr_matrix) -> Bools:
+    """(m,) nodes of a surface that no contact integral of an operator (N*d, m*d) refers to."""
+    used = np.diff(operator.tocsc().indptr) > 0
+    return np.asarray(~used.reshape(-1, 2).any(axis=1))
+
+
+def _extremes(relative: Array) -> Indices:
+    """States in which mean gap and mean tangential displacement of (T, N, d) are extreme."""
+    means = relative.mean(axis=1)
+    return np.unique([means.argmin(axis=0), means.argmax(axis=0)])
+
+
+def _moved(model: Model, body: str, surface: str, state: ContactState, loads: StepLoads) -> Array:
+    """(m, d) displacement of the nodes of one surface of a body."""
+    assert model.reduction is not None
+    reduction, degree = model.reduction, model.case.model.degree
+    own = state.coordinates[coordinate_range(reduction.interface.coordinates, body)]
+    moved = reduction.bodies[body].surface_displacement(
+        state.traction.ravel(), own, loads.amplitudes
+    )
+    names = model.body_definition(body).surfaces
+    counts = [len(model.surfaces[name].displacement_points(degree)) for name in names]
+    start = sum(counts[: names.index(surface)])
+    return moved.reshape(sum(counts), -1)[start : start + counts[names.index(surface)]]
+
+
+def depth(points: Array, facets: Array, surface: Surface) -> float:
+    """Largest depth of points inside a body, behind its deformed surface.
+
+    Args:
+        points: (n, 2).
+        facets: (f, k, 2) ends, then middles, of the deformed facets.
+        surface: before deformation, for what its mesh does not resolve.
+    """
+    if not len(points):
+        return 0.0
+    chords = facets[:, 1] - facets[:, 0]
+    lengths = np.linalg.norm(chords, axis=1)
+    # The body is on the left of its chain.
+    normals = np.stack([chords[:, 1], -chords[:, 0]], axis=1) / lengths[:, None]
+    middles = facets[:, 2] if facets.shape[1] > 2 else facets[:, :2].mean(axis=1)
+    nearest = cKDTree(middles).query(points)[1]
+    seen = points - middles[nearest]
+    inside = -np.sum(seen * normals[nearest], axis=1)
+    along = np.abs(np.sum(seen * chords[nearest], axis=1)) / lengths[nearest]
+    # Beyond an end of the surface there is another boundary, or nothing.
+    beside = along <= lengths[nearest]
+    allowed = Chain(surface).deviations + INTERPENETRATION_PER_FACET * lengths
+    excess = np.where(beside, inside - allowed[nearest], 0.0)
+    return float(max(excess.max(), 0.0))

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Runs outside the model say which limit is exceeded, and by how much; runs inside say nothing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from chains import surface
+from pad_cases import HOLD, STEEL, cylinder, pad, press, shear, wave
+
+from fretfe.backends import find_backend
+from fretfe.case import parse_case
+from fretfe.edges.limits import ModelLimit
+from fretfe.fem.limits import LARGEST_IMBALANCE, imbalance
+from fretfe.fem.penetration import depth
+from fretfe.quality.validate import validate
+from fretfe.report.page.html import render
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result
+from fretfe.results.writer import write_results
+
+COARSE = {"size": 0.04}
+TWO_CYLINDERS = {"template": "cylinder", "parameters": COARSE}
+SLIDING = "sliding over the width of the contact"
+RADIUS = "sliding over the smaller radius of the surfaces"
+ROTATION = "rotation of a body at the contact"
+PRESSURE = "largest pressure over the plane modulus"
+STRETCH = "stretch of a surface, root mean square over the contact"
+PAIRING = "bound of the error of ΔK_T by gap times rotation"
+
+
+def moved(distance: float) -> dict[str, Any]:
+    ramp = {"ramp": distance, "until": 2.0, "steps": 4}
+    return {
+        "press": press(),
+        "shear": {**shear(), "control": "displacement", "history": [HOLD, ramp]},
+    }
+
+
+def of_steel(factor: float) -> dict[str, Any]:
+    """Both bodies with this multiple of the modulus of steel."""
+    return {name: {**STEEL, "young": factor * STEEL["young"]} for name in ("upper", "lower")}
+
+
+def limits(result: Result) -> dict[str, ModelLimit]:
+    return {limit.quantity: limit for limit in result.limits}
+
+
+def test_a_pad_is_within_all_limits(solved: Any) -> None:
+    result = solved(pad(geometry=cylinder(size=0.02)))
+    assert [limit.verdict for limit in result.limits] == ["within"] * len(result.limits)
+    # Hertz: p0/(E/(1 - nu^2)) = a/(4 R), and the steepest slope of one body a/(2 R).
+    assert limits(result)[PRESSURE].found == pytest.approx(0.5749 / 200, rel=0.01)
+    slope = limits(result)["largest slope that a surface takes in the contact"].found
+    assert slope == pytest.approx(0.5749 / 100, rel=0.05)
+
+
+def test_two_millimetres_of_sliding_are_too_much_for_cylinders_of_eight(solved: Any) -> None:
+    result = solved(pad(geometry=TWO_CYLINDERS, loads=moved(2.0)))
+    # The contact is 2 x 0.18 mm wide; elasticity takes a little of the 2 mm.
+    assert limits(result)[SLIDING].found == pytest.approx(5.5, rel=0.05)
+    assert limits(result)[RADIUS].found == pytest.approx(2 / 8, rel=0.02)
+    warnings = "; ".join(result.contacts[0].warnings)
+    assert "sliding over the width of the contact is 5.5, expected at most 0.1: " in warnings
+    assert "sliding over the smaller radius of the surfaces is 0.25" in warnings
+
+
+def test_sliding_beyond_the_end_of_a_surface(solved: Any) -> None:
+    result = solved(pad(geometry=TWO_CYLINDERS, loads=moved(50.0)))
+    assert limits(result)[SLIDING].found > 100
+
+
+def test_strains_of_order_one(solved: Any) -> None:
+    result = solved(pad(geometry=cylinder(**COARSE), bodies=of_steel(1e-3)))
+    found = limits(result)
+    assert found[PRESSURE].found > 10 and found[STRETCH].found > 0.5
+    assert found[PRESSURE].exceeded and found[STRETCH].exceeded and found[ROTATION].exceeded
+
+
+def test_a_column_that_leans(solved: Any) -> None:
+    geometry = cylinder(**COARSE, upper_height=60, upper_width=6)
+    loads = {"press": press(), "shear": shear(200.0, steps=8)}
+    result = solved(pad(geometry=geometry, bodies=of_steel(0.2), loads=loads))
+    assert limits(result)[ROTATION].found > 0.01
+    assert limits(result)[PAIRING].exceeded
+
+
+@pytest.mark.parametrize("height", [12.0, 30.0])
+def test_the_pairing_error_bounds_that_of_k_t(solved: Any, height: float) -> None:
+    """Two equal cylinders: K_T is too high, by less than the limit says."""
+    sizes = {"size": 0.01, "zone": 0.6, "upper_height": height, "lower_height": height}
+    case = pad(geometry={"template": "cylinder", "parameters": sizes})
+    result, exact = solved(case), find_backend("analytic").solve(parse_case(case))
+    (station, _), (true, _) = (each.contacts[0].stations for each in (result, exact))
+    error = station.k_t_range / true.k_t_range - 1
+    assert 0.001 < error < limits(result)[PAIRING].found < 0.01
+
+
+def test_dissimilar_bodies_with_friction(solved: Any) -> None:
+    bodies = {**of_steel(1.0), "upper": {**STEEL, "young": 70e3}}
+    loads = {"press": press(), "shear": {**shear(), "history": [HOLD, wave(30.0, steps=8)]}}
+    result = solved(pad(geometry=cylinder(**COARSE), bodies=bodies, loads=loads))
+    assert any("Dundurs' beta of the bodies" in text for text in result.contacts[0].warnings)
+    assert all(np.isnan(station.k_n_moved) for station in result.contacts[0].stations)
+
+
+def test_equilibrium_is_judged(solved: Any) -> None:
+    result = solved(pad(geometry=cylinder(**COARSE)))
+    solution = result.solution
+    assert imbalance(solution) is None
+    for kind in ("force", "moment"):
+        wrong = solution.certificates[f"{kind}_imbalance"].copy()
+        wrong[3] += 1e-3 * solution.certificates[f"{kind}_scale"].max()
+        broken = {**solution.certificates, f"{kind}_imbalance": wrong}
+        failure = imbalance(replace(solution, certificates=broken))
+        assert f"step 3: expected {kind}s that balance" in str(failure)
+        assert solution.certificates[f"{kind}_imbalance"].max() < 1e-9
+    assert limits(result)["sum of the forces on a body over the largest of them"].found < (
+        LARGEST_IMBALANCE
+    )
+
+
+def test_depth_of_points_behind_a_surface() -> None:
+    x = np.linspace(0.0, 1.0, 11)
+    # A chain has its body on the left: below if it runs towards smaller x.
+    flat = surface("flat", np.stack([x[::-1], 0 * x], axis=1), curved=False)
+    facets = flat.nodes
+    assert depth(np.array([[0.52, -0.05]]), facets, flat) == pytest.approx(0.05 - 0.001)
+    assert depth(np.array([[0.52, 0.05], [1.5, -0.05]]), facets, flat) == 0.0
+
+
+def test_limits_are_written_read_shown_and_validated(tmp_path: Path) -> None:
+    case = parse_case(pad(geometry=TWO_CYLINDERS, loads=moved(2.0)))
+    validation = validate(case, find_backend("fem"))
+    rows = {row.quantity: row for row in validation.rows}
+    assert rows[SLIDING].verdict == "unknown" and rows[PRESSURE].verdict == "pass"
+    assert not validation.passed
+    write_results(tmp_path, replace(validation.result, backend="fem"))
+    read = load_result(tmp_path)
+    assert [limit.verdict for limit in read.limits] == [
+        limit.verdict for limit in validation.result.limits
+    ]
+    page = render(tmp_path)
+    assert "Limits of the model" in page and '<td class="verdict exceeded">exceeded</td>' in page
