@@ -61,7 +61,7 @@ def length(side: Side, increments: np.ndarray) -> float:
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
     no_cycle = np.array([], dtype=np.int64)
     border = slip_border_of(contact, front, at_edge.position)
-    zones = slip_zones(no_cycle, contact.friction, at_edge, border, None)
+    zones = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert [(zone.start, zone.end, zone.resolved) for zone in zones] == [(1, 3, True)]
     return zones[0].length
 
@@ -103,7 +103,7 @@ def test_a_zone_between_the_nodes_is_not_resolved(
     at_edge = station(front, k_t)
     border = slip_border_of(contact, front, at_edge.position)
     no_cycle = np.array([], dtype=np.int64)
-    (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border, None)
+    (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert zone.predicted == pytest.approx(elements * H)
     assert (zone.length, zone.resolved, zone.gross) == (0.0, resolved, False)
 
@@ -116,9 +116,9 @@ def test_the_zone_is_as_good_as_its_edge(side: Side) -> None:
     exact = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
     no_cycle = np.array([], dtype=np.int64)
     border = slip_border_of(contact, front, exact.position)
-    (good,) = slip_zones(no_cycle, contact.friction, exact, border, None)
+    (good,) = slip_zones(no_cycle, contact.friction, exact, border)
     vague = replace(exact, position_spread=np.full(STATES, 1.6 * H))
-    (bad,) = slip_zones(no_cycle, contact.friction, vague, border, None)
+    (bad,) = slip_zones(no_cycle, contact.friction, vague, border)
     assert (good.resolved, bad.resolved) == (True, False)
     assert bad.length == good.length == pytest.approx(3 * H, abs=good.spread)
     assert bad.spread == pytest.approx(np.hypot(good.spread, 1.6 * H))
@@ -136,7 +136,7 @@ def test_slip_that_goes_on_behind_the_first_sticking_node(side: Side) -> None:
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
     border = slip_border_of(contact, front, at_edge.position)
     no_cycle = np.array([], dtype=np.int64)
-    (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border, None)
+    (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert not zone.resolved
     # The bar reaches the innermost node that slips.
     assert zone.length + zone.spread >= depth[behind].max() - 1e-12
@@ -153,7 +153,7 @@ def test_fewer_than_three_sticking_nodes_are_no_stick_zone(sticking: int, resolv
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
     border = slip_border_of(contact, front, at_edge.position)
     no_cycle = np.array([], dtype=np.int64)
-    (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border, None)
+    (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert zone.resolved == resolved
 
 

@@ -12,7 +12,7 @@ from fretfe._typing import Array
 from fretfe.edges.between import LoadPath, load_path
 from fretfe.edges.consistency import full_stick_shear_force, shear_mismatch, tension_history
 from fretfe.edges.factors import (
-    FEWEST_NODES,
+    WANTED_NODES,
     UnitFactors,
     add_up,
     edge_fits,
@@ -255,12 +255,12 @@ def _unknown(
     nodes = np.count_nonzero(contact.traction[states, :, 0] > 0, axis=1)
     if not nodes.any():
         return
-    finer = FEWEST_NODES / max(int(nodes.min()), 1)
+    finer = WANTED_NODES / max(int(nodes.min()), 1)
     existing = contact.exists[states]
     reason = (
         f"the patch exists in {np.count_nonzero(existing)} of the {len(states)} states of the cycle"
         if not existing.all()
-        else f"{nodes.min()} nodes are in contact, {FEWEST_NODES} are wanted at least: make the "
+        else f"{nodes.min()} nodes are in contact, {WANTED_NODES} are wanted at least: make the "
         f"elements {math.ceil(2 * finer) / 2:g} times smaller"
         if finer > 1
         else "the pressure does not fall to zero like a root there"

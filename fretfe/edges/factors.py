@@ -17,14 +17,14 @@ from fretfe._typing import Array, Bools
 from fretfe.edges.counting import count_up
 from fretfe.edges.full_stick import OVERHANG, effective_edges, full_stick_factors
 from fretfe.edges.patches import main_patch
-from fretfe.edges.pressure import EdgeFit, fit_edge
+from fretfe.edges.pressure import FEWEST_NODES, EdgeFit, fit_edge
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront, plane_sections
 from fretfe.results.solution import ContactHistory, Factor, Solution
 
 # Edges that move less than this fraction of the surface between two loads do not tell anything.
 SMALLEST_MOVE = 1e-6
-# Fewer nodes than this in contact cannot be fitted.
-FEWEST_NODES = 16
+# Nodes in contact that factors and useful error bars need: as many as fits to full stick.
+WANTED_NODES = 16
 
 
 def edge_fits(contact: ContactHistory) -> tuple[EdgeFit, ...]:
@@ -149,10 +149,14 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     missed = integrals.factors - fitted[:, None]
     half_widths = (integrals.positions[:, 1] - integrals.positions[:, 0]) / 2
     order = np.argsort(half_widths)
-    correction = _interpolate((positions[1] - positions[0]) / 2, half_widths[order], missed[order])
+    half_width = (positions[1] - positions[0]) / 2
+    correction = _interpolate(half_width, half_widths[order], missed[order])
     for number, area in enumerate(integrals.areas):
         correction[:, contact.full_stick.area == area] = missed[number][:, None]
-    return UnitFactors(fits + correction, fits)
+    corrected = fits + correction
+    # Few elements carry an integral where they carry no fit.
+    alone = _interpolate(half_width, half_widths[order], integrals.factors[order])
+    return UnitFactors(np.where(np.isfinite(corrected), corrected, alone), fits)
 
 
 def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Array:

@@ -15,7 +15,7 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.case import Case, Contact, contact_modulus, unit_vector
 from fretfe.case.channels import DisplacementLoad, PlatenLoad, RotationLoad, TractionLoad
-from fretfe.edges.factors import FEWEST_NODES
+from fretfe.edges.factors import WANTED_NODES
 from fretfe.edges.slip_zones import cycle_states
 from fretfe.errors import MeshError
 from fretfe.loads import History
@@ -60,12 +60,12 @@ def _warning(
     half_width, centre = _half_width(along, initial.gap, force / modulus)
     nodes = _carrier_nodes(case.contacts[name], initial) @ tangent
     count = np.count_nonzero(np.abs(nodes - centre) < half_width)
-    if count < MARGIN * FEWEST_NODES:
+    if count < MARGIN * WANTED_NODES:
         unit = case.units.length
-        size = 2 * half_width / FEWEST_NODES
+        size = 2 * half_width / WANTED_NODES
         yield (
             f"contact {name}: about {count} nodes in contact expected at P = {force:.4g} "
-            f"(half-width {half_width:.2g} {unit}), {FEWEST_NODES} wanted at least: make the "
+            f"(half-width {half_width:.2g} {unit}), {WANTED_NODES} wanted at least: make the "
             f"elements there {size:.1g} {unit} long or less"
         )
 

@@ -14,6 +14,10 @@ from fretfe.edges.front import RangeSpread
 from fretfe.edges.pressure import EdgeFit
 from fretfe.results.solution import Factor
 
+# The edge of a discrete contact area may lie anywhere in an element: half of it, and some more for
+# what its node does.
+WITHIN_ELEMENT = 0.6
+
 
 @dataclass(frozen=True)
 class FactorHistories:
@@ -56,7 +60,7 @@ def range_spreads(
     """
     k_t = histories.ways.mean(axis=0)[..., Factor.K_T]
     largest = max((_range(each, cycle) for each in k_t), default=np.nan)
-    misplaced = _misplaced(fits, arc, cycle, 0.0 if histories.exact else 0.6)
+    misplaced = _misplaced(fits, arc, cycle, 0.0 if histories.exact else WITHIN_ELEMENT)
     spreads = []
     for station, history in enumerate(k_t):
         ranges = [_range(way[station, :, Factor.K_T], cycle) for way in histories.ways]
@@ -65,7 +69,8 @@ def range_spreads(
         parts = [histories.one_sided[station], misplaced[station] * largest]
         if histories.fitted is not None:
             fitted = _range(histories.fitted[station, :, Factor.K_T], cycle)
-            parts.append(fitted - _range(history, cycle))
+            # Where there are too few nodes for fits, integrals stand alone.
+            parts.append(fitted - _range(history, cycle) if np.isfinite(fitted) else 0.0)
         spreads.append(
             RangeSpread(
                 extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else alone,

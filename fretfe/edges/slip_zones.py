@@ -52,7 +52,7 @@ def slip_zones(
     friction: Array,
     station: StationHistory,
     find_border: FindBorder,
-    path: LoadPath | None,
+    path: LoadPath | None = None,
 ) -> tuple[SlipZone, ...]:
     """Slip zones of a station in time order.
 

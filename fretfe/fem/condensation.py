@@ -188,6 +188,7 @@ class Body:
         if self.elastic.comm.rank != 0:
             return None
         assert self._factor.complement is not None
+        assert moments is not None
         size = len(self.retained)
         return CondensedBody(
             name=self.elastic.name,
@@ -207,8 +208,8 @@ class Body:
         shapes: list[PETSc.Vec],
         coordinate_forces: list[PETSc.Vec],
         load_vectors: list[PETSc.Vec],
-    ) -> MomentOperators:
-        """Reactions on one more coordinate each, which turns the constrained nodes.
+    ) -> MomentOperators | None:
+        """Reactions on one more coordinate each, which turns the constrained nodes; on rank 0.
 
         Reaction by reaction, a coordinate has only the sum of its nodal forces, not their moment.
         """
@@ -228,10 +229,13 @@ class Body:
         unconstrained = [self._gather_unconstrained(each.copy()) for each in everything]
         points = self.elastic.space.tabulate_dof_coordinates()
         size = float(np.ptp(np.vstack(self.elastic.comm.allgather(points)), axis=0).max())
+        loads = _products(everything, load_vectors) - reactions
+        if self.elastic.comm.rank != 0:
+            return None
         return MomentOperators(
             displacement=_columns(coupling, len(self.retained)).T,
             coordinates=coordinates,
-            loads=_products(everything, load_vectors) - reactions,
+            loads=loads,
             forces=_columns(unconstrained, len(self.retained)).T,
             size=size,
         )

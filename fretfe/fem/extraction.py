@@ -15,8 +15,7 @@ from fretfe.contact.march import March
 from fretfe.contact.neighbours import FRACTION, neighbour_states
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
-from fretfe.edges.factors import FEWEST_NODES
-from fretfe.edges.pressure import fit_edge
+from fretfe.edges.pressure import FEWEST_NODES, fit_edge
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront, plane_sections
 from fretfe.edges.separation import own_part
 from fretfe.edges.slip_zones import cycle_states

@@ -89,7 +89,7 @@ def compare(found: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
     for name, value in expected.items():
         if isinstance(value, float):
             # what is zero by symmetry or balance is compared with the half-width
-            scale = max(abs(value), 1e-3 * expected["half_width"])
+            scale = max(float(np.nan_to_num(abs(value))), 1e-3 * expected["half_width"])
             assert np.isclose(found[name], value, rtol=0, atol=ROUND_OFF * scale, equal_nan=True), (
                 name
             )

@@ -19,6 +19,7 @@ from fretfe.results.model import Result
 from fretfe.results.writer import write_results
 
 EXACT_RANGE = 35.6  # 2 K_T of Q = 60 on a half-width of .5749, eq. (4)
+EXACT_K_N = 1239.2  # 2 P/(π a) √(2/a) of Hertz, P = 600
 CONTACT = pad()["contacts"]["main"]
 
 
@@ -40,9 +41,21 @@ def test_factors_of_few_elements_are_unknown_or_right(coarse: Result) -> None:
                 f"ΔK_T at the {station.front} edge: unknown" in text for text in contact.warnings
             )
         else:
-            assert station.k_t_range == pytest.approx(EXACT_RANGE, rel=0.02)
-        assert math.isnan(station.k_n[-1])
-        assert any("wanted at least: make the elements" in text for text in contact.warnings)
+            assert abs(station.k_t_range - EXACT_RANGE) <= station.k_t_range_spread
+        if math.isnan(station.k_n[-1]):
+            assert any("wanted at least: make the elements" in text for text in contact.warnings)
+        else:
+            assert abs(station.k_n[-1] - EXACT_K_N) <= station.k_n_spread[-1]
+            assert any(f"K_N at the {station.front} edge" in text for text in contact.warnings)
+
+
+def test_integrals_know_what_no_fit_does(solved: Any) -> None:
+    """With 11 nodes in contact."""
+    contact = solved(rough(0.105)).contacts[0]
+    for station in contact.stations:
+        assert math.isnan(station.k_t_range_fitted)
+        assert station.told_range == pytest.approx(EXACT_RANGE, rel=0.05)
+        assert station.k_t_range_spread > abs(station.k_t_range - EXACT_RANGE)
 
 
 def test_unknown_is_null_in_the_results(coarse: Result, tmp_path: Path) -> None:
@@ -50,7 +63,7 @@ def test_unknown_is_null_in_the_results(coarse: Result, tmp_path: Path) -> None:
     (contact,) = json.loads((tmp_path / "results.json").read_text("utf-8"))["contacts"].values()
     for edge, station in zip(contact["edges"], coarse.contacts[0].stations, strict=True):
         assert (edge["k_t_range"] is None) == math.isnan(station.k_t_range)
-        assert edge["k_n"][-1] is None
+        assert (edge["k_n"][-1] is None) == math.isnan(station.k_n[-1])
 
 
 def test_unknown_passes_no_check() -> None:
