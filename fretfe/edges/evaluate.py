@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from fretfe._typing import Array
 from fretfe.edges.between import LoadPath, load_path
 from fretfe.edges.consistency import full_stick_shear_force, shear_mismatch, tension_history
 from fretfe.edges.factors import (
-    WANTED_NODES,
     UnitFactors,
     add_up,
     edge_fits,
@@ -29,24 +28,20 @@ from fretfe.edges.front import (
     fronts_of,
 )
 from fretfe.edges.lives import by_life, in_evaluated_life
-from fretfe.edges.patches import contact_patches, resultants
+from fretfe.edges.patches import resultants
 from fretfe.edges.pressure import EdgeFit
 from fretfe.edges.range_spread import FactorHistories, range_spreads
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront, nearest_front
 from fretfe.edges.slip import cycle_change
 from fretfe.edges.slip_zones import States, cycle_states, slip_border_of, slip_zones
-from fretfe.edges.tracks import SMALLEST_PATCH
-from fretfe.results.solution import OPEN, ContactHistory, Factor, Solution
+from fretfe.edges.warnings import STEADY_CHANGE, warnings_about
+from fretfe.results.solution import ContactHistory, Factor, Solution
 
 # From solution, contact and positions (stations, T) along the arc.
 FindUnits = Callable[[Solution, ContactHistory, Array], UnitFactors]
-# Change of the shear from one cycle to the next, relative to f p_max, below which it is steady.
-STEADY_CHANGE = 1e-3
 # Linear elements are too stiff: K_N was 1.6 % (cylinder) to 2.8 % (flat with rounded ends) high
 # with them, however fine the mesh at the edges.
 LINEAR_ELEMENTS = 0.025
-# Part of the range of K_T that may lie between the steps without a warning.
-LARGEST_STEPS = 0.02
 
 
 def evaluate(
@@ -103,7 +98,7 @@ def _evaluate_contact(
         steady=bool(change < STEADY_CHANGE),
         dissipation=float(_over_cycle(solution, contact.dissipation).sum()),
         dissipation_change=_dissipation_change(solution, contact),
-        warnings=(*_unknown(solution, contact, stations), *_warnings(contact, stations, change)),
+        warnings=tuple(warnings_about(solution, contact, stations, change)),
     )
 
 
@@ -244,94 +239,3 @@ def _cycle_change(solution: Solution, contact: ContactHistory) -> float:
         return np.nan
     shear = contact.traction[:, :, 1]
     return cycle_change(shear[last], shear[first], float(contact.friction[last]), float(pressure))
-
-
-def _unknown(
-    solution: Solution, contact: ContactHistory, stations: tuple[Station, ...]
-) -> Iterator[str]:
-    """Factors that cannot be told, and why."""
-    states = cycle_states(solution.cycle)
-    states = states if len(states) else np.array([len(solution.times) - 1])
-    nodes = np.count_nonzero(contact.traction[states, :, 0] > 0, axis=1)
-    if not nodes.any():
-        return
-    finer = WANTED_NODES / max(int(nodes.min()), 1)
-    existing = contact.exists[states]
-    reason = (
-        f"the patch exists in {np.count_nonzero(existing)} of the {len(states)} states of the cycle"
-        if not existing.all()
-        else f"{nodes.min()} nodes are in contact, {WANTED_NODES} are wanted at least: make the "
-        f"elements {math.ceil(2 * finer) / 2:g} times smaller"
-        if finer > 1
-        else "the pressure does not fall to zero like a root there"
-    )
-    for station in stations:
-        unknown = contact.exists[-1] and not math.isfinite(station.k_n[-1])
-        missing = ["K_N"] if unknown else []
-        if len(cycle_states(solution.cycle)) and not math.isfinite(station.k_t_range):
-            missing.append("ΔK_T")
-        if missing:
-            yield f"{' and '.join(missing)} at the {station.front} edge: unknown, because {reason}"
-
-
-def _patches(contact: ContactHistory) -> Iterator[str]:
-    """The fate of a patch, and nodes that belong to it but lie apart."""
-    if contact.fate:
-        yield (
-            f"not there all the time, as one of several patches of {contact.pair!r}: it "
-            f"{'; it '.join(contact.fate)}. It has edges only where it exists, and K_T and K_I "
-            "begin anew whenever it appears"
-        )
-    shares = [_main_share(contact.arc, pressure) for pressure in contact.traction[:, :, 0]]
-    several = [share for share in shares if share < 1 - SMALLEST_PATCH]
-    if several:
-        yield (
-            f"in {len(several)} of {len(shares) - 1} states up to {1 - min(several):.1%} of P is "
-            "on single nodes apart from the patch, too few for edges of their own: make the "
-            "elements smaller there"
-        )
-
-
-def _main_share(arc: Array, pressure: Array) -> float:
-    patches = contact_patches(arc, np.maximum(pressure, 0.0))
-    forces = [patch.force for patch in patches]
-    return max(forces) / sum(forces) if forces else 1.0
-
-
-def _warnings(
-    contact: ContactHistory, stations: tuple[Station, ...], change: float
-) -> tuple[str, ...]:
-    warnings = []
-    closed = contact.status != OPEN
-    if not closed.any():
-        smallest = contact.gap.min()
-        warnings.append(f"the surfaces never touch; the smallest gap is {smallest:.4g}")
-    for front in PLANE_FRONTS:
-        if front.from_front(closed)[:, 0].any():
-            warnings.append(
-                f"the contact reaches the {front.name} end of its surface: extend the physical "
-                "group, the edge there is not that of the contact"
-            )
-    warnings += _patches(contact)
-    if change >= STEADY_CHANGE:
-        warnings.append(
-            f"not in steady state: the shear changes by {change:.2g} f p_max over the evaluated "
-            "cycle; add cycles"
-        )
-    for station in stations:
-        if station.uncertain:
-            warnings.append(
-                f"K_N at the {station.front} edge is {station.k_n[-1]:.3g} ± "
-                f"{station.k_n_spread[-1]:.2g}: refine the mesh at this edge"
-            )
-        steps = station.k_t_range_parts.steps
-        if steps > LARGEST_STEPS * station.k_t_range:
-            warnings.append(
-                f"K_T at the {station.front} edge exceeds its range by "
-                f"{steps / station.k_t_range:.1%} between the steps: take more steps per cycle"
-            )
-        if any(zone.gross for zone in station.slip_zones[-2:]):
-            warnings.append(f"gross slip in the last half cycles ({station.front} edge)")
-        elif any(not zone.resolved for zone in station.slip_zones[-2:]):
-            warnings.append(f"the {station.front} slip zone is not resolved by the mesh")
-    return tuple(warnings)

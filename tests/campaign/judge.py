@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from campaign.draw import BODY, Draw, case_of, with_quadrilaterals
+from campaign.draw import BODY, Draw, case_of, draw, with_quadrilaterals
 
 import fretfe
 from fretfe.case import parse_case
@@ -67,6 +67,14 @@ class Judged:
             return "right"
         return "flagged" if math.isnan(self.value) or self.remark else "wrong"
 
+    @property
+    def text(self) -> str:
+        """The number and what it should be, in one line."""
+        return (
+            f"{self.verdict}: case {self.draw.number}, {self.edge} edge, {self.quantity} = "
+            f"{self.value:.5g} ± {self.bar:.2g}, should be {self.truth:.5g} ± {self.allowance:.2g}"
+        )
+
 
 @dataclass(frozen=True)
 class Answers:
@@ -76,6 +84,11 @@ class Answers:
     found: Result | FretfeError
     exact: Result
     half_planes: Result
+
+
+def judge_case(number: int) -> list[Judged]:
+    """All numbers of the case of a number."""
+    return list(judge(solve(draw(number))))
 
 
 def solve(one: Draw) -> Answers:
