@@ -15,6 +15,7 @@ the rows and columns of the inverse that belong to them.
 from __future__ import annotations
 
 import numpy as np
+from scipy import linalg
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface, coordinate_scale
@@ -237,7 +238,8 @@ def _least_motion(matrix: Array, target: Array) -> tuple[Array, float]:
     matrix, target = matrix / rows, target / rows
     columns = np.linalg.norm(matrix, axis=0)[:, None]
     matrix = matrix / columns.T
-    changes = np.linalg.lstsq(matrix, target, rcond=UNRESISTED)[0]
+    # By a pivoted QR decomposition: several times faster than by singular values.
+    changes = linalg.lstsq(matrix, target, cond=UNRESISTED, lapack_driver="gelsy")[0]
     size = max(float(np.linalg.norm(target)), np.finfo(np.float64).tiny)
     return changes / columns, float(np.linalg.norm(matrix @ changes - target)) / size
 
