@@ -238,10 +238,17 @@ def _least_motion(matrix: Array, target: Array) -> tuple[Array, float]:
     matrix, target = matrix / rows, target / rows
     columns = np.linalg.norm(matrix, axis=0)[:, None]
     matrix = matrix / columns.T
-    # By a pivoted QR decomposition: several times faster than by singular values.
-    changes = linalg.lstsq(matrix, target, cond=UNRESISTED, lapack_driver="gelsy")[0]
+    # By a pivoted QR decomposition: several times faster than by singular values. The second time
+    # for what the first one leaves, a small difference of large tractions.
+    changes = _least_squares(matrix, target)
+    changes += _least_squares(matrix, target - matrix @ changes)
     size = max(float(np.linalg.norm(target)), np.finfo(np.float64).tiny)
     return changes / columns, float(np.linalg.norm(matrix @ changes - target)) / size
+
+
+def _least_squares(matrix: Array, target: Array) -> Array:
+    changes: Array = linalg.lstsq(matrix, target, cond=UNRESISTED, lapack_driver="gelsy")[0]
+    return changes
 
 
 def _by_node(blocks: Array, values: Array) -> Array:

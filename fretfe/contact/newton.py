@@ -23,7 +23,7 @@ MAX_ITERATIONS = 60
 # A motion this many times that in full stick is a division by round-off: nothing resists it.
 RUNAWAY = 1e7
 # Loads are in equilibrium if a motion that nothing resists leaves this part of them.
-EQUILIBRIUM = 1e-8
+EQUILIBRIUM = 1e-11
 NO_RESISTANCE = "the loads find no resistance: the contact slides or opens as a whole"
 # Directions of slip (in three dimensions) are converged when they change by less than this.
 DIRECTION_TOLERANCE = 1e-10
