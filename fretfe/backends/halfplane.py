@@ -14,7 +14,6 @@ from fretfe.edges.limits import contact_limits, with_limit_warnings
 from fretfe.edges.separation import separate_patches
 from fretfe.halfplane.solver import solve_half_planes
 from fretfe.idealise import idealise, obstacles
-from fretfe.loads import History
 from fretfe.results.model import Result
 
 
@@ -48,13 +47,7 @@ class HalfPlaneBackend:
         limits = (*judged, *(size_limit(each.name, problem) for each in contacts))
         return Result(
             case=case,
-            loads=History(
-                solution.channels,
-                solution.times,
-                solution.values,
-                solution.cycle,
-                solution.between,
-            ),
+            loads=solution.loads,
             contacts=with_limit_warnings(
                 [with_size_errors(each, problem) for each in contacts], limits
             ),

@@ -151,7 +151,7 @@ def solve_prepared(
             _write_fields(model, history, recorder, chosen, options.fields)
     return Result(
         case=case,
-        loads=comm.bcast(_solved_history(solution) if solution else None),
+        loads=comm.bcast(solution.loads if solution else None),
         contacts=contacts,
         solution=solution,
         failure=failure,
@@ -172,12 +172,6 @@ def _evaluate(
     contacts = without_moved(model.case, solution, evaluate(solution))
     limits = model_limits(model, recorder.states, recorder.steps, solution, contacts)
     return with_limit_warnings(contacts, limits), limits
-
-
-def _solved_history(solution: Solution) -> History:
-    return History(
-        solution.channels, solution.times, solution.values, solution.cycle, solution.between
-    )
 
 
 def _solution(model: Model, history: History, recorder: Recorder) -> Solution:

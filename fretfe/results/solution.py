@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.loads import History
 
 OPEN, STICK, SLIP = 0, 1, 2
 
@@ -186,3 +187,8 @@ class Solution:
     fallbacks: Indices
     certificates: dict[str, Array]
     between: Array | None = None
+
+    @property
+    def loads(self) -> History:
+        """The loads of the states that were solved."""
+        return History(self.channels, self.times, self.values, self.cycle, self.between)

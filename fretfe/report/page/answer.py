@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import dataclass
 
@@ -63,7 +64,7 @@ def _edge_answer(run: Result, contact: ContactSummary, edge: Station) -> EdgeAns
         position=number(float(edge.position[-1])),
         k_n=with_error(edge.told_k_n, float(edge.k_n_spread[-1])),
         k_t_range=with_error(edge.told_range, edge.k_t_range_spread),
-        uncertain=edge.uncertain,
+        uncertain=edge.uncertain and math.isfinite(edge.told_k_n),
         zones=tuple(
             _zone_answer(run, contact, edge, zone, size) for zone in edge.slip_zones[-ZONES:]
         ),

@@ -52,8 +52,8 @@ def _edge_cells(edge: Station) -> list[str]:
     measured = [_zone_length(zone) for zone in zones]
     return [
         number(edge.position[-1]),
-        ("~" if edge.uncertain else "") + number(edge.told_k_n),
-        ("~" if edge.uncertain_range else "") + number(edge.told_range),
+        _marked(number(edge.told_k_n), edge.uncertain),
+        _marked(number(edge.told_range), edge.uncertain_range),
         " / ".join(measured) or MISSING,
         " / ".join(number(zone.prediction, 3) for zone in zones) or MISSING,
     ]
@@ -63,9 +63,12 @@ def _zone_length(zone: SlipZone) -> str:
     """Length of a slip zone; ~ marks one that the mesh does not resolve well."""
     if zone.gross:
         return "gross"
-    if not math.isfinite(zone.told_length):
-        return MISSING
-    return ("" if zone.resolved else "~") + number(zone.length, 3)
+    return _marked(number(zone.told_length, 3), not zone.resolved)
+
+
+def _marked(text: str, uncertain: bool) -> str:
+    """A number with ~ before it if it is uncertain; what is missing carries no mark."""
+    return f"~{text}" if uncertain and text != MISSING else text
 
 
 def contact_table(
