@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
+from scipy.linalg import blas
 
 from fretfe._typing import Array, Indices
 
@@ -33,7 +34,7 @@ class DenseCompliance:
     """A compliance that is known as a matrix.
 
     Args:
-        matrix: (N*d, N*d).
+        matrix: (N*d, N*d), symmetric.
     """
 
     def __init__(self, matrix: Array) -> None:
@@ -51,7 +52,9 @@ class DenseCompliance:
 
     def apply(self, traction: Array) -> Array:
         """(N*d,) displacements by tractions (N*d,)."""
-        return self._matrix @ traction
+        # Symmetric: half of the matrix is read, which takes half of the time.
+        product: Array = blas.dsymv(1.0, self._matrix.T, traction)
+        return product
 
     def block(self, rows: Indices, columns: Indices) -> Array:
         """(rows, columns) displacements of some components by unit tractions at others; a copy."""

@@ -22,6 +22,7 @@ only as d.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -93,6 +94,12 @@ class Interface:
     def prescribed(self) -> Bools:
         """(m,) coordinates of known amplitude."""
         return np.array([c.prescribed for c in self.coordinates], dtype=bool)
+
+    @cached_property
+    def reach(self) -> Array:
+        """(m,) largest displacement of a node (length) by a unit of each coordinate."""
+        lengths = self.motion / np.repeat(self.roots, self.components)[:, None]
+        return np.asarray(np.abs(lengths).max(axis=0, initial=0.0))
 
 
 def coordinate_range(coordinates: list[Coordinate] | tuple[Coordinate, ...], body: str) -> slice:

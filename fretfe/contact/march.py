@@ -12,8 +12,8 @@ import numpy.typing as npt
 from fretfe._typing import Array, Bools
 from fretfe.contact.admm import status_by_fixed_point
 from fretfe.contact.certificate import Certificate, certify, dissipation
+from fretfe.contact.factored import FactoredOperator
 from fretfe.contact.interface import Interface
-from fretfe.contact.inverse import InverseOperator
 from fretfe.contact.newton import Newton, NotConverged
 from fretfe.contact.operator import InterfaceOperator
 from fretfe.contact.state import OPEN, STICK, ContactState, StepLoads, unloaded
@@ -58,16 +58,15 @@ class March:
 
     Args:
         interface: the interface problem.
-        memory: bytes for what the operator keeps of other contact areas.
 
     Attributes:
         interface: the interface problem.
         operator: solves its linear systems.
     """
 
-    def __init__(self, interface: Interface, memory: int = 0) -> None:
+    def __init__(self, interface: Interface) -> None:
         self.interface = interface
-        self.operator: InterfaceOperator = InverseOperator(interface, memory)
+        self.operator: InterfaceOperator = FactoredOperator(interface)
         self._newton = Newton(self.operator)
 
     def run(self, steps: list[StepLoads]) -> Iterator[StepResult]:

@@ -58,6 +58,9 @@ class LoadedStep:
         self.loads = loads
         self.free = (interface.gap + interface.loads @ loads.amplitudes).reshape(len(reference), -1)
         self.free[:, 1:] -= reference
+        roots = interface.roots
+        self._free_motion = float((np.abs(self.free).max(axis=1) / roots).max())
+        self._reach = interface.reach
         forces = interface.coordinate_loads @ loads.amplitudes
         self._forces = forces + np.where(interface.prescribed, 0.0, loads.values)
 
@@ -77,10 +80,7 @@ class LoadedStep:
 
     def motion(self, coordinates: Array) -> float:
         """Largest displacement of a node (length) by loads or by one coordinate."""
-        d, roots = self._interface.components, self._interface.roots
-        moved = np.abs(self._interface.motion * coordinates).max(axis=1, initial=0.0)
-        moved = np.maximum(np.abs(self.free).ravel(), moved).reshape(-1, d).max(axis=1)
-        return float((moved / roots).max())
+        return float((self._reach * np.abs(coordinates)).max(initial=self._free_motion))
 
 
 class Newton:

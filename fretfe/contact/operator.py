@@ -4,7 +4,7 @@
 Newton's method, its fallback and the full-stick increments state conditions on nodes and
 coordinates. Whoever implements these protocols decides how the linear systems behind them are
 factorised and solved, and what is kept from one contact area to the next; the only implementation
-is `fretfe.contact.inverse`.
+is `fretfe.contact.factored`.
 
 Right-hand sides and solutions have a last axis of J cases that are solved at once. N, d and m are
 those of `fretfe.contact.interface`.

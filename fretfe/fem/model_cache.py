@@ -2,7 +2,7 @@
 """Cache of one model from case to case, until a case needs another one. Collective.
 
 Friction, load histories and the evaluated cycle do not enter the model: mesh, stiffness,
-factorisations and condensed bodies stay, and so do the inverses for contact areas that were met.
+factorisations and condensed bodies stay, and so does the factorised interface.
 """
 
 from __future__ import annotations
@@ -17,8 +17,6 @@ from fretfe.fem.run import LoadMesh, Prepared, build_model, load_history, solve_
 from fretfe.fem.timing import Clock
 from fretfe.results.model import Result
 
-# Bytes for the inverses.
-MEMORY = 2**30
 # Keys of a case that do not enter its model.
 FREE: dict[str, Any] = {
     "title": True,
@@ -52,7 +50,7 @@ class ModelCache:
         history = load_history(self._comm, case, options)
         if self._prepared is None or key != self._key:
             self.clear()
-            self._prepared = build_model(self._comm, case, clock, load, MEMORY)
+            self._prepared = build_model(self._comm, case, clock, load)
             self._key = key
         return solve_prepared(self._prepared, case, history, options, clock)
 

@@ -57,9 +57,7 @@ class Prepared:
         return [body.elastic.mesh for body in self.model.bodies.values()]
 
 
-def build_model(
-    comm: MPI.Comm, case: Case, clock: Clock, load: LoadMesh | None = None, memory: int = 0
-) -> Prepared:
+def build_model(comm: MPI.Comm, case: Case, clock: Clock, load: LoadMesh | None = None) -> Prepared:
     """Mesh and model of a case. Collective.
 
     Args:
@@ -67,7 +65,6 @@ def build_model(
         case: validated case, the same on all ranks.
         clock: for timings.
         load: gives the mesh, called on rank 0; None for `load_mesh`.
-        memory: bytes for operators that other histories need again.
 
     Raises:
         FretfeError: if there is no mesh or no model for the case.
@@ -76,7 +73,7 @@ def build_model(
         mesh = on_root(comm, load or partial(load_mesh, case), share=False)
     model = Model(comm, case, mesh, clock)
     reduction = model.reduction
-    march = March(reduction.interface, memory) if reduction is not None else None
+    march = March(reduction.interface) if reduction is not None else None
     return Prepared(mesh, model, march)
 
 

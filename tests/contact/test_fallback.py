@@ -14,8 +14,8 @@ from halfspace import SphereOnFlat
 
 from fretfe.contact.admm import status_by_fixed_point
 from fretfe.contact.certificate import certify
+from fretfe.contact.factored import FactoredOperator
 from fretfe.contact.interface import Interface
-from fretfe.contact.inverse import InverseOperator
 from fretfe.contact.march import MAX_CUTS, March, StepResult
 from fretfe.contact.newton import Newton, NotConverged
 from fretfe.contact.state import ContactState, StepLoads, unloaded
@@ -92,7 +92,7 @@ def test_newton_needs_few_iterations_from_a_cold_start(
     interface, loads = make()
     state = unloaded(interface)
     reference = state.relative[:, 1:]
-    operator = InverseOperator(interface)
+    operator = FactoredOperator(interface)
     status, direction = status_by_fixed_point(operator, loads, reference, state.traction)
     solved, iterations = Newton(operator).solve(loads, reference, status, direction)
     # The status of a few nodes at the borders may be wrong: their traction is below the tolerance.

@@ -10,8 +10,8 @@ import pytest
 
 from fretfe._typing import Array, Bools
 from fretfe.contact.compliance import DenseCompliance
+from fretfe.contact.factored import FactoredOperator
 from fretfe.contact.interface import Coordinate, Interface
-from fretfe.contact.inverse import InverseOperator
 from fretfe.contact.operator import Conditions, InterfaceOperator
 from fretfe.contact.state import OPEN, SLIP, STICK
 
@@ -21,7 +21,7 @@ CONTROLS = ("force", "displacement", "fixed", "displacement")
 # Round-off of random systems of a hundred unknowns.
 SAME = 1e-9
 
-OPERATORS = pytest.mark.parametrize("make", [InverseOperator])
+OPERATORS = pytest.mark.parametrize("make", [FactoredOperator])
 DIMENSIONS = pytest.mark.parametrize("d", [2, 3])
 
 
@@ -106,7 +106,7 @@ def loads(interface: Interface) -> tuple[Array, Array]:
     [[False, True, True, True], [False, False, True, False]],
     ids=["driven by displacement", "driven by force"],
 )
-def test_release_meets_the_conditions(make: type[InverseOperator], d: int, known: Bools) -> None:
+def test_release_meets_the_conditions(make: type[FactoredOperator], d: int, known: Bools) -> None:
     interface = problem(d)
     operator: InterfaceOperator = make(interface)
     wanted = conditions(interface, np.array(known))
@@ -121,7 +121,7 @@ def test_release_meets_the_conditions(make: type[InverseOperator], d: int, known
 
 @OPERATORS
 @DIMENSIONS
-def test_bodies_that_float_in_equilibrium(make: type[InverseOperator], d: int) -> None:
+def test_bodies_that_float_in_equilibrium(make: type[FactoredOperator], d: int) -> None:
     """Two coordinates that move everything alike: only their difference acts on the contact."""
     interface = problem(d)
     motion = interface.motion.copy()
@@ -141,7 +141,7 @@ def test_bodies_that_float_in_equilibrium(make: type[InverseOperator], d: int) -
 
 
 @OPERATORS
-def test_motion_without_resistance_is_singular(make: type[InverseOperator]) -> None:
+def test_motion_without_resistance_is_singular(make: type[FactoredOperator]) -> None:
     interface = problem(2)
     interface = replace(interface, stiffness=np.zeros((4, 4)))
     wanted = conditions(interface, np.zeros(4, bool))
@@ -158,18 +158,19 @@ def test_motion_without_resistance_is_singular(make: type[InverseOperator]) -> N
 
 
 @OPERATORS
-def test_area_is_the_same_while_it_serves(make: type[InverseOperator]) -> None:
+def test_area_is_the_same_while_it_serves(make: type[FactoredOperator]) -> None:
     interface = problem(2)
     operator = make(interface)
     gap, closed = np.arange(float(NODES)), np.arange(NODES) < 20
     first = operator.area(closed, gap)
-    assert operator.area(np.arange(NODES) < 21, gap) is first
-    assert operator.area(np.arange(NODES) >= 20, gap) is not first
+    assert operator.area(np.arange(NODES) < 18, gap) is not first
+    again = operator.area(closed, gap)
+    assert operator.area((np.arange(NODES) < 20) & (np.arange(NODES) != 3), gap) is again
 
 
 @OPERATORS
 @DIMENSIONS
-def test_elastic_layer(make: type[InverseOperator], d: int) -> None:
+def test_elastic_layer(make: type[FactoredOperator], d: int) -> None:
     interface, penalty = problem(d), 0.7
     rng = np.random.default_rng(3)
     traction, moved = rng.standard_normal(NODES * d), rng.standard_normal(1)

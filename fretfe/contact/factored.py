@@ -1,0 +1,341 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The interface operator by one factorisation for many contact areas.
+
+The nodes are ordered as they come into contact. With the first n of them stuck, their tractions are
+
+    y = V (−free − G c),        V the inverse of the leading block of A,
+
+and the coordinates c follow from equilibrium. A component that is let go of moves by an unknown
+amount, an unknown right-hand side. There are few of them, and they follow, with the coordinates,
+from as many conditions on the rows of V that belong to them. Contact areas are nearly nested, so
+that one order serves most of a history: nodes that are open among the first n are let go of.
+
+All systems are solved in lengths: tractions times the mean compliance, coordinates by the
+displacement that they cause.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from scipy import linalg
+
+from fretfe._typing import Array, Bools, Indices
+from fretfe.contact.interface import Interface, coordinate_scale
+from fretfe.contact.nested import InverseRows, NestedInverse
+from fretfe.contact.operator import Conditions, Response
+from fretfe.contact.sliding import solve_directly, unknown_tractions
+from fretfe.contact.state import OPEN, SLIP
+from fretfe.errors import ModelError
+
+# Leading blocks end at multiples of this fraction of all nodes: most changes of the contact area
+# leave the block as it is.
+STEP = 1 / 64
+# Work of opening a component among those of a block, for each of them, over that of a factorisation
+# for each cube of an unknown (measured: 18 ns, .03 ns).
+OPENING = 600
+# Singular values below this fraction of the largest belong to motions that nothing resists.
+UNRESISTED = 1e-10
+
+
+class FactoredOperator:
+    """Interface operator that factorises the compliance in the order of contact.
+
+    Args:
+        interface: the interface problem.
+    """
+
+    def __init__(self, interface: Interface) -> None:
+        self.interface = interface
+        self._order: ContactOrder | None = None
+        self._met = np.zeros(interface.size, dtype=np.int64)  # how often a node was in contact
+
+    def area(self, closed: Bools, gap: Array) -> NestedArea:
+        """Leading block that includes a contact area; see `InterfaceOperator`."""
+        self._met += closed
+        if self._order is None or self._order.is_worn(closed):
+            keys = gap / self.interface.roots, -self._met, ~closed  # the last one counts most
+            self._order = ContactOrder(self.interface, np.lexsort(keys))
+        return self._order.area(closed)
+
+    def regularised(self, penalty: float) -> RegularisedFactor:
+        """Bodies with an elastic layer between them; see `InterfaceOperator`."""
+        return RegularisedFactor(self.interface, penalty)
+
+
+class ContactOrder:
+    """The compliance factorised in one order of the nodes.
+
+    Args:
+        interface: the interface problem.
+        nodes: (N,) all nodes.
+
+    Attributes:
+        interface: the interface problem.
+        nodes: (N,) all nodes.
+        components: (N*d,) theirs.
+        level: mean compliance, the unit of tractions.
+        scale: (m,) unit of each coordinate.
+        motion: (N*d, m) G in these units and this order.
+        stiffness: (m, m) K in these units.
+        inverse: of the leading blocks of A.
+        rows: of these inverses, and G times them.
+    """
+
+    def __init__(self, interface: Interface, nodes: Indices) -> None:
+        d = interface.components
+        self.interface = interface
+        self.nodes = nodes
+        self.components = (nodes[:, None] * d + np.arange(d)).ravel()
+        self._rank = np.argsort(nodes)
+        self._step = max(1, round(STEP * len(nodes)))
+        self._area: NestedArea | None = None
+        self._cost = 0
+        self.level = interface.compliance.level
+        self.scale = coordinate_scale(interface)
+        self.motion = interface.motion[self.components] * self.scale
+        self.stiffness = interface.stiffness * np.outer(self.scale, self.scale) * self.level
+        matrix = interface.compliance.block(self.components, self.components).T  # Fortran's order
+        matrix /= self.level
+        try:
+            self.inverse = NestedInverse(matrix)
+        except np.linalg.LinAlgError as error:
+            raise ModelError(
+                "expected a compliance of the contact nodes that is positive definite, found that "
+                f"{error}: some nodes of the surface that carries the multipliers face nothing, or "
+                "round-off has eaten the stiffness of a body"
+            ) from None
+        self.rows = InverseRows(self.inverse, self.motion)
+
+    def is_worn(self, closed: Bools) -> bool:
+        """Tell whether opening nodes out of order has cost as much by now as another order does.
+
+        Counts the contact area as solved once more.
+        """
+        opened = self._last(closed) - np.count_nonzero(closed)
+        size = len(self.components)
+        self._cost += OPENING * opened * self.interface.components * np.count_nonzero(closed)
+        return opened > 0 and self._cost > size**3
+
+    def area(self, closed: Bools) -> NestedArea:
+        """The leading block that includes a contact area."""
+        count = min(-(-self._last(closed) // self._step) * self._step, len(closed))
+        if self._area is None or self._area.count != count:
+            self._area = NestedArea(self, count)
+        return self._area
+
+    def _last(self, closed: Bools) -> int:
+        """Number of nodes up to the last one in contact."""
+        return int(self._rank[closed].max(initial=-1)) + 1
+
+
+class NestedArea:
+    """The first nodes of an order.
+
+    Args:
+        order: of the nodes.
+        count: how many take part; all others have no traction.
+    """
+
+    def __init__(self, order: ContactOrder, count: int) -> None:
+        self.order = order
+        self.count = count
+        self.size = count * order.interface.components
+
+    def stuck(self, free: Array, forces: Array) -> StuckSolution:
+        """Full stick of the area under loads; see `ContactArea`."""
+        return StuckSolution(self, free, forces)
+
+
+class StuckSolution:
+    """Solution with every node of an area stuck, from which nodes and coordinates are released.
+
+    Args:
+        area: the leading block.
+        free: (N, d, J) displacements without tractions and coordinates.
+        forces: (m, J) on the coordinates.
+    """
+
+    def __init__(self, area: NestedArea, free: Array, forces: Array) -> None:
+        order, size = area.order, area.size
+        self._area = area
+        self._given = free, forces
+        self._free = free.reshape(-1, free.shape[-1])[order.components]
+        self._forces = forces * order.scale[:, None] * order.level
+        # Forces that the tractions leave over with all coordinates at rest.
+        self._missing = order.rows.vectors(size) @ self._free[:size] - self._forces
+
+    @cached_property
+    def _traction(self) -> Array:
+        """(n*d, J) tractions with all coordinates at rest."""
+        area = self._area
+        return area.order.inverse.solve(area.size, -self._free[: area.size])
+
+    @property
+    def coordinates(self) -> Array:
+        """(m, J) coordinates on which forces act, the prescribed ones at rest."""
+        order, size = self._area.order, self._area.size
+        moving = np.flatnonzero(~order.interface.prescribed)
+        resistance = order.stiffness + order.rows.vectors(size) @ order.motion[:size]
+        found = np.zeros_like(self._forces)
+        # Too few nodes in contact may leave some motions free: the smallest motion.
+        moved = linalg.pinvh(resistance[np.ix_(moving, moving)]) @ -self._missing[moving]
+        found[moving] = moved
+        return found * order.scale[:, None]
+
+    def release(self, conditions: Conditions) -> Response:
+        """Let go of what is open, slipping or without known amplitude; see `StuckContact`."""
+        area, order = self._area, self._area.order
+        released = _Released(area, conditions)
+        count = len(released.all)
+        plane = order.interface.components == 2
+        if plane and not conditions.floating and unknown_tractions(conditions) < count:
+            return solve_directly(order.interface, conditions, *self._given)
+        # Tractions by unit displacements of the released components, then by coordinates.
+        response = np.vstack(
+            [order.rows.units(area.size, released.all), -order.rows.vectors(area.size)]
+        )
+        matrix = np.empty((len(response), len(response)))
+        matrix[:count] = response[:, released.all].T
+        matrix[count:] = (response @ order.motion[: area.size]).T
+        matrix[count:, count:] -= order.stiffness
+        target = np.vstack([-self._traction[released.all], self._missing])
+        released.let_slip(conditions, matrix, target, response, self._traction)
+        known = count + np.flatnonzero(conditions.known)
+        matrix[known] = 0.0
+        matrix[known, known] = 1.0
+        target[known] = conditions.amplitudes / order.scale[conditions.known, None]
+        residual = 0.0
+        if conditions.floating:
+            changes, residual = _least_motion(matrix, target)
+        else:
+            changes = np.linalg.solve(matrix, target)
+        return self._response(response, released, changes, residual)
+
+    def _response(
+        self, response: Array, released: _Released, changes: Array, residual: float
+    ) -> Response:
+        order, size = self._area.order, self._area.size
+        count = len(released.all)
+        solved = self._traction + response.T @ changes
+        traction, relative = np.zeros_like(self._free), np.zeros_like(self._free)
+        traction[order.components[:size]] = solved / order.level
+        relative[order.components[released.all]] = changes[:count]
+        relative[order.components[size:]] = (
+            self._free[size:]
+            + order.inverse.beyond(size).T @ solved
+            + order.motion[size:] @ changes[count:]
+        )
+        shape = (order.interface.size, order.interface.components, -1)
+        return Response(
+            traction.reshape(shape),
+            relative.reshape(shape),
+            changes[count:] * order.scale[:, None],
+            residual,
+        )
+
+
+class _Released:
+    """Components of an area whose displacements conditions leave open.
+
+    Attributes:
+        all: their numbers in the order of the area: open nodes, then the shear of slipping ones.
+        sliding: the range of the latter in `all`.
+    """
+
+    def __init__(self, area: NestedArea, conditions: Conditions) -> None:
+        order, d = area.order, area.order.interface.components
+        nodes = order.nodes[: area.count]
+        status = conditions.status[nodes]
+        start = np.arange(area.count) * d
+        opened = (start[status == OPEN][:, None] + np.arange(d)).ravel()
+        self._level = order.level
+        self._slipping = nodes[status == SLIP]
+        self._normal = start[status == SLIP]
+        shear = (self._normal[:, None] + np.arange(1, d)).ravel()
+        self.all = np.concatenate([opened, shear])
+        self.sliding = slice(len(opened), len(self.all))
+
+    def let_slip(
+        self, conditions: Conditions, matrix: Array, target: Array, response: Array, stuck: Array
+    ) -> None:
+        """Replace "no shear" in the rows of slipping nodes by the conditions of slip.
+
+        Args:
+            conditions: conditions.
+            matrix: (k, k) changed in place: released tractions by all unknowns.
+            target: (k, J) changed in place.
+            response: (k, n*d) all tractions by all unknowns.
+            stuck: (n*d, J) tractions in full stick.
+        """
+        rows, nodes = self.sliding, self._slipping
+        per_node = conditions.pull.shape[1]
+        bound = np.repeat(self._normal, per_node)
+        pull = conditions.pull[nodes].ravel()[:, None]
+        if per_node > 1:
+            turning = conditions.turning[nodes]
+            trial = matrix[rows].copy()  # of q − r Δ; Δ is an unknown itself
+            trial[np.arange(len(trial)), np.arange(rows.start, rows.stop)] -= np.repeat(
+                conditions.penalty[nodes] * self._level, per_node
+            )
+            matrix[rows] -= _by_node(turning, trial)
+            target[rows] -= _by_node(turning, target[rows])
+        matrix[rows] -= pull * response[:, bound].T
+        target[rows] += pull * stuck[bound]
+
+
+def _least_motion(matrix: Array, target: Array) -> tuple[Array, float]:
+    """Smallest solution of a system that leaves some motions free, and its relative residual.
+
+    Rows and columns are of different units: they are brought to one size first.
+    """
+    rows = np.linalg.norm(matrix, axis=1)[:, None]
+    matrix, target = matrix / rows, target / rows
+    columns = np.linalg.norm(matrix, axis=0)[:, None]
+    matrix = matrix / columns.T
+    # By a pivoted QR decomposition: several times faster than by singular values. The second time
+    # for what the first one leaves, a small difference of large tractions.
+    changes = _least_squares(matrix, target)
+    changes += _least_squares(matrix, target - matrix @ changes)
+    size = max(float(np.linalg.norm(target)), np.finfo(np.float64).tiny)
+    return changes / columns, float(np.linalg.norm(matrix @ changes - target)) / size
+
+
+def _least_squares(matrix: Array, target: Array) -> Array:
+    changes: Array = linalg.lstsq(matrix, target, cond=UNRESISTED, lapack_driver="gelsy")[0]
+    return changes
+
+
+def _by_node(blocks: Array, values: Array) -> Array:
+    """Products of (n, k, k) blocks with values (n * k, J)."""
+    parts = values.reshape(*blocks.shape[:2], values.shape[1])
+    return np.einsum("nij,nj...->ni...", blocks, parts).reshape(values.shape)
+
+
+class RegularisedFactor:
+    """The interface problem with an elastic layer between the bodies, factorised.
+
+    Args:
+        interface: the interface problem; its prescribed coordinates are left out.
+        penalty: compliance of the layer.
+    """
+
+    def __init__(self, interface: Interface, penalty: float) -> None:
+        released = np.flatnonzero(~interface.prescribed)
+        everything = np.arange(interface.size * interface.components)
+        matrix = interface.compliance.block(everything, everything).T  # Fortran's order
+        matrix[everything, everything] += penalty
+        self._inverse = NestedInverse(matrix)
+        scale = coordinate_scale(interface)[released] * interface.compliance.level
+        self._scale = scale
+        self._motion = interface.motion[:, released] * scale
+        self._response = self._inverse.solve(len(everything), self._motion)
+        stiffness = interface.stiffness[np.ix_(released, released)] * np.outer(scale, scale)
+        self._flexibility = linalg.pinvh(stiffness + self._motion.T @ self._response)
+
+    def tractions(self, displacement: Array, forces: Array) -> Array:
+        """(N*d,) tractions that give a displacement; see `Regularised`."""
+        held = self._inverse.solve(len(displacement), displacement)
+        moved = self._flexibility @ (self._motion.T @ held - forces * self._scale)
+        return np.asarray(held - self._response @ moved)
