@@ -91,7 +91,7 @@ class ContactOrder:
         self._rank = np.argsort(nodes)
         self._step = max(1, round(STEP * len(nodes)))
         self._area: NestedArea | None = None
-        self._cost = 0
+        self._cost = 0.0
         self.level = interface.compliance.level
         self.scale = coordinate_scale(interface)
         self.motion = interface.motion[self.components] * self.scale
@@ -113,9 +113,9 @@ class ContactOrder:
 
         Counts the contact area as solved once more.
         """
-        opened = self._last(closed) - np.count_nonzero(closed)
+        opened = self._last(closed) - int(closed.sum())
         size = len(self.components)
-        self._cost += OPENING * opened * self.interface.components * np.count_nonzero(closed)
+        self._cost += OPENING * opened * self.interface.components * int(closed.sum())
         return opened > 0 and self._cost > size**3
 
     def area(self, closed: Bools) -> NestedArea:

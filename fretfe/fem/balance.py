@@ -61,7 +61,7 @@ def _body_balance(
         "force_imbalance": np.abs(parts.sum(axis=0)).max(axis=1),
         "force_scale": largest,
         "moment_imbalance": np.abs(body.moments(tractions, coordinates, amplitudes)).max(axis=1),
-        "moment_scale": largest * body.body.moments.size,
+        "moment_scale": largest * body.body.size,
     }
 
 

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Static condensation of a body to its contact surfaces and rigid boundaries.
+"""Static condensation of a body to its contact multipliers and rigid boundaries.
 
-The retained unknowns are the displacements u of the nodes on the contact surfaces and the
-coordinates c: the amplitude of every constrained boundary (platen, prescribed displacement,
-support). With contact forces f on the surface nodes and load amplitudes a, the body obeys
+With the weighted tractions y at its contact nodes, the coordinates c (amplitudes of constrained
+boundaries, then of the motions that only contact restrains) and the load amplitudes a, a body moves
+its contact nodes and pulls at its boundaries by
 
-    f + F a = S u + S_c c            forces on the surface nodes
-    R + H a = S_cᵀ u + S_cc c        forces R that the boundaries exert on the body
+    w_b = C y + G c + L a
+    R + H a = −Gᵀ y + K c
 
-exactly: static condensation of a linear body loses nothing. A surface node that belongs to a
-constrained boundary as well moves with it, u = T c, and passes its force on: its rows of S, S_c and
-F are those of an unknown without coupling, and Tᵀ f joins R. Displacements inside are recovered by
-one back-substitution.
+exactly: static condensation of a linear body loses nothing. A contact node that belongs to a
+constrained boundary as well moves with it and passes its force on. Displacement fields follow by
+one solve with the factor that gave C.
+
+A body that can move freely is held at as many displacements as it has free motions. Forces are
+balanced on the contact surfaces before, and the mean motion there is taken out after, so that it
+does not matter which displacements they are.
 """
 
 from __future__ import annotations
@@ -20,12 +23,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from dolfinx import fem
+from scipy import sparse
+from scipy.linalg import qr
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
 from fretfe.fem._compat import PETSc
+from fretfe.fem.bordered import BorderedFactor
 from fretfe.fem.elasticity import DistributedLoad, ElasticBody
-from fretfe.fem.schur import SchurFactorization
 from fretfe.fem.timing import Clock
 
 # Surface nodes are found by their coordinates, to this fraction of the size of the surface.
@@ -48,56 +53,37 @@ class Constraint:
 
 
 @dataclass(frozen=True)
-class MomentOperators:
-    """Moments on a body about the middle of its contact surfaces, k of them: one in the plane.
-
-    Attributes:
-        displacement: (k, n) of the reactions of constrained boundaries, by surface displacements,
-        coordinates: (k, m) by coordinates,
-        loads: (k, l) and by loads: together with the moments of the loads themselves.
-        forces: (k, n) of contact forces on the surface nodes that are not constrained; those on
-            the others are reactions too.
-        size: largest extent of the body.
-    """
-
-    displacement: Array
-    coordinates: Array
-    loads: Array
-    forces: Array
-    size: float
-
-
-@dataclass(frozen=True)
 class CondensedBody:
     """Condensed operators of a body; see the module's docstring.
 
-    n surface unknowns (node by node, components together), m coordinates, l loads. Forces are per
-    unit thickness in the plane.
+    n weighted tractions, m constraints and k free motions, l loads. Forces are per unit thickness
+    in the plane.
 
     Attributes:
         name: body.
-        stiffness: (n, n) S, symmetric, singular if the body can move freely.
-        coupling: (n, m) S_c.
-        coordinate_stiffness: (m, m) S_cc.
-        surface_loads: (n, l) F.
-        coordinate_loads: (m, l) H.
-        prescribed: (n, m) T, zero but for surface nodes on constrained boundaries.
-        modes: (n, k) orthonormal motions of the surface nodes in the rigid modes that are
-            restrained only by contact.
+        compliance: (n, n) C, symmetric, positive semi-definite.
+        motion: (n, m + k) G.
+        loads: (n, l) L.
+        stiffness: (m + k, m + k) K.
+        coordinate_loads: (m + k, l) H.
         load_resultants: (gdim, l) total force of each load.
-        moments: what moments on the body follow from.
+        contact_resultants: (gdim, n) total force on the body by tractions.
+        moments: (r, n + m + l) sum of the moments of reactions, loads and contact, r of them (one
+            in the plane), about the middle of the contact surfaces, by y, coordinates of the
+            constraints and a.
+        size: largest extent of the body.
     """
 
     name: str
+    compliance: Array
+    motion: Array
+    loads: Array
     stiffness: Array
-    coupling: Array
-    coordinate_stiffness: Array
-    surface_loads: Array
     coordinate_loads: Array
-    prescribed: Array
-    modes: Array
     load_resultants: Array
-    moments: MomentOperators
+    contact_resultants: Array
+    moments: Array
+    size: float
 
 
 class Body:
@@ -107,8 +93,14 @@ class Body:
         elastic: space and operators of the body.
         constraints: in order of precedence: where boundaries share a node, the first one moves it.
         loads: distributed loads.
-        surface_points: (n, gdim) displacement points of the contact surfaces.
+        surface_points: (p, gdim) displacement points of the contact surfaces.
+        operator: (n, p*gdim) weighted relative displacements of the contact nodes by those of the
+            points; the same on all ranks.
         clock: for timings.
+
+    Attributes:
+        elastic: space and operators of the body.
+        condensed: on rank 0, None elsewhere.
     """
 
     def __init__(
@@ -117,33 +109,41 @@ class Body:
         constraints: list[Constraint],
         loads: list[DistributedLoad],
         surface_points: Array,
+        operator: sparse.csr_matrix,
         clock: Clock,
     ) -> None:
         self.elastic = elastic
         self._index_map = elastic.space.dofmap.index_map
-        self._shapes = shapes = constraint_shapes(elastic, constraints)
-        self._constrained = np.flatnonzero(np.any([s.x.array != 0 for s in shapes], axis=0))
-        self._retain(surface_points)
+        self._operator = operator
+        self._surface_points = surface_points
+        self._retain()
         with clock("assembly"):
-            self._matrix = elastic.stiffness(self._constrained.astype(np.int32))
+            shapes = constraint_shapes(elastic, constraints)
+            self._shapes = [shape.x.petsc_vec.copy() for shape in shapes]
+            self._constrained = np.flatnonzero(np.any([s.x.array != 0 for s in shapes], axis=0))
+            self._motions = self._free_motions()
+            self._fixed = np.concatenate([self._constrained, self._pins()])
+            matrix = elastic.stiffness(self._fixed.astype(np.int32))
+            self._shape_forces = [elastic.forces(shape) for shape in shapes]
+            self._loads = [elastic.load_vector(load) for load in loads]
         with clock("condensation"):
-            self._factor = SchurFactorization(self._matrix, self.retained)
-        # Displacement fields of a unit coordinate and a unit load with all else at zero.
-        self._coordinate_fields: list[PETSc.Vec] = []
-        self._load_fields: list[PETSc.Vec] = []
+            self._factor = BorderedFactor(matrix, self._border(), elastic.gdim)
         with clock("load columns"):
-            self.condensed = self._condense(shapes, [elastic.load_vector(load) for load in loads])
+            self.condensed = self._condense()
 
-    def _retain(self, surface_points: Array) -> None:
+    def _retain(self) -> None:
         """Find the surface nodes: their global unknowns, and which of them this rank owns."""
         gdim, comm = self.elastic.gdim, self.elastic.comm
         owned = self._index_map.size_local
         coordinates = self.elastic.space.tabulate_dof_coordinates()[:owned, :gdim]
-        extent = np.ptp(surface_points, axis=0).max()
+        extent = np.ptp(self._surface_points, axis=0).max()
         distance, node = (
-            cKDTree(coordinates).query(surface_points)
+            cKDTree(coordinates).query(self._surface_points)
             if owned
-            else (np.full(len(surface_points), np.inf), np.zeros(len(surface_points), int))
+            else (
+                np.full(len(self._surface_points), np.inf),
+                np.zeros(len(self._surface_points), int),
+            )
         )
         mine = np.flatnonzero(distance < MATCH_TOLERANCE * extent)
         components = np.arange(gdim)
@@ -151,94 +151,192 @@ class Body:
         self._own_local = (node[mine][:, None] * gdim + components).ravel()
         offset = self._index_map.local_range[0] * gdim
         found = comm.allgather((self._own_positions, self._own_local + offset))
-        self.retained = np.full(len(surface_points) * gdim, -1)
+        self._unknowns = np.full(len(self._surface_points) * gdim, -1)
         for positions, unknowns in found:
-            self.retained[positions] = unknowns
-        assert np.all(self.retained >= 0), "a surface node is not a node of the body"
-        self._surface_points = surface_points
+            self._unknowns[positions] = unknowns
+        assert np.all(self._unknowns >= 0), "a surface node is not a node of the body"
 
-    def _condense(
-        self, shapes: list[fem.Function], load_vectors: list[PETSc.Vec]
-    ) -> CondensedBody | None:
-        """Schur complement and condensed columns; the result is on rank 0 only."""
-        coordinate_forces = [self.elastic.forces(shape) for shape in shapes]
-        for force in coordinate_forces:
-            self._coordinate_fields.append(self._interior_response(-1.0 * force))
-        for vector in load_vectors:
-            self._load_fields.append(self._interior_response(vector))
-        coupling = [
-            self._gather_unconstrained(force + self._matrix * field)
-            for force, field in zip(coordinate_forces, self._coordinate_fields, strict=True)
-        ]
-        surface_loads = [
-            self._gather_unconstrained(vector - self._matrix * field)
-            for vector, field in zip(load_vectors, self._load_fields, strict=True)
-        ]
-        shape_vectors = [shape.x.petsc_vec for shape in shapes]
-        stiffness = _products(shape_vectors, coordinate_forces) + _products(
-            coordinate_forces, self._coordinate_fields
+    def _free_motions(self) -> list[PETSc.Vec]:
+        """Rigid motions that no constraint restrains, orthonormal on the surface nodes."""
+        gdim = self.elastic.gdim
+        points = self.elastic.space.tabulate_dof_coordinates()[:, :gdim]
+        centre = self._surface_points.mean(axis=0)
+        size = np.ptp(self._surface_points, axis=0).max()
+        everywhere = rigid_motions((points - centre) / size)
+        everywhere = everywhere.reshape(-1, everywhere.shape[2])
+        rows = everywhere[_owned(self._constrained, self._own)]
+        stretch, combinations = np.linalg.eigh(self.elastic.comm.allreduce(rows.T @ rows))
+        # A restrained mode moves many constrained nodes by about one, any other none at all.
+        free = combinations[:, stretch < 1e-8 * max(stretch[-1], 1.0)]
+        surface = rigid_motions((self._surface_points - centre) / size)
+        surface = surface.reshape(-1, surface.shape[2])
+        self._surface_motions, units = np.linalg.qr(surface @ free)
+        motions = []
+        for values in np.linalg.solve(units.T, (everywhere @ free).T):
+            motion = fem.Function(self.elastic.space)
+            motion.x.array[:] = values
+            motions.append(motion.x.petsc_vec.copy())
+        return motions
+
+    def _pins(self) -> Indices:
+        """Local numbers of the displacements that hold the free motions, owned and ghosted."""
+        if not self._motions:
+            return np.array([], dtype=np.int64)
+        start = self._index_map.local_range[0] * self.elastic.gdim
+        values = np.array([motion.array for motion in self._motions])
+        values[:, _owned(self._constrained, self._own)] = 0.0
+        # As far apart as possible: those that a pivoted QR decomposition takes first.
+        count = len(values)
+        best = qr(values, mode="r", pivoting=True)[1][:count] if values.size else np.array([], int)
+        candidates = self.elastic.comm.allgather([(start + j, values[:, j]) for j in best])
+        numbers, columns = zip(*(pair for part in candidates for pair in part), strict=True)
+        chosen = np.array(numbers)[qr(np.array(columns).T, mode="r", pivoting=True)[1][:count]]
+        nodes, component = np.divmod(chosen, self.elastic.gdim)
+        local = self._index_map.global_to_local(nodes.astype(np.int64))
+        here = local >= 0
+        return np.asarray(local[here] * self.elastic.gdim + component[here], dtype=np.int64)
+
+    @property
+    def _own(self) -> int:
+        """Number of displacements that this rank owns."""
+        return int(self._index_map.size_local * self.elastic.gdim)
+
+    def _border(self) -> sparse.csr_matrix:
+        """(n, N) operator on all unknowns, zero at fixed ones; on every rank."""
+        start = self._index_map.local_range[0] * self.elastic.gdim
+        fixed = start + _owned(self._fixed, self._own)
+        everywhere = np.concatenate(self.elastic.comm.allgather(fixed))
+        entries = sparse.coo_matrix(self._operator)
+        columns = self._unknowns[entries.col]
+        kept = ~np.isin(columns, everywhere)
+        size = self._index_map.size_global * self.elastic.gdim
+        return sparse.csr_matrix(
+            (entries.data[kept], (entries.row[kept], columns[kept])),
+            shape=(self._operator.shape[0], size),
         )
-        coordinate_loads = _products(shape_vectors, load_vectors) - _products(
-            coordinate_forces, self._load_fields
-        )
-        resultants = self._resultants(load_vectors)
-        moments = self._moments(shape_vectors, coordinate_forces, load_vectors)
-        modes = self._rigid_modes()
-        prescribed = [self._gather(vector) for vector in shape_vectors]
-        if self.elastic.comm.rank != 0:
+
+    def _respond(self, forces: PETSc.Vec) -> PETSc.Vec:
+        """Displacement under nodal forces with the constrained boundaries at rest.
+
+        Forces are balanced on the contact surfaces, whose mean free motion is zero.
+        """
+        balanced = forces.copy()
+        excess = [motion.dot(forces) for motion in self._motions]
+        balance = self._surface_motions @ np.array(excess)
+        np.subtract.at(balanced.array, self._own_local, balance[self._own_positions])
+        balanced.array[_owned(self._fixed, self._own)] = 0.0
+        field = self._factor.solve(balanced)
+        mean = self._surface_motions.T @ self._gather(field)
+        _add(field, -mean, self._motions)
+        return field
+
+    def _gather(self, vector: PETSc.Vec) -> Array:
+        """(p*gdim,) values at the surface nodes, on every rank."""
+        values = np.empty(len(self._unknowns))
+        own = vector.array[self._own_local]
+        for positions, part in self.elastic.comm.allgather((self._own_positions, own)):
+            values[positions] = part
+        return values
+
+    def _relative(self, vectors: list[PETSc.Vec]) -> Array:
+        """(n, len(vectors)) displacements of the contact nodes."""
+        surface = [self._gather(vector) for vector in vectors]
+        return np.asarray(self._operator @ _columns(surface, self._operator.shape[1]))
+
+    def _condense(self) -> CondensedBody | None:
+        """All operators; on rank 0 only."""
+        fields = [self._respond(-1.0 * force) for force in self._shape_forces]
+        loaded = [self._respond(vector) for vector in self._loads]
+        free = np.asarray(self._operator @ self._surface_motions)
+        compliance, fill = self._compliance(free)
+        pushed = _products(self._motions, self._loads)
+        driven = [shape + field for shape, field in zip(self._shapes, fields, strict=True)]
+        motion = np.hstack([self._relative(driven), free])
+        loads = self._relative(loaded) + fill * free @ pushed
+        stiffness = np.zeros((motion.shape[1], motion.shape[1]))
+        count = len(fields)
+        stiffness[:count, :count] = _products(driven, self._shape_forces)
+        coordinate_loads = _products(self._shapes, self._loads)
+        coordinate_loads -= _products(self._shape_forces, loaded)
+        moments, size = self._moments(driven)
+        resultants = self._resultants()
+        if compliance is None:
             return None
-        assert self._factor.complement is not None
-        assert moments is not None
-        size = len(self.retained)
+        gdim = self.elastic.gdim
+        everywhere = np.tile(np.eye(gdim), (len(self._surface_points), 1))
         return CondensedBody(
             name=self.elastic.name,
-            stiffness=self._factor.complement,
-            coupling=_columns(coupling, size),
-            coordinate_stiffness=(stiffness + stiffness.T) / 2,
-            surface_loads=_columns(surface_loads, size),
-            coordinate_loads=coordinate_loads,
-            prescribed=_columns(prescribed, size),
-            modes=modes,
-            load_resultants=resultants,
-            moments=moments,
-        )
-
-    def _moments(
-        self,
-        shapes: list[PETSc.Vec],
-        coordinate_forces: list[PETSc.Vec],
-        load_vectors: list[PETSc.Vec],
-    ) -> MomentOperators | None:
-        """Reactions on one more coordinate each, which turns the constrained nodes; on rank 0.
-
-        Reaction by reaction, a coordinate has only the sum of its nodal forces, not their moment.
-        """
-        whole, held = self._rotations()
-        turning = [each.x.petsc_vec for each in held]
-        forces = [self.elastic.forces(each) for each in held]
-        fields = [self._interior_response(-1.0 * force) for force in forces]
-        coupling = [
-            self._gather_unconstrained(force + self._matrix * field)
-            for force, field in zip(forces, fields, strict=True)
-        ]
-        coordinates = _products(turning, coordinate_forces) + _products(
-            forces, self._coordinate_fields
-        )
-        reactions = _products(turning, load_vectors) - _products(forces, self._load_fields)
-        everything = [each.x.petsc_vec for each in whole]
-        unconstrained = [self._gather_unconstrained(each.copy()) for each in everything]
-        points = self.elastic.space.tabulate_dof_coordinates()
-        size = float(np.ptp(np.vstack(self.elastic.comm.allgather(points)), axis=0).max())
-        loads = _products(everything, load_vectors) - reactions
-        if self.elastic.comm.rank != 0:
-            return None
-        return MomentOperators(
-            displacement=_columns(coupling, len(self.retained)).T,
-            coordinates=coordinates,
+            compliance=compliance,
+            motion=motion,
             loads=loads,
-            forces=_columns(unconstrained, len(self.retained)).T,
+            stiffness=(stiffness + stiffness.T) / 2,
+            coordinate_loads=np.vstack([coordinate_loads, pushed]),
+            load_resultants=resultants,
+            contact_resultants=(self._operator @ everywhere).T,
+            moments=moments,
             size=size,
         )
+
+    def _compliance(self, free: Array) -> tuple[Array | None, float]:
+        """(n, n) compliance on rank 0, and the compliance given to free motions.
+
+        Balancing the forces and taking the mean motion out of the displacements, as `_respond`
+        does, is of low rank. The forces along a free motion vanish in equilibrium; a compliance for
+        them makes no difference then, and the whole one definite.
+
+        Args:
+            free: (n, k) displacements of the contact nodes by the free motions.
+        """
+        compliance, comm = self._factor.compliance, self.elastic.comm
+        if not self._motions:
+            return compliance, 0.0
+        held = [self._factor.solve(each) for each in self._balancing_forces()]
+        coupling = self._relative(held)
+        mean = self._surface_motions.T @ _columns(
+            [self._gather(each) for each in held], len(self._unknowns)
+        )
+        fill = 0.0
+        if compliance is not None:
+            compliance -= free @ coupling.T
+            compliance -= coupling @ free.T
+            compliance += free @ mean @ free.T
+            fill = float(np.trace(compliance) / np.sum(free**2))
+            compliance += fill * free @ free.T
+        return compliance, comm.bcast(fill)
+
+    def _balancing_forces(self) -> list[PETSc.Vec]:
+        """Forces on the surface nodes that do unit work in one free motion each."""
+        vectors = []
+        for column in self._surface_motions.T:
+            vector = self._zeros()
+            np.add.at(vector.array, self._own_local, column[self._own_positions])
+            vector.array[_owned(self._fixed, self._own)] = 0.0
+            vectors.append(vector)
+        return vectors
+
+    def _moments(self, driven: list[PETSc.Vec]) -> tuple[Array, float]:
+        """Moments of reactions, loads and contact, and the size of the body.
+
+        Reaction by reaction, a coordinate has only the sum of its nodal forces, not their moment:
+        that is the reaction on a coordinate that turns the constrained nodes.
+
+        Args:
+            driven: displacement by each constraint.
+        """
+        whole, held = self._rotations()
+        forces = [self.elastic.forces(each) for each in held]
+        arms = []
+        for everything, turning, force in zip(whole, held, forces, strict=True):
+            arm = everything.x.petsc_vec - turning.x.petsc_vec
+            arms.append(arm - self._respond(-1.0 * force))
+        points = self.elastic.space.tabulate_dof_coordinates()
+        size = float(np.ptp(np.vstack(self.elastic.comm.allgather(points)), axis=0).max())
+        moments = [
+            self._relative(arms).T,
+            _products(forces, driven),
+            _products(arms, self._loads),
+        ]
+        return np.hstack(moments), size
 
     def _rotations(self) -> tuple[list[fem.Function], list[fem.Function]]:
         """Rotations of all nodes, and of the constrained ones alone."""
@@ -254,81 +352,55 @@ class Body:
             held.append(fixed)
         return whole, held
 
-    def _interior_response(self, forces: PETSc.Vec) -> PETSc.Vec:
-        """Displacement under nodal forces with surface nodes and coordinates at zero."""
-        rhs = forces.copy()
-        rhs.array[self._own_constrained()] = 0.0
-        rhs.array[self._own_local] = 0.0
-        field = self._factor.solve_interior(rhs)
-        field.array[self._own_local] = 0.0
-        return field
-
-    def _own_constrained(self) -> Indices:
-        owned = self._index_map.size_local * self.elastic.gdim
-        return self._constrained[self._constrained < owned]
-
-    def _gather_unconstrained(self, vector: PETSc.Vec) -> Array | None:
-        """(n,) values at the retained unknowns, zero where they are constrained; on rank 0."""
-        vector.array[self._own_constrained()] = 0.0
-        return self._gather(vector)
-
-    def _gather(self, vector: PETSc.Vec) -> Array | None:
-        """(n,) values at the retained unknowns, on rank 0."""
-        comm = self.elastic.comm
-        parts = comm.gather((self._own_positions, vector.array[self._own_local].copy()))
-        if parts is None:
-            return None
-        values = np.empty(len(self.retained))
-        for positions, part in parts:
-            values[positions] = part
-        return values
-
-    def _resultants(self, vectors: list[PETSc.Vec]) -> Array:
-        """(gdim, l) sums of nodal force vectors."""
+    def _resultants(self) -> Array:
+        """(gdim, l) total force of each load."""
         gdim = self.elastic.gdim
-        local = np.array([v.array.reshape(-1, gdim).sum(axis=0) for v in vectors])
-        return self.elastic.comm.allreduce(local.reshape(len(vectors), gdim)).T
+        local = np.array([v.array.reshape(-1, gdim).sum(axis=0) for v in self._loads])
+        return self.elastic.comm.allreduce(local.reshape(len(self._loads), gdim)).T
 
-    def _rigid_modes(self) -> Array:
-        """(n, k) motions of the surface nodes in rigid modes that no constraint restrains."""
-        gdim = self.elastic.gdim
-        points = self.elastic.space.tabulate_dof_coordinates()
-        centre = self._surface_points.mean(axis=0)
-        size = np.ptp(self._surface_points, axis=0).max()
-        own = self._own_constrained()
-        values = rigid_motions((points[own // gdim, :gdim] - centre) / size)
-        rows = values[np.arange(len(own)), own % gdim]
-        gram = self.elastic.comm.allreduce(rows.T @ rows)
-        stretch, combinations = np.linalg.eigh(gram)
-        # A restrained mode moves many constrained nodes by about one, any other none at all.
-        free = combinations[:, stretch < 1e-8 * max(stretch[-1], 1.0)]
-        surface = rigid_motions((self._surface_points - centre) / size)
-        return np.linalg.qr(surface.reshape(-1, surface.shape[2]) @ free)[0]
-
-    def recover(self, surface: Array, coordinates: Array, amplitudes: Array) -> fem.Function:
+    def recover(self, traction: Array, coordinates: Array, amplitudes: Array) -> fem.Function:
         """Displacement field of a solved step. Collective; same arguments on all ranks.
 
         Args:
-            surface: (n,) displacements of the surface nodes.
-            coordinates: (m,) amplitudes of the constraints.
+            traction: (n,) weighted tractions y.
+            coordinates: (m + k,) c.
             amplitudes: (l,) load amplitudes.
         """
-        moved = self._matrix.createVecRight()
-        moved.array[self._own_local] = surface[self._own_positions]
-        moved.array[self._own_constrained()] = 0.0
-        field = self._interior_response(-1.0 * (self._matrix * moved))
-        field.axpy(1.0, moved)
-        for c, shape, response in zip(
-            coordinates, self._shapes, self._coordinate_fields, strict=True
-        ):
-            field.axpy(c, shape.x.petsc_vec)
-            field.axpy(c, response)
-        for a, response in zip(amplitudes, self._load_fields, strict=True):
-            field.axpy(a, response)
+        forces = self._zeros()
+        nodal = self._operator.T @ traction
+        np.add.at(forces.array, self._own_local, nodal[self._own_positions])
+        _add(forces, amplitudes, self._loads)
+        driven, free = np.split(coordinates, [len(self._shapes)])
+        _add(forces, -driven, self._shape_forces)
+        field = self._respond(forces)
+        _add(field, driven, self._shapes)
+        _add(field, free, self._motions)
         displacement = fem.Function(self.elastic.space, name="displacement")
         displacement.x.array[: len(field.array)] = field.array
         displacement.x.scatter_forward()
         return displacement
+
+    def surface_displacement(self, displacement: fem.Function) -> Array:
+        """(p, gdim) displacements of the nodes of the contact surfaces, on every rank."""
+        return self._gather(displacement.x.petsc_vec).reshape(-1, self.elastic.gdim)
+
+    def _zeros(self) -> PETSc.Vec:
+        """A zero vector of displacements or nodal forces."""
+        zero = fem.Function(self.elastic.space)  # owns the memory that its vector views
+        vector = zero.x.petsc_vec.copy()
+        vector.zeroEntries()
+        return vector
+
+
+def _add(vector: PETSc.Vec, factors: Array, vectors: list[PETSc.Vec]) -> None:
+    """Add multiples of vectors to one."""
+    for factor, other in zip(factors, vectors, strict=True):
+        vector.axpy(factor, other)
+
+
+def _owned(local: Indices, own: int) -> Indices:
+    """Those of some local numbers that belong to the rank, which owns the first ones."""
+    return np.asarray(local[local < own])
 
 
 def constraint_shapes(elastic: ElasticBody, constraints: list[Constraint]) -> list[fem.Function]:
@@ -364,5 +436,5 @@ def _products(left: list[PETSc.Vec], right: list[PETSc.Vec]) -> Array:
     return np.array([[u.dot(v) for v in right] for u in left]).reshape(len(left), len(right))
 
 
-def _columns(vectors: list[Array | None], size: int) -> Array:
+def _columns(vectors: list[Array], size: int) -> Array:
     return np.array(vectors, dtype=float).reshape(len(vectors), size).T

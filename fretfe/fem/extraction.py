@@ -20,7 +20,7 @@ from fretfe.edges.section import PLANE_FRONTS, PlaneFront, plane_sections
 from fretfe.edges.separation import own_part
 from fretfe.edges.slip_zones import cycle_states
 from fretfe.fem.interaction_integral import MODES, InteractionForm, Tip
-from fretfe.fem.model import Model
+from fretfe.fem.model import Model, Request
 from fretfe.fem.reduction import Pair
 from fretfe.results.solution import (
     ContactHistory,
@@ -43,15 +43,6 @@ SAME_AREA = 0.02
 # from elements and from the middle.
 REACHES = (0.1, 0.15, 0.25)
 FEWEST_ELEMENTS, LARGEST = 10.0, 0.5
-
-
-@dataclass(frozen=True)
-class Request:
-    """A displacement field to recover: weighted tractions (N*d,), coordinates, load amplitudes."""
-
-    traction: Array
-    coordinates: Array
-    amplitudes: Array
 
 
 @dataclass(frozen=True)
@@ -90,36 +81,60 @@ def add_integrals(
     """
     draft = _Draft(model, recorder, march, solution) if recorder and march and solution else None
     probes = model.comm.bcast(draft.probes if draft else None)
-    fields = model.recover_fields(
-        [(r.traction, r.coordinates, r.amplitudes) for r in draft.requests] if draft else None
-    )
+    fields = model.recover_fields(draft.requests if draft else None)
     forms = _forms(model, probes)
-    values = [_integrate(case, probe, forms, fields) for probe in probes]
-    return draft.finish(values) if draft else None
+    parts = [_integrate(case, probe, forms, fields) for probe in probes]
+    # Each body once, whatever the number of ranks that it is distributed over.
+    gathered = model.comm.gather(parts if model.first_of_group else None)
+    if draft is None or gathered is None:
+        return None
+    bodies = [part for part in gathered if part is not None]
+    values = [
+        _whole(case, probe, [sum(tip) for tip in zip(*of_probe, strict=True)])
+        for probe, of_probe in zip(probes, zip(*bodies, strict=True), strict=True)
+    ]
+    return draft.finish(values)
 
 
 def _integrate(
     case: Case, probe: Probe, forms: Forms, fields: list[dict[str, fem.Function]]
 ) -> list[Array]:
-    """For each tip of a probe: (R, d, n) singular factors of its n fields, as `Factor`."""
-    bodies = [case.bodies[name] for name in probe.bodies]
-    modulus = contact_modulus(bodies[0], bodies[1], case.model.plane)
-    shares = modulus / np.array([plane_modulus(body, case.model.plane) for body in bodies])
+    """For each tip of a probe: the part of this rank's bodies in the factors; see `_whole`."""
+    modulus, _ = _moduli(case, probe)
     # Contact pressure is positive, stress that opens a crack is tension.
     scale = modulus / np.sqrt(2 * np.pi)
     signs = np.empty(len(MODES))
     signs[Factor.K_I], signs[Factor.K_T] = -scale, scale
     results = []
-    for tips, normal, numbers in zip(probe.tips, probe.normals, probe.fields, strict=True):
+    for tips, numbers in zip(probe.tips, probe.fields, strict=True):
         factors = np.zeros((len(probe.reaches), len(signs), len(numbers)))
-        for r, reach in enumerate(probe.reaches):
-            for upper, name, tip in zip(UPPER, probe.bodies, tips, strict=True):
+        for upper, name, tip in zip(UPPER, probe.bodies, tips, strict=True):
+            if (name, upper) not in forms:
+                continue
+            vectors = [fields[number][name].x.petsc_vec for number in numbers]
+            for r, reach in enumerate(probe.reaches):
                 functionals = forms[name, upper].functionals(tip, float(reach))
-                vectors = [fields[number][name].x.petsc_vec for number in numbers]
                 products = [[each.dot(vector) for vector in vectors] for each in functionals]
                 factors[r] += signs[:, None] * np.array(products)
-        results.append(_turned(factors, tips, normal, shares))
+        results.append(factors)
     return results
+
+
+def _whole(case: Case, probe: Probe, sums: list[Array]) -> list[Array]:
+    """For each tip of a probe: (R, d, n) singular factors of its n fields, as `Factor`."""
+    _, shares = _moduli(case, probe)
+    return [
+        _turned(factors, tips, normal, shares)
+        for factors, tips, normal in zip(sums, probe.tips, probe.normals, strict=True)
+    ]
+
+
+def _moduli(case: Case, probe: Probe) -> tuple[float, Array]:
+    """Contact modulus of the bodies of a probe, and what each of them contributes to it."""
+    bodies = [case.bodies[name] for name in probe.bodies]
+    modulus = contact_modulus(bodies[0], bodies[1], case.model.plane)
+    shares = modulus / np.array([plane_modulus(body, case.model.plane) for body in bodies])
+    return modulus, shares
 
 
 def _turned(factors: Array, tips: tuple[Tip, Tip], normal: Array, shares: Array) -> Array:
@@ -146,11 +161,11 @@ def _turned(factors: Array, tips: tuple[Tip, Tip], normal: Array, shares: Array)
 
 
 def _forms(model: Model, probes: tuple[Probe, ...]) -> Forms:
-    """The forms that probes need."""
+    """The forms that probes need, of the bodies of this rank's group."""
     forms = {}
     for probe in probes:
         for name, upper in zip(probe.bodies, UPPER, strict=True):
-            if (name, upper) not in forms:
+            if name in model.bodies and (name, upper) not in forms:
                 surfaces = list(model.body_definition(name).surfaces)
                 forms[name, upper] = InteractionForm(model.bodies[name].elastic, surfaces, upper)
     return forms

@@ -30,7 +30,7 @@ def write_fields(
         directory: existing folder.
     """
     for name, body in model.bodies.items():
-        with VTKFile(model.comm, directory / f"{name}.pvd", "w") as file:
+        with VTKFile(body.elastic.comm, directory / f"{name}.pvd", "w") as file:
             for displacements, time in zip(fields, times, strict=True):
                 functions = body.elastic.discontinuous_fields(displacements[name])
                 file.write_function(functions, float(time))

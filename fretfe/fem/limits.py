@@ -18,7 +18,6 @@ from fretfe.edges.limits import ModelLimit, contact_limits, largest_sliding, lar
 from fretfe.edges.slip_zones import cycle_states
 from fretfe.errors import ConvergenceError
 from fretfe.fem.model import Model, Reduction
-from fretfe.fem.penetration import unpaired_penetration
 from fretfe.fem.reduction import Pair
 from fretfe.idealise.bodies import SIMILAR, dissimilarity
 from fretfe.results.solution import OPEN, ContactHistory, Solution
@@ -112,6 +111,7 @@ def model_limits(
     steps: Sequence[StepLoads],
     solution: Solution,
     contacts: tuple[ContactSummary, ...],
+    depths: dict[str, float],
 ) -> tuple[ModelLimit, ...]:
     """All limits of a solved history, contact by contact; on rank 0.
 
@@ -121,6 +121,7 @@ def model_limits(
         steps: (T,) their loads.
         solution: the same states in physical units.
         contacts: their evaluation.
+        depths: of unpaired penetration, by surface pair.
     """
     assert model.reduction is not None
     summaries = {each.name: each for each in contacts}
@@ -135,7 +136,7 @@ def model_limits(
             limits += _motion_limits(history, motion)
             cycle = cycle_states(solution.cycle)
             limits.append(_pairing(summaries[history.name], motion, cycle))
-            limits.append(_penetration(model, pair, history, states, steps))
+            limits.append(_penetration(history, depths[pair.name]))
     return tuple(limits)
 
 
@@ -241,17 +242,11 @@ def _pairing(summary: ContactSummary, motion: Motion, cycle: Indices) -> ModelLi
     )
 
 
-def _penetration(
-    model: Model,
-    pair: Pair,
-    history: ContactHistory,
-    states: Sequence[ContactState],
-    steps: Sequence[StepLoads],
-) -> ModelLimit:
+def _penetration(history: ContactHistory, deepest: float) -> ModelLimit:
     return ModelLimit(
         history.name,
         "penetration of the surfaces where nothing is paired, over the width of the contact",
-        unpaired_penetration(model, pair, states, steps) / largest_width(history),
+        deepest / largest_width(history),
         LARGEST_PENETRATION,
         "contact is looked for only between places that face each other before deformation, up to "
         "half the length of the shorter surface apart: put the bodies where they touch, or make a "

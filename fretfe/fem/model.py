@@ -3,25 +3,29 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from dolfinx import fem
+from scipy import sparse
 
 from fretfe._typing import Array
 from fretfe.case import Case
 from fretfe.contact.interface import Interface, coordinate_range
-from fretfe.contact.state import ContactState, StepLoads
+from fretfe.contact.state import StepLoads
 from fretfe.fem._compat import MPI
-from fretfe.fem.condensation import Body
+from fretfe.fem.condensation import Body, CondensedBody
 from fretfe.fem.definition import BodyDefinition, ModelDefinition, define_model
 from fretfe.fem.elasticity import ElasticBody
+from fretfe.fem.groups import find_group, together
 from fretfe.fem.parallel import on_root
-from fretfe.fem.reduction import Pair, ReducedBody, build_interface
+from fretfe.fem.reduction import Pair, ReducedBody, build_interface, weighted_operator
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
-from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.groups import body_unknowns
+from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.mortar import couple
 from fretfe.surface.surface import Surface, build_surface
 
@@ -36,6 +40,24 @@ class Reduction:
     pairs: tuple[Pair, ...]
 
 
+@dataclass(frozen=True)
+class Request:
+    """A displacement field to recover: weighted tractions (N*d,), coordinates, load amplitudes."""
+
+    traction: Array
+    coordinates: Array
+    amplitudes: Array
+
+
+@dataclass(frozen=True)
+class _Task:
+    """One body for the group that condenses it: what its first rank needs to know."""
+
+    mesh: BodyMesh
+    points: Array
+    operator: sparse.csr_matrix
+
+
 class Model:
     """The bodies of a case, condensed, and their interface problem.
 
@@ -44,33 +66,94 @@ class Model:
         case: validated case, the same on all ranks.
         mesh: bodies' meshes on rank 0, None elsewhere.
         clock: for timings.
+
+    Attributes:
+        comm: all ranks.
+        case: the case.
+        surfaces: all contact surfaces, by name.
+        bodies: those that the group of this rank has.
+        reduction: on rank 0, None elsewhere.
     """
 
     def __init__(self, comm: MPI.Comm, case: Case, mesh: Mesh | None, clock: Clock) -> None:
         self.comm = comm
         self.case = case
-        degree = case.model.degree
         definition = on_root(comm, lambda: define_model(case, mesh))  # type: ignore[arg-type]
         with clock("surfaces"):
             surfaces = on_root(comm, lambda: contact_surfaces(definition, mesh))  # type: ignore[arg-type]
             self.surfaces = surfaces
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
         self._definition = definition
-        self.bodies: dict[str, Body] = {}
-        for body in definition.bodies:
-            with clock("assembly"):
-                own = mesh.bodies[body.name] if mesh else None
-                elastic = ElasticBody(comm, own, body.material, degree)
-            points = np.vstack([surfaces[s].displacement_points(degree) for s in body.surfaces])
-            self.bodies[body.name] = Body(
-                elastic, list(body.constraints), list(definition.loads), points, clock
-            )
+        work = comm.bcast(_work(definition, mesh, case.model.degree) if mesh else None)
+        self._group = find_group(comm, work)
+        tasks = self._hand_out(mesh, pairs)
+        self.bodies = together(comm, lambda: self._condense(tasks, clock))
         with clock("interface"):
-            self.reduction = on_root(comm, lambda: self._reduce(definition, pairs), share=False)
+            condensed = self._collect()
+            self.reduction = on_root(
+                comm, lambda: self._reduce(definition, pairs, condensed), share=False
+            )
 
-    def _reduce(self, definition: ModelDefinition, pairs: tuple[Pair, ...] | None) -> Reduction:
+    @property
+    def first_of_group(self) -> bool:
+        """True on the first rank of each group."""
+        return bool(self._group.comm.rank == 0)
+
+    def _hand_out(self, mesh: Mesh | None, pairs: tuple[Pair, ...] | None) -> dict[int, _Task]:
+        """Send each body to the first rank of its group; returns those of this rank. Collective."""
+        tasks = {}
+        for number, root in enumerate(self._group.roots):
+            if mesh is not None and pairs is not None:
+                task = self._task(self._definition.bodies[number], mesh, pairs)
+                if root == 0:
+                    tasks[number] = task
+                else:
+                    self.comm.send(task, root, tag=number)
+            elif self.comm.rank == root:
+                tasks[number] = self.comm.recv(source=0, tag=number)
+        return tasks
+
+    def _task(self, body: BodyDefinition, mesh: Mesh, pairs: tuple[Pair, ...]) -> _Task:
+        degree = self.case.model.degree
+        points = [self.surfaces[name].displacement_points(degree) for name in body.surfaces]
+        return _Task(mesh.bodies[body.name], np.vstack(points), weighted_operator(body.name, pairs))
+
+    def _condense(self, tasks: dict[int, _Task], clock: Clock) -> dict[str, Body]:
+        """The bodies of this rank's group."""
+        comm, bodies = self._group.comm, {}
+        for number in self._group.bodies:
+            body, task = self._definition.bodies[number], tasks.get(number)
+            with clock("assembly"):
+                own = task.mesh if task else None
+                elastic = ElasticBody(comm, own, body.material, self.case.model.degree)
+            points, operator = comm.bcast((task.points, task.operator) if task else None)
+            loads = list(self._definition.loads)
+            bodies[body.name] = Body(
+                elastic, list(body.constraints), loads, points, operator, clock
+            )
+        return bodies
+
+    def _collect(self) -> list[CondensedBody]:
+        """All condensed bodies, in the order of the case; on rank 0. Collective."""
+        condensed: list[CondensedBody] = []
+        for number, root in enumerate(self._group.roots):
+            name = self._definition.bodies[number].name
+            own = self.bodies[name].condensed if name in self.bodies else None
+            if root > 0 and self.comm.rank == root:
+                self.comm.send(own, 0, tag=number)
+            elif self.comm.rank == 0:
+                found = own if root == 0 else self.comm.recv(source=root, tag=number)
+                assert found is not None
+                condensed.append(found)
+        return condensed
+
+    def _reduce(
+        self,
+        definition: ModelDefinition,
+        pairs: tuple[Pair, ...] | None,
+        condensed: list[CondensedBody],
+    ) -> Reduction:
         assert pairs is not None
-        condensed = [b.condensed for b in self.bodies.values() if b.condensed is not None]
         coordinates = [c for body in definition.bodies for c in body.coordinates]
         interface, reduced = build_interface(condensed, list(pairs), coordinates)
         return Reduction(definition, interface, reduced, pairs)
@@ -79,44 +162,65 @@ class Model:
         """Definition of a body by its name."""
         return next(definition for definition in self._definition.bodies if definition.name == body)
 
-    def recover(
-        self, states: Sequence[tuple[ContactState, StepLoads]] | None
-    ) -> list[dict[str, fem.Function]]:
-        """Displacement fields of solved steps, by body. Collective; `states` on rank 0 only."""
-        return self.recover_fields(
-            [(s.traction.ravel(), s.coordinates, loads.amplitudes) for s, loads in states]
-            if states is not None
-            else None
-        )
-
-    def recover_fields(
-        self, requests: Sequence[tuple[Array, Array, Array]] | None
-    ) -> list[dict[str, fem.Function]]:
-        """Displacement fields, by body. Collective.
+    def recover_fields(self, requests: Sequence[Request] | None) -> list[dict[str, fem.Function]]:
+        """Displacement fields of the bodies of this rank's group. Collective.
 
         Args:
-            requests: weighted tractions (N*d,), coordinates (m,) and load amplitudes (l,) of each
-                field; on rank 0, None elsewhere.
+            requests: the fields; on rank 0, None elsewhere.
         """
-        retained = self.comm.bcast(
-            [self._retained(*request) for request in requests] if requests is not None else None
+        shares = self.comm.bcast(
+            [self._shares(each) for each in requests] if requests is not None else None
         )
         return [
-            {name: self.bodies[name].recover(*arguments) for name, arguments in field.items()}
-            for field in retained
+            {name: body.recover(*share[name]) for name, body in self.bodies.items()}
+            for share in shares
         ]
 
-    def _retained(
-        self, traction: Array, coordinates: Array, amplitudes: Array
-    ) -> dict[str, tuple[Array, Array, Array]]:
-        """Surface displacements, constraint amplitudes and load amplitudes of each body."""
+    def surface_displacements(
+        self, requests: Sequence[Request] | None
+    ) -> list[dict[str, Array]] | None:
+        """Displacements of the nodes of all contact surfaces, by surface. Collective.
+
+        Args:
+            requests: as for `recover_fields`.
+
+        Returns:
+            (p, d) for each of them, on rank 0; None elsewhere.
+        """
+        found = []
+        for field in self.recover_fields(requests):
+            own: dict[str, Array] = {}
+            for name, displacement in field.items():
+                moved = self.bodies[name].surface_displacement(displacement)
+                surfaces = self.body_definition(name).surfaces
+                degree = self.case.model.degree
+                counts = [len(self.surfaces[s].displacement_points(degree)) for s in surfaces]
+                parts = np.split(moved, np.cumsum(counts)[:-1])
+                own |= dict(zip(surfaces, parts, strict=True))
+            found.append(own)
+        gathered = self.comm.gather(found)
+        if gathered is None:
+            return None
+        return [dict(ChainMap(*parts)) for parts in zip(*gathered, strict=True)]
+
+    def _shares(self, request: Request) -> dict[str, tuple[Array, Array, Array]]:
+        """Arguments of `Body.recover` for each body."""
         assert self.reduction is not None
-        retained = {}
-        for name, body in self.reduction.bodies.items():
-            own = coordinates[coordinate_range(self.reduction.interface.coordinates, name)]
-            surface = body.surface_displacement(traction, own, amplitudes)
-            retained[name] = (surface, own[: body.body.coupling.shape[1]], amplitudes)
-        return retained
+        return {
+            name: (
+                request.traction[body.rows],
+                request.coordinates[coordinate_range(self.reduction.interface.coordinates, name)],
+                request.amplitudes,
+            )
+            for name, body in self.reduction.bodies.items()
+        }
+
+
+def _work(definition: ModelDefinition, mesh: Mesh, degree: int) -> list[float]:
+    """Estimates of the time that the factorisation of each body takes."""
+    power = 1.5 if mesh.dimension == 2 else 2.0
+    bodies = (mesh.bodies[body.name] for body in definition.bodies)
+    return [float(body_unknowns(body, degree)) ** power for body in bodies]
 
 
 def contact_surfaces(definition: ModelDefinition, mesh: Mesh) -> dict[str, Surface]:

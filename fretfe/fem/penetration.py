@@ -10,8 +10,7 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.contact.interface import coordinate_range
-from fretfe.contact.state import ContactState, StepLoads
+from fretfe.contact.state import ContactState
 from fretfe.fem.model import Model
 from fretfe.fem.reduction import Pair
 from fretfe.surface.chain import Chain
@@ -19,35 +18,35 @@ from fretfe.surface.gap import INTERPENETRATION_PER_FACET
 from fretfe.surface.surface import Surface
 
 
-def unpaired_penetration(
-    model: Model, pair: Pair, states: Sequence[ContactState], steps: Sequence[StepLoads]
-) -> float:
-    """Largest depth to which unpaired nodes of either surface are inside the other one.
+def farthest_states(model: Model, pair: Pair, states: Sequence[ContactState]) -> Indices:
+    """States in which the surfaces of a contact are nearest to each other or have slid farthest.
 
-    Only the states in which the surfaces are nearest to each other or have slid farthest are
-    looked at.
+    None of them if all nodes of both surfaces are paired.
+    """
+    assert model.reduction is not None
+    if not any(_unpaired(each).any() for each in (pair.coupling.body1, pair.coupling.body2)):
+        return np.array([], dtype=np.int64)
+    nodes = model.reduction.interface.contacts[pair.name]
+    return _extremes(np.array([each.relative[nodes] for each in states]))
+
+
+def unpaired_penetration(model: Model, pair: Pair, moved: Sequence[dict[str, Array]]) -> float:
+    """Largest depth to which unpaired nodes of either surface are inside the other one.
 
     Args:
         model: the bodies; on rank 0.
         pair: the contact.
-        states: (T,) solved states.
-        steps: (T,) their loads.
+        moved: displacements of all contact surfaces, by name, in some states.
     """
     coupling, contact = pair.coupling, model.case.contacts[pair.name]
+    degree = model.case.model.degree
     first, second = (model.surfaces[name] for name in (contact.surface1, contact.surface2))
     alone1, alone2 = (_unpaired(each) for each in (coupling.body1, coupling.body2))
-    if not (alone1.any() or alone2.any()):
-        return 0.0
-    assert model.reduction is not None
-    nodes = model.reduction.interface.contacts[pair.name]
     deepest = 0.0
-    for state in _extremes(np.array([each.relative[nodes] for each in states])):
+    for state in moved:
         places1, places2 = (
-            surface.displacement_points(model.case.model.degree)
-            + _moved(model, body, surface.name, states[state], steps[state])
-            for body, surface in ((pair.body1, first), (pair.body2, second))
+            surface.displacement_points(degree) + state[surface.name] for surface in (first, second)
         )
-        degree = model.case.model.degree
         deepest = max(
             deepest,
             depth(places1[alone1], places2[second.displacement_facets(degree)], second),
@@ -66,20 +65,6 @@ def _extremes(relative: Array) -> Indices:
     """States in which mean gap and mean tangential displacement of (T, N, d) are extreme."""
     means = relative.mean(axis=1)
     return np.unique([means.argmin(axis=0), means.argmax(axis=0)])
-
-
-def _moved(model: Model, body: str, surface: str, state: ContactState, loads: StepLoads) -> Array:
-    """(m, d) displacement of the nodes of one surface of a body."""
-    assert model.reduction is not None
-    reduction, degree = model.reduction, model.case.model.degree
-    own = state.coordinates[coordinate_range(reduction.interface.coordinates, body)]
-    moved = reduction.bodies[body].surface_displacement(
-        state.traction.ravel(), own, loads.amplitudes
-    )
-    names = model.body_definition(body).surfaces
-    counts = [len(model.surfaces[name].displacement_points(degree)) for name in names]
-    start = sum(counts[: names.index(surface)])
-    return moved.reshape(sum(counts), -1)[start : start + counts[names.index(surface)]]
 
 
 def depth(points: Array, facets: Array, surface: Surface) -> float:

@@ -9,6 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.contact.march import March
@@ -25,8 +27,9 @@ from fretfe.fem.balance import balance
 from fretfe.fem.extraction import add_integrals
 from fretfe.fem.fields import write_fields
 from fretfe.fem.limits import imbalance, model_limits, without_moved
-from fretfe.fem.model import Model, step_loads
+from fretfe.fem.model import Model, Request, step_loads
 from fretfe.fem.parallel import on_root, release
+from fretfe.fem.penetration import farthest_states, unpaired_penetration
 from fretfe.fem.timing import Clock
 from fretfe.loads import History, build_history
 from fretfe.mesh.mesh import Mesh
@@ -137,9 +140,12 @@ def solve_prepared(
     with clock("edge integrals"):
         solution = add_integrals(model, case, recorder, prepared.march, solution)
     with clock("evaluation"):
+        depths = _penetration(model, recorder)
         contacts, limits = on_root(
             comm,
-            lambda: _evaluate(model, recorder, solution) if recorder and solution else ((), ()),
+            lambda: (
+                _evaluate(model, recorder, solution, depths) if recorder and solution else ((), ())
+            ),
         )
         failure = failure or on_root(comm, lambda: imbalance(solution) if solution else None)
     if options.fields is not None:
@@ -161,14 +167,30 @@ def solve_prepared(
 
 
 def _evaluate(
-    model: Model, recorder: Recorder | None, solution: Solution | None
+    model: Model,
+    recorder: Recorder | None,
+    solution: Solution | None,
+    depths: dict[str, float],
 ) -> tuple[tuple[ContactSummary, ...], tuple[ModelLimit, ...]]:
     """The contacts, with warnings where the model does not hold, and its limits; on rank 0."""
     assert recorder is not None
     assert solution is not None
     contacts = without_moved(model.case, solution, evaluate(solution))
-    limits = model_limits(model, recorder.states, recorder.steps, solution, contacts)
+    limits = model_limits(model, recorder.states, recorder.steps, solution, contacts, depths)
     return with_limit_warnings(contacts, limits), limits
+
+
+def _penetration(model: Model, recorder: Recorder | None) -> dict[str, float]:
+    """Unpaired penetration of each contact; empty but on rank 0. Collective."""
+    pairs = model.reduction.pairs if model.reduction and recorder else ()
+    chosen = [farthest_states(model, pair, recorder.states) for pair in pairs] if recorder else []
+    requests = _requests(recorder, [int(each) for states in chosen for each in states])
+    moved = model.surface_displacements(requests) or []
+    ends = np.cumsum([len(states) for states in chosen])
+    return {
+        pair.name: unpaired_penetration(model, pair, moved[end - len(states) : end])
+        for pair, states, end in zip(pairs, chosen, ends, strict=True)
+    }
 
 
 def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
@@ -176,6 +198,16 @@ def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
     assert reduction is not None
     measures = balance(reduction, recorder.states, recorder.steps)
     return separate_patches(recorder.solution(history, measures))
+
+
+def _requests(recorder: Recorder | None, states: list[int]) -> list[Request] | None:
+    """Displacement fields of some states; on rank 0."""
+    if recorder is None:
+        return None
+    return [
+        Request(state.traction.ravel(), state.coordinates, loads.amplitudes)
+        for state, loads in recorder.requests(states)
+    ]
 
 
 @dataclass(frozen=True)
@@ -234,8 +266,8 @@ def _write_fields(
     states = model.comm.bcast(chosen)
     if not states:
         return
-    requests = recorder.requests(states) if recorder else None
-    write_fields(model, model.recover(requests), history.times[states], directory)
+    requests = _requests(recorder, states)
+    write_fields(model, model.recover_fields(requests), history.times[states], directory)
 
 
 def _field_states(

@@ -81,14 +81,17 @@ def mesh_summary(mesh: Mesh) -> list[BodySummary]:
 
 def count_unknowns(mesh: Mesh, degree: int) -> int:
     """Displacement unknowns of all bodies with elements of a degree, 1 or 2."""
-    count = 0
-    for body in mesh.bodies.values():
-        nodes = body.cells[:, : CORNERS[body.cell]]
-        count += len(np.unique(nodes))
-        if degree == 2:
-            edges = np.sort(np.stack([nodes, np.roll(nodes, -1, axis=1)], axis=2).reshape(-1, 2))
-            count += len(np.unique(edges, axis=0))
-            count += len(nodes) if body.cell == "quadrilateral" else 0
+    return sum(body_unknowns(body, degree) for body in mesh.bodies.values())
+
+
+def body_unknowns(body: BodyMesh, degree: int) -> int:
+    """Displacement unknowns of a body with elements of a degree, 1 or 2."""
+    nodes = body.cells[:, : CORNERS[body.cell]]
+    count = len(np.unique(nodes))
+    if degree == 2:
+        edges = np.sort(np.stack([nodes, np.roll(nodes, -1, axis=1)], axis=2).reshape(-1, 2))
+        count += len(np.unique(edges, axis=0))
+        count += len(nodes) if body.cell == "quadrilateral" else 0
     return 2 * count
 
 

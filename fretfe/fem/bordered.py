@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A sparse factorisation that also yields the compliance at the contact multipliers.
+
+A stiffness K bordered by the operator B of the multipliers is factorised with the multipliers as
+Schur variables:
+
+    [ K  Bᵀ ]
+    [ B  0  ]    leaves    −B K⁻¹ Bᵀ,
+
+the compliance itself, while all displacements, those of the contact surfaces too, are eliminated
+sparsely. MUMPS computes the complement while it factorises. PETSc offers this, petsc4py does not
+bind it, so three PETSc functions are called through ctypes.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+
+from fretfe._typing import Array
+from fretfe.errors import ModelError
+from fretfe.fem._compat import PETSc, petsc_library
+
+# MUMPS control: the fill-reducing ordering. Approximate minimum degree is analysed several times
+# faster than nested dissection, which pays in three dimensions only.
+ORDERING_CONTROL = 7
+MINIMUM_DEGREE, NESTED_DISSECTION = 0, 5
+# MUMPS control: no pivoting. A body that cannot move freely does not need it.
+PIVOTING_CONTROL = 1
+# MUMPS control: what a solve does with the Schur unknowns. 0: solve for all others, these zero.
+SCHUR_SOLVE_CONTROL = 26
+INTERIOR_ONLY = 0
+# MUMPS errors: work space cannot be allocated, or is too small.
+OUT_OF_MEMORY = (-5, -7, -8, -9, -13, -17, -19, -20)
+
+
+class BorderedFactor:
+    """Factorisation of a symmetric matrix K, and the compliance B K⁻¹ Bᵀ. Collective.
+
+    Args:
+        matrix: K, assembled.
+        border: (n, N) B, all of it on every rank; zero at unknowns that are fixed in K.
+        dimension: of space, 2 or 3.
+
+    Attributes:
+        compliance: (n, n), on rank 0; None elsewhere.
+    """
+
+    def __init__(self, matrix: PETSc.Mat, border: sparse.csr_matrix, dimension: int) -> None:
+        self._matrix = matrix
+        self._ordering = MINIMUM_DEGREE if dimension == 2 else NESTED_DISSECTION
+        comm, end = matrix.comm, matrix.getOwnershipRange()[1]
+        # The multipliers follow the unknowns of the first rank.
+        first = comm.tompi4py().bcast(end)
+        count = border.shape[0]
+        bordered = _bordered(matrix, border, first)
+        solver = self._unfactored(bordered)
+        factor = solver.getFactorMatrix()
+        # A distributed matrix needs the whole list on the first rank and none on the others.
+        mine = first + np.arange(count if comm.rank == 0 else 0)
+        index_set = PETSc.IS().createGeneral(mine.astype(PETSc.IntType), comm=comm)
+        _call("MatFactorSetSchurIS", factor.handle, index_set.handle)
+        _set_up(solver)
+        self.compliance = _read_complement(factor, comm.rank, count)
+        self._bordered: PETSc.PC | None = None
+        if comm.size == 1:
+            factor.setMumpsIcntl(SCHUR_SOLVE_CONTROL, INTERIOR_ONLY)
+            self._bordered = solver
+            self._rhs = bordered.createVecRight()
+            self._solution = bordered.createVecRight()
+
+    def solve(self, rhs: PETSc.Vec) -> PETSc.Vec:
+        """K⁻¹ times a vector. Collective."""
+        solution = rhs.duplicate()
+        if self._bordered is None:
+            self._plain.apply(rhs, solution)
+            return solution
+        own = len(rhs.array)
+        self._rhs.array[:own] = rhs.array
+        self._bordered.apply(self._rhs, self._solution)
+        solution.array[:] = self._solution.array[:own]
+        return solution
+
+    @cached_property
+    def _plain(self) -> PETSc.PC:
+        """A factorisation of K alone.
+
+        PETSc cannot solve with a distributed factor that has a Schur complement
+        (`MatSolve_MUMPS`), so several ranks on one body have to factorise it twice.
+        """
+        solver = self._unfactored(self._matrix)
+        _set_up(solver)
+        return solver
+
+    def _unfactored(self, matrix: PETSc.Mat) -> PETSc.PC:
+        """A MUMPS factorisation that is not set up yet.
+
+        LU, although the matrix is symmetric: twice the operations, in a third less time. The update
+        of a symmetric front needs `dgemmt`, which OpenBLAS (0.3.32) does column by column at a
+        tenth of the speed of `dgemm` (https://github.com/OpenMathLib/OpenBLAS/issues/4921).
+        """
+        solver = PETSc.PC().create(matrix.comm)
+        solver.setOperators(matrix)
+        solver.setType("lu")
+        solver.setFactorSolverType("mumps")
+        solver.setFactorSetUpSolverType()
+        factor = solver.getFactorMatrix()
+        factor.setMumpsIcntl(ORDERING_CONTROL, self._ordering)
+        factor.setMumpsCntl(PIVOTING_CONTROL, 0.0)
+        return solver
+
+
+def _set_up(solver: PETSc.PC) -> None:
+    """Factorise.
+
+    Raises:
+        ModelError: if MUMPS cannot.
+    """
+    solver.setUp()
+    code = solver.getFactorMatrix().getMumpsInfog(1)
+    if code < 0:
+        reason = "there is not enough memory" if code in OUT_OF_MEMORY else "a pivot is zero"
+        raise ModelError(
+            f"a body with {solver.getOperators()[0].size[0]} unknowns cannot be factorised: "
+            f"{reason} (MUMPS error {code})"
+        )
+
+
+def _bordered(matrix: PETSc.Mat, border: sparse.csr_matrix, first: int) -> PETSc.Mat:
+    """K with the border as additional rows and columns that begin at a number. Collective."""
+    comm, (start, end) = matrix.comm, matrix.getOwnershipRange()
+    count, size = border.shape
+    # Unknowns of later ranks move up.
+    moved = np.arange(size) + count * (np.arange(size) >= first)
+    indptr, indices, values = matrix.getValuesCSR()
+    shape = end - start, size + count
+    own = sparse.csr_matrix((values, moved[indices], indptr), shape=shape)
+    across = sparse.coo_matrix(border[:, start:end].T)
+    columns = sparse.csr_matrix((across.data, (across.row, first + across.col)), shape=shape)
+    rows = own + columns
+    if comm.rank == 0:
+        along = sparse.coo_matrix(border)
+        below = sparse.csr_matrix(
+            (along.data, (along.row, moved[along.col])), shape=(count, size + count)
+        )
+        rows = sparse.vstack([rows, below]).tocsr()
+    rows.sort_indices()
+    local = rows.shape[0]
+    integers = (each.astype(PETSc.IntType) for each in (rows.indptr, rows.indices))
+    sizes = ((local, None), (local, None))
+    return PETSc.Mat().createAIJ(sizes, csr=(*integers, rows.data), comm=comm)
+
+
+def _read_complement(factor: PETSc.Mat, rank: int, size: int) -> Array | None:
+    """(n, n) minus the Schur complement; rank 0 only."""
+    handle, status = ctypes.c_void_p(), ctypes.c_int()
+    _call(
+        "MatFactorCreateSchurComplement",
+        factor.handle,
+        ctypes.byref(handle),
+        ctypes.byref(status),
+    )
+    complement = _copy_dense(handle, size) if rank == 0 else None
+    _call("MatDestroy", ctypes.byref(handle))
+    return complement
+
+
+def _copy_dense(matrix: ctypes.c_void_p, size: int) -> Array:
+    """Copy of minus a sequential dense PETSc matrix, made exactly symmetric."""
+    data = ctypes.POINTER(ctypes.c_double)()
+    _call("MatDenseGetArrayRead", matrix, ctypes.byref(data))
+    values = np.ctypeslib.as_array(data, shape=(size, size))
+    copy = values + values.T
+    copy *= -0.5
+    _call("MatDenseRestoreArrayRead", matrix, ctypes.byref(data))
+    return copy
+
+
+def _call(name: str, *arguments: object) -> None:
+    """Call a PETSc function whose arguments are handles or pointers."""
+    converted = [ctypes.c_void_p(a) if isinstance(a, int) else a for a in arguments]
+    code = getattr(petsc_library(), name)(*converted)
+    if code:
+        raise PETSc.Error(code)
