@@ -15,7 +15,7 @@ from fretfe.case import parse_case
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.state import StepLoads
 from fretfe.fem._compat import MPI
-from fretfe.fem.model import Model, step_loads
+from fretfe.fem.model import Model, Request, step_loads
 from fretfe.fem.timing import Clock
 from fretfe.loads import build_history
 from fretfe.mesh.mesh import BodyMesh, Mesh
@@ -36,10 +36,10 @@ class Run:
     forces: dict[str, Array]
 
     def fields(self, step: int) -> dict[str, Any]:
-        """Displacement of each body. Collective."""
+        """Displacement of each body that this rank has. Collective."""
         rank0 = self.model.comm.rank == 0
-        states = [(self.results[step].state, self.steps[step + 1])] if rank0 else None
-        (fields,) = self.model.recover(states)
+        state = Request.of(self.results[step].state, self.steps[step + 1]) if rank0 else None
+        (fields,) = self.model.recover_fields([state] if state else None)
         return fields
 
     def stress(self, step: int) -> dict[str, Array]:
@@ -53,8 +53,11 @@ class Run:
 
     def displacement(self, step: int, body: str, where: Callable[[Array], Array]) -> Array:
         """(n, 2) displacements of this rank's nodes where a function of x (3, n) is true."""
+        fields = self.fields(step)
+        if body not in fields:
+            return np.empty((0, 2))
         nodes = self.model.bodies[body].elastic.space.tabulate_dof_coordinates()
-        values: Array = self.fields(step)[body].x.array.reshape(-1, 2)
+        values: Array = fields[body].x.array.reshape(-1, 2)
         return values[where(nodes.T)]
 
 

@@ -126,7 +126,7 @@ def _load_columns(body: Body, definition: ModelDefinition) -> Array:
 
 def _coupling(bodies: dict[str, Body], reduction: Reduction, starts: Indices) -> sparse.csr_matrix:
     """(N*d, all displacements) operators of all contacts, one below the other."""
-    # The retained unknowns of a body are those of its contact surfaces in the order of the pairs.
+    # The surface unknowns of a body are those of its contact surfaces in the order of the pairs.
     first = {
         body.name: start for body, start in zip(reduction.definition.bodies, starts, strict=False)
     }
@@ -140,7 +140,7 @@ def _coupling(bodies: dict[str, Body], reduction: Reduction, starts: Indices) ->
             (pair.body2, pair.coupling.body2),
         ):
             end = used[name] + operator.shape[1]
-            columns = first[name] + bodies[name].retained[used[name] : end]
+            columns = first[name] + bodies[name].surface_unknowns[used[name] : end]
             used[name] = end
             row += sparse.csr_matrix(
                 (operator.data, columns[operator.indices], operator.indptr), shape=shape

@@ -63,7 +63,7 @@ class BorderedFactor:
         mine = first + np.arange(count if comm.rank == 0 else 0)
         index_set = PETSc.IS().createGeneral(mine.astype(PETSc.IntType), comm=comm)
         _call("MatFactorSetSchurIS", factor.handle, index_set.handle)
-        _set_up(solver)
+        _set_up(solver, count)
         self.compliance = _read_complement(factor, comm.rank, count)
         self._bordered: PETSc.PC | None = None
         if comm.size == 1:
@@ -113,8 +113,8 @@ class BorderedFactor:
         return solver
 
 
-def _set_up(solver: PETSc.PC) -> None:
-    """Factorise.
+def _set_up(solver: PETSc.PC, multipliers: int = 0) -> None:
+    """Factorise a matrix, some of whose unknowns are multipliers.
 
     Raises:
         ModelError: if MUMPS cannot.
@@ -123,9 +123,9 @@ def _set_up(solver: PETSc.PC) -> None:
     code = solver.getFactorMatrix().getMumpsInfog(1)
     if code < 0:
         reason = "there is not enough memory" if code in OUT_OF_MEMORY else "a pivot is zero"
+        unknowns = solver.getOperators()[0].size[0] - multipliers
         raise ModelError(
-            f"a body with {solver.getOperators()[0].size[0]} unknowns cannot be factorised: "
-            f"{reason} (MUMPS error {code})"
+            f"a body with {unknowns} unknowns cannot be factorised: {reason} (MUMPS error {code})"
         )
 
 

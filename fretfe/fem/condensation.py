@@ -100,6 +100,7 @@ class Body:
 
     Attributes:
         elastic: space and operators of the body.
+        surface_unknowns: (p*gdim,) global numbers of the displacements of the surface points.
         condensed: on rank 0, None elsewhere.
     """
 
@@ -151,10 +152,10 @@ class Body:
         self._own_local = (node[mine][:, None] * gdim + components).ravel()
         offset = self._index_map.local_range[0] * gdim
         found = comm.allgather((self._own_positions, self._own_local + offset))
-        self._unknowns = np.full(len(self._surface_points) * gdim, -1)
+        self.surface_unknowns = np.full(len(self._surface_points) * gdim, -1)
         for positions, unknowns in found:
-            self._unknowns[positions] = unknowns
-        assert np.all(self._unknowns >= 0), "a surface node is not a node of the body"
+            self.surface_unknowns[positions] = unknowns
+        assert np.all(self.surface_unknowns >= 0), "a surface node is not a node of the body"
 
     def _free_motions(self) -> list[PETSc.Vec]:
         """Rigid motions that no constraint restrains, orthonormal on the surface nodes."""
@@ -207,7 +208,7 @@ class Body:
         fixed = start + _owned(self._fixed, self._own)
         everywhere = np.concatenate(self.elastic.comm.allgather(fixed))
         entries = sparse.coo_matrix(self._operator)
-        columns = self._unknowns[entries.col]
+        columns = self.surface_unknowns[entries.col]
         kept = ~np.isin(columns, everywhere)
         size = self._index_map.size_global * self.elastic.gdim
         return sparse.csr_matrix(
@@ -232,7 +233,7 @@ class Body:
 
     def _gather(self, vector: PETSc.Vec) -> Array:
         """(p*gdim,) values at the surface nodes, on every rank."""
-        values = np.empty(len(self._unknowns))
+        values = np.empty(len(self.surface_unknowns))
         own = vector.array[self._own_local]
         for positions, part in self.elastic.comm.allgather((self._own_positions, own)):
             values[positions] = part
@@ -293,7 +294,7 @@ class Body:
         held = [self._factor.solve(each) for each in self._balancing_forces()]
         coupling = self._relative(held)
         mean = self._surface_motions.T @ _columns(
-            [self._gather(each) for each in held], len(self._unknowns)
+            [self._gather(each) for each in held], len(self.surface_unknowns)
         )
         fill = 0.0
         if compliance is not None:

@@ -14,7 +14,7 @@ from scipy import sparse
 from fretfe._typing import Array
 from fretfe.case import Case
 from fretfe.contact.interface import Interface, coordinate_range
-from fretfe.contact.state import StepLoads
+from fretfe.contact.state import ContactState, StepLoads
 from fretfe.fem._compat import MPI
 from fretfe.fem.condensation import Body, CondensedBody
 from fretfe.fem.definition import BodyDefinition, ModelDefinition, define_model
@@ -47,6 +47,11 @@ class Request:
     traction: Array
     coordinates: Array
     amplitudes: Array
+
+    @classmethod
+    def of(cls, state: ContactState, loads: StepLoads) -> Request:
+        """The field of a solved state."""
+        return cls(state.traction.ravel(), state.coordinates, loads.amplitudes)
 
 
 @dataclass(frozen=True)

@@ -204,10 +204,7 @@ def _requests(recorder: Recorder | None, states: list[int]) -> list[Request] | N
     """Displacement fields of some states; on rank 0."""
     if recorder is None:
         return None
-    return [
-        Request(state.traction.ravel(), state.coordinates, loads.amplitudes)
-        for state, loads in recorder.requests(states)
-    ]
+    return [Request.of(state, loads) for state, loads in recorder.requests(states)]
 
 
 @dataclass(frozen=True)

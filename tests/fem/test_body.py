@@ -9,6 +9,8 @@ import blocks
 import numpy as np
 import pytest
 from petsc_garbage import replace_meshes
+from scipy import sparse
+from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
 from fretfe.fem._compat import MPI
@@ -52,7 +54,18 @@ def make_body(
     )
     replace_meshes(elastic.mesh)
     points = build_surface(mesh, surface).displacement_points(degree)
-    return Body(elastic, list(constraints), list(loads), points, Clock()), points
+    operator = sparse.identity(points.size, format="csr")
+    return Body(elastic, list(constraints), list(loads), points, operator, Clock()), points
+
+
+def nodal_forces(body: Body, points: Array, traction: Array, surface: str = "b_bottom") -> Array:
+    """Nodal forces of a uniform traction on the contact surface, at its points."""
+    load = DistributedLoad("own", "traction", surface, tuple(traction))
+    forces = body.elastic.load_vector(load).array.reshape(-1, 2)
+    places = body.elastic.space.tabulate_dof_coordinates()[: len(forces), :2]
+    found = MPI.COMM_WORLD.allgather((places, forces))
+    places, forces = (np.vstack(part) for part in zip(*found, strict=True))
+    return np.asarray(forces[cKDTree(places).query(points)[1]].ravel())
 
 
 def condensed(body: Body) -> CondensedBody:
@@ -80,14 +93,17 @@ def test_rigid_motions_of_a_free_body_need_no_force(order: int, cell: str, degre
     body, points = make_body(rectangle(cell, order), degree=degree)
     result = condensed(body)
     rigid = rigid_motions(points).reshape(-1, 3)
-    largest = np.abs(result.stiffness).max()
-    np.testing.assert_allclose(result.stiffness @ rigid, 0.0, atol=1e-12 * largest)
-    assert result.modes.shape == (2 * len(points), 3)
-    np.testing.assert_allclose(result.modes.T @ result.modes, np.eye(3), atol=1e-13)
-    within = result.modes @ (result.modes.T @ rigid)
-    np.testing.assert_allclose(within, rigid, atol=1e-13)
-    # Nothing else is free: the next eigenvalue is one of elasticity.
-    assert np.linalg.eigvalsh(result.stiffness)[3] > 1e-3 * largest
+    modes = result.motion
+    np.testing.assert_allclose(modes.T @ modes, np.eye(3), atol=1e-13)
+    np.testing.assert_allclose(modes @ (modes.T @ rigid), rigid, atol=1e-12)
+    np.testing.assert_array_equal(result.stiffness, 0.0)
+    # Forces along a free motion cause nothing else, and balanced ones no mean motion.
+    largest = np.abs(result.compliance).max()
+    moved = result.compliance @ modes
+    np.testing.assert_allclose(moved, modes * moved[0, 0] / modes[0, 0], atol=1e-11 * largest)
+    # The whole compliance is definite.
+    eigenvalues = np.linalg.eigvalsh(result.compliance)
+    assert eigenvalues[0] > 1e-5 * eigenvalues[-1]
 
 
 @pytest.mark.parametrize(
@@ -108,13 +124,15 @@ def test_free_modes_are_those_that_no_constraint_prevents(
     constraints: tuple[Constraint, ...], count: int
 ) -> None:
     result = condensed(make_body(rectangle(), constraints)[0])
-    largest = np.abs(result.stiffness).max()
-    assert result.modes.shape[1] == count
-    # Motions that move no constrained node: no force there either.
-    np.testing.assert_allclose(result.stiffness @ result.modes, 0.0, atol=1e-12 * largest)
-    np.testing.assert_allclose(result.coupling.T @ result.modes, 0.0, atol=1e-12 * largest)
-    eigenvalues = np.linalg.eigvalsh(result.stiffness)
-    assert np.count_nonzero(eigenvalues < 1e-9 * eigenvalues[-1]) == count
+    driven = len(constraints)
+    modes = result.motion[:, driven:]
+    assert modes.shape[1] == count
+    np.testing.assert_array_equal(result.stiffness[driven:], 0.0)
+    # No force on a boundary, and none of the contact surface's, keeps them from moving.
+    moved = result.compliance @ modes
+    largest = np.abs(result.compliance).max()
+    np.testing.assert_allclose(moved, modes @ (modes.T @ moved), atol=1e-11 * largest)
+    assert np.linalg.matrix_rank(result.stiffness, tol=1e-9) <= driven
 
 
 @ELEMENTS
@@ -123,18 +141,14 @@ def test_translation_with_all_constraints_needs_no_force(cell: str, degree: int)
     body, points = make_body(rectangle(cell), constraints, degree=degree)
     result = condensed(body)
     shift = np.array([0.3, -0.7])
-    u = np.tile(shift, len(points))
     c = np.array([shift @ np.array(k.direction) for k in constraints])
-    tolerance = 1e-12 * np.abs(result.stiffness).max()
+    moved = (result.motion @ c).reshape(-1, 2)
+    np.testing.assert_allclose(moved, np.tile(shift, (len(points), 1)), atol=1e-13)
+    reaction = result.stiffness @ c
+    np.testing.assert_allclose(reaction, 0, atol=1e-12 * np.abs(result.stiffness).max())
+    np.testing.assert_array_equal(result.stiffness, result.stiffness.T)
     # The corner of the contact surface on the left side follows that side.
-    held = np.any(result.prescribed != 0, axis=1)
-    np.testing.assert_array_equal(np.flatnonzero(held), [0, 1])
-    np.testing.assert_allclose((result.prescribed @ c)[held], shift, atol=1e-15)
-    u[held] = 0.0
-    np.testing.assert_allclose(result.stiffness @ u + result.coupling @ c, 0, atol=tolerance)
-    reaction = result.coupling.T @ u + result.coordinate_stiffness @ c
-    np.testing.assert_allclose(reaction, 0, atol=tolerance)
-    np.testing.assert_array_equal(result.coordinate_stiffness, result.coordinate_stiffness.T)
+    np.testing.assert_array_equal(np.flatnonzero(np.all(result.compliance == 0, axis=1)), [0, 1])
 
 
 LOADS = (
@@ -166,18 +180,17 @@ def test_condensed_loads_have_the_force_and_moment_of_the_loads(cell: str, degre
     result = condensed(body)
     rigid = rigid_motions(points).reshape(-1, 3)
     # Loads are polynomials that the quadrature integrates exactly.
-    np.testing.assert_allclose(rigid.T @ result.surface_loads, RESULTANTS, atol=1e-11)
+    work = (result.motion.T @ rigid).T @ result.coordinate_loads
+    np.testing.assert_allclose(work, RESULTANTS, atol=1e-11)
     np.testing.assert_allclose(result.load_resultants, RESULTANTS[:2], atol=1e-12)
 
 
-def test_loads_on_constrained_bodies_are_shared_with_the_constraints() -> None:
+def test_loads_on_constrained_bodies_are_taken_by_the_constraints() -> None:
     constraints = (SLANT, ACROSS)
     result = condensed(make_body(rectangle(), constraints, LOADS)[0])
     directions = np.array([k.direction for k in constraints])
-    surface = result.surface_loads.reshape(-1, 2, len(LOADS)).sum(axis=0)
-    np.testing.assert_allclose(
-        surface + directions.T @ result.coordinate_loads, RESULTANTS[:2], atol=1e-11
-    )
+    # Nothing pushes on the contact surface: the platen takes all.
+    np.testing.assert_allclose(directions.T @ result.coordinate_loads, RESULTANTS[:2], atol=1e-11)
 
 
 @pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
@@ -245,15 +258,21 @@ def test_condensation_is_that_of_dense_algebra(
     judge = DenseJudge(body.elastic, sides, points)
     loads = judge.basis.T @ np.array([body.elastic.load_vector(load).array for load in LOADS]).T
     n, expected = 2 * len(points), judge.condensed
-    close = {"rtol": 0, "atol": 1e-12 * np.abs(expected).max()}
-    own = np.ix_(judge.free, judge.free)
     assert not judge.free.all()
-    np.testing.assert_array_equal(result.prescribed, judge.prescribed)
-    np.testing.assert_allclose(result.stiffness[own], expected[:n, :n][own], **close)
-    np.testing.assert_allclose(result.coupling, expected[:n, n:], **close)
-    np.testing.assert_allclose(result.coordinate_stiffness, expected[n:, n:], **close)
-    np.testing.assert_allclose(result.surface_loads, loads[:n], **close)
-    np.testing.assert_allclose(result.coordinate_loads, loads[n:], **close)
+    compliance = np.zeros((n, n))
+    own = np.ix_(judge.free, judge.free)
+    compliance[own] = np.linalg.inv(expected[:n, :n][own])
+    coupling, stiffness = expected[:n, n:], expected[n:, n:]
+    close = {"rtol": 1e-11, "atol": 1e-12 * np.abs(stiffness).max()}
+    motion = judge.prescribed - compliance @ coupling
+    small = {"rtol": 0, "atol": 1e-12 * np.abs(compliance).max()}
+    np.testing.assert_allclose(result.compliance, compliance, **small)
+    np.testing.assert_allclose(result.motion, motion, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(result.loads, compliance @ loads[:n], rtol=0, atol=1e-12)
+    condensed_stiffness = stiffness - coupling.T @ compliance @ coupling
+    np.testing.assert_allclose(result.stiffness, condensed_stiffness, **close)
+    on_coordinates = loads[n:] - coupling.T @ compliance @ loads[:n]
+    np.testing.assert_allclose(result.coordinate_loads, on_coordinates, rtol=0, atol=1e-11)
 
 
 def uniform(material: Material, stress: Array) -> Array:
@@ -297,7 +316,9 @@ def test_recovery_of_uniform_stress(cell: str, degree: int, order: int, plane: s
     gradient = uniform(material, STRESS) + np.array([[0.0, -0.01], [0.01, 0.0]])
     offset = np.array([0.02, -0.01])
     surface = (points @ gradient.T + offset).ravel()
-    field = body.recover(surface, np.empty(0), np.ones(len(loads)))
+    free = condensed(body).motion.T @ surface
+    traction = nodal_forces(body, points, STRESS @ [0.0, -1.0])
+    field = body.recover(traction, free, np.ones(len(loads)))
     x = body.elastic.space.tabulate_dof_coordinates()[:, :2]
     expected = x @ gradient.T + offset
     np.testing.assert_allclose(field.x.array.reshape(-1, 2), expected, rtol=0, atol=1e-14)
@@ -314,20 +335,20 @@ def test_recovery_with_constraints_and_a_shared_corner() -> None:
     strain = -0.01
     first_lame, mu = STEEL.first_lame, STEEL.shear_modulus
     side = first_lame * strain
-    surface = np.stack([np.zeros(len(points)), strain * points[:, 1]], axis=1)
+    normal = (first_lame + 2 * mu) * strain
+    traction = nodal_forces(body, points, np.array([0.0, -normal]))
     coordinates = np.array([0.0, strain * HEIGHT, 0.0])
-    field = body.recover(surface.ravel(), coordinates, np.array([side]))
+    field = body.recover(traction, coordinates, np.array([side]))
     x = body.elastic.space.tabulate_dof_coordinates()[:, :2]
     expected = np.stack([np.zeros(len(x)), strain * x[:, 1]], axis=1)
     np.testing.assert_allclose(field.x.array.reshape(-1, 2), expected, rtol=0, atol=1e-15)
     # The platen presses with the stress times its width; the left side balances the right one.
     result = condensed(body)
     force = (
-        result.coupling.T @ surface.ravel()
-        + result.coordinate_stiffness @ coordinates
+        result.stiffness @ coordinates
+        - result.motion.T @ traction
         - result.coordinate_loads @ [side]
     )
-    normal = (first_lame + 2 * mu) * strain
     np.testing.assert_allclose(force[1], normal * LENGTH, rtol=1e-12)
     np.testing.assert_allclose(force[0] + force[2], -side * HEIGHT, rtol=1e-12)
 
@@ -344,8 +365,8 @@ def test_uniaxial_tension(plane: str, modulus: float, contraction: float) -> Non
     result = condensed(body)
     strain = 1e-3
     c = np.array([0.0, strain * LENGTH, 0.0])
-    u = np.linalg.solve(result.stiffness, -result.coupling @ c) + result.prescribed @ c
+    u = result.motion @ c
     expected = np.stack([strain * points[:, 0], np.full(len(points), -contraction * strain)], 1)
     np.testing.assert_allclose(u.reshape(-1, 2), expected, rtol=0, atol=1e-12 * strain)
-    force = result.coupling.T @ u + result.coordinate_stiffness @ c
+    force = result.stiffness @ c
     np.testing.assert_allclose(force[1], modulus * strain * HEIGHT, rtol=1e-11)

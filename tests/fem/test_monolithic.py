@@ -18,7 +18,7 @@ from monolithic import Iterate, MonolithicSolver, MonolithicStep, cone_projectio
 from fretfe._typing import Array
 from fretfe.contact.state import SLIP, STICK
 from fretfe.errors import ConvergenceError, FretfeError
-from fretfe.fem.model import Model
+from fretfe.fem.model import Model, Request
 from fretfe.geometry.templates import find_template
 from fretfe.mesh.mesh import BodyMesh, mesh_template, read_mesh
 
@@ -251,7 +251,8 @@ def assert_same(condensed: Run, steps: list[MonolithicStep]) -> None:
     assert difference([s.relative for s in steps], [s.relative / roots for s in states]) < SAME
     held = [j for j, c in enumerate(interface.coordinates) if c.control != "free"]
     assert difference([s.forces for s in steps], [s.forces[held] for s in states]) < SAME
-    recovered = condensed.model.recover(list(zip(states, condensed.steps[1:], strict=True)))
+    requests = [Request.of(*each) for each in zip(states, condensed.steps[1:], strict=True)]
+    recovered = condensed.model.recover_fields(requests)
     fields = [np.concatenate([u.x.array for u in field.values()]) for field in recovered]
     own = [np.concatenate(list(s.displacements.values())) for s in steps]
     assert difference(own, fields) < SAME

@@ -112,7 +112,7 @@ def assert_uniform(solved: Run, pressure: float, shear: float, stress: dict[str,
     np.testing.assert_allclose(solved.tractions[-1], expected, rtol=0, atol=EXACT * pressure)
     np.testing.assert_allclose(solved.tractions[0], expected / 2, rtol=0, atol=EXACT * pressure)
     found = solved.stress(len(solved.steps) - 2 if solved.steps else 1)
-    for body in ("upper", "lower"):
+    for body in found:  # those of this rank
         assert_stress(found[body], stress[body], EXACT * pressure)
 
 
@@ -236,7 +236,9 @@ def test_rigid_motion_of_both_bodies_gives_no_traction(
 ) -> None:
     solved = run(make_case(side, degree, friction, loads=loads), *split_box(angle, cell))
     np.testing.assert_allclose(solved.tractions, 0.0, atol=EXACT * 200.0)
-    assert_stress(solved.stress(1)["upper"], np.zeros((2, 2)), EXACT * 200.0)
+    found = solved.stress(1)
+    if "upper" in found:  # on this rank
+        assert_stress(found["upper"], np.zeros((2, 2)), EXACT * 200.0)
 
 
 @pytest.mark.mpi
