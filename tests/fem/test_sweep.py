@@ -21,6 +21,7 @@ from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case, changed, parse_case
 from fretfe.errors import MeshError
 from fretfe.fem import backend, condensation
+from fretfe.fem._compat import MPI
 from fretfe.fem.backend import BACKEND
 from fretfe.sweeps import Sweep, make_variants, run_sweep
 
@@ -199,7 +200,6 @@ def rows(path: Path) -> list[dict[str, str]]:
 SCRIPT = """
 import sys
 import fretfe
-from fretfe.fem._compat import MPI
 from pathlib import Path
 folder = Path(sys.argv[1])
 case = fretfe.load_case(folder / "pad.toml", {"output.fields": "none"})
