@@ -78,7 +78,7 @@ def body_of(cell: str, degree: int) -> ElasticBody:
 def test_fields_are_read_as_they_are_written(tmp_path: Path, cell: str, degree: int) -> None:
     """Displacements of degree 2 are exact between the nodes, as VTK interpolates them.
 
-    Steps are found by their time, the stress is that of Hooke's law, and the cells fill the block.
+    Steps are found by their time, cells at any place, and the stress is that of Hooke's law.
     """
     body = body_of(cell, degree)
     gdim, size = body.gdim, np.array([2.0, 1.0, 3.0])[: body.gdim]
@@ -96,10 +96,9 @@ def test_fields_are_read_as_they_are_written(tmp_path: Path, cell: str, degree: 
             writer.add(0.5 + factor, {"displacement": [values], "stress": [stress]})
     grid = read_grid(tmp_path / FIELDS, 1.5)
     assert grid.n_cells == len(body.element_nodes())
-    sizes = grid.compute_cell_sizes()["Volume" if gdim == 3 else "Area"]
-    assert sizes.sum() == pytest.approx(size.prod(), rel=1e-6)
     places = np.random.default_rng(0).uniform(0.01, 0.99, (20, gdim)) * size
     probe = pyvista_of(places).sample(grid)
+    assert probe["vtkValidPointMask"].all()
     strains = strain_at(slope, places, degree)
     lame, mu = body.material.first_lame, body.material.shear_modulus
     traces = np.trace(strains, axis1=1, axis2=2)[:, None, None]
