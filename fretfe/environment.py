@@ -61,6 +61,12 @@ def reference_blas(libraries: list[str]) -> list[str]:
     ]
 
 
+def idle_cores() -> int:
+    """Cores that this process may use besides the one it has."""
+    allowed = getattr(os, "sched_getaffinity", None)  # Linux
+    return (len(allowed(0)) if allowed else os.cpu_count() or 1) - 1
+
+
 def missing_package(error: BaseException) -> str:
     """What to install if a module that fretfe requires is not there; empty for other errors."""
     if not isinstance(error, ModuleNotFoundError):

@@ -28,9 +28,12 @@ from fretfe.errors import ModelError, OutputError
 from fretfe.quality.validate import Validation, validate
 from fretfe.quality.validate.report import as_numbers
 from fretfe.report.page.html import REPORT, write_report
+from fretfe.report.page.sections import Plots, draw_plots
 from fretfe.report.pictures.folder import make_pictures, remove_pictures
+from fretfe.results.field_file import FIELDS
 from fretfe.results.model import Result
-from fretfe.results.writer import FIELDS, prepare_directory, remove_fields, write_results
+from fretfe.results.reader import load_result
+from fretfe.results.writer import prepare_directory, remove_fields, write_results
 from fretfe.sweeps import Sweep, make_variants, run_sweep
 from fretfe.sweeps.files import write_files
 
@@ -254,14 +257,29 @@ class Drawn:
 def draw_report(directory: Path) -> Drawn:
     """Draw the pictures of results and write their report; on the first process.
 
-    What cannot be made takes nothing away from the results.
+    What cannot be made takes nothing away from the results. Plots are drawn while other processes
+    draw pictures, if cores are idle.
     """
-    seconds, problems = {}, []
-    for phase, make in {"pictures": make_pictures, "report": write_report}.items():
+    seconds: dict[str, float] = {}
+    problems: list[str] = []
+    plots: list[Plots] = []
+
+    def attempt(phase: str, make: Callable[[], object]) -> None:
         begin = time.perf_counter()
         try:
-            make(directory)
+            make()
         except Exception as error:
             problems.append(f"no {phase}: {type(error).__name__}: {error}")
-        seconds[phase] = time.perf_counter() - begin
+        seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - begin
+
+    def draw_ahead() -> None:
+        attempt("report", lambda: plots.append(draw_plots(load_result(directory))))
+
+    attempt("pictures", lambda: make_pictures(directory, draw_ahead))
+    if "report" not in seconds:
+        draw_ahead()
+    else:
+        seconds["pictures"] -= seconds["report"]
+    if plots:
+        attempt("report", lambda: write_report(directory, plots[0]))
     return Drawn(seconds, tuple(problems))

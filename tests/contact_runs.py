@@ -43,13 +43,12 @@ class Run:
         return fields
 
     def stress(self, step: int) -> dict[str, Array]:
-        """(n, 2, 2) stress at the interpolation points of this rank, by body. Collective."""
-        return {
-            name: self.model.bodies[name]
-            .elastic.discontinuous_fields(field)[1]
-            .x.array.reshape(-1, 2, 2)
+        """(n, 2, 2) stress at the nodes of the elements of this rank, by body. Collective."""
+        stresses = {
+            name: self.model.bodies[name].elastic.element_stresses(field).reshape(-1, 4)
             for name, field in self.fields(step).items()
         }
+        return {name: each[:, [[0, 3], [3, 1]]] for name, each in stresses.items()}
 
     def displacement(self, step: int, body: str, where: Callable[[Array], Array]) -> Array:
         """(n, 2) displacements of this rank's nodes where a function of x (3, n) is true."""

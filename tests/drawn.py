@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -14,7 +15,8 @@ from pad_cases import pad, press, shear
 from fretfe._typing import Array
 from fretfe.backends import find_backend
 from fretfe.case import Case, parse_case
-from fretfe.results.writer import FIELDS, write_results
+from fretfe.results.field_file import FIELDS, FieldWriter
+from fretfe.results.writer import write_results
 
 # Places of the six nodes of a triangle in terms of its corners, in VTK's order.
 NODES = np.array([[2, 0, 0], [0, 2, 0], [0, 0, 2], [1, 1, 0], [0, 1, 1], [1, 0, 1]]) / 2
@@ -55,81 +57,27 @@ def write_folder(folder: Path, times: Sequence[float]) -> Path:
     folder.mkdir()
     result = find_backend("halfplane").solve(case)
     write_results(folder, replace(result, backend="fem", bodies=BODIES))
-    (folder / FIELDS).mkdir()
-    for name in BODIES:
-        write_fields(folder / FIELDS, name, times)
+    write_fields(folder / FIELDS, times)
     return folder
 
 
 def fields(points: Array, time: float) -> tuple[Array, Array]:
-    """Displacement (n, 2) and stress (n, 3) of a made-up state: pressed down, σx = 100 + 10 x t."""
+    """Displacement (n, 2) and stress (n, 4) of a made-up state: pressed down, σx = 100 + 10 x t."""
     displacement = np.stack([0.001 * time * points[:, 1], -0.002 + 0 * points[:, 1]], axis=1)
-    stress = np.zeros((len(points), 3))
+    stress = np.zeros((len(points), 4))
     stress[:, 0] = 100 + 10 * points[:, 0] * time
+    stress[:, 2] = 0.3 * stress[:, 0]
     return displacement, stress
 
 
-def write_fields(folder: Path, name: str, times: Sequence[float], pieces: int = 1) -> None:
-    """Files as DOLFINx writes them: triangles of order 2, nodes of their own, copies of neighbours.
-
-    Args:
-        folder: to write to.
-        name: of the body.
-        times: of the fields.
-        pieces: number of processes that take part.
-    """
-    body = BODIES[name]
-    parts = np.array_split(np.arange(len(body.cells)), pieces)
-    collection = ""
-    for number, time in enumerate(times):
-        sources = ""
-        for rank, own in enumerate(parts):
-            copies = np.setdiff1d(np.arange(len(body.cells)), own)[:3]
-            file = f"{name}_p{rank}_{number:06}.vtu"
-            (folder / file).write_text(_piece(body, own, copies, time))
-            sources += f'<Piece Source="{file}" />'
-        (folder / f"{name}{number:06}.pvtu").write_text(_pieces(sources))
-        collection += f'<DataSet timestep="{time}" part="0" file="{name}{number:06}.pvtu" />'
-    text = (
-        f'<VTKFile type="Collection" version="1.0"><Collection>{collection}</Collection></VTKFile>'
-    )
-    (folder / f"{name}.pvd").write_text(text)
-
-
-def _piece(body: Grid, own: NDArray[np.int64], copies: NDArray[np.int64], time: float) -> str:
-    corners = body.points[body.cells[np.concatenate([own, copies])]]
-    points = (NODES @ corners).reshape(-1, 2)
-    displacement, stress = fields(points, time)
-    count, flat = len(corners), np.zeros((len(points), 1))
-    tensor = np.zeros((len(points), 9))
-    tensor[:, [0, 4, 1]], tensor[:, 3] = stress, stress[:, 2]
-    ghosts = [0] * len(own) + [1] * len(copies)
-    return (
-        '<VTKFile type="UnstructuredGrid" version="2.2"><UnstructuredGrid>'
-        f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{count}"><Points>'
-        f"{_array('Float64', '', np.hstack([points, flat]), 3)}</Points><Cells>"
-        f"{_array('Int32', 'connectivity', np.arange(6 * count))}"
-        f"{_array('Int32', 'offsets', 6 * np.arange(1, count + 1))}"
-        f"{_array('Int8', 'types', [69] * count)}</Cells><PointData>"
-        f"{_array('Float64', 'displacement', np.hstack([displacement, flat]), 3)}"
-        f"{_array('Float64', 'stress', tensor, 9)}</PointData><CellData>"
-        f"{_array('UInt8', 'vtkGhostType', ghosts)}</CellData></Piece></UnstructuredGrid></VTKFile>"
-    )
-
-
-def _array(kind: str, name: str, values: object, components: int = 1) -> str:
-    text = " ".join(map(repr, np.asarray(values).ravel().tolist()))
-    named = f'Name="{name}" ' if name else ""
-    shape = f'type="{kind}" NumberOfComponents="{components}"'
-    return f'<DataArray {named}{shape} format="ascii">{text}</DataArray>'
-
-
-def _pieces(sources: str) -> str:
-    return (
-        '<VTKFile type="PUnstructuredGrid" version="1.0"><PUnstructuredGrid GhostLevel="1">'
-        '<PPointData><PDataArray type="Float64" Name="displacement" NumberOfComponents="3" />'
-        '<PDataArray type="Float64" Name="stress" NumberOfComponents="9" /></PPointData>'
-        '<PCellData><PDataArray type="UInt8" Name="vtkGhostType" /></PCellData>'
-        '<PPoints><PDataArray type="Float64" NumberOfComponents="3" /></PPoints>'
-        f"{sources}</PUnstructuredGrid></VTKFile>"
-    )
+def write_fields(path: Path, times: Sequence[float]) -> None:
+    """Fields of both bodies on triangles of order 2."""
+    nodes = {name: NODES @ body.points[body.cells] for name, body in BODIES.items()}
+    with closing(FieldWriter(path, nodes)) as writer:
+        for time in times:
+            pairs = [fields(each.reshape(-1, 2), time) for each in nodes.values()]
+            moved, stress = (
+                [values.reshape(-1, len(NODES), values.shape[1]) for values in each]
+                for each in zip(*pairs, strict=True)
+            )
+            writer.add(time, {"displacement": moved, "stress": stress})

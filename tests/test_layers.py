@@ -34,6 +34,7 @@ LAYERS = (
     "fretfe.results.records",
     "fretfe.results.dataset",
     "fretfe.results.model",
+    "fretfe.results.field_file",
     "fretfe.halfplane.*",
     "fretfe.backends.*",
     "fretfe.fem.*",

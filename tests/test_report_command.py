@@ -45,7 +45,7 @@ def test_run_without_a_report_leaves_none_of_an_earlier_run(case: Path, tmp_path
 def test_report_that_fails_is_a_warning(
     case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def fail(directory: Path) -> Path:
+    def fail(directory: Path, plots: object) -> Path:
         raise ZeroDivisionError("no [red]plot[/red]")
 
     monkeypatch.setattr(fretfe.runner, "write_report", fail)

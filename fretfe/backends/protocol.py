@@ -26,7 +26,7 @@ class RunOptions:
     """What a caller may want besides the results.
 
     Attributes:
-        fields: folder for the fields that the case asks for; None for no fields. Backends without
+        fields: file for the fields that the case asks for; None for no fields. Backends without
             fields ignore it.
         history: loads in place of those of the case; None for those.
         observer: follows the run, on rank 0.

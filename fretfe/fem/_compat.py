@@ -129,12 +129,16 @@ def form_on(
     )
 
 
-def expression(value: Any, space: dolfinx.fem.FunctionSpace) -> dolfinx.fem.Expression:
-    """A UFL expression that can be interpolated into `space`."""
-    points = space.element.interpolation_points
-    if VERSION < (0, 10):  # a method in 0.9, a property later
-        points = points()
-    return dolfinx.fem.Expression(value, points)
+def vtk_order(cell: dolfinx.mesh.CellType, count: int) -> Indices:
+    """(k,) the k nodes of an element, numbered as in DOLFINx, in VTK's order."""
+    # It is VTK's quadratic cells that are meant; DOLFINx gives the inverse.
+    return np.argsort(_cpp.io.perm_vtk(cell, count))
+
+
+def expression(value: Any, points: Array, **options: Any) -> dolfinx.fem.Expression:
+    """A UFL expression that can be evaluated at points (k, d) of the reference element."""
+    # Its values are flat for each element in 0.9, and have all their dimensions later.
+    return dolfinx.fem.Expression(value, points, **options)
 
 
 def versions() -> dict[str, Any]:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from dolfinx.graph import adjacencylist
 from dolfinx.io import distribute_entity_data
 from dolfinx.mesh import meshtags_from_entities
 
+from fretfe._typing import Array, Indices
 from fretfe.fem._compat import (
     MPI,
     PETSc,
@@ -21,8 +23,14 @@ from fretfe.fem._compat import (
     assemble_vector,
     create_mesh,
     expression,
+    vtk_order,
 )
+from fretfe.fem.form_cache import compiled
 from fretfe.mesh.mesh import BodyMesh
+
+# Components of a stress that are written, those that do not follow from others.
+PLANE_COMPONENTS = ((0, 0), (1, 1), (0, 1))
+COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
 @dataclass(frozen=True)
@@ -149,7 +157,7 @@ class ElasticBody:
         Args:
             constrained: local numbers gdim * node + component, owned and ghosted.
         """
-        form = fem.form(self._energy(ufl.TrialFunction(self.space)))
+        form = compiled(self.comm, fem.form, self._energy(ufl.TrialFunction(self.space)))
         conditions = [
             fem.dirichletbc(
                 PETSc.ScalarType(0),
@@ -164,13 +172,24 @@ class ElasticBody:
 
     def forces(self, displacement: fem.Function) -> PETSc.Vec:
         """Nodal forces K u of a displacement, without any constraint."""
-        return assemble_vector(fem.form(self._energy(displacement)))
+        self._given.x.array[:] = displacement.x.array
+        return assemble_vector(self._force_form)
+
+    @cached_property
+    def _given(self) -> fem.Function:
+        """The displacement in the forms that are compiled once."""
+        return fem.Function(self.space)
+
+    @cached_property
+    def _force_form(self) -> fem.Form:
+        return compiled(self.comm, fem.form, self._energy(self._given))
 
     def load_vector(self, load: DistributedLoad) -> PETSc.Vec:
         """Nodal forces of a load of unit amplitude; zero if its boundary is on another body."""
         test = ufl.TestFunction(self.space)
         if load.kind == "rotation":
-            return assemble_vector(fem.form(ufl.inner(self._centrifugal(load), test) * ufl.dx))
+            form = ufl.inner(self._centrifugal(load), test) * ufl.dx
+            return assemble_vector(compiled(self.comm, fem.form, form))
         if load.boundary not in self.groups:
             zero = fem.Function(self.space)  # owns the memory that its vector views
             return zero.x.petsc_vec.copy()
@@ -180,7 +199,7 @@ class ElasticBody:
         else:
             traction = fem.Constant(self.mesh, np.array(load.direction[: self.gdim]))
         form = ufl.inner(traction, test) * measure(self.groups[load.boundary])
-        return assemble_vector(fem.form(form))
+        return assemble_vector(compiled(self.comm, fem.form, form))
 
     def _centrifugal(self, load: DistributedLoad) -> Any:
         """Body force at unit angular speed: density times the vector from the axis."""
@@ -193,19 +212,60 @@ class ElasticBody:
         axis = fem.Constant(self.mesh, np.array(load.direction))
         return density * (arm - ufl.inner(arm, axis) * axis)
 
-    def discontinuous_fields(self, displacement: fem.Function) -> list[fem.Function]:
-        """Displacement and stress, interpolated element by element."""
-        degree = self.space.element.basix_element.degree
-        fields = []
-        for name, shape, value in (
-            ("displacement", (self.gdim,), displacement),
-            ("stress", (self.gdim, self.gdim), self.stress(displacement)),
-        ):
-            space = fem.functionspace(self.mesh, ("DG", degree, shape))
-            function = fem.Function(space, name=name)
-            function.interpolate(expression(value, space))
-            fields.append(function)
-        return fields
+    def element_nodes(self) -> Array:
+        """(m, k, d) places of the nodes of this rank's m elements, in VTK's order.
+
+        Nodes that elements share have exactly the same place in all of them, on all ranks.
+        """
+        places = fem.Function(self.space)
+        places.x.array[:] = self.space.tabulate_dof_coordinates()[:, : self.gdim].ravel()
+        places.x.scatter_forward()
+        return self.element_displacements(places)
+
+    def element_displacements(self, displacement: fem.Function) -> Array:
+        """(m, k, d) displacement at the nodes of this rank's elements."""
+        return displacement.x.array.reshape(-1, self.gdim)[self._element_nodes]
+
+    def element_stresses(self, displacement: fem.Function) -> Array:
+        """(m, k, 4 or 6) stress xx, yy, zz, xy, yz, xz at the nodes of this rank's elements.
+
+        Each element has its own, exactly that of its displacement.
+        """
+        self._given.x.array[:] = displacement.x.array
+        cells = np.arange(len(self._element_nodes), dtype=np.int32)
+        values = self._stress_expression.eval(self.mesh, cells)
+        values = values.reshape(*self._element_nodes.shape, -1)
+        if self.gdim == 3:
+            return values
+        xx, yy, xy = np.moveaxis(values, 2, 0)
+        zz = 0.0 * xx if self.material.plane == "stress" else self.material.poisson * (xx + yy)
+        return np.stack([xx, yy, zz, xy], axis=2)
+
+    @cached_property
+    def _element_order(self) -> Indices:
+        """(k,) the nodes of an element in VTK's order."""
+        return vtk_order(self.mesh.topology.cell_type, len(self._element_points))
+
+    @property
+    def _element_points(self) -> Array:
+        """(k, d) the nodes of the reference element in DOLFINx's order."""
+        points: Array = self.space.element.basix_element.points
+        return points
+
+    @cached_property
+    def _element_nodes(self) -> Indices:
+        """(m, k) local numbers of the nodes of this rank's elements, in VTK's order."""
+        own = self.mesh.topology.index_map(self.mesh.topology.dim).size_local
+        nodes: Indices = self.space.dofmap.list[:own, self._element_order]
+        return nodes
+
+    @cached_property
+    def _stress_expression(self) -> Any:
+        stress = self.stress(self._given)
+        pairs = PLANE_COMPONENTS if self.gdim == 2 else COMPONENTS
+        components = ufl.as_vector([stress[pair] for pair in pairs])
+        points = self._element_points[self._element_order]
+        return compiled(self.comm, expression, components, points)
 
 
 def _mesh_type(mesh: BodyMesh) -> tuple[str, str, int, int, int]:

@@ -31,6 +31,7 @@ from ufl.algorithms.analysis import extract_constants
 from fretfe._typing import Array
 from fretfe.fem._compat import PETSc, assemble_vector, form_on
 from fretfe.fem.elasticity import ElasticBody
+from fretfe.fem.form_cache import compiled
 
 # The weight q is 1 up to this fraction of the radius: the singular elements do not count.
 INNER = 0.3
@@ -105,7 +106,7 @@ class InteractionForm:
         self._cells, self._facets = _Places(mesh, dim, cells), _Places(mesh, dim - 1, facets)
         integral = self._integral(elastic)
         self._constants = extract_constants(integral)
-        self._compiled = fem.compile_form(mesh.comm, integral)
+        self._compiled = compiled(mesh.comm, fem.compile_form, mesh.comm, integral)
 
     def functionals(self, tip: Tip, reach: float) -> list[PETSc.Vec]:
         """Vectors for each of MODES, whose products with a displacement are this body's part of I.

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-import shutil
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -106,16 +105,15 @@ def refine(comm: MPI.Comm, case: Case, options: RunOptions) -> Result:
             return last
 
 
-def _drop(folder: Path | None) -> None:
-    if folder is not None:
-        shutil.rmtree(folder, ignore_errors=True)
+def _drop(staged: Path | None) -> None:
+    if staged is not None:
+        staged.unlink(missing_ok=True)
 
 
 def _keep(staged: Path | None, fields: Path | None) -> None:
     """Put the fields that a pass has written, if any, in their place."""
-    if staged is not None and fields is not None and staged.is_dir():
-        _drop(fields)
-        staged.rename(fields)
+    if staged is not None and fields is not None and staged.is_file():
+        staged.replace(fields)
 
 
 class _Passes:

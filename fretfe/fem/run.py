@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -20,12 +21,12 @@ from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary
 from fretfe.edges.limits import ModelLimit, with_limit_warnings
 from fretfe.edges.separation import separate_patches
-from fretfe.errors import ConvergenceError, ModelError, StoppedError
+from fretfe.errors import ConvergenceError, ModelError, OutputError, StoppedError
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
 from fretfe.fem.balance import balance
 from fretfe.fem.extraction import add_integrals
-from fretfe.fem.fields import write_fields
+from fretfe.fem.fields import FieldOutput
 from fretfe.fem.limits import imbalance, model_limits, without_moved
 from fretfe.fem.model import Model, Request, step_loads
 from fretfe.fem.parallel import on_root, release
@@ -88,7 +89,7 @@ def solve(
     Args:
         comm: communicator.
         case: validated case, the same on all ranks.
-        options: folder for fields, other loads, observer.
+        options: file for fields, other loads, observer.
         load: gives the mesh, called on rank 0; None for `load_mesh`.
 
     Raises:
@@ -124,7 +125,7 @@ def solve_prepared(
         prepared: mesh and model of a case that differs in friction and load histories at most.
         case: as for `solve`.
         history: the loads, the same on all ranks.
-        options: folder for fields, and observer.
+        options: file for fields, and observer.
         clock: for timings, of the preparation too if that belongs to this case.
 
     Raises:
@@ -148,15 +149,17 @@ def solve_prepared(
             ),
         )
         failure = failure or on_root(comm, lambda: imbalance(solution) if solution else None)
+    notes: tuple[str, ...] = ()
     if options.fields is not None:
         with clock("fields"):
             chosen = _field_states(case, history, solution, contacts) if solution else None
-            _write_fields(model, history, recorder, chosen, options.fields)
+            notes = _write_fields(model, history, recorder, chosen, options.fields)
     return Result(
         case=case,
         loads=comm.bcast(solution.loads if solution else None),
         contacts=contacts,
         solution=solution,
+        notes=notes,
         failure=failure,
         limits=limits,
         bodies=mesh.bodies if mesh else {},
@@ -257,14 +260,24 @@ def _write_fields(
     history: History,
     recorder: Recorder | None,
     chosen: list[int] | None,
-    directory: Path,
-) -> None:
-    """Write displacement and stress of the chosen states, which rank 0 has. Collective."""
+    path: Path,
+) -> tuple[str, ...]:
+    """Write the fields of the chosen states, which rank 0 has. Collective.
+
+    Returns:
+        Why they could not be written: no reason to lose the numbers.
+    """
     states = model.comm.bcast(chosen)
     if not states:
-        return
-    requests = _requests(recorder, states)
-    write_fields(model, model.recover_fields(requests), history.times[states], directory)
+        return ()
+    try:
+        with closing(FieldOutput(model, path)) as output:
+            for state in states:
+                (displacements,) = model.recover_fields(_requests(recorder, [state]))
+                output.add(float(history.times[state]), displacements)
+    except OutputError as error:
+        return (str(error),)
+    return ()
 
 
 def _field_states(

@@ -21,11 +21,12 @@ from fretfe.edges.front import ContactSummary, Station
 from fretfe.edges.refinement import Refinement
 from fretfe.environment import versions
 from fretfe.errors import OutputError
+from fretfe.results.field_file import FIELDS
 from fretfe.results.model import BodyArrays, Result
 from fretfe.results.solution import ContactHistory, Solution
 
 SCHEMA = {"name": "fretfe-results", "version": 2}
-NUMBERS, ARRAYS, FIELDS = "results.json", "results.h5", "fields"
+NUMBERS, ARRAYS = "results.json", "results.h5"
 
 
 def prepare_directory(directory: Path) -> None:
@@ -46,15 +47,13 @@ def prepare_directory(directory: Path) -> None:
 
 
 def remove_fields(directory: Path) -> None:
-    """Remove the fields of an earlier run; other files stay.
+    """Remove the fields of an earlier run.
 
     Raises:
         OutputError: if that fails.
     """
     try:
-        for ending in ("pvd", "pvtu", "vtu"):
-            for path in (directory / FIELDS).glob(f"*.{ending}"):
-                path.unlink()
+        (directory / FIELDS).unlink(missing_ok=True)
     except OSError as error:
         raise OutputError(f"{directory / FIELDS}: cannot remove old fields: {error}") from error
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import ctypes
 
+import basix.ufl
 import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
-from dolfinx.mesh import locate_entities_boundary
+from dolfinx.mesh import locate_entities_boundary, to_type
 from launch import python
 
 from fretfe.fem._compat import (
@@ -22,7 +23,9 @@ from fretfe.fem._compat import (
     form_on,
     petsc_library,
     versions,
+    vtk_order,
 )
+from fretfe.results.field_file import CELL_TYPES
 
 COMM = MPI.COMM_WORLD
 # Two elements each in Gmsh's order: corners, then middles of edges. The middle of the left edge is
@@ -147,15 +150,41 @@ def test_form_on_some_cells_and_facets(name: str) -> None:
 
 
 @pytest.mark.mpi
-def test_expression_is_interpolated() -> None:
+def test_expression_is_evaluated() -> None:
     space, _ = mesh_of("triangle, order 1")
     x = ufl.SpatialCoordinate(space.mesh)
-    target = fem.functionspace(space.mesh, ("DG", 2))
-    function = fem.Function(target)
-    function.interpolate(expression(x[0] ** 2 + 3 * x[0] * x[1], target))
-    points = target.tabulate_dof_coordinates()
-    expected = points[:, 0] ** 2 + 3 * points[:, 0] * points[:, 1]
-    assert np.allclose(function.x.array, expected, rtol=0, atol=1e-13)
+    corners = space.element.basix_element.points
+    value = expression(x[0] ** 2 + 3 * x[0] * x[1], corners)
+    cells = np.arange(len(space.dofmap.list), dtype=np.int32)
+    points = space.tabulate_dof_coordinates()[space.dofmap.list]
+    expected = points[..., 0] ** 2 + 3 * points[..., 0] * points[..., 1]
+    found = value.eval(space.mesh, cells).reshape(expected.shape)
+    assert np.allclose(found, expected, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("cell", "degree", "number", "last"),
+    [
+        # The edges of a triangle follow each other, those of a quadrilateral too.
+        ("triangle", 2, 6, (0, 0.5)),
+        ("quadrilateral", 1, 4, (0, 1)),
+        ("quadrilateral", 2, 9, (0.5, 0.5)),
+        ("tetrahedron", 2, 10, (0, 0.5, 0.5)),
+        ("hexahedron", 2, 27, (0.5, 0.5, 0.5)),
+    ],
+)
+def test_nodes_in_the_order_of_vtk(
+    cell: str, degree: int, number: int, last: tuple[float, ...]
+) -> None:
+    element = basix.ufl.element("Lagrange", cell, degree)
+    points = element.basix_element.points[vtk_order(to_type(cell), number)]
+    assert points[-1] == pytest.approx(np.array(last), abs=1e-15)
+    vtk = pytest.importorskip("vtkmodules.vtkCommonDataModel")
+    coordinates = vtk.vtkGenericCell.InstantiateCell(
+        CELL_TYPES[len(last), number]
+    ).GetParametricCoords()
+    expected = np.array([coordinates[i] for i in range(3 * number)]).reshape(-1, 3)
+    assert points == pytest.approx(expected[:, : len(last)], abs=1e-15)
 
 
 def test_versions_name_what_is_loaded() -> None:

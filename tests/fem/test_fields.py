@@ -4,28 +4,27 @@
 from __future__ import annotations
 
 import json
+from contextlib import closing
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
 from dolfinx import fem
-from dolfinx.io import VTKFile
-from dolfinx.mesh import CellType, create_rectangle
+from dolfinx.mesh import create_box, create_rectangle, to_type
 from launch import fretfe, python
 from pad_cases import cylinder, pad, pad_text, press, shear
 
+from fretfe._typing import Array
 from fretfe.backends import RunOptions
 from fretfe.case import parse_case
+from fretfe.errors import OutputError
 from fretfe.fem._compat import MPI
+from fretfe.fem.elasticity import ElasticBody, Material
 from fretfe.fem.run import solve
+from fretfe.results.field_file import FIELDS, FieldReader, FieldWriter
 
 COARSE = cylinder(size=0.05)
-
-
-def times_of(path: Path) -> list[float]:
-    return [float(each.attrib["timestep"]) for each in ET.parse(path).iter("DataSet")]
 
 
 @pytest.mark.mpi
@@ -40,58 +39,118 @@ def times_of(path: Path) -> list[float]:
 def test_states_that_are_written(shared_path: Path, fields: Any, expected: list[float]) -> None:
     """K_T swings with the shear force, which is largest at 2.25 and smallest at 2.75."""
     case = parse_case(pad(geometry=COARSE, output={"fields": fields}))
-    result = solve(MPI.COMM_WORLD, case, RunOptions(fields=shared_path / "fields"))
+    result = solve(MPI.COMM_WORLD, case, RunOptions(fields=shared_path / FIELDS))
     MPI.COMM_WORLD.barrier()
     if MPI.COMM_WORLD.rank > 0:
         return
-    for name in ("upper", "lower"):
-        assert times_of(shared_path / "fields" / f"{name}.pvd") == pytest.approx(expected)
-    pyvista = pytest.importorskip("pyvista")
-    del pyvista
-    from fretfe.report.pictures.fields import read_body
-
+    reader = FieldReader(shared_path / FIELDS)
+    assert reader.times == pytest.approx(expected)
+    assert reader.bodies == ("upper", "lower")
     for name, mesh in result.bodies.items():
-        body = read_body(shared_path / "fields", name, 0, 0.3)
         # Each element once, whichever rank has it.
-        assert len(body.cells) == len(mesh.cells)
-        corners = np.sort(np.round(body.points[body.cells[:, :3]].mean(axis=1), 9), axis=0)
+        nodes = reader.nodes(name)[..., :2]
+        assert len(nodes) == len(mesh.cells)
+        corners = np.sort(np.round(nodes[:, :3].mean(axis=1), 9), axis=0)
         places = np.sort(np.round(mesh.points[mesh.cells[:, :3]].mean(axis=1), 9), axis=0)
         # DOLFINx and Gmsh have the same coordinates to round-off.
         assert np.allclose(corners, places, rtol=0, atol=2e-9)
+        # Nodes that elements share are at exactly the same place, on both ranks.
+        rows = nodes.reshape(-1, 2)
+        assert len(np.unique(rows, axis=0)) == len(np.unique(np.round(rows, 10), axis=0))
+
+
+def body_of(cell: str, degree: int) -> ElasticBody:
+    """A block of 2 × 1 (× 3) of steel."""
+    solid = cell in ("tetrahedron", "hexahedron")
+    if solid:
+        mesh = create_box(MPI.COMM_WORLD, [[0, 0, 0], [2, 1, 3]], [2, 2, 3], to_type(cell))
+    else:
+        mesh = create_rectangle(MPI.COMM_WORLD, [[0, 0], [2, 1]], [4, 3], to_type(cell))
+    body = ElasticBody.__new__(ElasticBody)
+    body.comm, body.material = MPI.COMM_WORLD, Material(200.0, 0.3, 0.0, "strain")
+    body.name, body.gdim, body.mesh = "block", mesh.geometry.dim, mesh
+    body.space = fem.functionspace(mesh, ("Lagrange", degree, (body.gdim,)))
+    return body
 
 
 @pytest.mark.parametrize("degree", [1, 2])
-def test_quadrilaterals_are_read_in_the_order_they_are_written(tmp_path: Path, degree: int) -> None:
-    """A rectangle of 4 × 3 elements: pieces fill it, middles of edges are where they belong."""
-    pytest.importorskip("pyvista")
-    from fretfe.report.pictures.fields import EDGES, PIECES, read_body
-    from fretfe.report.pictures.stress import polygon_areas
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral", "tetrahedron", "hexahedron"])
+def test_fields_are_read_as_they_are_written(tmp_path: Path, cell: str, degree: int) -> None:
+    """Displacements of degree 2 are exact between the nodes, as VTK interpolates them.
 
-    kind = CellType.quadrilateral
-    mesh = create_rectangle(MPI.COMM_SELF, [[0, 0], [2, 1]], [4, 3], kind)
-    functions = []
-    for name, shape in (("displacement", (2,)), ("stress", (2, 2))):
-        space = fem.functionspace(mesh, ("DG", degree, shape))
-        functions.append(fem.Function(space, name=name))
-    functions[0].interpolate(lambda x: x[:2])
-    functions[1].interpolate(lambda x: np.stack([x[0], x[1], x[1], 0 * x[0]]))
-    with VTKFile(MPI.COMM_SELF, tmp_path / "body.pvd", "w") as file:
-        file.write_function(functions, 0.5)
-    body = read_body(tmp_path, "body", 0, None)
-    assert np.array_equal(body.displacement, body.points)
-    assert np.array_equal(
-        body.stress, np.stack([*body.points.T * [[1], [0]], body.points[:, 1]], 1)
-    )
-    corners = body.points[body.cells]
-    count = corners.shape[1]
-    pieces = corners[:, np.array(PIECES[count])]
-    assert polygon_areas(pieces.reshape(-1, 4, 2)).sum() == pytest.approx(2.0)
-    assert np.allclose(polygon_areas(corners[:, :4]), 2.0 / 12)
-    for edge in EDGES[count]:
-        if degree == 2:
-            ends = corners[:, [edge[0], edge[2]]]
-            assert np.allclose(corners[:, edge[1]], ends.mean(axis=1))
-    assert len(body.outline) == 14
+    Steps are found by their time, cells at any place, and the stress is that of Hooke's law.
+    """
+    body = body_of(cell, degree)
+    gdim, size = body.gdim, np.array([2.0, 1.0, 3.0])[: body.gdim]
+    slope = np.array([[1.0, 0.2, 0.1], [0.0, -0.5, 0.3], [0.4, 0.0, 0.7]])[:gdim, :gdim]
+
+    def field(x: Array) -> Array:
+        return slope @ x + (degree - 1) * np.stack([x[0] * x[1], x[0] ** 2, x[1] * x[-1]])[:gdim]
+
+    displacement = fem.Function(body.space)
+    displacement.interpolate(lambda x: field(x[:gdim]))
+    with closing(FieldWriter(tmp_path / FIELDS, {"block": body.element_nodes()})) as writer:
+        for factor in (0.0, 1.0):
+            values = factor * body.element_displacements(displacement)
+            stress = factor * body.element_stresses(displacement)
+            writer.add(0.5 + factor, {"displacement": [values], "stress": [stress]})
+    grid = read_grid(tmp_path / FIELDS, 1.5)
+    assert grid.n_cells == len(body.element_nodes())
+    places = np.random.default_rng(0).uniform(0.01, 0.99, (20, gdim)) * size
+    probe = pyvista_of(places).sample(grid)
+    assert probe["vtkValidPointMask"].all()
+    strains = strain_at(slope, places, degree)
+    lame, mu = body.material.first_lame, body.material.shear_modulus
+    traces = np.trace(strains, axis1=1, axis2=2)[:, None, None]
+    stress = 2 * mu * strains + lame * traces * np.eye(3)
+    expected = stress[:, [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
+    # VTK looks for places within an element up to 1e-5 of it.
+    assert probe["displacement"][:, :gdim] == pytest.approx(field(places.T).T, abs=1e-4)
+    assert probe["stress"] == pytest.approx(expected, rel=1e-4, abs=0.02)
+
+
+def strain_at(slope: Array, places: Array, degree: int) -> Array:
+    """(n, 3, 3) strain of the displacement in the test above."""
+    gradient = np.zeros((len(places), 3, 3))
+    gdim = len(slope)
+    gradient[:, :gdim, :gdim] = slope
+    if degree == 2:
+        x = places.T
+        gradient[:, 0, 0] += x[1]
+        gradient[:, 0, 1] += x[0]
+        gradient[:, 1, 0] += 2 * x[0]
+        if gdim == 3:
+            gradient[:, 2, 1] += x[2]
+            gradient[:, 2, 2] += x[1]
+    return (gradient + gradient.transpose(0, 2, 1)) / 2
+
+
+def read_grid(path: Path, time: float) -> Any:
+    """The grid with its values at a time, as PyVista and VTK read it."""
+    pyvista = pytest.importorskip("pyvista")
+    reader = pyvista.get_reader(path).reader
+    reader.UpdateTimeStep(time)
+    return pyvista.wrap(reader.GetOutputDataObject(0))
+
+
+def pyvista_of(places: Array) -> Any:
+    """Points of the plane or of space."""
+    pyvista = pytest.importorskip("pyvista")
+    return pyvista.PolyData(np.pad(places, [(0, 0), (0, 3 - places.shape[1])]))
+
+
+def test_fields_that_cannot_be_written_take_nothing_away(tmp_path: Path) -> None:
+    case = parse_case(pad(geometry=COARSE, output={"fields": "last"}))
+    result = solve(MPI.COMM_SELF, case, RunOptions(fields=tmp_path / "nowhere" / FIELDS))
+    assert result.failure is None
+    (note,) = result.notes
+    assert "fields.hdf: cannot write the fields" in note
+
+
+def test_a_file_that_holds_no_fields(tmp_path: Path) -> None:
+    (tmp_path / FIELDS).write_text("of something else")
+    with pytest.raises(OutputError, match=r"fields\.hdf: expected fields of a run, found"):
+        FieldReader(tmp_path / FIELDS)
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
@@ -100,7 +159,7 @@ def test_a_run_draws_pictures_once(tmp_path: Path, ranks: int) -> None:
     loads = {"press": press(steps=2), "shear": shear(cycles=1, steps=8)}
     (tmp_path / "case.toml").write_text(pad_text(geometry=COARSE, loads=loads, output={}))
     out = tmp_path / "out"
-    for stale in ("fields/old.pvd", "fields/old_p3_000000.vtu", "pictures/old.png"):
+    for stale in (FIELDS, "pictures/old.png"):
         (out / stale).parent.mkdir(parents=True, exist_ok=True)
         (out / stale).write_text("of an earlier run")
     arguments = ("run", tmp_path / "case.toml", "-o", out)
@@ -114,5 +173,5 @@ def test_a_run_draws_pictures_once(tmp_path: Path, ranks: int) -> None:
     names = {each["file"] for each in content["pictures"]}
     assert names == {"stress.png", "edges.png", "status.png"}
     assert {path.name for path in (out / "pictures").iterdir()} == {*names, "pictures.json"}
-    assert not list((out / "fields").glob("old*"))
+    assert FieldReader(out / FIELDS).times == pytest.approx([1.25, 1.75, 2.0])
     assert "Colours end at" in content["pictures"][1]["caption"]

@@ -8,6 +8,8 @@ import json
 import os
 import shutil
 import sys
+import threading
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,15 +21,17 @@ from matplotlib import colormaps
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
+from fretfe.report.pictures import folder as folder_module
 from fretfe.report.pictures.child import _run
 from fretfe.report.pictures.fields import open_fields
 from fretfe.report.pictures.folder import FOLDER, LIST, MOST_EDGES, make_pictures, plan_pictures
 from fretfe.report.pictures.panels import Pixels
 from fretfe.report.pictures.status import STATUS
 from fretfe.report.pictures.stress import draw_bodies, find_look
+from fretfe.results.field_file import FIELDS
 from fretfe.results.reader import load_result
 from fretfe.results.solution import SLIP, STICK
-from fretfe.results.writer import FIELDS, NUMBERS, remove_fields
+from fretfe.results.writer import NUMBERS, remove_fields
 
 # Load extremes and end of the last cycle, from t = 2 to t = 3.
 EXTREMES = (2.25, 2.75, 3.0)
@@ -140,7 +144,7 @@ def test_without_fields_stress_is_missing(folder: Path) -> None:
 def test_states_without_fields_are_named(drawn: Path, tmp_path: Path) -> None:
     folder = write_folder(tmp_path / "last", EXTREMES[2:])
     found = reasons(folder)
-    assert found == {STRESS[0]: "no fields of t = 2.25 s and t = 2.75 s in fields"}
+    assert found == {STRESS[0]: "no fields of t = 2.25 s and t = 2.75 s in fields.hdf"}
     assert [each["file"] for each in listed(folder)["pictures"]] == ["edges.png", "status.png"]
 
 
@@ -245,13 +249,42 @@ def test_a_drawing_process_knows_nothing_of_mpi(monkeypatch: pytest.MonkeyPatch)
 
 def test_an_earlier_run_leaves_nothing(folder: Path) -> None:
     (folder / FOLDER).mkdir()
-    for path in (FOLDER + "/old.png", FOLDER + "/mine.txt", FIELDS + "/mine.txt"):
+    for path in (FOLDER + "/old.png", FOLDER + "/mine.txt", FIELDS):
         (folder / path).write_text("")
     remove_fields(folder)
     make_pictures(folder)
-    assert sorted(path.name for path in (folder / FIELDS).iterdir()) == ["mine.txt"]
+    assert not (folder / FIELDS).exists()
     kept = sorted(path.name for path in (folder / FOLDER).iterdir())
     assert kept == ["mine.txt", LIST, "status.png"]
+
+
+@pytest.mark.parametrize("idle", [0, 1, 3])
+def test_other_work_is_done_while_processes_draw(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, idle: int
+) -> None:
+    """No more processes at a time than idle cores, each picture once; without any, one by one."""
+    events, running, most = [], [], []
+
+    def draw(task: str, directory: Path, files: Sequence[str]) -> dict[str, dict[str, Any]]:
+        running.append(files)
+        most.append(len(running))
+        if idle:
+            assert worked.wait(10)
+        running.remove(files)
+        events.extend(files)
+        return {file: {"reason": "of the test"} for file in files}
+
+    def work() -> None:
+        events.append("work")
+        worked.set()
+
+    worked = threading.Event()
+    monkeypatch.setattr(folder_module, "draw_in_child", draw)
+    monkeypatch.setattr(folder_module, "idle_cores", lambda: idle)
+    make_pictures(folder, work)
+    assert events[0] == "work"
+    assert sorted(events[1:]) == ["edges.png", "stress.png"]
+    assert max(most) <= max(idle, 1)
 
 
 def test_many_contacts_share_pictures(source: Path) -> None:

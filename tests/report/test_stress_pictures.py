@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from drawn import BODIES, fields, pad_case, write_fields, write_folder
+from drawn import BODIES, pad_case, write_folder
 from launch import python
 from PIL import Image
 
@@ -20,7 +20,7 @@ from fretfe.cli.pictures import animate
 from fretfe.cli.pictures import scene as write_scene
 from fretfe.edges.extremes import load_extremes
 from fretfe.errors import CaseError, FretfeError, OutputError
-from fretfe.report.pictures.fields import BodyField, field_times, find_time, read_body
+from fretfe.report.pictures.fields import BodyField, Grid, find_time, open_fields
 from fretfe.report.pictures.folder import EdgePlace
 from fretfe.report.pictures.panels import View
 from fretfe.report.pictures.status import shares_text, visible_status
@@ -38,44 +38,35 @@ needs_pyvista = pytest.mark.skipif(
 )
 
 
-def square(size: float = 1.0, poisson: float | None = 0.3, **arrays: Array) -> BodyField:
+def square(size: float = 1.0, **arrays: Array) -> BodyField:
     """Two triangles of order 1 with nodes of their own."""
     corners = size * np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
-    points = corners[[0, 1, 2, 0, 2, 3]]
-    values = {"displacement": np.zeros((6, 2)), "stress": np.zeros((6, 3)), **arrays}
-    return BodyField(points, np.arange(6).reshape(2, 3), poisson=poisson, **values)
+    nodes = corners[[[0, 1, 2], [0, 2, 3]]]
+    return BodyField(
+        Grid(nodes), **{"displacement": np.zeros((6, 2)), "stress": np.zeros((6, 6)), **arrays}
+    )
 
 
-@pytest.mark.parametrize("poisson", [0.3, None], ids=["strain", "stress"])
-def test_von_mises_is_that_of_the_whole_tensor(poisson: float | None) -> None:
+def test_von_mises_is_that_of_the_whole_tensor() -> None:
     """√(3/2) times the norm of the deviator of the tensor in space."""
-    random = np.random.default_rng(1)
-    stress = random.normal(size=(6, 3))
-    tensor = np.zeros((6, 3, 3))
-    tensor[:, 0, 0], tensor[:, 1, 1] = stress[:, 0], stress[:, 1]
-    tensor[:, 0, 1] = tensor[:, 1, 0] = stress[:, 2]
-    tensor[:, 2, 2] = (poisson or 0.0) * (stress[:, 0] + stress[:, 1])
+    stress = np.random.default_rng(1).normal(size=(6, 6))
+    tensor = stress[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
     deviator = tensor - np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
     expected = np.sqrt(1.5) * np.linalg.norm(deviator, axis=(1, 2))
-    found = square(poisson=poisson, stress=stress).von_mises
-    assert found == pytest.approx(expected, rel=1e-12)  # round-off
+    assert square(stress=stress).von_mises == pytest.approx(expected, rel=1e-12)  # round-off
 
 
-@needs_pyvista
-@pytest.mark.parametrize("pieces", [1, 2, 3])
-def test_fields_are_read_from_all_pieces_once(tmp_path: Path, pieces: int) -> None:
-    times = [1 / 3, 2.0]
-    write_fields(tmp_path, "upper", times, pieces)
-    assert find_time(field_times(tmp_path, ["upper"]), 2.0) == 1
-    assert field_times(tmp_path, ["upper"])[0] == times[0]
-    assert find_time(field_times(tmp_path, ["upper"]), 1.9) is None
-    body = read_body(tmp_path, "upper", 1, 0.3)
-    assert len(body.cells) == len(BODIES["upper"].cells)
-    displacement, stress = fields(body.points, 2.0)
-    assert np.array_equal(body.displacement, displacement)
-    assert np.array_equal(body.stress, stress)
-    # The rectangle's four sides have 16 edges each, whoever holds the elements next to them.
-    middles = body.points[body.outline[:, 1]]
+def test_times_are_found() -> None:
+    times = np.array([1 / 3, 2.0])
+    assert find_time(times, 2.0) == 1
+    assert find_time(times, 1.9) is None
+    assert find_time(np.zeros(0), 1.0) is None
+
+
+def test_the_outline_of_a_body(cycle: Path) -> None:
+    """The rectangle's four sides have 16 edges each."""
+    body = open_fields(cycle).bodies(1)["upper"]
+    middles = body.grid.points[body.grid.outline[:, 1]]
     assert len(middles) == 4 * 16
     distances = np.abs(np.abs(middles - [0, 1]) - [2, 1]).min(axis=1)
     assert distances.max() < 1e-12  # round-off
@@ -140,8 +131,8 @@ def test_drawn_displacements_are_seen_and_overlap_little() -> None:
 
 def test_small_elements_do_not_set_the_colours() -> None:
     """A hundred elements of a thousandth of the area have a huge stress: colours end below it."""
-    high = [square(0.003, stress=np.full((6, 3), [9e9, 0, 0])) for _ in range(100)]
-    low = square(1.0, stress=np.full((6, 3), [100.0, 0, 0]), poisson=None)
+    high = [square(0.003, stress=np.full((6, 6), [9e9, 0, 0, 0, 0, 0])) for _ in range(100)]
+    low = square(1.0, stress=np.full((6, 6), [100.0, 0, 0, 0, 0, 0]))
     limit, largest = colour_limit([(body, None) for body in [low, *high]], 99.8)
     assert limit == pytest.approx(100.0)
     assert largest > 1e9

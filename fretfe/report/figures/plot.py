@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
@@ -18,6 +19,8 @@ from fretfe.report.theme import MAP_DPI, STYLE, WIDTH
 
 # A logarithmic axis over less than this factor has numbers between the powers of ten.
 FEW_DECADES = 200
+# Dots per inch of everything but images in an SVG file.
+SVG_DPI = 72
 # Nothing of the day or the machine: the same results give the same file.
 METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
 
@@ -53,10 +56,22 @@ def make_plot(
         # A unit in letters that the font does not have is drawn as boxes.
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
         figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        canvas = FigureCanvasSVG(figure)
         draw(figure)
+        _lay_out(figure)
         buffer = io.StringIO()
-        figure.savefig(buffer, format="svg", metadata=METADATA, dpi=MAP_DPI)
+        canvas.print_svg(buffer, metadata=METADATA)
     return Plot(title, caption, _inline(buffer.getvalue(), key))
+
+
+def _lay_out(figure: Figure) -> None:
+    """Give everything its place; `Figure.savefig` would draw all of it once more for that."""
+    layout = figure.get_layout_engine()
+    assert layout is not None
+    figure.set_dpi(SVG_DPI)
+    layout.execute(figure)
+    figure.set_layout_engine("none")
+    figure.set_dpi(MAP_DPI)
 
 
 def _inline(svg: str, key: str) -> str:

@@ -16,7 +16,7 @@ from rich.table import Table
 from fretfe.errors import OutputError
 from fretfe.quality.validate.single import own_rows
 from fretfe.report.page.answer import edge_answers, summary
-from fretfe.report.page.sections import plot_sections, solver_plots
+from fretfe.report.page.sections import Plots, draw_plots
 from fretfe.report.page.tables import contact_table, limit_table, mesh_table, timing_table
 from fretfe.report.pictures.folder import read_pictures
 from fretfe.report.texts import number
@@ -39,13 +39,17 @@ CERTIFICATE = {
 }
 
 
-def write_report(directory: Path) -> Path:
+def write_report(directory: Path, plots: Plots | None = None) -> Path:
     """Make the report from the results in a folder, and return its file.
+
+    Args:
+        directory: results folder.
+        plots: as `draw_plots` made them from these results; None draws them.
 
     Raises:
         OutputError: if the folder has no complete set of results, or the file cannot be written.
     """
-    html = render(directory)
+    html = render(directory, plots)
     path = directory / REPORT
     try:
         path.write_text(html, encoding="utf-8")
@@ -54,8 +58,8 @@ def write_report(directory: Path) -> Path:
     return path
 
 
-def render(directory: Path) -> str:
-    """The report of the results in a folder, as HTML.
+def render(directory: Path, plots: Plots | None = None) -> str:
+    """The report of the results in a folder, as HTML; arguments as for `write_report`.
 
     Raises:
         OutputError: if the folder has no complete set of results.
@@ -82,8 +86,7 @@ def render(directory: Path) -> str:
             if math.isfinite(contact.dissipation)
         ],
         pictures=pictures,
-        sections=plot_sections(run),
-        solver_plots=solver_plots(run),
+        plots=plots or draw_plots(run),
         certificate=_certificate_rows(run),
         checks=tuple(own_rows(run)) if _solved(run.solution) else (),
         meshes=_mesh_tables(run),

@@ -29,8 +29,25 @@ class Section:
     plots: tuple[Plot, ...]
 
 
-def plot_sections(run: Result) -> tuple[Section, ...]:
-    """Everything that is drawn from the results, section by section."""
+@dataclass(frozen=True)
+class Plots:
+    """All plots of the page.
+
+    Attributes:
+        sections: what was computed.
+        solver: how the steps were solved, and the meshes.
+    """
+
+    sections: tuple[Section, ...]
+    solver: tuple[Plot, ...]
+
+
+def draw_plots(run: Result) -> Plots:
+    """Everything that is drawn from the results but pictures of bodies."""
+    return Plots(_sections(run), _solver_plots(run))
+
+
+def _sections(run: Result) -> tuple[Section, ...]:
     if len(run.loads.times) < 2:
         return ()
     shown = shown_contacts(run)
@@ -54,8 +71,7 @@ def plot_sections(run: Result) -> tuple[Section, ...]:
     return tuple(section for section in sections if section.plots)
 
 
-def solver_plots(run: Result) -> tuple[Plot, ...]:
-    """How the steps were solved, and the meshes."""
+def _solver_plots(run: Result) -> tuple[Plot, ...]:
     plots: list[Plot | None] = []
     if run.solution is not None and len(run.loads.times) > 1:
         plots += [solver.iteration_plot(run.solution), solver.certificate_plot(run.solution)]

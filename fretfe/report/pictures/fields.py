@@ -1,28 +1,26 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Displacement and stress of bodies as the run wrote them for ParaView, and images of them.
+"""Displacement and stress of bodies as the run wrote them, and images of them.
 
-Needs PyVista, and images need OpenGL. Only what VTK is best at is left to it: axes, colour bars and
+Images need PyVista and OpenGL. Only what VTK is best at is left to it: axes, colour bars and
 texts are drawn around an image, and lines upon it, by Matplotlib.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
 from fretfe.report.pictures.panels import Pixels, View
-from fretfe.report.source import folder_of
 from fretfe.report.theme import COLOURS
+from fretfe.results.field_file import FIELDS, FieldReader
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
-from fretfe.results.writer import FIELDS
 
 # Linear pieces of a cell, by its number of nodes in VTK's order.
 PIECES = {
@@ -42,59 +40,55 @@ EDGES = {
 }
 # Times of a file and of the results that differ by less than this fraction are the same.
 SAME_TIME = 1e-9
-# Nodes of neighbouring elements are at the same place up to this fraction of the body's size.
-SAME_PLACE = 1e-9
 
 
-@dataclass(frozen=True)
-class BodyField:
-    """A body at one state; n nodes, of which each element has its own.
+class Grid:
+    """The elements of a body before deformation; n nodes, of which each element has its own.
 
-    Attributes:
-        points: (n, 2) before deformation.
-        cells: (m, k) nodes of each element in VTK's order.
-        displacement: (n, 2).
-        stress: (n, 3) σx, σy, τxy.
-        poisson: Poisson's ratio for plane strain; None for plane stress.
+    Args:
+        nodes: (m, k, 2) places of the nodes of each element, in VTK's order.
     """
 
-    points: Array
-    cells: Indices
-    displacement: Array
-    stress: Array
-    poisson: float | None
-
-    @cached_property
-    def von_mises(self) -> Array:
-        """(n,) von Mises' equivalent stress; in plane strain with σz = ν (σx + σy)."""
-        x, y, shear = self.stress.T
-        z = 0.0 * x if self.poisson is None else self.poisson * (x + y)
-        squares = (x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2
-        return np.sqrt(squares / 2 + 3 * shear**2)
+    def __init__(self, nodes: Array) -> None:
+        self.points: Array = nodes.reshape(-1, 2)
+        self.cells: Indices = np.arange(len(self.points)).reshape(nodes.shape[:2])
 
     @cached_property
     def outline(self) -> Indices:
         """(f, 2 or 3) nodes along the edges that belong to one element only."""
         pattern = np.array(EDGES[self.cells.shape[1]])
         edges = self.cells[:, pattern].reshape(-1, pattern.shape[1])
-        middles = (self.points[edges[:, 0]] + self.points[edges[:, -1]]) / 2
-        distances = cKDTree(middles).query(middles, k=2)[0][:, 1]
-        return edges[distances > SAME_PLACE * np.ptp(self.points, axis=0).max()]
+        middles = self.points[edges[:, 0]] + self.points[edges[:, -1]]
+        # Nodes of neighbouring elements are at exactly the same place.
+        places = np.ascontiguousarray(middles).view(np.complex128).ravel()
+        _, numbers, counts = np.unique(places, return_inverse=True, return_counts=True)
+        return edges[counts[numbers] == 1]
+
+
+@dataclass(frozen=True)
+class BodyField:
+    """A body at one state.
+
+    Attributes:
+        grid: its elements.
+        displacement: (n, 2) at the nodes.
+        stress: (n, 6) σx, σy, σz, τxy, τyz, τxz at the nodes.
+    """
+
+    grid: Grid
+    displacement: Array
+    stress: Array
+
+    @cached_property
+    def von_mises(self) -> Array:
+        """(n,) von Mises' equivalent stress."""
+        x, y, z = self.stress[:, :3].T
+        squares = (x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2
+        return np.sqrt(squares / 2 + 3 * (self.stress[:, 3:] ** 2).sum(axis=1))
 
     def deformed(self, scale: float) -> Array:
         """(n, 2) places with the displacements drawn `scale` times."""
-        return self.points + scale * self.displacement
-
-
-def field_times(directory: Path, bodies: Sequence[str]) -> Array:
-    """Times whose fields are there for every body; none without files."""
-    import pyvista
-
-    paths = [directory / f"{name}.pvd" for name in bodies]
-    if not all(path.is_file() for path in paths):
-        return np.zeros(0)
-    times = [np.array(pyvista.get_reader(path).time_values) for path in paths]
-    return times[0] if all(np.array_equal(times[0], other) for other in times) else np.zeros(0)
+        return self.grid.points + scale * self.displacement
 
 
 def find_time(times: Array, time: float) -> int | None:
@@ -103,49 +97,19 @@ def find_time(times: Array, time: float) -> int | None:
     return int(same.argmax()) if same.any() else None
 
 
-def read_body(directory: Path, body: str, number: int, poisson: float | None) -> BodyField:
-    """Read one field of one body, all pieces of a parallel run together.
-
-    Args:
-        directory: folder with the fields.
-        body: its name.
-        number: of the time among those of the file.
-        poisson: as for `BodyField`.
-    """
-    import pyvista
-
-    reader = pyvista.get_reader(directory / f"{body}.pvd")
-    reader.set_active_time_point(number)
-    grid = reader.read()[0]
-    cells = grid.cell_connectivity.reshape(grid.n_cells, -1).astype(np.int64)
-    # Every process writes copies of elements of its neighbours too.
-    own = np.asarray(_copies(grid)) == 0
-    return BodyField(
-        points=np.asarray(grid.points[:, :2], dtype=np.float64),
-        cells=cells[own],
-        displacement=np.asarray(grid.point_data["displacement"], dtype=np.float64)[:, :2],
-        stress=np.asarray(grid.point_data["stress"], dtype=np.float64)[:, [0, 4, 1]],
-        poisson=poisson,
-    )
-
-
-def _copies(grid: Any) -> Any:
-    name = "vtkGhostType"
-    return grid.cell_data[name] if name in grid.cell_data else np.zeros(grid.n_cells)
-
-
-@dataclass(frozen=True)
 class Fields:
     """A run with the fields that it wrote.
 
-    Attributes:
+    Args:
         run: the run.
-        times: of the fields.
+        source: its fields, or None if it wrote none.
     """
 
-    run: Result
-    times: Array
-    _read: dict[int, dict[str, BodyField]] = field(default_factory=dict)
+    def __init__(self, run: Result, source: FieldReader | None) -> None:
+        self.run = run
+        self._source = source
+        self._grids: dict[str, Grid] = {}
+        self._read: dict[int, dict[str, BodyField]] = {}
 
     def available(self, states: Sequence[int]) -> list[int]:
         """Those of the states whose fields are there."""
@@ -153,35 +117,39 @@ class Fields:
 
     def bodies(self, state: int) -> dict[str, BodyField]:
         """Fields of all bodies at a state, which must be there."""
+        source, number = self._source, self._number(state)
+        assert source is not None
+        assert number is not None
+        if not self._grids:
+            self._grids = {name: Grid(source.nodes(name)[..., :2]) for name in source.bodies}
         if state not in self._read:
-            number, folder = self._number(state), folder_of(self.run) / FIELDS
-            assert number is not None
             self._read[state] = {
-                name: read_body(folder, name, number, self._poisson(name))
-                for name in self.run.bodies
+                name: BodyField(
+                    grid,
+                    source.values("displacement", name, number).reshape(-1, 3)[:, :2],
+                    source.values("stress", name, number).reshape(-1, 6),
+                )
+                for name, grid in self._grids.items()
             }
         return self._read[state]
 
     def forget(self) -> None:
-        """Give the memory of all fields back."""
+        """Give the memory of all values back."""
         self._read.clear()
 
     def _number(self, state: int) -> int | None:
-        return find_time(self.times, float(self.run.loads.times[state]))
-
-    def _poisson(self, body: str) -> float | None:
-        case = self.run.case
-        return None if case.model.plane == "stress" else case.bodies[body].poisson
+        times = self._source.times if self._source is not None else np.zeros(0)
+        return find_time(times, float(self.run.loads.times[state]))
 
 
 def open_fields(directory: Path) -> Fields:
     """The results of a run and its fields.
 
     Raises:
-        OutputError: if the results are missing.
+        OutputError: if the results are missing, or the fields cannot be read.
     """
-    run = load_result(directory)
-    return Fields(run, field_times(directory / FIELDS, list(run.bodies)))
+    path = directory / FIELDS
+    return Fields(load_result(directory), FieldReader(path) if path.exists() else None)
 
 
 class Scene:
@@ -222,7 +190,8 @@ class Scene:
         camera.up = (*view.normal, 0.0)
         camera.parallel_scale = float(view.half_size[1])
         camera.clipping_range = (0.5 * distance, 2.0 * distance)
-        self._plotter.window_size = pixels
+        # The plotter's own setter would draw once more.
+        self._plotter.render_window.SetSize(*pixels)
         self._plotter.render()
         return np.array(self._plotter.screenshot(return_img=True)[..., :3])
 
@@ -244,6 +213,7 @@ class Scene:
                 lighting=False,
                 show_scalar_bar=False,
                 copy_mesh=False,
+                render=False,
             )
             # Viewers of glTF multiply the colours by this one.
             actor.prop.color = "white"
@@ -257,9 +227,9 @@ def surface(body: BodyField, scale: float) -> Any:
     """A body as linear pieces with the point data `stress`; a `pyvista.PolyData`."""
     from pyvista import PolyData
 
-    pieces = body.cells[:, PIECES[body.cells.shape[1]]]
+    pieces = body.grid.cells[:, PIECES[body.grid.cells.shape[1]]]
     faces = pieces.reshape(-1, pieces.shape[-1])
-    points = np.column_stack([body.deformed(scale), np.zeros(len(body.points))])
+    points = np.column_stack([body.deformed(scale), np.zeros(len(body.displacement))])
     mesh: Any = PolyData(points, np.insert(faces, 0, faces.shape[1], axis=1).ravel())
     mesh.point_data["stress"] = body.von_mises
     return mesh

@@ -10,21 +10,23 @@ from __future__ import annotations
 import base64
 import itertools
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 import numpy as np
 
+from fretfe.environment import idle_cores
 from fretfe.errors import OutputError
 from fretfe.report.pictures.child import draw_in_child
 from fretfe.report.pictures.panels import save_png
 from fretfe.report.pictures.status import draw_status
 from fretfe.report.source import edge_title, extremes, folder_of
+from fretfe.results.field_file import FIELDS
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
-from fretfe.results.writer import FIELDS
 
 T = TypeVar("T")
 
@@ -32,6 +34,11 @@ T = TypeVar("T")
 FOLDER, LIST = "pictures", "pictures.json"
 # Panels in one picture.
 MOST_EDGES, MOST_CONTACTS = 4, 4
+
+NO_FIELDS = (
+    f"there is no {FIELDS}: 'fields' in the table [output] of the case says which states a run "
+    'writes; "extremes" suits pictures'
+)
 
 Kind = Literal["bodies", "edges", "status"]
 
@@ -119,11 +126,12 @@ def _edge_places(run: Result) -> list[EdgePlace]:
     return places
 
 
-def make_pictures(directory: Path) -> None:
+def make_pictures(directory: Path, meanwhile: Callable[[], None] = lambda: None) -> None:
     """Draw what a run has computed, as far as this machine can.
 
     Args:
         directory: results folder.
+        meanwhile: other work, which is done while other processes draw if cores are idle.
 
     Raises:
         OutputError: if the results cannot be read or the folder cannot be written to.
@@ -134,7 +142,8 @@ def make_pictures(directory: Path) -> None:
     reports = {each.file: {"reason": reason} for each in wanted if (reason := _lacks(run, each))}
     try:
         (directory / FOLDER).mkdir(exist_ok=True)
-        reports |= _draw(run, [each for each in wanted if each.file not in reports])
+        missing = [each for each in wanted if each.file not in reports]
+        reports |= _draw(run, missing, meanwhile)
         _write_list(directory, wanted, reports)
     except OSError as error:
         raise OutputError(f"{directory / FOLDER}: cannot write pictures: {error}") from error
@@ -156,19 +165,30 @@ def _lacks(run: Result, wanted: Wanted) -> str:
     return ""
 
 
-def _draw(run: Result, wanted: Sequence[Wanted]) -> dict[str, dict[str, Any]]:
+def _draw(
+    run: Result, wanted: Sequence[Wanted], meanwhile: Callable[[], None]
+) -> dict[str, dict[str, Any]]:
     """Caption and size of each picture, or the reason why there is none."""
-    reports = {each.file: _draw_status(run, each) for each in wanted if each.kind == "status"}
     files = [each.file for each in wanted if each.kind != "status"]
-    if not files:
-        return reports
-    if not any((folder_of(run) / FIELDS).glob("*.pvd")):
-        reason = (
-            "the run wrote no fields: 'fields' in the table [output] of the case says which states "
-            'to write; "extremes" suits pictures'
-        )
-        return {**reports, **{file: {"reason": reason} for file in files}}
-    return {**reports, **draw_in_child("pictures", folder_of(run), files)}
+    reports: dict[str, dict[str, Any]] = {}
+    if not (folder_of(run) / FIELDS).exists():
+        reports |= {file: {"reason": NO_FIELDS} for file in files}
+        files = []
+    idle = idle_cores()
+    if not idle:
+        meanwhile()
+    # The threads only wait for their processes.
+    with ThreadPoolExecutor(max(idle, 1)) as waiting:
+        shares = [files[first :: max(idle, 1)] for first in range(min(len(files), max(idle, 1)))]
+        drawn = [
+            waiting.submit(draw_in_child, "pictures", folder_of(run), share) for share in shares
+        ]
+        if idle:
+            meanwhile()
+        reports |= {each.file: _draw_status(run, each) for each in wanted if each.kind == "status"}
+        for share in drawn:
+            reports |= share.result()
+    return reports
 
 
 def _draw_status(run: Result, wanted: Wanted) -> dict[str, Any]:

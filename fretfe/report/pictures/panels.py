@@ -126,14 +126,16 @@ def settle(figure: Figure, axes: Sequence[Axes], aspect: float, heading: str) ->
     title = figure.suptitle(heading, ha="left")
     grid = axes[0].get_gridspec()
     assert grid is not None
+    layout = figure.get_layout_engine()
+    assert layout is not None
     for _ in range(PASSES):
-        figure.draw_without_rendering()
+        layout.execute(figure)
         panel = panel_inches(axes[0])
         spare = panel - min(panel[0], panel[1] / aspect) * np.array([1.0, aspect])
         pixels = np.ceil((figure.get_size_inches() - spare * (grid.ncols, grid.nrows)) * figure.dpi)
         # A little more, or the size in inches may be rounded to a pixel less.
         figure.set_size_inches((pixels + 0.01) / figure.dpi)
-    figure.draw_without_rendering()
+    layout.execute(figure)
     figure.set_layout_engine("none")
     size = panel_pixels(axes[0])
     for each in axes:

@@ -19,6 +19,7 @@ from fretfe.report.pictures.panels import pixels, save_png
 from fretfe.report.pictures.stress import bodies_caption, draw_bodies, draw_edges, find_look
 from fretfe.report.source import extremes, folder_of, span, when
 from fretfe.report.theme import COLOURS
+from fretfe.results.field_file import FIELDS
 
 # Of an animation: its width in inches, and how long a cycle takes in milliseconds.
 FRAME_WIDTH, DURATION = 6.4, 4000
@@ -43,7 +44,7 @@ def _draw(source: Fields, wanted: Wanted) -> dict[str, Any]:
     absent = [when(source.run, each) for each in wanted.states if each not in states]
     report: dict[str, Any] = {}
     if absent:
-        report["reason"] = f"no fields of {' and '.join(absent)} in fields"
+        report["reason"] = f"no fields of {' and '.join(absent)} in {FIELDS}"
     if not states:
         return report
     if wanted.kind == "bodies":

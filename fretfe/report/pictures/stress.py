@@ -99,8 +99,10 @@ def draw_bodies(
     for panel, state in zip(axes, states, strict=True):
         bodies = list(source.bodies(state).values())
         show_image(panel, scene.image(bodies, look.scale, view, panel_pixels(panel)))
-        draw_lines(panel, [body.points[body.outline] for body in bodies], **UNDEFORMED)
-        draw_lines(panel, [body.deformed(look.scale)[body.outline] for body in bodies], **OUTLINE)
+        draw_lines(panel, [body.grid.points[body.grid.outline] for body in bodies], **UNDEFORMED)
+        draw_lines(
+            panel, [body.deformed(look.scale)[body.grid.outline] for body in bodies], **OUTLINE
+        )
     return figure
 
 
@@ -157,10 +159,10 @@ def draw_edges(source: Fields, state: int, edges: Sequence[EdgePlace]) -> tuple[
 def _draw_elements(panel: Axes, body: BodyField, view: View) -> None:
     """Outlines of the elements that are seen, and of the body."""
     points = view.local(body.deformed(1.0))
-    cells = body.cells[view.overlaps(body.deformed(1.0)[body.cells])]
+    cells = body.grid.cells[view.overlaps(body.deformed(1.0)[body.grid.cells])]
     edges = points[cells[:, np.array(EDGES[cells.shape[1]])]]
     draw_lines(panel, [edges.reshape(-1, *edges.shape[2:])], **ELEMENTS)
-    outline = body.outline[view.overlaps(body.deformed(1.0)[body.outline])]
+    outline = body.grid.outline[view.overlaps(body.deformed(1.0)[body.grid.outline])]
     draw_lines(panel, [points[outline]], **OUTLINE)
 
 
@@ -187,7 +189,7 @@ def deformation_scale(
         contacts: between them.
         states: that are drawn.
     """
-    size = float(np.ptp(np.concatenate([body.points for body in fields]), axis=0).max())
+    size = float(np.ptp(np.concatenate([body.grid.points for body in fields]), axis=0).max())
     largest = max(float(np.linalg.norm(body.displacement, axis=1).max()) for body in fields)
     scales = [DRAWN_DISPLACEMENT * size / largest] if largest > 0 else [1.0]
     for contact in contacts:
@@ -225,9 +227,9 @@ def colour_limit(
     """
     stresses, areas = [], []
     for body, view in shown:
-        corners = body.deformed(1.0)[body.cells[:, : CORNERS[body.cells.shape[1]]]]
+        corners = body.deformed(1.0)[body.grid.cells[:, : CORNERS[body.grid.cells.shape[1]]]]
         seen = np.ones(len(corners), bool) if view is None else view.overlaps(corners)
-        stresses.append(body.von_mises[body.cells[seen]].max(axis=1))
+        stresses.append(body.von_mises[body.grid.cells[seen]].max(axis=1))
         areas.append(polygon_areas(corners[seen]))
     stress, area = np.concatenate(stresses), np.concatenate(areas)
     if not len(stress) or stress.max() <= 0:
@@ -284,4 +286,4 @@ def edge_view(
 
 def nearest_node(point: Array, body: BodyField) -> int:
     """The node next to a place (2,) before deformation."""
-    return int(np.linalg.norm(body.points - point, axis=1).argmin())
+    return int(np.linalg.norm(body.grid.points - point, axis=1).argmin())
