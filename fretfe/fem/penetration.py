@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 
 import numpy as np
 from scipy import sparse
@@ -11,17 +11,17 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import coordinate_range
+from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState, StepLoads
 from fretfe.fem.model import Model
 from fretfe.fem.reduction import Pair
+from fretfe.results.states import StateArray, blocks
 from fretfe.surface.chain import Chain
 from fretfe.surface.gap import INTERPENETRATION_PER_FACET
 from fretfe.surface.surface import Surface
 
 
-def unpaired_penetration(
-    model: Model, pair: Pair, states: Sequence[ContactState], steps: Sequence[StepLoads]
-) -> float:
+def unpaired_penetration(model: Model, pair: Pair, recorder: Recorder) -> float:
     """Largest depth to which unpaired nodes of either surface are inside the other one.
 
     Only the states in which the surfaces are nearest to each other or have slid farthest are
@@ -30,8 +30,7 @@ def unpaired_penetration(
     Args:
         model: the bodies; on rank 0.
         pair: the contact.
-        states: (T,) solved states.
-        steps: (T,) their loads.
+        recorder: holds the solved states.
     """
     coupling, contact = pair.coupling, model.case.contacts[pair.name]
     first, second = (model.surfaces[name] for name in (contact.surface1, contact.surface2))
@@ -41,10 +40,11 @@ def unpaired_penetration(
     assert model.reduction is not None
     nodes = model.reduction.interface.contacts[pair.name]
     deepest = 0.0
-    for state in _extremes(np.array([each.relative[nodes] for each in states])):
+    extremes = _extremes(recorder.relative(nodes))
+    for state, loads in recorder.requests(extremes.tolist()):
         places1, places2 = (
             surface.displacement_points(model.case.model.degree)
-            + _moved(model, body, surface.name, states[state], steps[state])
+            + _moved(model, body, surface.name, state, loads)
             for body, surface in ((pair.body1, first), (pair.body2, second))
         )
         degree = model.case.model.degree
@@ -62,9 +62,10 @@ def _unpaired(operator: sparse.csr_matrix) -> Bools:
     return np.asarray(~used.reshape(-1, 2).any(axis=1))
 
 
-def _extremes(relative: Array) -> Indices:
+def _extremes(relative: StateArray) -> Indices:
     """States in which mean gap and mean tangential displacement of (T, N, d) are extreme."""
-    means = relative.mean(axis=1)
+    parts = blocks(len(relative), math.prod(relative.shape[1:]))
+    means = np.concatenate([relative[part].mean(axis=1) for part in parts])
     return np.unique([means.argmin(axis=0), means.argmax(axis=0)])
 
 

@@ -13,6 +13,7 @@ from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.contact.march import March
 from fretfe.contact.recorder import Place, Recorder
+from fretfe.contact.solve import solve_history
 from fretfe.edges.evaluate import evaluate
 from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary
@@ -154,6 +155,7 @@ def solve_prepared(
         loads=comm.bcast(solution.loads if solution else None),
         contacts=contacts,
         solution=solution,
+        notes=tuple(each.text for each in solution.repeats) if solution else (),
         failure=failure,
         limits=limits,
         bodies=mesh.bodies if mesh else {},
@@ -170,14 +172,14 @@ def _evaluate(
     assert recorder is not None
     assert solution is not None
     contacts = without_moved(model.case, solution, evaluate(solution))
-    limits = model_limits(model, recorder.states, recorder.steps, solution, contacts)
+    limits = model_limits(model, recorder, solution, contacts)
     return with_limit_warnings(contacts, limits), limits
 
 
 def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
     reduction = model.reduction
     assert reduction is not None
-    measures = balance(reduction, recorder.states, recorder.steps)
+    measures = balance(reduction, recorder.blocks())
     return separate_patches(recorder.solution(history, measures))
 
 
@@ -197,13 +199,11 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     steps = step_loads(case, history, reduction.interface, reduction.definition)
     places = [Place(p.name, p.body1, p.body2, p.coupling) for p in reduction.pairs]
     channels = [load.channel for load in reduction.definition.loads]
-    recorder = Recorder(march, places, steps, channels, case.model.degree)
+    recorder = Recorder(march, places, steps, channels, case.model.degree, options.states)
     try:
-        for number, result in enumerate(march.run(steps), start=1):
-            recorder.add(result)
-            options.progress(number, len(steps) - 1, result.summary)
+        solve_history(march, recorder, steps, case.cycle.until_steady, options.progress)
     except ConvergenceError as failure:
-        if recorder.contact_carries() or isinstance(failure, StoppedError):
+        if recorder.contact_carries or isinstance(failure, StoppedError):
             return _Marched(recorder, failure)
         hint = "Until then no surfaces pressed on each other: check the signs of the loads."
         return _Marched(recorder, ConvergenceError(f"{failure} {hint}"))
@@ -213,14 +213,14 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
 
 def _require_contact(recorder: Recorder) -> None:
     """A history in which contact never carries anything is a mistake in the case."""
-    if recorder.contact_carries():
+    if recorder.contact_carries:
         return
-    adrift = recorder.bodies_restrained_by_contact()
+    adrift = recorder.bodies_restrained_by_contact
     reason = (
         f"nothing but contact holds {' and '.join(repr(name) for name in adrift)}, which gave way: "
         "support it, or press it against the other body with a force"
-        if adrift and recorder.smallest_gap() <= recorder.gap_round_off()
-        else f"the smallest gap on the way was {recorder.smallest_gap():.6g}. Check the signs and "
+        if adrift and recorder.smallest_gap <= recorder.gap_round_off
+        else f"the smallest gap on the way was {recorder.smallest_gap:.6g}. Check the signs and "
         "sizes of the loads that should bring the bodies together, and their place in the mesh"
     )
     raise ModelError(f"no contact surfaces pressed on each other in any step: {reason}.")

@@ -58,8 +58,8 @@ def find_cycle(
         for index, piece in enumerate(pieces)
         if piece.period is not None
     }
-    if case.cycle:
-        start, end = case.cycle.start, case.cycle.end
+    if case.cycle.given is not None:
+        start, end = case.cycle.given
     elif waves:
         slowest = max(waves.values(), key=lambda wave: (wave.period, wave.end))
         start, end = slowest.end - (slowest.period or 0.0), slowest.end
@@ -67,7 +67,7 @@ def find_cycle(
         return None
     _check_periods(case, start, end, waves)
     first, last = (int(np.argmin(np.abs(times - time))) for time in (start, end))
-    if not case.cycle:
+    if case.cycle.given is None:
         _check_closed(case, times, values, first, last)
     return first, last
 
@@ -75,9 +75,8 @@ def find_cycle(
 def _named_times(case: Case) -> Iterator[tuple[Key, float]]:
     for name, contact in case.contacts.items():
         yield ("contacts", name, "friction_from"), contact.friction_from
-    if case.cycle:
-        yield ("cycle", "start"), case.cycle.start
-        yield ("cycle", "end"), case.cycle.end
+    if case.cycle.given is not None:
+        yield from zip((("cycle", "start"), ("cycle", "end")), case.cycle.given, strict=True)
     if not isinstance(case.output.fields, str):
         for index, time in enumerate(case.output.fields):
             yield ("output", "fields", index), time
