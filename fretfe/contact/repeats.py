@@ -32,10 +32,9 @@ class Repetition:
 
     def __init__(self, steps: StepTable) -> None:
         self._loads = _load_numbers(steps)
-        order = np.argsort(self._loads, kind="stable")
-        edges = np.flatnonzero(np.diff(self._loads[order])) + 1
-        # By load: the states under it, in time order.
-        self._states = np.split(order, edges)
+        # The states under each load, in time order, one load after the other.
+        self._states = np.argsort(self._loads, kind="stable")
+        self._places = np.searchsorted(self._loads[self._states], np.arange(self._loads.max() + 2))
 
     def after(self, recorder: Recorder) -> Repeat | None:
         """The states that follow the last one of a record, if they repeat those of a steady block.
@@ -60,7 +59,7 @@ class Repetition:
     def _candidates(self, now: int) -> Indices:
         """Earlier states under the load of a state, and with the same next load, latest first."""
         loads = self._loads
-        states = self._states[loads[now]]
+        states = self._states[slice(*self._places[loads[now] :][:2])]
         before = states[: np.searchsorted(states, now)]
         # The block ends now, and as long a one is to follow.
         before = before[2 * now - before < len(loads)]

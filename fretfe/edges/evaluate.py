@@ -139,12 +139,15 @@ def _factor_histories(
 
         return by_life(contact, solution.cycle, count).swapaxes(0, 1)
 
-    fitted = history(units.fitted) if units.fitted is not None else None
+    ways, one_sided = [], []
+    for each in units.main:
+        ways.append(history(each))
+        one_sided.append(one_sided_share(each, solution.driver_values, solution.cycle))
     return FactorHistories(
-        ways=np.array([history(each) for each in units.main]),
-        fitted=fitted,
+        ways=np.array(ways),
+        fitted=history(units.fitted) if units.fitted is not None else None,
         exact=units.exact,
-        one_sided=one_sided_share(units.main[0], solution.driver_values, solution.cycle),
+        one_sided=one_sided[0],
     )
 
 

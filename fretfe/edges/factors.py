@@ -9,6 +9,7 @@ NaN, never zero.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import astuple, dataclass, fields
 
 import numpy as np
@@ -109,12 +110,13 @@ class UnitFactors:
     """Singular factors, as `Factor`, for a unit of each of J drivers; NaN where unknown.
 
     Attributes:
-        main: (R, T, stations, d, J) determined in R ways.
+        main: for each of R ways to determine them: (T, stations, d, J). They are made one after
+            the other, and only once.
         fitted: (T, stations, d, J) by fits to tractions, as a check; None without them.
         exact: True for closed forms.
     """
 
-    main: Array
+    main: Iterable[Array]
     fitted: Array | None = None
     exact: bool = False
 
@@ -159,23 +161,27 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     fits = full_stick_units(solution, contact, positions, OVERHANG[solution.degree])
     integrals = contact.integrals
     if integrals is None:
-        return UnitFactors(fits[None])
+        return UnitFactors([fits])
     fitted = np.array([_at_own_edges(solution, contact, int(area)) for area in integrals.areas])
     missed = integrals.factors - fitted[:, None]
     half_widths = (integrals.positions[:, 1] - integrals.positions[:, 0]) / 2
     order = np.argsort(half_widths)
     half_width = (positions[1] - positions[0]) / 2
-    ways = np.empty((len(integrals.reaches), *fits.shape))
-    for way, factors in enumerate(ways):
-        factors[:] = _interpolate(half_width, half_widths[order], missed[order, way])
+
+    def by_way(way: int) -> Array:
+        factors = _interpolate(half_width, half_widths[order], missed[order, way])
         for number, area in enumerate(integrals.areas):
             factors[contact.full_stick.area == area] = missed[number, way]
         factors += fits
         # Few elements carry an integral where they carry no fit.
-        lost = ~np.isfinite(factors)
-        alone = integrals.factors[order, way]
-        factors[lost] = _interpolate(half_width, half_widths[order], alone)[lost]
-    return UnitFactors(ways, fits)
+        lost = ~np.isfinite(factors).all(axis=(1, 2, 3))
+        if lost.any():
+            alone = integrals.factors[order, way]
+            filled = _interpolate(half_width[lost], half_widths[order], alone)
+            factors[lost] = np.where(np.isfinite(factors[lost]), factors[lost], filled)
+        return factors
+
+    return UnitFactors(map(by_way, range(len(integrals.reaches))), fits)
 
 
 def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Array:

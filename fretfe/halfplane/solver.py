@@ -70,9 +70,9 @@ class HalfPlaneOutcome:
         """
         if contact.territory is not None:
             units = full_stick_units(solution, contact, positions, GALERKIN_OVERHANG)
-            return UnitFactors(units[None])
+            return UnitFactors([units])
         units = half_plane_units(positions)[..., [2, 0, 1, 3]] * np.array([1.0, -1.0, -1.0, 1.0])
-        return UnitFactors(units[None], exact=True)
+        return UnitFactors([units], exact=True)
 
 
 def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.case import Case, complaint
+from fretfe.case import Case, CsvPoints, complaint
 from fretfe.errors import CaseError
 from fretfe.loads.segments import SAME_TIME, Key, Piece
 
@@ -107,7 +107,8 @@ def _check_periods(
             f"{end - start:g}), found {wave.period:g}: change it, or give [cycle] a length that is "
             "a whole multiple of every period"
         )
-        raise CaseError(complaint(case.source, ("loads", name, "history", index, "period"), text))
+        key = "csv" if isinstance(case.loads[name].history[index], CsvPoints) else "period"
+        raise CaseError(complaint(case.source, ("loads", name, "history", index, key), text))
 
 
 def _check_closed(case: Case, times: Array, values: Array, first: int, last: int) -> None:
