@@ -309,7 +309,7 @@ CSV = {
     "two-separators": ("t,Q,a;t;Q\n", "found ',' and ';': name it"),
     "both-marks": (
         "t;Q\n1;2.5\n2;2,5\n",
-        "line 3, column 'Q': expected decimal points or decimal commas, found both: '2.5' in line 2",
+        "column 'Q': expected decimal points or decimal commas, found both: '2.5' in line 2",
     ),
     "thousands": ("t;Q\n1;1.234,5\n", "line 2, column 'Q': expected a finite number, found"),
     "comma-with-commas": ('t,Q\n1,"2,5"\n', "line 2, column 'Q': expected a finite number"),

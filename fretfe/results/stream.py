@@ -19,6 +19,8 @@ from fretfe.errors import OutputError
 from fretfe.results.states import StateArray, states_in_block
 
 STREAM = "states.h5"
+# Part of a block that waits to be written, as one over this.
+PENDING = 8
 
 
 class StateStream:
@@ -37,7 +39,8 @@ class StateStream:
             with tempfile.TemporaryDirectory() as unseen:
                 self._path = (directory or Path(unseen)) / STREAM
                 self._path.unlink(missing_ok=True)
-                self._file = h5py.File(self._path, "w")
+                # Whole chunks are written; a cache of them for each data set would be idle memory.
+                self._file = h5py.File(self._path, "w", rdcc_nbytes=0)
                 if directory is None:
                     self._path.unlink()
         except OSError as error:
@@ -67,7 +70,7 @@ class StateStream:
                 self._write(name)
 
     def _create(self, name: str, row: Array) -> None:
-        length = states_in_block(row.nbytes)
+        length = states_in_block(PENDING * row.nbytes)
         # An empty axis has no chunks.
         chunks = (length, *(max(size, 1) for size in row.shape))
         shape, most = (0, *row.shape), (None, *(size or None for size in row.shape))
