@@ -111,7 +111,7 @@ class Runner:
             FretfeError: for whatever keeps the history from being started.
         """
         self.require_support(case)
-        options = RunOptions(observer=self._shown(observer))
+        options = RunOptions(observer=self._shown(observer), states=output)
         if output is None:
             return replace(self.backend.solve(case, options), backend=self.name)
         self.write(lambda: _prepare_folder(output, case))

@@ -99,7 +99,8 @@ def test_values_are_read_with_their_defaults(tmp_path: Path) -> None:
     assert case.contacts["flank"].multipliers == "finer"
     assert case.supports["base"].fix == ("x", "y")
     assert isinstance(case.loads["press"], PlatenLoad)
-    assert case.cycle is None
+    assert case.cycle.given is None
+    assert case.cycle.until_steady
     assert case.output.fields == "extremes"
 
 

@@ -113,7 +113,7 @@ ROWS = "\n".join(f"{i},1,0" for i in range(20))
     ("content", "arguments", "message"),
     [
         ("x,pressure\n0,1", [], "line 1: expected one column 'p', found 'x', 'pressure'"),
-        ("x;p\n0;1", [], "found 'x;p' (cells are separated by commas)"),
+        ("x|p\n0|1", [], "line 1: expected one column 'x', found 'x|p'"),
         ("x,p\n0,1\n2,1\n\n2,1\n", [], "line 5, column 'x': expected a position after 2, found 2"),
         ("x,p\n0,1\n1,many\n", [], "line 3, column 'p': expected a finite number, found 'many'"),
         ("x,p\n0,1\n1,nan\n", [], "line 3, column 'p': expected a finite number, found 'nan'"),

@@ -28,6 +28,8 @@ LAYERS = (
     "fretfe.surface.*",
     "fretfe.idealise.*",
     "fretfe.results",
+    "fretfe.results.states",
+    "fretfe.results.stream",
     "fretfe.results.solution",
     "fretfe.contact.*",
     "fretfe.edges.*",

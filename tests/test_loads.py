@@ -288,8 +288,11 @@ def csv_case(folder: Path, content: str | bytes) -> Case:
         "t,Q\n1,2\n3,-4\n",
         "Q,other,t\r\n2,x,1\r\n\r\n-4,,3\r\n",
         '\ufeff t , "Q"\n 1 , 2e0\n3,-4',
+        "t;Q;note\n1;2,0;a,b\n3;-4;\n",
+        "t\tQ\n1,0\t2\n3\t-4\n",
+        "t   Q\n1.0 2\n 3   -4 \n",
     ],
-    ids=["plain", "other-columns", "mark-and-spaces"],
+    ids=["plain", "other-columns", "mark-and-spaces", "semicolons", "tabs", "spaces"],
 )
 def test_csv_files_are_read_next_to_the_case(tmp_path: Path, content: str) -> None:
     history = build_history(csv_case(tmp_path, content))
@@ -302,8 +305,14 @@ CSV = {
     "nan": ("t,Q\n1,nan\n", "line 2, column 'Q': expected a finite number, found 'nan'"),
     "short": ("t,Q\n\n1\n", "line 3, column 'Q': expected a finite number, found an empty cell"),
     "no-column": ("t,P\n1,2\n", "line 1: expected one column 'Q', found 't', 'P'"),
-    "semicolons": ("t;Q\n1;2\n", "found 't;Q' (cells are separated by commas)"),
-    "tabs": ("t\tQ\n1\t2\n", "(cells are separated by commas)"),
+    "bars": ("t|Q\n1|2\n", "line 1: expected one column 't', found 't|Q'"),
+    "two-separators": ("t,Q,a;t;Q\n", "found ',' and ';': name it"),
+    "both-marks": (
+        "t;Q\n1;2.5\n2;2,5\n",
+        "column 'Q': expected decimal points or decimal commas, found both: '2.5' in line 2",
+    ),
+    "thousands": ("t;Q\n1;1.234,5\n", "line 2, column 'Q': expected a finite number, found"),
+    "comma-with-commas": ('t,Q\n1,"2,5"\n', "line 2, column 'Q': expected a finite number"),
     "twice": ("t,Q,Q\n1,2,3\n", "line 1: expected one column 'Q', found 't', 'Q', 'Q'"),
     "empty": ("", "expected a header row with the column names, found an empty file"),
     "header": ("t,Q\n", "expected rows of numbers below the header, found none"),

@@ -18,6 +18,7 @@ from fretfe.edges.refinement import Pass, Refinement, StationValues
 from fretfe.errors import OutputError
 from fretfe.results.reader import load_result, restored_refinement
 from fretfe.results.solution import ContactHistory
+from fretfe.results.states import StateArray
 from fretfe.results.writer import as_numbers
 
 
@@ -27,7 +28,7 @@ def test_what_is_read_is_what_was_written(tmp_path: Path, name: str) -> None:
     found = load_result(folder)
     written = json.loads((folder / "results.json").read_text("utf-8"))
     # Everything once more, in the same words: no key is lost, none changes.
-    assert as_numbers(found) == written
+    assert as_numbers(found, {}) == written
     result = solved(name)
     assert (found.case.model_dump(), found.backend) == (result.case.model_dump(), result.backend)
     assert (found.directory, result.directory) == (folder, None)
@@ -47,7 +48,7 @@ def test_arrays_are_read(tmp_path: Path, name: str) -> None:
     np.testing.assert_array_equal(found.amplitudes, result.solution.amplitudes)
     (mine,), (other,) = found.contacts, result.solution.contacts
     for each in fields(ContactHistory):
-        if isinstance(getattr(other, each.name), np.ndarray):
+        if isinstance(getattr(other, each.name), np.ndarray | StateArray):
             np.testing.assert_array_equal(getattr(mine, each.name), getattr(other, each.name))
     np.testing.assert_array_equal(mine.full_stick.fields, other.full_stick.fields)
     np.testing.assert_array_equal(mine.full_stick.area, other.full_stick.area)
@@ -56,7 +57,7 @@ def test_arrays_are_read(tmp_path: Path, name: str) -> None:
 def test_a_refinement_is_restored() -> None:
     edge = StationValues("main", "left", 1239.0, 35.6, (0.077, 0.076), 0.3, 0.4)
     refinement = Refinement(0.01, (Pass(6000, 0.01, (edge,), True, 0.5),), False, "enough")
-    numbers = as_numbers(replace(solved("analytic"), refinement=refinement))
+    numbers = as_numbers(replace(solved("analytic"), refinement=refinement), {})
     assert restored_refinement(numbers["refinement"]) == refinement
 
 

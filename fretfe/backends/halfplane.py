@@ -8,7 +8,6 @@ import time
 from fretfe.backends.finite_bodies import size_limit, with_size_errors
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
-from fretfe.contact.march import StepResult
 from fretfe.edges.evaluate import evaluate
 from fretfe.edges.limits import contact_limits, with_limit_warnings
 from fretfe.edges.separation import separate_patches
@@ -33,13 +32,14 @@ class HalfPlaneBackend:
             NotIdealisable: if it is none.
             CaseError: if template, parameters or history are not valid.
         """
-
-        def report(number: int, count: int, result: StepResult) -> None:
-            options.progress(number, count, result.summary)
-
         problem = idealise(case, options.history)
         start = time.perf_counter()
-        outcome = solve_half_planes(problem, progress=report)
+        outcome = solve_half_planes(
+            problem,
+            progress=options.progress,
+            until_steady=case.cycle.until_steady,
+            directory=options.states,
+        )
         solved = time.perf_counter()
         solution = separate_patches(outcome.solution)
         contacts = evaluate(solution, outcome.unit_factors)
@@ -52,7 +52,7 @@ class HalfPlaneBackend:
                 [with_size_errors(each, problem) for each in contacts], limits
             ),
             limits=limits,
-            notes=problem.notes,
+            notes=(*problem.notes, *(each.text for each in solution.repeats)),
             failure=outcome.failure,
             solution=solution,
             seconds={"steps": solved - start, "evaluation": time.perf_counter() - solved},

@@ -28,11 +28,14 @@ class RunOptions:
     Attributes:
         fields: file for the fields that the case asks for; None for no fields. Backends without
             fields ignore it.
+        states: folder for the file to which states go while they are solved; None for a file
+            without a name.
         history: loads in place of those of the case; None for those.
         observer: follows the run, on rank 0.
     """
 
     fields: Path | None = None
+    states: Path | None = None
     history: History | None = None
     observer: Observer = SILENT
 

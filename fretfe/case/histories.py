@@ -77,11 +77,25 @@ class CsvPoints(Table):
     """Points of time and value read from two columns of a CSV file."""
 
     csv: Text = Field(
-        description="Comma-separated file with a header row, relative to the folder of the case "
+        description="Text file with a header row and columns, relative to the folder of the case "
         "file."
     )
     time: Text = Field(description="Name of the column with the times (absolute, increasing).")
     value: Text = Field(description="Name of the column with the values.")
+    scale: Number = Field(default=1.0, description="Factor of the values of the file.")
+    offset: Number = Field(
+        default=0.0, description="Added to the values after they have been multiplied by scale."
+    )
+    repeat: Count = Field(
+        default=1,
+        description="How often the rows of the file follow one another; >= 1. More than once the "
+        "first and the last value must be the same.",
+    )
+    separator: Literal[",", ";", "tab", "space"] | None = Field(
+        default=None,
+        description='What stands between the cells: ",", ";", "tab" or "space"; without it that is '
+        "told from the header row.",
+    )
 
 
 KINDS: dict[str, type[Table]] = {

@@ -40,8 +40,8 @@ class Case(Table):
     loads: dict[Name, AnyLoad] = Field(
         default={}, description="Loads, by a name of yours; each is one channel with one history."
     )
-    cycle: Cycle | None = Field(
-        default=None,
+    cycle: Cycle = Field(
+        default=Cycle(),
         description="The cycle to evaluate; without it the last period of the slowest wave.",
     )
     edges: Edges | None = Field(

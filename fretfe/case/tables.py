@@ -198,14 +198,35 @@ class Support(Table):
 
 
 class Cycle(Table):
-    """The load cycle that is evaluated."""
+    """The load cycle that is evaluated, and repeated cycles."""
 
-    start: NotNegative = Field(description="Time of the first step of the cycle.")
-    end: Positive = Field(description="Time of the last step of the cycle; later than start.")
+    start: NotNegative | None = Field(
+        default=None,
+        description="Time of the first step of the evaluated cycle; without it and 'end' that is "
+        "the last period of the slowest wave.",
+    )
+    end: Positive | None = Field(
+        default=None, description="Time of the last step of the cycle; later than start."
+    )
+    until_steady: bool = Field(
+        default=True,
+        strict=True,
+        description="Repeated blocks of the load history are solved until one of them leaves the "
+        "contact as it found it; those that follow have its states and are not solved again. "
+        "false: every step is solved.",
+    )
+
+    @property
+    def given(self) -> tuple[float, float] | None:
+        """Start and end, if the case gives them."""
+        return None if self.start is None or self.end is None else (self.start, self.end)
 
     @model_validator(mode="after")
     def _ends_after_start(self) -> Self:
-        if self.end <= self.start:
+        if (self.start is None) != (self.end is None):
+            missing = "start" if self.start is None else "end"
+            raise ValueError(f"expected both start and end, or none of them, found no {missing}")
+        if self.given is not None and self.given[1] <= self.given[0]:
             raise ValueError(f"expected start < end, found start = {self.start}, end = {self.end}")
         return self
 
@@ -226,4 +247,12 @@ class Output(Table):
         description="Steps whose fields are written, for pictures and ParaView: "
         '"extremes" (the two load extremes of the evaluated cycle, and the last step), "last", '
         '"none", "all" or a list of times, each the time of a step.',
+    )
+    tractions: Literal["all", "cycle", "extremes"] | None = Field(
+        default=None,
+        description="States whose tractions, slip and status are kept in results.h5: "
+        '"all", "cycle" (those of the evaluated cycle, and those of "extremes"), "extremes" (the '
+        "unloaded state, the load extremes, the ends of the last half cycles, the last state). "
+        'Without it "all", or "cycle" if there are more than 1000 states. Numbers and histories '
+        "of edges and contacts are those of all states in any case.",
     )

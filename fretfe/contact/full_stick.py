@@ -34,9 +34,15 @@ class Drivers:
     loads: Indices
 
     def values(self, forces: Array, amplitudes: Array) -> Array:
-        """(J,) values of the drivers from the forces on coordinates and the load amplitudes."""
-        from_coordinates = forces[self.coordinates] if len(forces) else np.zeros(len(self.loads))
-        from_loads = amplitudes[self.loads] if len(amplitudes) else np.zeros(len(self.loads))
+        """(T, J) values of the drivers.
+
+        Args:
+            forces: (T, m) on the coordinates.
+            amplitudes: (T, l) of the distributed loads.
+        """
+        none = np.zeros((len(forces), len(self.loads)))
+        from_coordinates = forces[:, self.coordinates] if forces.shape[1] else none
+        from_loads = amplitudes[:, self.loads] if amplitudes.shape[1] else none
         return np.where(self.coordinates >= 0, from_coordinates, from_loads)
 
 

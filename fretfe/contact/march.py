@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -69,17 +69,21 @@ class March:
         self.operator: InterfaceOperator = FactoredOperator(interface)
         self._newton = Newton(self.operator)
 
-    def run(self, steps: list[StepLoads]) -> Iterator[StepResult]:
+    def run(
+        self, steps: Sequence[StepLoads], first: int = 1, state: ContactState | None = None
+    ) -> Iterator[StepResult]:
         """Solve steps one after the other.
 
         Args:
             steps: loads at the end of each step; the first entry is the unloaded state.
+            first: number of the first step to be solved.
+            state: before it; None for the unloaded one.
 
         Raises:
             ConvergenceError: if a step has no solution; what was yielded before stands.
         """
-        state = unloaded(self.interface)
-        for number in range(1, len(steps)):
+        state = state or unloaded(self.interface)
+        for number in range(first, len(steps)):
             try:
                 result = self.advance(state, steps[number - 1], steps[number])
             except NotConverged as failure:

@@ -3,18 +3,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import overload
 
 import numpy as np
 import numpy.typing as npt
 
-from fretfe._typing import Array, Bools
+from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface
 from fretfe.results.solution import OPEN, SLIP, STICK
 
 Status = npt.NDArray[np.int8]
 
-__all__ = ["OPEN", "SLIP", "STICK", "ContactState", "StepLoads", "unloaded"]
+__all__ = ["OPEN", "SLIP", "STICK", "ContactState", "StepLoads", "StepTable", "unloaded"]
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,40 @@ class StepLoads:
             amplitudes=(1 - fraction) * self.amplitudes + fraction * later.amplitudes,
             values=(1 - fraction) * self.values + fraction * later.values,
         )
+
+
+@dataclass(frozen=True)
+class StepTable(Sequence[StepLoads]):
+    """Loads of all T steps, the unloaded state first.
+
+    Attributes:
+        amplitudes: (T, l) load amplitudes.
+        values: (T, m) as of `StepLoads`.
+        friction: (T, C) coefficient in each contact.
+        sizes: (C,) number of nodes of each contact.
+    """
+
+    amplitudes: Array
+    values: Array
+    friction: Array
+    sizes: Indices
+
+    def __len__(self) -> int:
+        """T."""
+        return len(self.values)
+
+    @overload
+    def __getitem__(self, number: int) -> StepLoads: ...
+
+    @overload
+    def __getitem__(self, number: slice) -> StepTable: ...
+
+    def __getitem__(self, number: int | slice) -> StepLoads | StepTable:
+        """Loads of one step, or of some."""
+        parts = self.amplitudes[number], self.values[number]
+        if isinstance(number, slice):
+            return StepTable(*parts, self.friction[number], self.sizes)
+        return StepLoads(*parts, np.repeat(self.friction[number], self.sizes))
 
 
 @dataclass(frozen=True)

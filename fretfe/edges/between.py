@@ -66,16 +66,16 @@ def load_path(
 
     Args:
         loads: (T, C) at the states.
-        between: (T-1, S, C) within the steps, or None.
+        between: (n, S, C) within the steps of the cycle, or None.
         cycle: its first and last state, or None.
     """
     if cycle is None or between is None:
         return None
     first, last = cycle
-    values, within = loads[first : last + 1], between[first:last]
-    shares = np.arange(1, within.shape[1] + 1) / (within.shape[1] + 1)
+    values = loads[first : last + 1]
+    shares = np.arange(1, between.shape[1] + 1) / (between.shape[1] + 1)
     steps = np.diff(values, axis=0)
-    bulges = within - values[:-1, None] - shares[:, None] * steps[:, None]
+    bulges = between - values[:-1, None] - shares[:, None] * steps[:, None]
     ranges = np.ptp(values, axis=0)
     varying = ranges > 0
     bulges = np.where(varying, bulges, 0.0) / np.where(varying, ranges, 1.0)

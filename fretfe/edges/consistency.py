@@ -9,6 +9,7 @@ from fretfe._typing import Array
 from fretfe.analytic.edges import effective_bulk_tension, shear_force_from_factors
 from fretfe.edges.counting import count_up
 from fretfe.results.solution import ContactHistory, Solution
+from fretfe.results.states import blocks
 
 
 def tension_history(k_t: Array, half_width: Array, cycle: tuple[int, int] | None) -> Array:
@@ -50,11 +51,15 @@ def full_stick_shear_force(solution: Solution, contact: ContactHistory) -> Array
     Where slip changes how the loads divide between several contacts, this is not the Q of the
     contact itself, but the one that belongs to K_T. Without increments it is the Q of the contact.
     """
-    increments = contact.full_stick
+    increments, weights = contact.full_stick, contact.weights
     if not len(increments.fields):
-        return np.asarray(contact.traction[:, :, 1] @ contact.weights)
+        parts = blocks(len(contact.traction), contact.traction[0].size)
+        return np.concatenate([contact.traction[part, :, 1] @ weights for part in parts])
     # Area -1, the last entry, is that of states without contact.
-    units = np.einsum("n,unj->uj", contact.weights, increments.fields[:, :, 1])
+    parts = blocks(len(increments.fields), increments.fields[0].size)
+    units = np.concatenate(
+        [np.einsum("n,unj->uj", weights, increments.fields[part, :, 1]) for part in parts]
+    )
     units = np.vstack([units, np.zeros(units.shape[1])])[increments.area]
     known = increments.area >= 0
     pairs = known[1:].astype(float) + known[:-1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -36,6 +37,7 @@ from fretfe.edges.slip import cycle_change
 from fretfe.edges.slip_zones import States, cycle_states, slip_border_of, slip_zones
 from fretfe.edges.warnings import STEADY_CHANGE, warnings_about
 from fretfe.results.solution import ContactHistory, Factor, Solution
+from fretfe.results.states import blocks
 
 # From solution, contact and positions (stations, T) along the arc.
 FindUnits = Callable[[Solution, ContactHistory, Array], UnitFactors]
@@ -60,21 +62,29 @@ def evaluate(
 def _evaluate_contact(
     solution: Solution, contact: ContactHistory, find_units: FindUnits
 ) -> ContactSummary:
-    fits = edge_fits(contact)
+    fits = edge_fits(contact, solution.source)
     positions = np.array([fit.position for fit in fits])
     centre, half_width = positions.mean(axis=0), (positions[1] - positions[0]) / 2
     histories = _factor_histories(solution, contact, positions, find_units)
     cycle = cycle_states(solution.cycle)
     path = load_path(solution.values, solution.between, solution.cycle)
     spreads = range_spreads(histories, fits, contact.arc, cycle, path)
+    work = _friction_work(solution, contact)
     stations = tuple(
         _evaluate_station(
-            solution, contact, front, fit, histories, spreads[front.number], centre, path
+            solution,
+            contact,
+            front,
+            fit,
+            histories,
+            spreads[front.number],
+            centre,
+            path,
+            work.in_cycle,
         )
         for front, fit in zip(PLANE_FRONTS, fits, strict=True)
     )
-    # The weights are those of the solution itself: P and Q balance the loads to round-off.
-    forces = np.einsum("n,tnc->tc", contact.weights, contact.traction)
+    forces, moments = _resultants(contact, centre)
     change = _cycle_change(solution, contact)
     k_t = np.array([station.k_t for station in stations])
 
@@ -87,7 +97,7 @@ def _evaluate_contact(
         fronts=fronts_of(stations),
         normal_force=forces[:, 0],
         shear_force=forces[:, 1],
-        moment=_moments(contact, centre),
+        moment=moments,
         centre=centre,
         half_width=half_width,
         effective_tension=by_life(contact, solution.cycle, tension),
@@ -96,26 +106,31 @@ def _evaluate_contact(
         ),
         cycle_change=change,
         steady=bool(change < STEADY_CHANGE),
-        dissipation=float(_over_cycle(solution, contact.dissipation).sum()),
-        dissipation_change=_dissipation_change(solution, contact),
+        dissipation=float(work.in_cycle.sum()),
+        dissipation_change=_dissipation_change(solution, contact, work.by_step),
         warnings=tuple(warnings_about(solution, contact, stations, change)),
     )
 
 
-def _moments(contact: ContactHistory, centre: Array) -> Array:
-    """(T,) moments of the pressure about the centre, or about 0 where there is none."""
-    moments = [
-        resultants(contact.arc, t[:, 0], t[:, 1], c if np.isfinite(c) else 0.0).moment
-        for t, c in zip(contact.traction, centre, strict=True)
-    ]
-    return np.array(moments)
+def _resultants(contact: ContactHistory, centre: Array) -> tuple[Array, Array]:
+    """(T, 2) P and Q, and (T,) moments about the centre, or about 0 where there is none."""
+    forces, moments = np.zeros((len(centre), 2)), np.zeros(len(centre))
+    for states in blocks(len(centre), contact.traction[0].size):
+        traction = contact.traction[states]
+        # The weights are those of the solution itself: P and Q balance the loads to round-off.
+        forces[states] = np.einsum("n,tnc->tc", contact.weights, traction[..., :2])
+        moments[states] = [
+            resultants(contact.arc, t[:, 0], t[:, 1], c if np.isfinite(c) else 0.0).moment
+            for t, c in zip(traction, centre[states], strict=True)
+        ]
+    return forces, moments
 
 
 def _factor_histories(
     solution: Solution, contact: ContactHistory, positions: Array, find_units: FindUnits
 ) -> FactorHistories:
     units = find_units(solution, contact, positions)
-    touching = np.any(contact.traction[:, :, 0] > 0, axis=1)
+    touching = contact.pressed_nodes > 0
 
     def history(each: Array) -> Array:
         def count(life: slice, cycle: tuple[int, int] | None) -> Array:
@@ -124,12 +139,15 @@ def _factor_histories(
 
         return by_life(contact, solution.cycle, count).swapaxes(0, 1)
 
-    fitted = history(units.fitted) if units.fitted is not None else None
+    ways, one_sided = [], []
+    for each in units.main:
+        ways.append(history(each))
+        one_sided.append(one_sided_share(each, solution.driver_values, solution.cycle))
     return FactorHistories(
-        ways=np.array([history(each) for each in units.main]),
-        fitted=fitted,
+        ways=np.array(ways),
+        fitted=history(units.fitted) if units.fitted is not None else None,
         exact=units.exact,
-        one_sided=one_sided_share(units.main[0], solution.driver_values, solution.cycle),
+        one_sided=one_sided[0],
     )
 
 
@@ -142,6 +160,7 @@ def _evaluate_station(
     spread: RangeSpread,
     centre: Array,
     path: LoadPath | None,
+    work: Array,
 ) -> Station:
     by_way = histories.ways[:, front.number]
     cycle = cycle_states(solution.cycle)
@@ -173,7 +192,7 @@ def _evaluate_station(
             border,
             path,
         ),
-        dissipation=float(_over_cycle(solution, contact.dissipation)[here].sum()),
+        dissipation=float(work[here].sum()),
     )
 
 
@@ -210,18 +229,37 @@ def _range(history: Array, cycle: States) -> float:
     return float(np.ptp(history[cycle])) if len(cycle) else np.nan
 
 
-def _over_cycle(solution: Solution, per_step: Array) -> Array:
-    """Sum of a quantity of each step over the evaluated cycle, or over everything without one."""
-    cycle = cycle_states(solution.cycle)
-    return per_step[cycle[1:]].sum(axis=0) if len(cycle) else per_step.sum(axis=0)
+@dataclass(frozen=True)
+class _Work:
+    """Friction work.
+
+    Attributes:
+        by_step: (T,) of all nodes.
+        in_cycle: (N,) of each node in the evaluated cycle, or in everything without one.
+    """
+
+    by_step: Array
+    in_cycle: Array
 
 
-def _dissipation_change(solution: Solution, contact: ContactHistory) -> float:
+def _friction_work(solution: Solution, contact: ContactHistory) -> _Work:
+    count = len(contact.dissipation)
+    by_step, in_cycle = np.zeros(count), np.zeros(len(contact.arc))
+    first, last = solution.cycle or (-1, count - 1)
+    for states in blocks(count, len(contact.arc)):
+        work = contact.dissipation[states]
+        by_step[states] = work.sum(axis=1)
+        begin, end = max(first + 1 - states.start, 0), max(last + 1 - states.start, 0)
+        in_cycle += work[begin:end].sum(axis=0)
+    return _Work(by_step, in_cycle)
+
+
+def _dissipation_change(solution: Solution, contact: ContactHistory, work: Array) -> float:
     """Friction work of the evaluated cycle over that of as many steps before it, less 1."""
     if solution.cycle is None:
         return np.nan
     first, last = solution.cycle
-    count, work = last - first, contact.dissipation.sum(axis=1)
+    count = last - first
     before = work[first - count + 1 : first + 1].sum() if first >= count else 0.0
     earlier = contact.friction[first - count + 1 : first + 1] if first >= count else np.zeros(1)
     if not (before > 0 and np.all(earlier > 0)):
@@ -234,8 +272,8 @@ def _cycle_change(solution: Solution, contact: ContactHistory) -> float:
     if solution.cycle is None:
         return np.nan
     first, last = solution.cycle
-    pressure = contact.traction[last, :, 0].max()
+    begin, end = contact.traction[first], contact.traction[last]
+    pressure = end[:, 0].max()
     if contact.friction[last] == 0 or pressure <= 0:
         return np.nan
-    shear = contact.traction[:, :, 1]
-    return cycle_change(shear[last], shear[first], float(contact.friction[last]), float(pressure))
+    return cycle_change(end[:, 1], begin[:, 1], float(contact.friction[last]), float(pressure))

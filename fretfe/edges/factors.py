@@ -9,17 +9,19 @@ NaN, never zero.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import astuple, dataclass, fields
 
 import numpy as np
 
-from fretfe._typing import Array, Bools
+from fretfe._typing import Array, Bools, Indices
 from fretfe.edges.counting import count_up
 from fretfe.edges.full_stick import OVERHANG, effective_edges, full_stick_factors
 from fretfe.edges.patches import main_patch
 from fretfe.edges.pressure import FEWEST_NODES, EdgeFit, fit_edge
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront, plane_sections
 from fretfe.results.solution import ContactHistory, Factor, Solution
+from fretfe.results.states import MOST_STATES, blocks
 
 # Edges that move less than this fraction of the surface between two loads do not tell anything.
 SMALLEST_MOVE = 1e-6
@@ -27,19 +29,23 @@ SMALLEST_MOVE = 1e-6
 WANTED_NODES = 16
 
 
-def edge_fits(contact: ContactHistory) -> tuple[EdgeFit, ...]:
-    """(T,) position and K_N with their spreads at each front; NaN where they cannot be fitted."""
-    pressure = contact.traction[:, :, 0]
-    fitted = np.count_nonzero(pressure > 0, axis=1) >= FEWEST_NODES
-    sections = plane_sections(contact.arc, pressure[fitted])
-    return tuple(_full(fit_edge(section), fitted) for section in sections)
+def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
+    """Position and K_N with their spreads at each front; NaN where they cannot be fitted.
 
-
-def _full(fit: EdgeFit, fitted: Bools) -> EdgeFit:
-    """The fit of some states as one of all (T,) states, NaN in the others."""
-    parts = np.full((len(fields(EdgeFit)), len(fitted)), np.nan)
-    parts[:, fitted] = astuple(fit)
-    return EdgeFit(*parts)
+    Args:
+        contact: one contact.
+        source: (T,) the state that each state is the same as.
+    """
+    states = np.unique(source)
+    parts = np.full((len(PLANE_FRONTS), len(fields(EdgeFit)), len(states)), np.nan)
+    for block in blocks(len(states), contact.traction[0].size):
+        pressure = contact.traction[states[block], :, 0]
+        fitted = np.count_nonzero(pressure > 0, axis=1) >= FEWEST_NODES
+        there = block.start + np.flatnonzero(fitted)
+        for front, section in enumerate(plane_sections(contact.arc, pressure[fitted])):
+            parts[front][:, there] = astuple(fit_edge(section))
+    known = parts[..., np.searchsorted(states, source)]
+    return tuple(EdgeFit(*front) for front in known)
 
 
 def add_up(
@@ -58,16 +64,27 @@ def add_up(
         touching: (T,) states in which there is contact.
         cycle: its first and last state, or None.
     """
-    increments = np.zeros((len(drivers) - 1, *units.shape[1:3]))
-    for state in range(1, len(drivers)):
-        step = drivers[state] - drivers[state - 1]
-        if not step.any() or not touching[state - 1 : state + 1].any():
-            continue
-        known = [units[s] for s in (state - 1, state) if np.isfinite(units[s]).all()]
-        increments[state - 1] = np.mean(known, axis=0) @ step if known else np.nan
-        if friction[state] == 0:
-            increments[state - 1, :, Factor.K_T :] = 0.0
+    steps = np.diff(drivers, axis=0)
+    increments = _mean_of_ends(units, steps)[0]
+    increments[~steps.any(axis=1) | ~(touching[1:] | touching[:-1])] = 0.0
+    increments[friction[1:] == 0, :, Factor.K_T :] = 0.0
     return count_up(increments, cycle).swapaxes(0, 1)
+
+
+def _mean_of_ends(units: Array, steps: Array) -> tuple[Array, Bools]:
+    """(n, stations, d) what n steps add, and (n,) whether factors are known at one end only.
+
+    The mean of what the factors at both ends give, or what those of the known end do.
+
+    Args:
+        units: (n + 1, stations, d, J) factors for a unit of each driver; NaN where unknown.
+        steps: (n, J) increments of the drivers.
+    """
+    known = np.isfinite(units).all(axis=(1, 2, 3))
+    ends = [np.einsum("tsdj,tj->tsd", each, steps) for each in (units[:-1], units[1:])]
+    both, first, last = known[:-1] & known[1:], known[:-1], known[1:]
+    found = np.where(first[:, None, None], ends[0], np.where(last[:, None, None], ends[1], np.nan))
+    return np.where(both[:, None, None], (ends[0] + ends[1]) / 2, found), first ^ last
 
 
 def one_sided_share(units: Array, drivers: Array, cycle: tuple[int, int] | None) -> Array:
@@ -81,13 +98,11 @@ def one_sided_share(units: Array, drivers: Array, cycle: tuple[int, int] | None)
         drivers: (T, J) values of the drivers.
         cycle: its first and last state, or None.
     """
-    total = np.zeros(units.shape[1])
-    for state in range(cycle[0] + 1, cycle[1] + 1) if cycle is not None else ():
-        known = [units[s] for s in (state - 1, state) if np.isfinite(units[s]).all()]
-        if len(known) == 1:
-            step = drivers[state] - drivers[state - 1]
-            total += np.abs(known[0][:, Factor.K_T] @ step) / 2
-    return total
+    if cycle is None:
+        return np.zeros(units.shape[1])
+    states = slice(cycle[0], cycle[1] + 1)
+    increments, one_end = _mean_of_ends(units[states], np.diff(drivers[states], axis=0))
+    return np.asarray(np.abs(increments[one_end, :, Factor.K_T]).sum(axis=0) / 2)
 
 
 @dataclass(frozen=True)
@@ -95,12 +110,13 @@ class UnitFactors:
     """Singular factors, as `Factor`, for a unit of each of J drivers; NaN where unknown.
 
     Attributes:
-        main: (R, T, stations, d, J) determined in R ways.
+        main: for each of R ways to determine them: (T, stations, d, J). They are made one after
+            the other, and only once.
         fitted: (T, stations, d, J) by fits to tractions, as a check; None without them.
         exact: True for closed forms.
     """
 
-    main: Array
+    main: Iterable[Array]
     fitted: Array | None = None
     exact: bool = False
 
@@ -119,14 +135,15 @@ def full_stick_units(
     shape = (len(solution.times), len(positions), *contact.full_stick.fields.shape[2:])
     factors = np.full(shape, np.nan)
     areas = np.where(positions[1] > positions[0], contact.full_stick.area, -1)
-    for area in np.unique(areas[areas >= 0]):
-        states = np.flatnonzero(areas == area)
-        factors[states] = _area_factors(
-            contact.arc,
-            contact.full_stick.fields[area],
-            positions[:, states].T,
-            overhang,
-        )
+    order = np.argsort(areas, kind="stable")
+    for states in np.split(order, np.flatnonzero(np.diff(areas[order])) + 1):
+        if areas[states[0]] < 0:
+            continue
+        fields = contact.full_stick.fields[areas[states[0]]]
+        for first in range(0, len(states), MOST_STATES):
+            some = states[first : first + MOST_STATES]
+            edges = positions[:, some].T
+            factors[some] = _area_factors(contact.arc, fields, edges, overhang)
     return factors
 
 
@@ -144,19 +161,27 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     fits = full_stick_units(solution, contact, positions, OVERHANG[solution.degree])
     integrals = contact.integrals
     if integrals is None:
-        return UnitFactors(fits[None])
+        return UnitFactors([fits])
     fitted = np.array([_at_own_edges(solution, contact, int(area)) for area in integrals.areas])
     missed = integrals.factors - fitted[:, None]
     half_widths = (integrals.positions[:, 1] - integrals.positions[:, 0]) / 2
     order = np.argsort(half_widths)
     half_width = (positions[1] - positions[0]) / 2
-    correction = _interpolate(half_width, half_widths[order], missed[order])
-    for number, area in enumerate(integrals.areas):
-        correction[:, contact.full_stick.area == area] = missed[number][:, None]
-    corrected = fits + correction
-    # Few elements carry an integral where they carry no fit.
-    alone = _interpolate(half_width, half_widths[order], integrals.factors[order])
-    return UnitFactors(np.where(np.isfinite(corrected), corrected, alone), fits)
+
+    def by_way(way: int) -> Array:
+        factors = _interpolate(half_width, half_widths[order], missed[order, way])
+        for number, area in enumerate(integrals.areas):
+            factors[contact.full_stick.area == area] = missed[number, way]
+        factors += fits
+        # Few elements carry an integral where they carry no fit.
+        lost = ~np.isfinite(factors).all(axis=(1, 2, 3))
+        if lost.any():
+            alone = integrals.factors[order, way]
+            filled = _interpolate(half_width[lost], half_widths[order], alone)
+            factors[lost] = np.where(np.isfinite(factors[lost]), factors[lost], filled)
+        return factors
+
+    return UnitFactors(map(by_way, range(len(integrals.reaches))), fits)
 
 
 def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Array:
@@ -213,14 +238,13 @@ def edge_movement(contact: ContactHistory, front: PlaneFront, half_width: float)
 
 
 def _interpolate(at: Array, x: Array, values: Array) -> Array:
-    """(R, T, ...) values (S, R, ...) known at x (S,), linear between them and constant outside."""
+    """(T, ...) values (S, ...) known at x (S,), linear between them and constant outside."""
     upper = np.clip(np.searchsorted(x, at), 1, max(len(x) - 1, 1))
     lower, upper = upper - 1, np.minimum(upper, len(x) - 1)
     width = np.where(upper > lower, x[upper] - x[lower], 1.0)
     share = np.clip((at - x[lower]) / width, 0.0, 1.0)
     share = share.reshape(-1, *[1] * (values.ndim - 1))
-    mixed = (1 - share) * values[lower] + share * values[upper]
-    return np.moveaxis(mixed, 0, 1)
+    return np.asarray((1 - share) * values[lower] + share * values[upper])
 
 
 def _area_factors(arc: Array, fields: Array, edges: Array, overhang: float) -> Array:

@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fretfe._typing import Array
 from fretfe.case import Case, plane_modulus
 from fretfe.edges.front import ContactSummary
 from fretfe.results.solution import OPEN, ContactHistory
+from fretfe.results.states import blocks
 
 # Sliding over the width of the contact. The gap of round surfaces that slide by s has an error of
 # s²/(4R) against the approach a²/R of two equal cylinders: (s/2a)², one hundredth.
@@ -84,12 +84,13 @@ def with_limit_warnings(
 
 def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:
     """Limits that the history of a contact tells by itself; none if it never closes."""
-    if not np.any(contact.status != OPEN):
+    extent = contact_extent(contact)
+    if extent.width == 0:
         return
     yield ModelLimit(
         contact.name,
         "sliding over the width of the contact",
-        largest_sliding(contact) / largest_width(contact),
+        extent.sliding / extent.width,
         LARGEST_SLIDING,
         "points are paired where they are before deformation, which is no longer a good pairing; "
         "use smaller loads or more friction, or a code for large sliding",
@@ -101,19 +102,37 @@ def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:
     yield ModelLimit(
         contact.name,
         "largest pressure over the plane modulus",
-        float(contact.traction[..., 0].max()) / modulus,
+        extent.pressure / modulus,
         LARGEST_STRAIN,
         "strains of this size are not small; check units and loads",
     )
 
 
-def largest_sliding(contact: ContactHistory) -> float:
-    """Largest tangential displacement between points of the two surfaces in contact."""
-    closed = contact.status != OPEN
-    return float(np.where(closed, np.abs(contact.slip[..., 0]), 0.0).max())
+@dataclass(frozen=True)
+class ContactExtent:
+    """The largest of some quantities over all states of a contact.
+
+    Attributes:
+        sliding: tangential displacement between points of the two surfaces in contact.
+        width: length over which the surfaces are in contact; 0 if they never are.
+        pressure: at a node.
+    """
+
+    sliding: float
+    width: float
+    pressure: float
 
 
-def largest_width(contact: ContactHistory) -> float:
-    """Largest length over which the surfaces are in contact in any state."""
-    widths: Array = (contact.status != OPEN) @ contact.weights
-    return float(widths.max())
+def contact_extent(contact: ContactHistory) -> ContactExtent:
+    """Largest sliding, width and pressure of a contact."""
+    largest = np.zeros(3)
+    for states in blocks(len(contact.status), contact.traction[0].size):
+        closed = contact.status[states] != OPEN
+        sliding = np.where(closed, np.abs(contact.slip[states, :, 0]), 0.0)
+        found = (
+            sliding.max(),
+            (closed @ contact.weights).max(),
+            contact.traction[states, :, 0].max(),
+        )
+        largest = np.maximum(largest, found)
+    return ContactExtent(*map(float, largest))

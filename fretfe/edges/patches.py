@@ -10,7 +10,7 @@ import numpy as np
 from fretfe._typing import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Patch:
     """A run of nodes in contact, first to last (both included), and the force it carries."""
 

@@ -31,22 +31,27 @@ def weighted_triangles(s: Array, p: Array, errors: Array, tails: Array) -> Array
         (T, 8, 8). The p in the weights is that of a cubic fit: samples there would bias it. With m
         for it, p - sqrt(C) = (2 m p - m^2 - C)/(2 m) to first order, C the polynomial.
     """
-    powers = (s / s[:, -1:])[..., None] ** POWERS
-    m = p
+    z, least = s / s[:, -1:], SMALLEST_PRESSURE * errors
+    powers = np.stack([np.ones_like(z), z, z**2, z**3, z**4, z**5], axis=-1)
+    cubic, m = powers[..., :4], np.maximum(p, least)
     for _ in range(2):
-        triangles = _triangles(powers, np.maximum(m, SMALLEST_PRESSURE * errors), p, errors, tails)
-        cubics = np.linalg.solve(triangles[:, :4, :4], triangles[:, :4, 6:7])
-        m = np.sqrt(np.maximum((powers[..., :4] @ cubics)[..., 0], 0.0))
-    return _triangles(powers, np.maximum(m, SMALLEST_PRESSURE * errors), p, errors, tails)
+        triangles = _triangles([cubic, _squared(m, p)], m, errors)
+        cubics = np.linalg.solve(triangles[:, :4, :4], triangles[:, :4, 4:])
+        m = np.maximum(np.sqrt(np.maximum((cubic @ cubics)[..., 0], 0.0)), least)
+    return _triangles([powers, _squared(m, p), (2 * m * tails)[..., None]], m, errors)
 
 
-def _triangles(powers: Array, m: Array, p: Array, errors: Array, tails: Array) -> Array:
-    columns = np.concatenate(
-        [powers, (2 * m * p - m**2)[..., None], (2 * m * tails)[..., None]], axis=-1
-    )
-    columns /= (2 * m * errors)[..., None]
-    missing = max(columns.shape[-1] - columns.shape[-2], 0)
-    return np.asarray(np.linalg.qr(np.pad(columns, ((0, 0), (0, missing), (0, 0))), mode="r"))
+def _squared(m: Array, p: Array) -> Array:
+    return (2 * m * p - m**2)[..., None]
+
+
+def _triangles(parts: list[Array], m: Array, errors: Array) -> Array:
+    """Return triangular factors of columns (T, l, ...) over 2 m errors."""
+    columns = np.concatenate(parts, axis=-1) / (2 * m * errors)[..., None]
+    missing = columns.shape[-1] - columns.shape[-2]
+    if missing > 0:
+        columns = np.pad(columns, ((0, 0), (0, missing), (0, 0)))
+    return np.asarray(np.linalg.qr(columns, mode="r"))
 
 
 def edge_terms(triangles: Array, order: int, length: int, scale: Array, bounds: Array) -> Array:

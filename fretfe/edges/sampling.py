@@ -52,19 +52,28 @@ def sampling(section: Section) -> Sampling:
     relative, scale = distance / size[:, None], (k_n * np.sqrt(size))[:, None]
     tails = scale * TAIL * relative**-1.5
     alternating = scale * ALTERNATING * np.exp(-DECAY * relative)
-    noise = [_noise(*each) for each in zip(s, pressure, section.nodes, strict=True)]
-    errors = np.sqrt(np.square(noise)[:, None] + alternating**2 + tails**2)
+    errors = np.sqrt(_noise(section)[:, None] ** 2 + alternating**2 + tails**2)
     return Sampling(errors, tails, size)
 
 
-def _noise(s: Array, p: Array, nodes: int) -> float:
-    """Return the noise of the samples (m,) in the outer half, without three nodes at either end."""
-    last = min(nodes - 3, 3 + max((nodes - 6) // 2, 20))
-    return max(scatter(s[1 : last + 2], p[1 : last + 2]), SMALLEST_NOISE * float(np.max(p)))
+def _noise(section: Section) -> Array:
+    """Return (T,) noise of the samples in the outer half, without three nodes at either end."""
+    noise = np.empty(len(section.nodes))
+    # States between the same two nodes are seen together.
+    _, group = np.unique(
+        np.column_stack([section.origin, section.nodes]), axis=0, return_inverse=True
+    )
+    order = np.argsort(group.ravel(), kind="stable")
+    for states in np.split(order, np.flatnonzero(np.diff(group.ravel()[order])) + 1):
+        nodes = int(section.nodes[states[0]])
+        last = min(nodes - 3, 3 + max((nodes - 6) // 2, 20))
+        inside = slice(1, last + 2)
+        noise[states] = scatter(section.s[states[0], inside], section.values[states, inside])
+    return np.maximum(noise, SMALLEST_NOISE * section.values.max(axis=1))
 
 
-def scatter(x: Array, values: Array) -> float:
-    """Return the standard deviation of the noise in values at x; both (n,), n >= 5.
+def scatter(x: Array, values: Array) -> Array:
+    """Return (...) standard deviations of the noise in values (..., n) at x (n,), n >= 5.
 
     From the deviation of each value from the cubic through its four neighbours. The median of all
     counts, so that kinks do not.
@@ -76,6 +85,6 @@ def scatter(x: Array, values: Array) -> float:
         for j in range(4):
             if j != i:
                 weights[:, i] *= (x[inner] - around[:, j]) / (around[:, i] - around[:, j])
-    expected = np.sum(weights * values[inner[:, None] + offsets], axis=1)
-    deviation = (values[inner] - expected) / np.sqrt(1 + np.sum(weights**2, axis=1))
-    return float(np.median(np.abs(deviation))) / MEDIAN_OF_NORMAL
+    expected = np.sum(weights * values[..., inner[:, None] + offsets], axis=-1)
+    deviation = (values[..., inner] - expected) / np.sqrt(1 + np.sum(weights**2, axis=1))
+    return np.asarray(np.median(np.abs(deviation), axis=-1) / MEDIAN_OF_NORMAL)

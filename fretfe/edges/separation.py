@@ -11,8 +11,9 @@ from itertools import pairwise
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.edges.tracks import Event, Track, follow
-from fretfe.results.solution import OPEN, ContactHistory, FullStickUnits, Solution
+from fretfe.edges.tracks import Event, Track, follow, stays_one_patch
+from fretfe.results.solution import ContactHistory, FullStickUnits, Solution
+from fretfe.results.states import mapped, part
 
 # Places are told to about this many digits of the length of the surface.
 PLACES = 3
@@ -30,7 +31,10 @@ def separate_patches(solution: Solution) -> Solution:
 
 
 def _patches_of(solution: Solution, pair: ContactHistory) -> list[ContactHistory]:
-    tracks = follow(pair.arc, pair.traction[:, :, 0])
+    pressure = part(pair.traction, 0)
+    if stays_one_patch(pressure):
+        return [pair]
+    tracks = follow(pair.arc, pressure)
     if len(tracks) < 2:
         return [pair]
     names = [f"{pair.name}[{number}]" for number in range(1, len(tracks) + 1)]
@@ -72,14 +76,20 @@ def inside(territory: Indices, nodes: int) -> Bools:
 
 def _restricted(pair: ContactHistory, territory: Indices) -> ContactHistory:
     """A pair with tractions, contact and friction work of one patch only."""
-    own = inside(territory, len(pair.arc))
+    nodes = len(pair.arc)
+
+    def own(values: Array, states: Indices) -> Array:
+        kept = inside(territory[states], nodes)
+        return np.where(kept.reshape(*kept.shape, *[1] * (values.ndim - 2)), values, 0)
+
     return replace(
         pair,
-        traction=np.where(own[..., None], pair.traction, 0.0),
-        mean_traction=np.where(own[..., None], pair.mean_traction, 0.0),
-        status=np.where(own, pair.status, OPEN).astype(np.int8),
-        dissipation=np.where(own, pair.dissipation, 0.0),
-        full_stick=_restricted_units(pair.full_stick, own),
+        traction=mapped(pair.traction, own),
+        mean_traction=mapped(pair.mean_traction, own),
+        # Nodes elsewhere are open.
+        status=mapped(pair.status, lambda each, states: own(each, states).astype(np.int8)),
+        dissipation=mapped(pair.dissipation, own),
+        full_stick=_restricted_units(pair.full_stick, territory, nodes),
         # Those of a pair are of edges that none of its patches need have.
         integrals=None,
         neighbours=None,
@@ -87,14 +97,19 @@ def _restricted(pair: ContactHistory, territory: Indices) -> ContactHistory:
     )
 
 
-def _restricted_units(units: FullStickUnits, own: Bools) -> FullStickUnits:
+def _restricted_units(units: FullStickUnits, territory: Indices, nodes: int) -> FullStickUnits:
     """Increments of full stick on the nodes of a patch, the same in all states with one area."""
-    fields = np.zeros_like(units.fields)
-    area = np.where(own.any(axis=1), units.area, -1)
-    for number in np.unique(area[area >= 0]):
-        state = int(np.argmax(area == number))
-        fields[number] = np.where(own[state][:, None, None], units.fields[number], 0.0)
-    return FullStickUnits(fields, area)
+    area = np.where(territory[:, 0] >= 0, units.area, -1)
+    # By area: the part of the surface in the first state that has it; none without a state.
+    parts = np.full((len(units.fields), 2), -1)
+    numbers, firsts = np.unique(area, return_index=True)
+    parts[numbers[numbers >= 0]] = territory[firsts[numbers >= 0]]
+
+    def own(fields: Array, areas: Indices) -> Array:
+        kept = inside(parts[areas], nodes)
+        return np.where(kept[..., None, None], fields, 0.0)
+
+    return FullStickUnits(mapped(units.fields, own), area)
 
 
 def _fate(

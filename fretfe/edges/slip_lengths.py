@@ -66,7 +66,7 @@ def length_from_slip(
     s, moved = front.distances(x[inside], edge.value), front.from_front(slip[inside])
     half = moved[: s.size // 2]
     direction = np.sign(half[np.argmax(np.abs(half))])
-    limit = max(SLIP_NOISE * scatter(s, moved), TRACE * float(np.abs(moved).max()))
+    limit = max(SLIP_NOISE * float(scatter(s, moved)), TRACE * float(np.abs(moved).max()))
     forward = np.where(direction * moved < -limit, 0.0, direction * moved)
     border = slip_border(s, forward, forward > limit)
     if border.gross:
@@ -99,7 +99,7 @@ def length_from_traction(
     excess = float(np.max((np.abs(q) - bound)[inside]))
     direction = np.sign(q[inside[1:5]].sum())
     missing = bound - direction * q
-    noise = scatter(x[inside], missing[inside])
+    noise = float(scatter(x[inside], missing[inside]))
     largest = float(bound.max())
     if excess > BEYOND_BOUND * largest + 2 * BOUND_NOISE * noise:
         return unknown(f"|q| exceeds f p by up to {excess:.2g}")

@@ -17,6 +17,7 @@ from fretfe.edges.patches import main_patch
 from fretfe.edges.section import PlaneFront, plane_front
 from fretfe.edges.slip import SlipBorder, predicted_slip, slip_border
 from fretfe.results.solution import OPEN, SLIP, ContactHistory
+from fretfe.results.states import blocks
 
 States = Indices
 
@@ -201,17 +202,14 @@ def _border(
     K_T may reverse between two steps, so that the first step of a half cycle still holds slip of
     the half cycle before: only slip in the direction of the largest slip at this front counts.
     """
-    steps = np.arange(start + 1, end + 1)
-    slipping = contact.status[steps] == SLIP
-    increments = contact.slip[steps, :, 0] - contact.slip[steps - 1, :, 0]
-    increments = np.where(slipping, increments, 0.0)
+    forward, backward = _slip_both_ways(contact, start, end)
     closed = contact.status[end] != OPEN
     patch = main_patch(contact.arc, contact.traction[end, :, 0])
     closed[: patch.first] = closed[patch.last + 1 :] = False
     nodes = front.from_front(np.flatnonzero(closed))
-    total = increments[:, nodes[: len(nodes) // 2]].sum(axis=0)
+    total = (forward - backward)[nodes[: len(nodes) // 2]]
     direction = np.sign(total[np.argmax(np.abs(total))])
-    slip = np.maximum(direction * increments, 0.0).sum(axis=0)
+    slip = {1.0: forward, -1.0: backward}.get(direction, np.zeros_like(forward))
     moved = slip > SMALLEST_SLIP * slip.max()
     s, moved = front.distances(contact.arc[closed], position), moved[nodes]
     border = slip_border(s, slip[nodes], moved)
@@ -220,6 +218,17 @@ def _border(
         return border
     spread = max(border.spread, float(s[behind]) - border.length)
     return replace(border, resolved=False, spread=spread)
+
+
+def _slip_both_ways(contact: ContactHistory, start: int, end: int) -> tuple[Array, Array]:
+    """(N,) sums of the slip increments towards larger and smaller x in the steps between states."""
+    sums = np.zeros((2, len(contact.arc)))
+    for part in blocks(end - start, len(contact.arc)):
+        first, last = start + part.start, start + part.stop
+        slipping = contact.status[first + 1 : last + 1] == SLIP
+        increments = np.where(slipping, np.diff(contact.slip[first : last + 1, :, 0], axis=0), 0.0)
+        sums += np.maximum(increments, 0.0).sum(axis=0), np.maximum(-increments, 0.0).sum(axis=0)
+    return sums[0], sums[1]
 
 
 def _slip_behind(moved: Bools) -> int | None:

@@ -13,8 +13,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+import numpy as np
+
 from fretfe._typing import Array
 from fretfe.edges.patches import Patch, contact_patches
+from fretfe.results.states import StateArray, blocks
 
 # Patches that carry less than this share of the normal force are traces of round-off.
 SMALLEST_PATCH = 1e-3
@@ -65,7 +68,27 @@ class Track:
         self.patches[state] = patch
 
 
-def follow(arc: Array, pressure: Array) -> list[Track]:
+def stays_one_patch(pressure: StateArray | Array) -> bool:
+    """True if a contact has one patch all the time once it has any, which goes on as it moves.
+
+    False does not say that there are more: `follow` does.
+
+    Args:
+        pressure: (T, N).
+    """
+    before = np.zeros(0, dtype=bool)
+    for states in blocks(len(pressure), pressure.shape[1]):
+        closed = np.vstack([before.reshape(-1, pressure.shape[1]), pressure[states] > 0])
+        runs = np.count_nonzero(np.diff(closed, axis=1, prepend=False, append=False), axis=1) // 2
+        shared = np.any(closed[1:] & closed[:-1], axis=1)
+        # Nothing may follow nothing.
+        if runs.max() > 1 or np.any((runs[:-1] > 0) & ~shared):
+            return False
+        before = closed[-1]
+    return True
+
+
+def follow(arc: Array, pressure: StateArray | Array) -> list[Track]:
     """Return all tracks, in the order in which they appear, from left to right.
 
     Args:
@@ -78,13 +101,17 @@ def follow(arc: Array, pressure: Array) -> list[Track]:
     return tracker.tracks
 
 
-def _patches(arc: Array, pressure: Array) -> list[list[Patch]]:
+def _patches(arc: Array, pressure: StateArray | Array) -> list[list[Patch]]:
     """Patches of each state, without traces.
 
     Few nodes, or a small share of the force, are a patch where they are what a patch was in the
     state before, or becomes in the next one.
     """
-    runs = [contact_patches(arc, state.clip(min=0.0)) for state in pressure]
+    runs = [
+        contact_patches(arc, state.clip(min=0.0))
+        for states in blocks(len(pressure), len(arc))
+        for state in pressure[states]
+    ]
     kept = [_clear(patches) for patches in runs]
     states = list(range(len(runs)))
     for before, now in [*pairwise(states), *pairwise(states[::-1])]:

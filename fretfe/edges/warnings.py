@@ -16,6 +16,7 @@ from fretfe.edges.section import PLANE_FRONTS
 from fretfe.edges.slip_zones import cycle_states
 from fretfe.edges.tracks import SMALLEST_PATCH
 from fretfe.results.solution import OPEN, ContactHistory, Solution
+from fretfe.results.states import blocks
 
 # Change of the shear from one cycle to the next, relative to f p_max, below which it is steady.
 STEADY_CHANGE = 1e-3
@@ -52,7 +53,7 @@ def _unknown(
     """Factors that cannot be told, and why."""
     states = cycle_states(solution.cycle)
     states = states if len(states) else np.array([len(solution.times) - 1])
-    nodes = np.count_nonzero(contact.traction[states, :, 0] > 0, axis=1)
+    nodes = contact.nodes_pressed_in(states)
     if not nodes.any():
         return
     finer = WANTED_NODES / max(int(nodes.min()), 1)
@@ -82,7 +83,11 @@ def _patches(contact: ContactHistory) -> Iterator[str]:
             f"{'; it '.join(contact.fate)}. It has edges only where it exists, and K_T and K_I "
             "begin anew whenever it appears"
         )
-    shares = [_main_share(contact.arc, pressure) for pressure in contact.traction[:, :, 0]]
+    shares = [
+        _main_share(contact.arc, pressure)
+        for states in blocks(len(contact.traction), contact.traction[0].size)
+        for pressure in contact.traction[states, :, 0]
+    ]
     several = [share for share in shares if share < 1 - SMALLEST_PATCH]
     if several:
         yield (
@@ -100,11 +105,14 @@ def _main_share(arc: Array, pressure: Array) -> float:
 
 def _surfaces(contact: ContactHistory) -> Iterator[str]:
     """Surfaces that never touch, or end where they are in contact."""
-    closed = contact.status != OPEN
+    closed, smallest = np.zeros(len(contact.arc), dtype=bool), np.inf
+    for states in blocks(len(contact.status), len(contact.arc)):
+        closed |= np.any(contact.status[states] != OPEN, axis=0)
+        smallest = min(smallest, float(contact.gap[states].min()))
     if not closed.any():
-        yield f"the surfaces never touch; the smallest gap is {contact.gap.min():.4g}"
+        yield f"the surfaces never touch; the smallest gap is {smallest:.4g}"
     for front in PLANE_FRONTS:
-        if front.from_front(closed)[:, 0].any():
+        if front.from_front(closed)[0]:
             yield (
                 f"the contact reaches the {front.name} end of its surface: extend the physical "
                 "group, the edge there is not that of the contact"

@@ -3,20 +3,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
 from fretfe._typing import Array
 from fretfe.contact.interface import coordinate_range
-from fretfe.contact.state import ContactState, StepLoads
+from fretfe.contact.recorder import StateBlock
 from fretfe.fem.definition import BodyDefinition
 from fretfe.fem.model import Reduction
 
 
-def balance(
-    reduction: Reduction, states: Sequence[ContactState], steps: Sequence[StepLoads]
-) -> dict[str, Array]:
+def balance(reduction: Reduction, blocks: Iterable[StateBlock]) -> dict[str, Array]:
     """(T,) largest sums of all forces and moments on a body, and their scales, by name.
 
     The scale of the forces is the largest of them, that of the moments the largest force on a body
@@ -24,53 +22,44 @@ def balance(
 
     Args:
         reduction: the bodies.
-        states: (T,) solved states.
-        steps: (T,) their loads.
+        blocks: all solved states.
     """
-    found = {
-        f"{kind}_{part}": np.zeros(len(states))
-        for kind in ("force", "moment")
-        for part in ("imbalance", "scale")
-    }
-    for definition in reduction.definition.bodies:
-        for name, values in _body_balance(reduction, definition, states, steps).items():
-            found[name] = np.maximum(found[name], values)
-    return found
+    found: dict[str, list[Array]] = {}
+    for block in blocks:
+        bodies = [_body_balance(reduction, each, block) for each in reduction.definition.bodies]
+        for name in bodies[0]:
+            largest = np.max([body[name] for body in bodies], axis=0)
+            found.setdefault(name, []).append(largest)
+    return {name: np.concatenate(parts) for name, parts in found.items()}
 
 
 def _body_balance(
-    reduction: Reduction,
-    definition: BodyDefinition,
-    states: Sequence[ContactState],
-    steps: Sequence[StepLoads],
+    reduction: Reduction, definition: BodyDefinition, block: StateBlock
 ) -> dict[str, Array]:
     body = reduction.bodies[definition.name]
-    amplitudes = np.array([step.amplitudes for step in steps])
-    tractions = np.array([state.traction.ravel() for state in states])
     own = coordinate_range(reduction.interface.coordinates, definition.name)
-    coordinates = np.array([state.coordinates[own] for state in states])
+    coordinates = block.coordinates[:, own]
     parts = np.stack(
         [
-            _reactions(reduction, definition, states),
-            amplitudes @ body.body.load_resultants.T,
-            body.contact_forces(tractions),
+            _reactions(reduction, definition, block.forces[:, own]),
+            block.amplitudes @ body.body.load_resultants.T,
+            body.contact_forces(block.traction),
         ]
     )
     largest = np.abs(parts).max(axis=(0, 2))
     return {
         "force_imbalance": np.abs(parts.sum(axis=0)).max(axis=1),
         "force_scale": largest,
-        "moment_imbalance": np.abs(body.moments(tractions, coordinates, amplitudes)).max(axis=1),
+        "moment_imbalance": np.abs(body.moments(block.traction, coordinates, block.amplitudes)).max(
+            axis=1
+        ),
         "moment_scale": largest * body.body.size,
     }
 
 
-def _reactions(
-    reduction: Reduction, definition: BodyDefinition, states: Sequence[ContactState]
-) -> Array:
-    """(T, d) sum of the forces that the constrained boundaries exert on a body."""
+def _reactions(reduction: Reduction, definition: BodyDefinition, forces: Array) -> Array:
+    """(n, d) sum of the forces (n, m) that the constrained boundaries exert on a body."""
     d, count = reduction.interface.components, len(definition.constraints)
-    own = coordinate_range(reduction.interface.coordinates, definition.name)
     directions = np.array([c.direction for c in definition.constraints]).reshape(count, d)
     # Rigid modes restrained by contact come last, and no force acts on them.
-    return np.array([state.forces[own][:count] @ directions for state in states])
+    return np.asarray(forces[:, :count] @ directions)

@@ -180,7 +180,7 @@ class _Draft:
         self._recorder = recorder
         self.requests: list[Request] = []
         self._area_fields: dict[int, tuple[int, ...]] = {}
-        states = neighbour_states(march, recorder.states[-1], recorder.steps[-1])
+        states = neighbour_states(march, recorder.last, recorder.last_loads)
         self._neighbours = states
         self._difference = () if states is None else (self._request_difference(*states),)
         self._contacts: dict[str, _Areas] = {}
@@ -228,7 +228,7 @@ class _Draft:
         return Neighbours(tractions / np.sqrt(contact.weights), normal)
 
     def _request_difference(self, low: ContactState, high: ContactState) -> int:
-        amplitudes = 2 * FRACTION * self._recorder.steps[-1].amplitudes
+        amplitudes = 2 * FRACTION * self._recorder.last_loads.amplitudes
         traction = (high.traction - low.traction).ravel()
         coordinates = high.coordinates - low.coordinates
         self.requests.append(Request(traction, coordinates, amplitudes))
@@ -237,9 +237,9 @@ class _Draft:
     def _fields_of(self, area: int) -> tuple[int, ...]:
         """Numbers of the fields of a contact area, one for each driver."""
         if area not in self._area_fields:
-            increments, drivers = self._recorder.increments[area], self._recorder.drivers
+            increments, drivers = self._recorder.increments(area), self._recorder.drivers
             first, count = len(self.requests), len(drivers.names)
-            loads = len(self._recorder.steps[-1].amplitudes)
+            loads = len(self._recorder.last_loads.amplitudes)
             for j in range(count):
                 amplitudes = np.zeros(loads)
                 if drivers.loads[j] >= 0:
@@ -296,7 +296,7 @@ def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
     """Smallest, middle and largest contact area of the cycle; None if edges cannot be fitted."""
     cycle = cycle_states(solution.cycle)
     states = cycle if len(cycle) else np.array([len(solution.times) - 1])
-    sizes = np.count_nonzero(contact.traction[states, :, 0] > 0, axis=1)
+    sizes = contact.nodes_pressed_in(states)
     if sizes.min() < FEWEST_NODES or contact.full_stick.area[states].min() < 0:
         return None
     numbers, firsts = np.unique(contact.full_stick.area[states], return_index=True)

@@ -3,18 +3,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fretfe._typing import Array, Bools, Indices
+from fretfe._typing import Array, Indices
 from fretfe.case import Case
 from fretfe.contact.interface import coordinate_range
-from fretfe.contact.state import ContactState, StepLoads
+from fretfe.contact.recorder import Recorder, StateBlock
 from fretfe.edges.front import ContactSummary, fronts_of
-from fretfe.edges.limits import ModelLimit, contact_limits, largest_sliding, largest_width
+from fretfe.edges.limits import ContactExtent, ModelLimit, contact_extent, contact_limits
 from fretfe.edges.slip_zones import cycle_states
 from fretfe.errors import ConvergenceError
 from fretfe.fem.model import Model, Reduction
@@ -44,43 +44,29 @@ LARGEST_PENETRATION = 1e-3
 
 @dataclass(frozen=True)
 class Motion:
-    """Rotation and stretch of both surfaces of a contact at its N nodes.
+    """Rotation and stretch of both surfaces of a contact, through all T states.
 
     Attributes:
-        closed: (T, N) nodes in contact.
-        weights: (N,) length of each node.
-        rotation: (2, T, N) angle by which body 1 and body 2 turn there, anticlockwise.
-        stretch: (2, T, N) strain of their surfaces.
-        curvature: (2, N) of their surfaces before deformation, without sign.
+        turn: (2, T) mean rotation of body 1 and body 2 over the contact, anticlockwise.
+        slope: largest rotation of a surface in the contact.
+        stretch: largest root mean square of the strain of a surface over the contact.
+        curvature: largest one of the surfaces where they ever touch, before deformation.
         mean_curvature: (2,) of the whole surfaces, by which contact normals are weighted.
     """
 
-    closed: Bools
-    weights: Array
-    rotation: Array
-    stretch: Array
-    curvature: Array
+    turn: Array
+    slope: float
+    stretch: float
+    curvature: float
     mean_curvature: Array
-
-    def mean(self, values: Array) -> Array:
-        """(2, T) mean of values (2, T, N) over the contact, zero without one."""
-        weights = self.closed * self.weights
-        total = np.maximum(weights.sum(axis=1), np.finfo(float).tiny)
-        return np.asarray((values * weights).sum(axis=2) / total)
-
-    @property
-    def turn(self) -> Array:
-        """(2, T) mean rotation of each body over the contact."""
-        return self.mean(self.rotation)
 
     @property
     def normal_turn(self) -> Array:
         """(T,) rotation of the contact normal: of each body by the curvature of the other."""
         first, second = self.mean_curvature
-        turn = self.turn
         if second == 0:
-            return np.asarray(turn[1])
-        return np.asarray((second * turn[0] + first * turn[1]) / (first + second))
+            return np.asarray(self.turn[1])
+        return np.asarray((second * self.turn[0] + first * self.turn[1]) / (first + second))
 
 
 def imbalance(solution: Solution) -> ConvergenceError | None:
@@ -107,8 +93,7 @@ def _imbalance(solution: Solution, kind: str) -> Array:
 
 def model_limits(
     model: Model,
-    states: Sequence[ContactState],
-    steps: Sequence[StepLoads],
+    recorder: Recorder,
     solution: Solution,
     contacts: tuple[ContactSummary, ...],
     depths: dict[str, float],
@@ -117,8 +102,7 @@ def model_limits(
 
     Args:
         model: of the bodies.
-        states: (T,) solved states.
-        steps: (T,) their loads.
+        recorder: holds the solved states.
         solution: the same states in physical units.
         contacts: their evaluation.
         depths: of unpaired penetration, by surface pair.
@@ -131,12 +115,13 @@ def model_limits(
         pair = pairs[history.pair]
         limits += contact_limits(model.case, history)
         limits += _dissimilar(model.case, history)
-        if np.any(history.status != OPEN):
-            motion = _motion(model, pair, history, states, steps)
-            limits += _motion_limits(history, motion)
+        extent = contact_extent(history)
+        if extent.width > 0:
+            motion = _motion(model, pair, history, recorder)
+            limits += _motion_limits(history, extent, motion)
             cycle = cycle_states(solution.cycle)
             limits.append(_pairing(summaries[history.name], motion, cycle))
-            limits.append(_penetration(history, depths[pair.name]))
+            limits.append(_penetration(history, extent, depths[pair.name]))
     return tuple(limits)
 
 
@@ -188,13 +173,14 @@ def _dissimilar(case: Case, history: ContactHistory) -> Iterator[ModelLimit]:
     )
 
 
-def _motion_limits(history: ContactHistory, motion: Motion) -> Iterator[ModelLimit]:
-    name, closed = history.name, motion.closed
-    curvature = float(motion.curvature[:, closed.any(axis=0)].max())
+def _motion_limits(
+    history: ContactHistory, extent: ContactExtent, motion: Motion
+) -> Iterator[ModelLimit]:
+    name = history.name
     yield ModelLimit(
         name,
         "sliding over the smaller radius of the surfaces",
-        largest_sliding(history) * curvature,
+        extent.sliding * motion.curvature,
         LARGEST_TURN,
         "the contact normal turns by this angle, and with it the normal force; use smaller loads",
     )
@@ -209,14 +195,14 @@ def _motion_limits(history: ContactHistory, motion: Motion) -> Iterator[ModelLim
     yield ModelLimit(
         name,
         "largest slope that a surface takes in the contact",
-        float(np.abs(motion.rotation * closed).max()),
+        motion.slope,
         LARGEST_SLOPE,
         "angles of this size are not small; check units and loads",
     )
     yield ModelLimit(
         name,
         "stretch of a surface, root mean square over the contact",
-        float(np.sqrt(motion.mean(motion.stretch**2)).max()),
+        motion.stretch,
         LARGEST_STRETCH,
         "strains of this size are not small; check units and loads",
     )
@@ -242,11 +228,11 @@ def _pairing(summary: ContactSummary, motion: Motion, cycle: Indices) -> ModelLi
     )
 
 
-def _penetration(history: ContactHistory, deepest: float) -> ModelLimit:
+def _penetration(history: ContactHistory, extent: ContactExtent, deepest: float) -> ModelLimit:
     return ModelLimit(
         history.name,
         "penetration of the surfaces where nothing is paired, over the width of the contact",
-        deepest / largest_width(history),
+        deepest / extent.width,
         LARGEST_PENETRATION,
         "contact is looked for only between places that face each other before deformation, up to "
         "half the length of the shorter surface apart: put the bodies where they touch, or make a "
@@ -254,51 +240,51 @@ def _penetration(history: ContactHistory, deepest: float) -> ModelLimit:
     )
 
 
-def _motion(
-    model: Model,
-    pair: Pair,
-    history: ContactHistory,
-    states: Sequence[ContactState],
-    steps: Sequence[StepLoads],
-) -> Motion:
+def _motion(model: Model, pair: Pair, history: ContactHistory, recorder: Recorder) -> Motion:
     assert model.reduction is not None
     contact = model.case.contacts[pair.name]
-    closed = history.status != OPEN
-    rotation, stretch = np.zeros((2, 2, *closed.shape))
-    for number, body in enumerate((pair.body1, pair.body2)):
-        moved = _displacement(model.reduction, pair, body, states, steps)
-        moved = moved if number == 0 else -moved
-        slope = np.gradient(moved, history.arc, axis=1)
-        tangents, normals = history.frames[:, 1], history.frames[:, 0]
-        rotation[number] = np.einsum("tnd,nd->tn", slope, normals)
-        stretch[number] = np.einsum("tnd,nd->tn", slope, tangents)
+    touched = np.zeros(len(history.arc), dtype=bool)
+    turn, slope, stretch = np.zeros((2, len(history.status))), 0.0, 0.0
+    for block in recorder.blocks():
+        closed = history.status[block.states] != OPEN
+        touched |= closed.any(axis=0)
+        weights = closed * history.weights
+        total = np.maximum(weights.sum(axis=1), np.finfo(float).tiny)
+        for number, body in enumerate((pair.body1, pair.body2)):
+            rotation, strain = _deformation(model.reduction, pair, body, history, block)
+            turn[number, block.states] = (rotation * weights).sum(axis=1) / total
+            slope = max(slope, float(np.abs(rotation * closed).max()))
+            mean_square = (strain**2 * weights).sum(axis=1) / total
+            stretch = max(stretch, float(np.sqrt(mean_square).max()))
     surfaces = [model.surfaces[name] for name in (contact.surface1, contact.surface2)]
+    curvature = np.array([_curvatures(surface, history.points) for surface in surfaces])
     return Motion(
-        closed=closed,
-        weights=history.weights,
-        rotation=rotation,
+        turn=turn,
+        slope=slope,
         stretch=stretch,
-        curvature=np.array([_curvatures(surface, history.points) for surface in surfaces]),
+        curvature=float(curvature[:, touched].max()),
         mean_curvature=np.array([Chain(surface).mean_curvature for surface in surfaces]),
     )
 
 
-def _displacement(
-    reduction: Reduction,
-    pair: Pair,
-    body: str,
-    states: Sequence[ContactState],
-    steps: Sequence[StepLoads],
-) -> Array:
-    """(T, N, d) displacement of body 1, or that of body 2 times -1, at the nodes of a contact."""
+def _deformation(
+    reduction: Reduction, pair: Pair, body: str, history: ContactHistory, block: StateBlock
+) -> tuple[Array, Array]:
+    """(n, N) rotation, anticlockwise, and strain of the surface of a body in n states."""
+    moved = _displacement(reduction, pair, body, block)
+    slope = np.gradient(moved if body == pair.body1 else -moved, history.arc, axis=1)
+    tangents, normals = history.frames[:, 1], history.frames[:, 0]
+    return np.einsum("tnd,nd->tn", slope, normals), np.einsum("tnd,nd->tn", slope, tangents)
+
+
+def _displacement(reduction: Reduction, pair: Pair, body: str, block: StateBlock) -> Array:
+    """(n, N, d) displacement of body 1, or that of body 2 times -1, at the nodes of a contact."""
     interface = reduction.interface
     nodes, own = interface.contacts[pair.name], coordinate_range(interface.coordinates, body)
     weighted = reduction.bodies[body].relative_displacement(
-        np.array([state.traction.ravel() for state in states]),
-        np.array([state.coordinates[own] for state in states]),
-        np.array([step.amplitudes for step in steps]),
+        block.traction, block.coordinates[:, own], block.amplitudes
     )
-    relative = weighted.reshape(len(states), interface.size, -1)[:, nodes]
+    relative = weighted.reshape(len(weighted), interface.size, -1)[:, nodes]
     # Along the tangents w is that of body 2 relative to body 1.
     parts = relative / interface.roots[nodes, None] * np.array([1.0, -1.0])
     return np.einsum("tnc,ncd->tnd", parts, pair.coupling.frames)

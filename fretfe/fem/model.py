@@ -14,7 +14,7 @@ from scipy import sparse
 from fretfe._typing import Array
 from fretfe.case import Case
 from fretfe.contact.interface import Interface, coordinate_range
-from fretfe.contact.state import ContactState, StepLoads
+from fretfe.contact.state import ContactState, StepLoads, StepTable
 from fretfe.fem._compat import MPI
 from fretfe.fem.condensation import Body, CondensedBody
 from fretfe.fem.definition import BodyDefinition, ModelDefinition, define_model
@@ -249,42 +249,31 @@ def couple_contacts(case: Case, surfaces: dict[str, Surface]) -> tuple[Pair, ...
 
 def step_loads(
     case: Case, history: History, interface: Interface, definition: ModelDefinition
-) -> list[StepLoads]:
+) -> StepTable:
     """Loads of every step of a history; forces are per unit thickness."""
-    column = {name: number for number, name in enumerate(history.channels)}
-    rotations = {load.channel for load in definition.loads if load.kind == "rotation"}
-    steps = []
-    for time, values in zip(history.times, history.values, strict=True):
-        amplitudes = np.array([values[column[load.channel]] for load in definition.loads])
-        # The body force goes with the square of the angular speed.
-        squared = np.array([load.channel in rotations for load in definition.loads], dtype=bool)
-        amplitudes[squared] **= 2
-        steps.append(
-            StepLoads(
-                amplitudes=amplitudes,
-                values=np.array(
-                    [
-                        values[column[c.channel]] / _per_thickness(case, c.control)
-                        if c.channel
-                        else 0.0
-                        for c in interface.coordinates
-                    ]
-                ),
-                friction=_friction(case, interface, time),
-            )
-        )
-    return steps
+    values = dict(zip(history.channels, history.values.T, strict=True))
+    count, contacts = len(history.times), [case.contacts[name] for name in interface.contacts]
+    # The body force goes with the square of the angular speed.
+    amplitudes = [
+        values[load.channel] ** 2 if load.kind == "rotation" else values[load.channel]
+        for load in definition.loads
+    ]
+    moved = [
+        values[c.channel] / _per_thickness(case, c.control) if c.channel else np.zeros(count)
+        for c in interface.coordinates
+    ]
+    friction = [
+        np.where(history.times > contact.friction_from, contact.friction, 0.0)
+        for contact in contacts
+    ]
+    return StepTable(
+        amplitudes=np.array(amplitudes).reshape(-1, count).T,
+        values=np.array(moved).reshape(-1, count).T,
+        friction=np.array(friction).T,
+        sizes=np.array([nodes.stop - nodes.start for nodes in interface.contacts.values()]),
+    )
 
 
 def _per_thickness(case: Case, control: str) -> float:
     """Forces on platens are given for the whole thickness; displacements are not divided."""
     return case.model.thickness if control == "force" else 1.0
-
-
-def _friction(case: Case, interface: Interface, time: float) -> Array:
-    """(N,) friction coefficient at the nodes in the step that ends at a time."""
-    friction = np.zeros(interface.size)
-    for name, nodes in interface.contacts.items():
-        contact = case.contacts[name]
-        friction[nodes] = contact.friction if time > contact.friction_from else 0.0
-    return friction

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,15 +11,16 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.contact.state import ContactState
+from fretfe.contact.recorder import Recorder
 from fretfe.fem.model import Model
 from fretfe.fem.reduction import Pair
+from fretfe.results.states import StateArray, blocks
 from fretfe.surface.chain import Chain
 from fretfe.surface.gap import INTERPENETRATION_PER_FACET
 from fretfe.surface.surface import Surface
 
 
-def farthest_states(model: Model, pair: Pair, states: Sequence[ContactState]) -> Indices:
+def farthest_states(model: Model, pair: Pair, recorder: Recorder) -> Indices:
     """States in which the surfaces of a contact are nearest to each other or have slid farthest.
 
     None of them if all nodes of both surfaces are paired.
@@ -27,7 +29,7 @@ def farthest_states(model: Model, pair: Pair, states: Sequence[ContactState]) ->
     if not any(_unpaired(each).any() for each in (pair.coupling.body1, pair.coupling.body2)):
         return np.array([], dtype=np.int64)
     nodes = model.reduction.interface.contacts[pair.name]
-    return _extremes(np.array([each.relative[nodes] for each in states]))
+    return _extremes(recorder.relative(nodes))
 
 
 def unpaired_penetration(model: Model, pair: Pair, moved: Sequence[dict[str, Array]]) -> float:
@@ -61,9 +63,10 @@ def _unpaired(operator: sparse.csr_matrix) -> Bools:
     return np.asarray(~used.reshape(-1, 2).any(axis=1))
 
 
-def _extremes(relative: Array) -> Indices:
+def _extremes(relative: StateArray) -> Indices:
     """States in which mean gap and mean tangential displacement of (T, N, d) are extreme."""
-    means = relative.mean(axis=1)
+    parts = blocks(len(relative), math.prod(relative.shape[1:]))
+    means = np.concatenate([relative[part].mean(axis=1) for part in parts])
     return np.unique([means.argmin(axis=0), means.argmax(axis=0)])
 
 

@@ -16,6 +16,7 @@ from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.contact.march import March
 from fretfe.contact.recorder import Place, Recorder
+from fretfe.contact.solve import solve_history
 from fretfe.edges.evaluate import evaluate
 from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary
@@ -149,11 +150,11 @@ def solve_prepared(
             ),
         )
         failure = failure or on_root(comm, lambda: imbalance(solution) if solution else None)
-    notes: tuple[str, ...] = ()
+    notes = on_root(comm, lambda: tuple(each.text for each in solution.repeats) if solution else ())
     if options.fields is not None:
         with clock("fields"):
             chosen = _field_states(case, history, solution, contacts) if solution else None
-            notes = _write_fields(model, history, recorder, chosen, options.fields)
+            notes += _write_fields(model, history, recorder, chosen, options.fields)
     return Result(
         case=case,
         loads=comm.bcast(solution.loads if solution else None),
@@ -179,14 +180,14 @@ def _evaluate(
     assert recorder is not None
     assert solution is not None
     contacts = without_moved(model.case, solution, evaluate(solution))
-    limits = model_limits(model, recorder.states, recorder.steps, solution, contacts, depths)
+    limits = model_limits(model, recorder, solution, contacts, depths)
     return with_limit_warnings(contacts, limits), limits
 
 
 def _penetration(model: Model, recorder: Recorder | None) -> dict[str, float]:
     """Unpaired penetration of each contact; empty but on rank 0. Collective."""
     pairs = model.reduction.pairs if model.reduction and recorder else ()
-    chosen = [farthest_states(model, pair, recorder.states) for pair in pairs] if recorder else []
+    chosen = [farthest_states(model, pair, recorder) for pair in pairs] if recorder else []
     requests = _requests(recorder, [int(each) for states in chosen for each in states])
     moved = model.surface_displacements(requests) or []
     ends = np.cumsum([len(states) for states in chosen])
@@ -199,7 +200,7 @@ def _penetration(model: Model, recorder: Recorder | None) -> dict[str, float]:
 def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
     reduction = model.reduction
     assert reduction is not None
-    measures = balance(reduction, recorder.states, recorder.steps)
+    measures = balance(reduction, recorder.blocks())
     return separate_patches(recorder.solution(history, measures))
 
 
@@ -226,13 +227,11 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     steps = step_loads(case, history, reduction.interface, reduction.definition)
     places = [Place(p.name, p.body1, p.body2, p.coupling) for p in reduction.pairs]
     channels = [load.channel for load in reduction.definition.loads]
-    recorder = Recorder(march, places, steps, channels, case.model.degree)
+    recorder = Recorder(march, places, steps, channels, case.model.degree, options.states)
     try:
-        for number, result in enumerate(march.run(steps), start=1):
-            recorder.add(result)
-            options.progress(number, len(steps) - 1, result.summary)
+        solve_history(march, recorder, steps, case.cycle.until_steady, options.progress)
     except ConvergenceError as failure:
-        if recorder.contact_carries() or isinstance(failure, StoppedError):
+        if recorder.contact_carries or isinstance(failure, StoppedError):
             return _Marched(recorder, failure)
         hint = "Until then no surfaces pressed on each other: check the signs of the loads."
         return _Marched(recorder, ConvergenceError(f"{failure} {hint}"))
@@ -242,14 +241,14 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
 
 def _require_contact(recorder: Recorder) -> None:
     """A history in which contact never carries anything is a mistake in the case."""
-    if recorder.contact_carries():
+    if recorder.contact_carries:
         return
-    adrift = recorder.bodies_restrained_by_contact()
+    adrift = recorder.bodies_restrained_by_contact
     reason = (
         f"nothing but contact holds {' and '.join(repr(name) for name in adrift)}, which gave way: "
         "support it, or press it against the other body with a force"
-        if adrift and recorder.smallest_gap() <= recorder.gap_round_off()
-        else f"the smallest gap on the way was {recorder.smallest_gap():.6g}. Check the signs and "
+        if adrift and recorder.smallest_gap <= recorder.gap_round_off
+        else f"the smallest gap on the way was {recorder.smallest_gap:.6g}. Check the signs and "
         "sizes of the loads that should bring the bodies together, and their place in the mesh"
     )
     raise ModelError(f"no contact surfaces pressed on each other in any step: {reason}.")

@@ -8,18 +8,19 @@ those of `fretfe.contact`. Pressure and shear do not influence each other's disp
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from fretfe._typing import Array
 from fretfe.contact.compliance import DenseCompliance
 from fretfe.contact.interface import Coordinate, Interface
-from fretfe.contact.march import March, StepResult
+from fretfe.contact.march import March
 from fretfe.contact.neighbours import FRACTION, neighbour_states
 from fretfe.contact.recorder import Place, Recorder
-from fretfe.contact.state import StepLoads
+from fretfe.contact.solve import Progress, solve_history
+from fretfe.contact.state import StepTable
 from fretfe.edges.factors import UnitFactors, full_stick_units
 from fretfe.edges.full_stick import GALERKIN_OVERHANG
 from fretfe.edges.half_plane import half_plane_units
@@ -69,9 +70,9 @@ class HalfPlaneOutcome:
         """
         if contact.territory is not None:
             units = full_stick_units(solution, contact, positions, GALERKIN_OVERHANG)
-            return UnitFactors(units[None])
+            return UnitFactors([units])
         units = half_plane_units(positions)[..., [2, 0, 1, 3]] * np.array([1.0, -1.0, -1.0, 1.0])
-        return UnitFactors(units[None], exact=True)
+        return UnitFactors([units], exact=True)
 
 
 def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
@@ -130,26 +131,28 @@ def contact_grid(problem: HalfPlaneProblem, elements: int = ELEMENTS) -> Array:
 def solve_half_planes(
     problem: HalfPlaneProblem,
     elements: int = ELEMENTS,
-    progress: Callable[[int, int, StepResult], None] = lambda *_: None,
+    progress: Progress = lambda *_: None,
+    until_steady: bool = True,
+    directory: Path | None = None,
 ) -> HalfPlaneOutcome:
     """Solve the load history of a half-plane problem.
 
     Args:
         problem: whose loads leave the contact closed and without gross sliding.
         elements: of the graded grid.
-        progress: called with each accepted step, the number of steps and its result.
+        progress: as of `solve_history`.
+        until_steady: whether repeated blocks are solved until they are steady and then not again.
+        directory: folder for the file of the states; None for a file without a name.
     """
     hats = HatFunctions(contact_grid(problem, elements))
     interface = build_interface(problem, hats)
     steps = _step_loads(problem, interface)
     march = March(interface)
     place = Place(problem.contact, problem.body1, problem.body2, _nodes(hats))
-    recorder = Recorder(march, [place], steps, [TENSION], degree=1)
+    recorder = Recorder(march, [place], steps, [TENSION], degree=1, directory=directory)
     failure = None
     try:
-        for number, result in enumerate(march.run(steps), start=1):
-            recorder.add(result)
-            progress(number, len(steps) - 1, result)
+        solve_history(march, recorder, steps, until_steady, progress)
     except ConvergenceError as error:
         failure = error
     solution = recorder.solution(problem.history, _balance(recorder, hats))
@@ -162,8 +165,8 @@ def _neighbours(
     problem: HalfPlaneProblem, march: March, recorder: Recorder, hats: HatFunctions
 ) -> Neighbours | None:
     """Two load levels next to the last state, with K_I between them in closed form."""
-    last = len(recorder.states) - 1
-    states = neighbour_states(march, recorder.states[last], recorder.steps[last])
+    last = recorder.count - 1
+    states = neighbour_states(march, recorder.last, recorder.last_loads)
     if states is None:
         return None
     contact = contact_edges(problem)
@@ -174,14 +177,13 @@ def _neighbours(
     return Neighbours(pressure, k_i[None])
 
 
-def _step_loads(problem: HalfPlaneProblem, interface: Interface) -> list[StepLoads]:
-    forces = np.column_stack([problem.shear_force, -problem.normal_force, -problem.moment])
-    return [
-        StepLoads(np.array([tension]), values, np.full(interface.size, friction))
-        for tension, values, friction in zip(
-            problem.bulk_tension, forces, problem.friction, strict=True
-        )
-    ]
+def _step_loads(problem: HalfPlaneProblem, interface: Interface) -> StepTable:
+    return StepTable(
+        amplitudes=problem.bulk_tension[:, None],
+        values=np.column_stack([problem.shear_force, -problem.normal_force, -problem.moment]),
+        friction=problem.friction[:, None],
+        sizes=np.array([interface.size]),
+    )
 
 
 def _nodes(hats: HatFunctions) -> SurfaceNodes:
@@ -198,15 +200,19 @@ def _nodes(hats: HatFunctions) -> SurfaceNodes:
 
 def _balance(recorder: Recorder, hats: HatFunctions) -> dict[str, Array]:
     """(T,) imbalance of the contact forces and the loads Q, -P and -M, and its scales."""
-    loads = np.array([step.values for step in recorder.steps])
     roots = np.sqrt(hats.weights)
-    contact = np.array([roots @ state.traction for state in recorder.states])
     arms = hats.integrate(lambda at: at) / roots
-    moments = np.array([arms @ state.traction[:, 0] for state in recorder.states])
+    parts = []
+    for block in recorder.blocks():
+        traction = block.traction.reshape(len(block.traction), len(roots), 2)
+        contact = np.array([roots @ each for each in traction])
+        moments = np.array([arms @ each[:, 0] for each in traction])
+        parts.append(np.column_stack([contact[:, ::-1] * [1.0, -1.0], moments]))
+    found, loads = np.concatenate(parts), recorder.loads
     largest = np.abs(loads[:, :2]).max(axis=1)
     return {
-        "force_imbalance": np.abs(contact[:, ::-1] * [1.0, -1.0] - loads[:, :2]).max(axis=1),
+        "force_imbalance": np.abs(found[:, :2] - loads[:, :2]).max(axis=1),
         "force_scale": largest,
-        "moment_imbalance": np.abs(moments + loads[:, 2]),
+        "moment_imbalance": np.abs(found[:, 2] + loads[:, 2]),
         "moment_scale": largest * np.ptp(hats.nodes),
     }

@@ -1,18 +1,22 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Columns of a CSV file with a header row."""
+"""Columns of numbers in a text file with a header row."""
 
 from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from array import array
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from fretfe._typing import Array
 from fretfe.errors import CaseError
+
+# What may stand between cells, by the name that a case gives it.
+SEPARATORS = {",": ",", ";": ";", "tab": "\t", "space": " "}
 
 
 @dataclass(frozen=True)
@@ -21,7 +25,7 @@ class Table:
 
     path: Path
     columns: dict[str, Array]
-    lines: tuple[int, ...]
+    lines: Sequence[int]
 
     def require_increasing(self, name: str, what: str) -> None:
         """Check that a column increases strictly; `what` it holds is for the message.
@@ -45,35 +49,47 @@ class Table:
         raise CaseError(f"{place}: expected {expected}, found {self.columns[name][row]:g}")
 
 
-def read_table(path: Path, names: Sequence[str], optional: Sequence[str] = ()) -> Table:
+def read_table(
+    path: Path, names: Sequence[str], optional: Sequence[str] = (), separator: str | None = None
+) -> Table:
     """Read columns of finite numbers.
 
     Args:
-        path: comma-separated file, UTF-8, with a header row; empty lines are skipped.
+        path: text file, UTF-8, with a header row; empty lines are skipped. Where cells are not
+            separated by commas, numbers may have a decimal comma: all or none of them.
         names: of the columns.
         optional: names of columns that are read if the file has them.
+        separator: one of `SEPARATORS`; None if the header row tells it.
 
     Raises:
         CaseError: file, line and column of what is not as expected.
     """
-    rows = _rows(path)
-    header = [name.strip() for name in rows[0][1]]
+    delimiter = SEPARATORS[separator] if separator else _told_delimiter(path, names)
+    rows = _rows(path, delimiter)
+    header = [name.strip() for name in next(rows)[1]]
     wanted = [*names, *(name for name in optional if name in header)]
     places = [_column(path, header, name) for name in wanted]
-    if len(rows) == 1:
+    numbers = _Numbers(path, header, decimal_comma=delimiter != ",")
+    data, lines = array("d"), array("l")
+    for line, cells in rows:
+        lines.append(line)
+        data.extend(numbers.read(line, cells, place) for place in places)
+    if not lines:
         raise CaseError(f"{path}: expected rows of numbers below the header, found none")
-    data = np.array([[_number(path, *row, header, place) for place in places] for row in rows[1:]])
-    columns = dict(zip(wanted, data.T, strict=True))
-    return Table(path, columns, tuple(line for line, _ in rows[1:]))
+    columns = np.array(data).reshape(len(lines), len(wanted)).T
+    return Table(path, dict(zip(wanted, columns, strict=True)), lines)
 
 
-def read_columns(path: Path, time: str, value: str) -> tuple[Array, Array]:
+def read_columns(
+    path: Path, time: str, value: str, separator: str | None = None
+) -> tuple[Array, Array]:
     """Read a column of times, not negative and strictly increasing, and a column of values.
 
     Args:
         path: as for `read_table`.
         time: name of the column with the times.
         value: name of the column with the values.
+        separator: as for `read_table`.
 
     Returns:
         times (n,) and values (n,), n >= 1.
@@ -81,7 +97,7 @@ def read_columns(path: Path, time: str, value: str) -> tuple[Array, Array]:
     Raises:
         CaseError: file, line and column of what is not as expected.
     """
-    table = read_table(path, (time, value))
+    table = read_table(path, (time, value), separator=separator)
     times = table.columns[time]
     negative = np.flatnonzero(times < 0)
     if negative.size:
@@ -90,37 +106,91 @@ def read_columns(path: Path, time: str, value: str) -> tuple[Array, Array]:
     return times, table.columns[value]
 
 
-def _rows(path: Path) -> list[tuple[int, list[str]]]:
+def _told_delimiter(path: Path, names: Sequence[str]) -> str:
+    """The delimiter with which the header row has all of the names; a comma if none does.
+
+    Spaces may stand beside any other delimiter: they are the delimiter only if nothing else is.
+    """
+    found: dict[tuple[str, ...], str] = {}
+    for delimiter in SEPARATORS.values():
+        header = tuple(name.strip() for name in next(_rows(path, delimiter))[1])
+        if set(names) <= set(header) and not (found and delimiter == " "):
+            found.setdefault(header, delimiter)
+    if len(found) > 1:
+        kinds = " and ".join(repr(delimiter) for delimiter in found.values())
+        raise CaseError(
+            f"{path}: line 1: expected one separator with which the header has the columns "
+            f"{', '.join(map(repr, names))}, found {kinds}: name it"
+        )
+    return next(iter(found.values()), ",")
+
+
+def _rows(path: Path, delimiter: str) -> Iterator[tuple[int, list[str]]]:
     """Line number and cells of every line that is not empty, the header first."""
+    empty = True
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file, skipinitialspace=True)
-            rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+            reader = csv.reader(file, delimiter=delimiter, skipinitialspace=delimiter != "\t")
+            for row in reader:
+                if any(cell.strip() for cell in row):
+                    empty = False
+                    yield reader.line_num, row
     except OSError as error:
         raise CaseError(f"{path}: expected a CSV file, found none ({error.strerror})") from None
     except (UnicodeDecodeError, csv.Error) as error:
         raise CaseError(f"{path}: expected a CSV file (UTF-8 text), found: {error}") from None
-    if not rows:
+    if empty:
         raise CaseError(f"{path}: expected a header row with the column names, found an empty file")
-    return rows
 
 
 def _column(path: Path, names: list[str], name: str) -> int:
     if names.count(name) == 1:
         return names.index(name)
     found = ", ".join(map(repr, names))
-    hint = " (cells are separated by commas)" if ";" in found or "\\t" in found else ""
-    raise CaseError(f"{path}: line 1: expected one column {name!r}, found {found}{hint}")
+    raise CaseError(f"{path}: line 1: expected one column {name!r}, found {found}")
 
 
-def _number(path: Path, line: int, cells: list[str], names: list[str], column: int) -> float:
-    cell = cells[column].strip() if column < len(cells) else ""
-    try:
-        number = float(cell)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        found = repr(cell) if cell else "an empty cell"
-        place = f"{path}: line {line}, column {names[column]!r}"
-        raise CaseError(f"{place}: expected a finite number, found {found}")
-    return number
+@dataclass
+class _Numbers:
+    """Reads the cells of a file, whose numbers have one decimal mark.
+
+    Attributes:
+        path: of the file.
+        header: names of the columns.
+        decimal_comma: whether numbers may have one.
+        first: by decimal mark, the first number that has it, with its line and column.
+    """
+
+    path: Path
+    header: list[str]
+    decimal_comma: bool
+    first: dict[str, str] = field(default_factory=dict)
+
+    def read(self, line: int, cells: list[str], column: int) -> float:
+        """The finite number in one cell of a line.
+
+        Raises:
+            CaseError: if there is none.
+        """
+        cell = cells[column].strip() if column < len(cells) else ""
+        marks = [mark for mark in ".," if mark in cell]
+        if self.decimal_comma and cell.count(",") == 1:
+            text = cell.replace(",", ".") if marks == [","] else ""
+        else:
+            text = cell
+        try:
+            number = float(text)
+        except ValueError:
+            number = math.nan
+        place = f"line {line}, column {self.header[column]!r}"
+        if not math.isfinite(number):
+            found = repr(cell) if cell else "an empty cell"
+            raise CaseError(f"{self.path}: {place}: expected a finite number, found {found}")
+        for mark in marks:
+            self.first.setdefault(mark, f"{cell!r} in {place}")
+        if len(self.first) > 1:
+            raise CaseError(
+                f"{self.path}: {place}: expected decimal points or decimal commas, found both: "
+                + " and ".join(self.first.values())
+            )
+        return number

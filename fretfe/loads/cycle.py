@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.case import Case, complaint
+from fretfe.case import Case, CsvPoints, complaint
 from fretfe.errors import CaseError
 from fretfe.loads.segments import SAME_TIME, Key, Piece
 
@@ -58,8 +58,8 @@ def find_cycle(
         for index, piece in enumerate(pieces)
         if piece.period is not None
     }
-    if case.cycle:
-        start, end = case.cycle.start, case.cycle.end
+    if case.cycle.given is not None:
+        start, end = case.cycle.given
     elif waves:
         slowest = max(waves.values(), key=lambda wave: (wave.period, wave.end))
         start, end = slowest.end - (slowest.period or 0.0), slowest.end
@@ -67,7 +67,7 @@ def find_cycle(
         return None
     _check_periods(case, start, end, waves)
     first, last = (int(np.argmin(np.abs(times - time))) for time in (start, end))
-    if not case.cycle:
+    if case.cycle.given is None:
         _check_closed(case, times, values, first, last)
     return first, last
 
@@ -75,9 +75,8 @@ def find_cycle(
 def _named_times(case: Case) -> Iterator[tuple[Key, float]]:
     for name, contact in case.contacts.items():
         yield ("contacts", name, "friction_from"), contact.friction_from
-    if case.cycle:
-        yield ("cycle", "start"), case.cycle.start
-        yield ("cycle", "end"), case.cycle.end
+    if case.cycle.given is not None:
+        yield from zip((("cycle", "start"), ("cycle", "end")), case.cycle.given, strict=True)
     if not isinstance(case.output.fields, str):
         for index, time in enumerate(case.output.fields):
             yield ("output", "fields", index), time
@@ -108,7 +107,8 @@ def _check_periods(
             f"{end - start:g}), found {wave.period:g}: change it, or give [cycle] a length that is "
             "a whole multiple of every period"
         )
-        raise CaseError(complaint(case.source, ("loads", name, "history", index, "period"), text))
+        key = "csv" if isinstance(case.loads[name].history[index], CsvPoints) else "period"
+        raise CaseError(complaint(case.source, ("loads", name, "history", index, key), text))
 
 
 def _check_closed(case: Case, times: Array, values: Array, first: int, last: int) -> None:

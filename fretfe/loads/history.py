@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,8 +27,8 @@ class History:
         times: (T,) increasing; ``times[0] == 0``.
         values: (T, C), in the units of each load; row 0 is zero: the unloaded state.
         cycle: first and last step index of the cycle that is evaluated, if there is one.
-        between: (T-1, S, C) values at S places within each step, at equal distances in time; None
-            if they are not known, as of loads that were measured.
+        between: (n, S, C) values at S places within each of the n steps of the cycle, at equal
+            distances in time; None without a cycle, or if they are not known.
     """
 
     channels: tuple[str, ...]
@@ -74,19 +74,27 @@ def build_history(case: Case) -> History:
     values = np.column_stack([_evaluate(pieces, times) for pieces in channels.values()])
     check_times(case, times)
     cycle = find_cycle(case, times, values, channels)
+    between = _between(channels, times[cycle[0] : cycle[1] + 1]) if cycle is not None else None
+    return History(tuple(channels), times, values, cycle, between)
+
+
+def _between(channels: Mapping[str, Sequence[Piece]], times: Array) -> Array:
+    """(n, S, C) values of all loads within the steps between n + 1 times."""
     shares = np.arange(1, PARTS) / PARTS
     instants = (times[:-1, None] + np.diff(times)[:, None] * shares).ravel()
-    between = np.column_stack([_evaluate(pieces, instants) for pieces in channels.values()])
-    between = between.reshape(len(times) - 1, PARTS - 1, len(channels))
-    return History(tuple(channels), times, values, cycle, between)
+    values = np.column_stack([_evaluate(pieces, instants) for pieces in channels.values()])
+    return values.reshape(len(times) - 1, PARTS - 1, len(channels))
 
 
 def _clock(pieces: Sequence[Piece]) -> Array:
     """Sorted union of all step times and 0; of times that are the same the earliest is kept."""
     times = np.unique(np.concatenate([np.zeros(1), *(piece.steps for piece in pieces)]))
+    tolerance = SAME_TIME * times[-1]
+    if len(times) == 1 or np.diff(times).min() > tolerance:
+        return times
     kept = [0.0]
     for time in times:
-        if time - kept[-1] > SAME_TIME * times[-1]:
+        if time - kept[-1] > tolerance:
             kept.append(float(time))
     return np.array(kept)
 

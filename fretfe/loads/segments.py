@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,11 +20,13 @@ SAME_TIME = 1e-9
 # A wave or table may start this fraction of its largest value away from where the load stands:
 # values typed with seven digits are continuous.
 SAME_VALUE = 1e-6
+# The ends of a table that is repeated may differ by this fraction of its range.
+SAME_END = 1e-9
 
 
 @dataclass(frozen=True)
 class Piece:
-    """One segment in the half-open interval (start, end]; ``period`` only of a wave."""
+    """One segment in the half-open interval (start, end]; ``period`` only if it repeats itself."""
 
     start: float
     end: float
@@ -68,15 +70,32 @@ def _piece(case: Case, segment: Segment, start: float, value: float) -> Piece:
             times, values = np.array(segment.times), np.array(segment.values)
             return _table(times, values, start, value, ("times",))
         case CsvPoints():
-            times, values = _read_csv(case, segment)
-            return _table(times, values, start, value, ("csv",))
+            return _csv(case, segment, start, value)
 
 
-def _read_csv(case: Case, segment: CsvPoints) -> tuple[Array, Array]:
+def _csv(case: Case, segment: CsvPoints, start: float, value: float) -> Piece:
+    """The rows of a file, as often as they are to follow one another."""
+    path = case.resolve(segment.csv)
     try:
-        return read_columns(case.resolve(segment.csv), segment.time, segment.value)
+        times, values = read_columns(path, segment.time, segment.value, segment.separator)
     except CaseError as error:
         raise _Invalid(("csv",), str(error)) from None
+    values = segment.scale * values + segment.offset
+    if segment.repeat == 1:
+        return _table(times, values, start, value, ("csv",))
+    if len(times) == 1:
+        raise _Invalid(("repeat",), f"expected two rows at least to be repeated in {path}")
+    if abs(values[-1] - values[0]) > SAME_END * np.ptp(values):
+        text = (
+            f"expected the same first and last value in the column {segment.value!r} of {path}, so "
+            f"that it can be repeated, found {values[0]:.10g} and {values[-1]:.10g}"
+        )
+        raise _Invalid(("repeat",), text)
+    period = float(times[-1] - times[0])
+    later = period * np.arange(1, segment.repeat)[:, None]
+    times = np.append(times, times[1:] + later)
+    values = np.append(values, np.tile(values[1:], segment.repeat - 1))
+    return replace(_table(times, values, start, value, ("csv",)), period=period)
 
 
 def _line(segment: Ramp | Hold, start: float, value: float, target: float) -> Piece:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fretfe._typing import Indices
 from fretfe.edges.front import ContactSummary
 from fretfe.errors import DependencyError
 from fretfe.loads import History
@@ -68,22 +69,26 @@ def make_dataset(
         values = [[getattr(edge, name) for edge in contact.stations] for contact in contacts]
         variables[name] = (("contact", "edge", "time"), np.array(values))
     for history in solution.contacts if solution is not None else ():
-        variables |= _fields(history)
-    coordinates = {
+        variables |= _fields(history, solution.kept)
+    coordinates: dict[str, Any] = {
         "time": loads.times,
         "load": list(loads.channels),
         "contact": names,
         "edge": sides,
     }
+    if solution is not None and solution.kept is not None:
+        coordinates["kept"] = solution.kept
     dataset: xr.Dataset = require("xarray").Dataset(variables, coordinates)
     return dataset
 
 
-def _fields(contact: ContactHistory) -> dict[str, Any]:
-    """Fields along a contact; components are ordered normal, then tangents."""
+def _fields(contact: ContactHistory, kept: Indices | None) -> dict[str, Any]:
+    """Fields along a contact, of the states that are kept; components: normal, then tangents."""
     node = f"{contact.name}.node"
     arrays: dict[str, Any] = {f"{contact.name}.arc": (node, contact.arc)}
     for name, last in NODAL.items():
-        dimensions = ("time", node, last) if last else ("time", node)
-        arrays[f"{contact.name}.{name}"] = (dimensions, getattr(contact, name))
+        states = "time" if kept is None else "kept"
+        dimensions = (states, node, last) if last else (states, node)
+        values = getattr(contact, name)[slice(None) if kept is None else kept]
+        arrays[f"{contact.name}.{name}"] = (dimensions, values)
     return arrays

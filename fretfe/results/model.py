@@ -156,7 +156,8 @@ class Result:
         """Histories of loads, contacts and edges, and the tractions, with named dimensions.
 
         Dimensions are ``time``, ``load``, ``contact`` and ``edge``; the fields of a contact NAME
-        are called ``NAME.traction`` and so on, over ``NAME.node`` (see docs/python.md).
+        are called ``NAME.traction`` and so on, over ``NAME.node`` (see docs/python.md). If they
+        are those of some states only, ``kept`` takes the place of ``time``.
 
         Raises:
             DependencyError: if xarray is not installed.

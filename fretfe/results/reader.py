@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
@@ -25,9 +26,12 @@ from fretfe.edges.limits import ModelLimit
 from fretfe.edges.refinement import Refinement
 from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.loads import History
+from fretfe.results.dataset import NODAL
 from fretfe.results.model import Result
-from fretfe.results.solution import ContactHistory, FullStickUnits, Solution
-from fretfe.results.writer import ARRAYS, NUMBERS, SCHEMA
+from fretfe.results.solution import ContactHistory, FullStickUnits, Repeat, Solution
+from fretfe.results.states import StateArray
+from fretfe.results.stream import select_rows
+from fretfe.results.writer import ARRAYS, ELSEWHERE, NUMBERS, SCHEMA
 
 T = TypeVar("T")
 
@@ -58,7 +62,7 @@ def load_result(directory: Path | str) -> Result:
     """
     directory = Path(directory)
     path = directory / NUMBERS
-    numbers = read_numbers(directory)
+    numbers = _with_lists(directory, read_numbers(directory))
     try:
         return _result(directory, parse_case(numbers["case"], source="case"), numbers)
     except (AttributeError, CaseError, IndexError, KeyError, TypeError, ValueError) as error:
@@ -89,6 +93,48 @@ def read_numbers(directory: Path) -> dict[str, Any]:
             "version of fretfe"
         )
     return dict(data)
+
+
+def _with_lists(directory: Path, numbers: dict[str, Any]) -> dict[str, Any]:
+    """The numbers with the lists that stand in `results.h5`.
+
+    Raises:
+        OutputError: if they are not there.
+    """
+    if ELSEWHERE not in json.dumps(numbers):
+        return numbers
+    with _opened(directory / ARRAYS) as file:
+
+        def restored(value: Any) -> Any:
+            if isinstance(value, dict):
+                return {key: restored(item) for key, item in value.items()}
+            if isinstance(value, list):
+                return [restored(item) for item in value]
+            if isinstance(value, str) and value.startswith(ELSEWHERE):
+                return file[value.removeprefix(ELSEWHERE)][:]
+            return value
+
+        return {key: restored(value) for key, value in numbers.items()}
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[h5py.File]:
+    """The arrays of a run.
+
+    Raises:
+        OutputError: if they cannot be read, or are of another schema.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            found = {"name": file.attrs.get("schema"), "version": file.attrs.get("version")}
+            if found != SCHEMA:
+                raise OutputError(f"{path}: expected schema {SCHEMA}, found {found}")
+            yield file
+    except OSError as error:
+        reason = str(error) if path.exists() else "no such file"
+        raise OutputError(
+            f"{path}: expected the arrays that belong to {NUMBERS}, found: {reason}"
+        ) from error
 
 
 def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
@@ -123,11 +169,27 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
 
 def _contact(name: str, table: Mapping[str, Any]) -> ContactSummary:
     stations = [
-        restored(Station, {**each, "front": each["side"], "number": each["station"]})
+        restored(
+            Station,
+            {
+                **each,
+                "front": each["side"],
+                "number": each["station"],
+                "slip_zones": _rows(each["slip_zones"]),
+            },
+        )
         for each in table["edges"]
     ]
     contact = restored(ContactSummary, {**table, "name": name, "fronts": ()})
     return replace(contact, fronts=fronts_of(stations))
+
+
+def _rows(table: Any) -> list[Mapping[str, Any]]:
+    """A list of tables, of which a long one is a table of lists."""
+    if not isinstance(table, dict):
+        return list(table)
+    lists = (values.tolist() for values in table.values())
+    return [dict(zip(table, row, strict=True)) for row in zip(*lists, strict=True)]
 
 
 def restored_refinement(table: Mapping[str, Any]) -> Refinement:
@@ -156,11 +218,11 @@ def _as(kind: Any, value: Any) -> Any:
     if get_origin(kind) is tuple:
         return tuple(_as(get_args(kind)[0], each) for each in value)
     # The only other lists are arrays.
-    return _numbers(value) if isinstance(value, list) else value
+    return _numbers(value) if isinstance(value, list | np.ndarray) else value
 
 
 def _numbers(values: Any) -> Array:
-    return np.array(values, dtype=float)
+    return np.asarray(values, dtype=float)
 
 
 def _columns(values: Any, times: Array) -> Array:
@@ -171,26 +233,19 @@ def _columns(values: Any, times: Array) -> Array:
 def _read_arrays(
     path: Path, case: Case, history: History, numbers: Mapping[str, Any]
 ) -> tuple[Solution, dict[str, StoredBody]]:
-    try:
-        with h5py.File(path, "r") as file:
-            found = {"name": file.attrs.get("schema"), "version": file.attrs.get("version")}
-            if found != SCHEMA:
-                raise OutputError(f"{path}: expected schema {SCHEMA}, found {found}")
-            if not np.array_equal(file["times"][:], history.times):
-                raise OutputError(
-                    f"{path}: expected the {len(history.times)} states of {NUMBERS}, found other "
-                    "times: the two files are of different runs"
-                )
-            contacts = tuple(
-                _read_contact(name, file[f"contacts/{name}"]) for name in numbers["contacts"]
+    with _opened(path) as file:
+        if not np.array_equal(file["times"][:], history.times):
+            raise OutputError(
+                f"{path}: expected the {len(history.times)} states of {NUMBERS}, found other "
+                "times: the two files are of different runs"
             )
-            bodies = {name: _read_body(file[f"mesh/{name}"]) for name in numbers["mesh"]}
-    except OSError as error:
-        reason = str(error) if path.exists() else "no such file"
-        raise OutputError(
-            f"{path}: expected the arrays that belong to {NUMBERS}, found: {reason}"
-        ) from error
-    return _solution(case, history, numbers, contacts), bodies
+        states = file["states"][:]
+        contacts = tuple(
+            _read_contact(path, name, file[f"contacts/{name}"], states)
+            for name in numbers["contacts"]
+        )
+        bodies = {name: _read_body(file[f"mesh/{name}"]) for name in numbers["mesh"]}
+    return _solution(case, history, numbers, contacts, states), bodies
 
 
 def _solution(
@@ -198,6 +253,7 @@ def _solution(
     history: History,
     numbers: Mapping[str, Any],
     contacts: tuple[ContactHistory, ...],
+    states: Indices,
 ) -> Solution:
     coordinates, drivers, steps = (numbers[key] for key in ("coordinates", "drivers", "steps"))
     times = history.times
@@ -217,20 +273,59 @@ def _solution(
         parts=np.array(steps["parts"]),
         fallbacks=np.array(steps["fallbacks"]),
         certificates={name: _numbers(values) for name, values in steps["certificate"].items()},
+        repeats=tuple(Repeat(**each) for each in steps["repeats"]),
+        kept=states if len(states) < len(times) else None,
     )
 
 
-def _read_contact(name: str, group: h5py.Group) -> ContactHistory:
-    arrays: dict[str, Any] = {
-        each.name: group[each.name][:]
-        for each in fields(ContactHistory)
-        if isinstance(group.get(each.name), h5py.Dataset)
-    }
-    full_stick = FullStickUnits(group["bonded/fields"][:], group["bonded/area"][:])
+def _read_contact(path: Path, name: str, group: h5py.Group, states: Indices) -> ContactHistory:
+    count = len(group["friction"])
+    arrays: dict[str, Any] = {}
+    for each in fields(ContactHistory):
+        dataset = group.get(each.name)
+        if not isinstance(dataset, h5py.Dataset):
+            continue
+        nodal = each.name in NODAL
+        arrays[each.name] = _stored(path, dataset, states, count) if nodal else dataset[:]
+    units, areas = group["bonded/fields"], group["bonded/areas"][:]
+    area = group["bonded/area"][:]
+    full_stick = FullStickUnits(_stored(path, units, areas, int(area.max(initial=-1)) + 1), area)
     pair, body1, body2 = (str(group.attrs[key]) for key in ("pair", "body1", "body2"))
     return ContactHistory(
         name=name, pair=pair, body1=body1, body2=body2, **arrays, full_stick=full_stick
     )
+
+
+def _stored(path: Path, dataset: h5py.Dataset, numbers: Indices, count: int) -> StateArray:
+    """An array over `count` states, or contact areas, of which some are in a file.
+
+    It is read where it is needed; the file is opened each time, so that it can be replaced: then
+    there is nothing more to be read.
+    """
+    name, identity = dataset.name, _identity(path)
+
+    def read(wanted: Indices) -> Any:
+        rows = np.searchsorted(numbers, wanted)
+        missing = (rows == len(numbers)) | (numbers[np.minimum(rows, len(numbers) - 1)] != wanted)
+        if missing.any():
+            raise OutputError(
+                f"{path}: expected {name} in state {int(wanted[np.argmax(missing)])}, found only "
+                f'{len(numbers)} of {count}: run the case with [output] tractions = "all"'
+            )
+        if _identity(path) != identity:
+            raise OutputError(f"{path}: expected the file that was read, found another one")
+        with h5py.File(path, "r") as file:
+            return select_rows(file[name], rows)
+
+    return StateArray((count, *dataset.shape[1:]), dataset.dtype, read)
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """What tells a file from another one of the same name; None if there is none."""
+    if not path.exists():
+        return None
+    status = path.stat()
+    return status.st_ino, status.st_mtime_ns
 
 
 def _read_body(group: h5py.Group) -> StoredBody:

@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.loads import History
+from fretfe.results.states import StateArray, blocks
 
 OPEN, STICK, SLIP = 0, 1, 2
 
@@ -34,6 +35,34 @@ class Factor(IntEnum):
 
 
 @dataclass(frozen=True)
+class Repeat:
+    """States that were not solved, because loads and contact were those of earlier ones.
+
+    Attributes:
+        first, last: of these states.
+        period: number of states before `first` that they repeat, again and again.
+    """
+
+    first: int
+    last: int
+    period: int
+
+    @property
+    def source(self) -> Indices:
+        """(n,) the state that each of them is the same as."""
+        start = self.first - self.period
+        return start + np.arange(self.last - self.first + 1) % self.period
+
+    @property
+    def text(self) -> str:
+        """What was not solved and why, in words."""
+        return (
+            f"steps {self.first} to {self.last} repeat steps {self.first - self.period} to "
+            f"{self.first - 1}, which left the contact as they found it: not solved again"
+        )
+
+
+@dataclass(frozen=True)
 class FullStickUnits:
     """Full-stick traction increments, one field for each driver, by contact area.
 
@@ -45,7 +74,7 @@ class FullStickUnits:
         area: (T,) which of the U areas a state has, -1 where nothing is in contact.
     """
 
-    fields: Array
+    fields: StateArray | Array
     area: Indices
 
 
@@ -82,6 +111,8 @@ class Neighbours:
 @dataclass(frozen=True)
 class ContactHistory:
     """One contact through the whole history.
+
+    Of a solved history the arrays over states are read from a file where they are needed.
 
     It is a pair of surfaces, or one of several patches of a pair. A patch has the nodes of the pair
     and carries nothing outside its own part of the surface.
@@ -122,12 +153,12 @@ class ContactHistory:
     frames: Array
     weights: Array
     friction: Array
-    traction: Array
-    mean_traction: Array
-    gap: Array
-    slip: Array
-    status: npt.NDArray[np.int8]
-    dissipation: Array
+    traction: StateArray | Array
+    mean_traction: StateArray | Array
+    gap: StateArray | Array
+    slip: StateArray | Array
+    status: StateArray | npt.NDArray[np.int8]
+    dissipation: StateArray | Array
     full_stick: FullStickUnits
     integrals: StationIntegrals | None = None
     neighbours: Neighbours | None = None
@@ -140,6 +171,19 @@ class ContactHistory:
         if self.territory is None:
             return np.ones(len(self.traction), dtype=bool)
         return np.asarray(self.territory[:, 0] >= 0)
+
+    @property
+    def pressed_nodes(self) -> Indices:
+        """(T,) number of nodes under pressure."""
+        return self.nodes_pressed_in(np.arange(len(self.traction)))
+
+    def nodes_pressed_in(self, states: Indices) -> Indices:
+        """(n,) number of nodes under pressure in some states (n,)."""
+        found = [
+            np.count_nonzero(self.traction[states[block], :, 0] > 0, axis=1)
+            for block in blocks(len(states), self.traction[0].size)
+        ]
+        return np.concatenate(found)
 
     @property
     def lives(self) -> tuple[tuple[int, int], ...]:
@@ -158,7 +202,7 @@ class Solution:
         channels: names of the loads.
         values: (T, C) value of each load.
         cycle: first and last state of the evaluated cycle, or None.
-        between: (T-1, S, C) value of each load within each step, as of `History`, or None.
+        between: (n, S, C) value of each load within each step of the cycle, as of `History`.
         coordinates: names of the rigid boundaries' amplitudes.
         amplitudes: (T, m) amplitude of each coordinate.
         forces: (T, m) force on each coordinate, per unit thickness.
@@ -169,6 +213,8 @@ class Solution:
         parts: (T,) number of parts that a step was cut into.
         fallbacks: (T,) how often the slow method was needed.
         certificates: (T,) arrays by name; see the results guide.
+        repeats: states that were not solved, as they are the same as earlier ones.
+        kept: (K,) states whose arrays along the contacts are there, increasing; None for all.
     """
 
     degree: int
@@ -187,6 +233,23 @@ class Solution:
     fallbacks: Indices
     certificates: dict[str, Array]
     between: Array | None = None
+    repeats: tuple[Repeat, ...] = ()
+    kept: Indices | None = None
+
+    def keeps(self, first: int, last: int) -> bool:
+        """True if the arrays along the contacts are there in all states from one to another."""
+        if self.kept is None:
+            return True
+        inside = (self.kept >= first) & (self.kept <= last)
+        return int(np.count_nonzero(inside)) == last - first + 1
+
+    @property
+    def source(self) -> Indices:
+        """(T,) the solved state that each state is the same as: itself, unless it repeats one."""
+        source = np.arange(len(self.times))
+        for each in self.repeats:
+            source[each.first : each.last + 1] = source[each.source]
+        return source
 
     @property
     def loads(self) -> History:

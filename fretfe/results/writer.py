@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """What a run leaves on disk: `results.json` for numbers and histories, `results.h5` for arrays.
 
+Lists of more than `LONG` numbers, the histories of a long run, go to `results.h5` too.
+
 The schema is described in docs/results.md. Numbers that do not exist are null in JSON and NaN in
 HDF5. Everything is gathered here, on one process.
 """
@@ -10,23 +12,31 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict, dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
-from fretfe.edges.front import ContactSummary, Station
+from fretfe._typing import Array, Indices
+from fretfe.edges.front import ContactSummary, SlipZone, Station
 from fretfe.edges.refinement import Refinement
 from fretfe.environment import versions
 from fretfe.errors import OutputError
+from fretfe.results.dataset import NODAL
 from fretfe.results.field_file import FIELDS
+from fretfe.results.kept import LONG, kept_states
 from fretfe.results.model import BodyArrays, Result
 from fretfe.results.solution import ContactHistory, Solution
+from fretfe.results.states import StateArray, blocks
+from fretfe.results.stream import STREAM
 
-SCHEMA = {"name": "fretfe-results", "version": 2}
+SCHEMA = {"name": "fretfe-results", "version": 3}
 NUMBERS, ARRAYS = "results.json", "results.h5"
+# In place of a list that is in `ARRAYS`: this, and the name of its data set there.
+ELSEWHERE = f"{ARRAYS}:"
 
 
 def prepare_directory(directory: Path) -> None:
@@ -69,30 +79,47 @@ def write_results(directory: Path, result: Result) -> None:
         OutputError: if a file cannot be written.
     """
     try:
-        text = json.dumps(as_numbers(result), indent=1, allow_nan=False)
+        lists: dict[str, Array] = {}
+        text = json.dumps(as_numbers(result, lists), indent=1, allow_nan=False)
         (directory / NUMBERS).write_text(text + "\n", encoding="utf-8")
-        # Arrays of an earlier run would not belong to these numbers.
-        (directory / ARRAYS).unlink(missing_ok=True)
-        if result.solution is not None:
-            _write_arrays(directory / ARRAYS, result, result.solution)
+        new = directory / f"{ARRAYS}.new"
+        if result.solution is not None or lists:
+            # The result may have been read from the file that is replaced.
+            _write_arrays(new, result, lists)
+            new.replace(directory / ARRAYS)
+        else:
+            # Arrays of an earlier run would not belong to these numbers.
+            (directory / ARRAYS).unlink(missing_ok=True)
+        # The states are kept as long as the run is, without a name.
+        (directory / STREAM).unlink(missing_ok=True)
     except OSError as error:
         raise OutputError(f"{directory}: cannot write the results: {error}") from error
 
 
-def _write_arrays(path: Path, result: Result, solution: Solution) -> None:
+def _write_arrays(path: Path, result: Result, lists: Mapping[str, Array]) -> None:
+    solution = result.solution
     with h5py.File(path, "w") as file:
         file.attrs.update({"schema": SCHEMA["name"], "version": SCHEMA["version"]})
-        file["times"] = solution.times
-        for contact in solution.contacts:
-            _write_contact(file.create_group(f"contacts/{contact.name}"), contact)
+        file["times"] = result.loads.times
+        for name, values in lists.items():
+            file[name] = values
+        if solution is not None:
+            file["states"] = states = kept_states(result, solution)
+            for contact in solution.contacts:
+                _write_contact(file.create_group(f"contacts/{contact.name}"), contact, states)
         for name, body in result.bodies.items():
             _write_mesh(file.create_group(f"mesh/{name}"), body)
 
 
-def as_numbers(result: Result) -> dict[str, Any]:
-    """Everything that `results.json` holds, in plain Python types."""
+def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
+    """Everything that `results.json` holds, in plain Python types.
+
+    Args:
+        result: of a run.
+        lists: gets those of more than `LONG` numbers, by the names of their data sets.
+    """
     case, loads = result.case, result.loads
-    return _plain(
+    return _Plain(lists)(
         {
             "schema": SCHEMA,
             "title": case.title,
@@ -106,7 +133,7 @@ def as_numbers(result: Result) -> dict[str, Any]:
             "seconds": result.seconds,
             "case": case.model_dump(mode="json", exclude_unset=True),
             "limits": [{**asdict(limit), "exceeded": limit.exceeded} for limit in result.limits],
-            "refinement": _refinement_numbers(result.refinement),
+            "refinement": result.refinement and _refinement_numbers(result.refinement),
             "times": loads.times,
             "cycle": loads.cycle,
             "loads": dict(zip(loads.channels, loads.values.T, strict=True)),
@@ -121,7 +148,8 @@ def as_numbers(result: Result) -> dict[str, Any]:
                 }
                 for name, body in result.bodies.items()
             },
-        }
+        },
+        "lists",
     )
 
 
@@ -142,14 +170,13 @@ def _solution_numbers(solution: Solution | None) -> dict[str, Any]:
             "parts": solution.parts,
             "fallbacks": solution.fallbacks,
             "certificate": solution.certificates,
+            "repeats": solution.repeats,
         },
     }
 
 
-def _refinement_numbers(refinement: Refinement | None) -> dict[str, Any] | None:
+def _refinement_numbers(refinement: Refinement) -> dict[str, Any]:
     """All meshes of a run that refined its mesh, and the limits of their values."""
-    if refinement is None:
-        return None
     numbers = asdict(refinement)
     for each in numbers["passes"]:
         each["edges"] = [
@@ -171,33 +198,74 @@ def _contact_numbers(contact: ContactSummary) -> dict[str, Any]:
 
 def _station_numbers(station: Station) -> dict[str, Any]:
     """A station; `side` is the name of its front, `station` its place along the front."""
-    numbers = asdict(station)
+    numbers = {field.name: getattr(station, field.name) for field in fields(station)}
+    zones = station.slip_zones
+    if len(zones) > LONG:
+        names = [field.name for field in fields(SlipZone)]
+        numbers["slip_zones"] = {
+            name: np.array([getattr(zone, name) for zone in zones]) for name in names
+        }
     return {"station": numbers.pop("number"), "side": numbers.pop("front"), **numbers}
 
 
-def _plain(value: Any) -> Any:
-    """Arrays as lists, NaN and infinity as None, keys as strings."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.generic):
-        return _plain(value.item())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+@dataclass(frozen=True)
+class _Plain:
+    """Makes plain Python types: arrays are lists, NaN and infinity None, keys strings.
+
+    Attributes:
+        lists: gets arrays of more than `LONG` rows; a text says where they are.
+    """
+
+    lists: dict[str, Array]
+
+    def __call__(self, value: Any, place: str) -> Any:
+        """Return the value in plain types; `place` is its name, with those around it."""
+        if is_dataclass(value):
+            value = {field.name: getattr(value, field.name) for field in fields(value)}
+        if isinstance(value, Mapping):
+            return {str(key): self(item, f"{place}/{key}") for key, item in value.items()}
+        if isinstance(value, np.ndarray) and len(value) > LONG:
+            return self._elsewhere(value, place)
+        if isinstance(value, np.ndarray):
+            return self(value.tolist(), place)
+        if isinstance(value, list | tuple):
+            return [self(item, f"{place}/{number}") for number, item in enumerate(value)]
+        if isinstance(value, np.generic):
+            return self(value.item(), place)
+        if isinstance(value, float) and not math.isfinite(value):
+            return None
+        return value
+
+    def _elsewhere(self, values: NDArray[Any], place: str) -> str:
+        finite = values.dtype.kind != "f" or np.isfinite(values).all()
+        self.lists[place] = values if finite else np.where(np.isfinite(values), values, np.nan)
+        return ELSEWHERE + place
 
 
-def _write_contact(group: h5py.Group, contact: ContactHistory) -> None:
+def _write_contact(group: h5py.Group, contact: ContactHistory, states: Indices) -> None:
+    """Write a contact: what it has for each state in some of the states."""
     group.attrs.update({"pair": contact.pair, "body1": contact.body1, "body2": contact.body2})
     for field in fields(contact):
         value = getattr(contact, field.name)
-        if isinstance(value, np.ndarray):
+        if field.name in NODAL:
+            _write_rows(group, field.name, value, states)
+        elif isinstance(value, np.ndarray):
             group.create_dataset(field.name, data=value)
-    group["bonded/fields"] = contact.full_stick.fields
-    group["bonded/area"] = contact.full_stick.area
+    units = contact.full_stick
+    numbers = np.unique(units.area[states])
+    areas = numbers[numbers >= 0] if len(states) < len(units.area) else np.arange(len(units.fields))
+    _write_rows(group, "bonded/fields", units.fields, areas)
+    group["bonded/areas"], group["bonded/area"] = areas, units.area
+
+
+def _write_rows(
+    group: h5py.Group, name: str, values: StateArray | NDArray[Any], rows: Indices
+) -> None:
+    """Write some rows of an array, block by block."""
+    shape = (len(rows), *values.shape[1:])
+    dataset = group.create_dataset(name, shape, values.dtype)
+    for block in blocks(len(rows), math.prod(shape[1:])):
+        dataset[block] = values[rows[block]]
 
 
 def _write_mesh(group: h5py.Group, body: BodyArrays) -> None:

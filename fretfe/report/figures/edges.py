@@ -161,14 +161,19 @@ def _stuck_change(solution: Solution, shown: Shown, near: _Near) -> Array | None
     Each step with the mean of the unit fields of the areas before and after it, as for K_T.
     """
     full_stick = shown.tractions.full_stick
-    if not len(full_stick.fields):
+    if not len(full_stick.fields) or not solution.keeps(near.earlier, near.later):
         return None
-    total = np.zeros(len(shown.tractions.arc))
+    # What the drivers do on each area, altogether.
+    drive: dict[int, Array] = {}
     for state in range(near.earlier + 1, near.later + 1):
-        areas = [area for area in full_stick.area[state - 1 : state + 1] if area >= 0]
+        areas = [int(area) for area in full_stick.area[state - 1 : state + 1] if area >= 0]
         if areas and shown.tractions.friction[state] > 0:
             step = solution.driver_values[state] - solution.driver_values[state - 1]
-            total += np.mean([full_stick.fields[area, :, 1] for area in areas], axis=0) @ step
+            for area in areas:
+                drive[area] = drive.get(area, np.zeros_like(step)) + step / len(areas)
+    total = np.zeros(len(shown.tractions.arc))
+    for area, amount in drive.items():
+        total += full_stick.fields[area, :, 1] @ amount
     return total
 
 

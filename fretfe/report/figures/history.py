@@ -12,7 +12,7 @@ from fretfe._typing import Array
 from fretfe.case import Case
 from fretfe.edges.front import ContactSummary
 from fretfe.loads import History
-from fretfe.report.figures.plot import Plot, legend_above, make_plot
+from fretfe.report.figures.plot import Plot, envelope, legend_above, make_plot
 from fretfe.report.source import edge_title, span
 from fretfe.report.theme import (
     BLUE,
@@ -67,7 +67,9 @@ def draw_loads(case: Case, history: History) -> Figure:
 def _draw_loads(figure: Figure, case: Case, history: History) -> None:
     panels = _panels(figure, len(history.channels), case, history)
     for panel, name, values in zip(panels, history.channels, history.values.T, strict=True):
-        panel.plot(history.times, values, ".-", ms=4, color=BLUE)
+        shown = envelope(values)
+        mark = ".-" if len(shown) == len(values) else "-"
+        panel.plot(history.times[shown], values[shown], mark, ms=4, color=BLUE)
         panel.set_ylabel(f"{name} [{_unit(case, name)}]")
 
 
@@ -102,10 +104,13 @@ def _draw_factors(
     for panel, (name, label) in zip(panels, names.items(), strict=True):
         for number, (contact, edge) in enumerate(edges):
             title = edge_title(edge) if len(contacts) == 1 else f"{contact}, {edge_title(edge)}"
+            values = getattr(edge, name)
+            states = envelope(values)
+            marks = ("x--", ".-") if len(states) == len(values) else ("--", "-")
             panel.plot(
-                history.times,
-                getattr(edge, name),
-                "x--" if number % 2 else ".-",
+                history.times[states],
+                values[states],
+                marks[0 if number % 2 else 1],
                 ms=3,
                 lw=1.0,
                 color=CYCLE[number % len(CYCLE)],
@@ -183,7 +188,11 @@ def _draw_path(figure: Figure, run: Result, contact: ContactSummary, tension: bo
 
 def _trace(axes: Axes, run: Result, x: Array, y: Array) -> None:
     first, last = span(run)
-    axes.plot(x, y, color=ORANGE, lw=0.8, ls="--")
-    axes.plot(x[first : last + 1], y[first : last + 1], color=BLUE, lw=2.0)
+    for states, style in (
+        (slice(0, len(x)), {"color": ORANGE, "lw": 0.8, "ls": "--"}),
+        (slice(first, last + 1), {"color": BLUE, "lw": 2.0}),
+    ):
+        seen = np.union1d(envelope(x[states]), envelope(y[states]))
+        axes.plot(x[states][seen], y[states][seen], **style)
     axes.plot(x[first], y[first], "o", color="black", ms=4)
     axes.axhline(0, color=GREY, lw=0.4)

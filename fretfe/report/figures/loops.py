@@ -7,12 +7,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fretfe._typing import Array
-from fretfe.report.figures.plot import Plot, make_plot, plain_axis
+from fretfe.report.figures.plot import Plot, envelope, make_plot, plain_axis
 from fretfe.report.source import Shown, span
 from fretfe.report.texts import number
 from fretfe.report.theme import BLUE, SINGLE
 from fretfe.results.model import Result
 from fretfe.results.solution import OPEN, Solution
+from fretfe.results.states import blocks
 
 INTRO = (
     "Contacts: the shear force over the displacement of body 1 relative to body 2, as a mean over "
@@ -29,11 +30,23 @@ ROUND_OFF = 1e-9
 def slip_loop_plot(shown: Shown) -> Plot | None:
     """Q over the mean slip of a contact; None if no node stays in contact."""
     first, last = span(shown.run)
-    states = slice(first, last + 1)
-    closed = np.all(shown.tractions.status[max(first, 1) : last + 1] != OPEN, axis=0)
-    if not closed.any() or last - first < 2:
+    solution = shown.run.solution
+    assert solution is not None
+    if last - first < 2 or not solution.keeps(first, last):
         return None
-    slip = shown.tractions.slip[states, :, 0] @ (shown.tractions.weights * closed)
+    states, tractions = slice(first, last + 1), shown.tractions
+    closed, means = np.ones(len(tractions.arc), dtype=bool), []
+    parts = [range(first, last + 1)[part] for part in blocks(last + 1 - first, len(tractions.arc))]
+    for part in parts:
+        touching = tractions.status[part[0] : part[-1] + 1] != OPEN
+        # Nothing is in contact before the first step.
+        closed &= touching[1 if part[0] == 0 else 0 :].all(axis=0)
+    if not closed.any():
+        return None
+    for part in parts:
+        moved = tractions.slip[part[0] : part[-1] + 1, :, 0]
+        means.append(moved @ (tractions.weights * closed))
+    slip = np.concatenate(means)
     slip = (slip - slip[0]) / shown.tractions.weights[closed].sum()
     cycle = shown.run.loads.cycle is not None
     units = shown.run.case.units
@@ -43,7 +56,9 @@ def slip_loop_plot(shown: Shown) -> Plot | None:
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots()
-        axes.plot(slip, shown.summary.shear_force[states], ".-", ms=4, lw=1.2, color=BLUE)
+        force = shown.summary.shear_force[states]
+        seen = np.union1d(envelope(slip), envelope(force))
+        axes.plot(slip[seen], force[seen], ".-", ms=4, lw=1.2, color=BLUE)
         plain_axis(axes, "x")
         axes.set_xlabel(f"mean slip since the first of these states [{units.length}]")
         axes.set_ylabel(f"Q [{units.force}/{units.length}]")
@@ -111,7 +126,8 @@ def _work_loop(run: Result, label: str, index: int, area: float, balance: str) -
         panels = figure.subplots(1, 2, sharey=True)
         reduced = without_slope(force, displacement)
         for axes, values in zip(panels, (displacement, reduced), strict=True):
-            axes.plot(values, force, ".-", ms=4, lw=1.2, color=BLUE)
+            seen = np.union1d(envelope(values), envelope(force))
+            axes.plot(values[seen], force[seen], ".-", ms=4, lw=1.2, color=BLUE)
             plain_axis(axes, "x")
             axes.set_xlabel(f"displacement [{units.length}]")
             axes.tick_params(axis="x", labelrotation=30)

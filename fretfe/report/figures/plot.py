@@ -8,19 +8,24 @@ import re
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
+from fretfe._typing import Array, Indices
 from fretfe.report.theme import MAP_DPI, STYLE, WIDTH
 
 # A logarithmic axis over less than this factor has numbers between the powers of ten.
 FEW_DECADES = 200
 # Dots per inch of everything but images in an SVG file.
 SVG_DPI = 72
+# A long history is drawn by its extremes in so many parts, more than a figure has pixels.
+BINS = 800
 # Nothing of the day or the machine: the same results give the same file.
 METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
 
@@ -89,6 +94,22 @@ def _inline(svg: str, key: str) -> str:
 def _shortened(path: str) -> str:
     """Coordinates of a path to two decimals."""
     return re.sub(r"-?\d+\.\d{3,}", lambda found: f"{float(found[0]):.2f}", path)
+
+
+def envelope(values: Array) -> Indices:
+    """(m,) places of values (n,), increasing, that draw the same line: of many the extremes.
+
+    All places if they are few; else the smallest and largest value of each of `BINS` parts.
+    """
+    count = len(values)
+    if count <= 4 * BINS:
+        return np.arange(count)
+    known = np.where(np.isfinite(values), values, 0.0)
+    parts = [slice(*part) for part in pairwise(np.linspace(0, count, BINS + 1).astype(int))]
+    extremes = [
+        part.start + np.array([known[part].argmin(), known[part].argmax()]) for part in parts
+    ]
+    return np.unique(np.concatenate([[0, count - 1], *extremes]))
 
 
 def log_axis(axes: Axes, which: str) -> None:

@@ -11,10 +11,11 @@ from matplotlib.patches import Patch
 
 from fretfe._typing import Array
 from fretfe.edges.front import Station
-from fretfe.report.figures.plot import Plot, make_plot
+from fretfe.report.figures.plot import Plot, envelope, make_plot
 from fretfe.report.source import Shown, edge_title, inward, span
 from fretfe.report.theme import DOUBLE, PALE, SKY, VERMILLION
 from fretfe.results.solution import OPEN, SLIP, STICK
+from fretfe.results.states import blocks
 
 # By status, the direction of slip, and whether there is friction; from light to dark in grey too.
 KINDS = {
@@ -27,6 +28,8 @@ KINDS = {
 # The windows at the edges are this many slip zones wide, and not less than this fraction of the
 # half-width.
 ZONES, NARROWEST = 2.5, 0.02
+# More load steps are not drawn, nor the ends of more slip zones.
+MOST_ROWS, MOST_ZONES = 1500, 50
 INTRO = (
     "Each row is a load step. Body 1 slips over body 2 towards larger x where q > 0, towards "
     "smaller x where q < 0. Lines: the contact edges. Above: the whole contact and history, the "
@@ -77,7 +80,13 @@ def _draw(figure: Figure, shown: Shown) -> None:
 def _limits(shown: Shown, positions: Array) -> tuple[float, float]:
     """What was in contact at any time, and a little beyond."""
     arc, known = shown.tractions.arc, positions[np.isfinite(positions)]
-    closed = arc[np.any(shown.tractions.status != OPEN, axis=0)]
+    touched = np.zeros(len(arc), dtype=bool)
+    solution = shown.run.solution
+    assert solution is not None
+    kept = np.arange(len(solution.times)) if solution.kept is None else solution.kept
+    for part in blocks(len(kept), len(arc)):
+        touched |= np.any(shown.tractions.status[kept[part]] != OPEN, axis=0)
+    closed = arc[touched]
     places = np.concatenate([known, closed]) if len(closed) else arc
     margin = 0.04 * float(np.ptp(places))
     return max(places.min() - margin, arc[0]), min(places.max() + margin, arc[-1])
@@ -101,7 +110,16 @@ def _window(shown: Shown, edge: Station, first: int, last: int) -> tuple[float, 
 def _map(axes: Axes, shown: Shown, low: float, high: float, states: tuple[int, int]) -> None:
     """Colours of all nodes in the steps between two states, and the lines of the edges."""
     tractions, times = shown.tractions, shown.run.loads.times
-    steps = slice(states[0] + 1, states[1] + 1)
+    solution = shown.run.solution
+    assert solution is not None
+    axes.set_xlim(low, high)
+    if not solution.keeps(states[0] + 1, states[1]):
+        text = "the states are not kept:\n[output] tractions"
+        axes.text(0.5, 0.5, text, ha="center", va="center", transform=axes.transAxes)
+        return
+    # Of a long history some steps, evenly spread: each row reaches from the one below.
+    rows = np.unique(np.linspace(*states, min(states[1] - states[0], MOST_ROWS) + 1).astype(int))
+    steps = rows[1:]
     kind = tractions.status[steps].astype(int)
     kind = np.where((kind == SLIP) & (tractions.traction[steps, :, 1] < 0), SLIP + 1, kind)
     frictionless = tractions.friction[steps, None] == 0
@@ -112,23 +130,23 @@ def _map(axes: Axes, shown: Shown, low: float, high: float, states: tuple[int, i
     nodes = slice(seen[0], seen[-1] + 1)
     axes.pcolormesh(
         borders[seen[0] : seen[-1] + 2],
-        times[states[0] : states[1] + 1],
+        times[rows],
         kind[:, nodes],
         cmap=ListedColormap([colour for _, colour in KINDS.values()]),
         norm=BoundaryNorm(np.arange(len(KINDS) + 1) - 0.5, len(KINDS)),
         rasterized=True,
     )
     for edge in shown.summary.stations:
-        axes.plot(edge.position, times, color="black", lw=0.7)
-    axes.set_xlim(low, high)
+        seen = envelope(edge.position)
+        axes.plot(edge.position[seen], times[seen], color="black", lw=0.7)
 
 
 def _zone_ends(axes: Axes, shown: Shown, edge: Station, first: int, last: int) -> None:
     times = shown.run.loads.times
-    for zone in edge.slip_zones:
-        if first < zone.end <= last:
-            predicted = edge.position[zone.end] + inward(edge) * zone.prediction
-            for place, mark in ((zone.border, "o"), (predicted, "x")):
-                (point,) = axes.plot(place, times[zone.end], mark, mfc="none", color="black", ms=6)
-                # Whole at the first and last state too, beyond the frame.
-                point.set(clip_on=False, in_layout=False)
+    zones = [zone for zone in edge.slip_zones if first < zone.end <= last]
+    for zone in zones if len(zones) <= MOST_ZONES else ():
+        predicted = edge.position[zone.end] + inward(edge) * zone.prediction
+        for place, mark in ((zone.border, "o"), (predicted, "x")):
+            (point,) = axes.plot(place, times[zone.end], mark, mfc="none", color="black", ms=6)
+            # Whole at the first and last state too, beyond the frame.
+            point.set(clip_on=False, in_layout=False)

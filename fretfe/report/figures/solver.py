@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from fretfe._typing import Array
 from fretfe.edges.refinement import Refinement, changes_by_kind
-from fretfe.report.figures.plot import Plot, legend_above, log_axis, make_plot
+from fretfe.report.figures.plot import Plot, envelope, legend_above, log_axis, make_plot
 from fretfe.report.theme import BLUE, GREEN, GREY, LOW, ORANGE, VERMILLION
 from fretfe.results.solution import Solution
 
@@ -35,7 +35,12 @@ def iteration_plot(solution: Solution) -> Plot:
 def _iterations(figure: Figure, solution: Solution) -> None:
     axes = figure.subplots()
     steps = np.arange(1, len(solution.times))
-    axes.bar(steps, solution.iterations[1:], width=0.8, color=BLUE, label="Newton iterations")
+    shown = envelope(solution.iterations[1:])
+    iterations = {"color": BLUE, "label": "Newton iterations"}
+    if len(shown) == len(steps):
+        axes.bar(steps, solution.iterations[1:], width=0.8, **iterations)
+    else:
+        axes.plot(steps[shown], solution.iterations[1:][shown], lw=0.8, **iterations)
     for values, mark, colour, label in (
         (np.where(solution.parts > 1, solution.parts, 0), "s", ORANGE, "parts of a cut step"),
         (solution.fallbacks, "x", VERMILLION, "fallbacks"),
@@ -87,7 +92,8 @@ def relative_imbalance(solution: Solution) -> Array:
 
 
 def _dots(axes: Axes, x: Array, y: Array, mark: str, colour: str, label: str) -> None:
-    axes.plot(x, np.where(y > 0, y, np.nan), mark, ms=4, color=colour, label=label)
+    seen = envelope(y)
+    axes.plot(x[seen], np.where(y > 0, y, np.nan)[seen], mark, ms=4, color=colour, label=label)
 
 
 def refinement_plot(refinement: Refinement) -> Plot | None:

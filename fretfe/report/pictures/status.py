@@ -88,9 +88,10 @@ def visible_status(contact: ContactHistory, state: int) -> npt.NDArray[np.int8]:
 
     Which of them count as slipping in the solution is a matter of round-off.
     """
-    status, slip = contact.status[state].copy(), contact.slip
-    moved = np.abs(slip[state] - slip[max(state - 1, 0)]).max(axis=-1)
-    status[(status == SLIP) & (moved <= ROUND_OFF * np.abs(slip).max())] = STICK
+    status = contact.status[state].copy()
+    before, after = contact.slip[max(state - 1, 0)], contact.slip[state]
+    moved, largest = np.abs(after - before).max(axis=-1), np.abs([before, after]).max()
+    status[(status == SLIP) & (moved <= ROUND_OFF * largest)] = STICK
     return status
 
 
