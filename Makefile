@@ -35,13 +35,16 @@ SLOW_LIMITS := --timeout=1800 -o faulthandler_timeout=1860
 SUITE ?= trixie
 FRESH ?=
 
-.PHONY: help demo test test-light test-debian lint clean
+.PHONY: help demo bench test test-light test-debian lint clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
 
 demo: .venv/.installed  ## solve the dovetail demo and write results/dovetail
 	$(BIN)/fretfe run demos/dovetail.toml -o results/dovetail
+
+bench: .venv/.installed  ## times of whole runs, steps and ranks; on a quiet machine
+	$(BIN)/python tools/bench.py
 
 test: .venv/.installed  ## all tests on 1 rank, those marked mpi on 2; the slow ones if CI or SLOW is set
 	$(PYTEST) $(SHARED_OUT) -m "not slow $(WITHOUT)"

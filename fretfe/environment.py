@@ -67,6 +67,19 @@ def idle_cores() -> int:
     return (len(allowed(0)) if allowed else os.cpu_count() or 1) - 1
 
 
+def machine_memory() -> float | None:
+    """Bytes of memory that this machine, or the container, has; None if it does not tell."""
+    found = []
+    if hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
+        found.append(float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")))
+    for name in ("memory.max", "memory/memory.limit_in_bytes"):
+        limit = Path("/sys/fs/cgroup") / name
+        text = limit.read_text().strip() if limit.exists() else ""
+        if text.isdecimal():
+            found.append(float(text))
+    return min(found, default=None)
+
+
 def missing_package(error: BaseException) -> str:
     """What to install if a module that fretfe requires is not there; empty for other errors."""
     if not isinstance(error, ModuleNotFoundError):

@@ -46,11 +46,12 @@ class BorderedFactor:
         dimension: of space, 2 or 3.
 
     Attributes:
+        matrix: K.
         compliance: (n, n), on rank 0; None elsewhere.
     """
 
     def __init__(self, matrix: PETSc.Mat, border: sparse.csr_matrix, dimension: int) -> None:
-        self._matrix = matrix
+        self.matrix = matrix
         self._ordering = MINIMUM_DEGREE if dimension == 2 else NESTED_DISSECTION
         comm, end = matrix.comm, matrix.getOwnershipRange()[1]
         # The multipliers follow the unknowns of the first rank.
@@ -91,7 +92,7 @@ class BorderedFactor:
         PETSc cannot solve with a distributed factor that has a Schur complement
         (`MatSolve_MUMPS`), so several ranks on one body have to factorise it twice.
         """
-        solver = self._unfactored(self._matrix)
+        solver = self._unfactored(self.matrix)
         _set_up(solver)
         return solver
 

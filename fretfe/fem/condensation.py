@@ -381,6 +381,11 @@ class Body:
         displacement.x.scatter_forward()
         return displacement
 
+    @property
+    def stiffness(self) -> PETSc.Mat:
+        """Stiffness matrix, with unit rows and columns where the body is held."""
+        return self._factor.matrix
+
     def surface_displacement(self, displacement: fem.Function) -> Array:
         """(p, gdim) displacements of the nodes of the contact surfaces, on every rank."""
         return self._gather(displacement.x.petsc_vec).reshape(-1, self.elastic.gdim)

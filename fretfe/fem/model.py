@@ -24,6 +24,7 @@ from fretfe.fem.parallel import on_root
 from fretfe.fem.reduction import Pair, ReducedBody, build_interface, weighted_operator
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
+from fretfe.mesh.cost import estimate_cost, require_memory
 from fretfe.mesh.groups import body_unknowns
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.mortar import couple
@@ -88,6 +89,7 @@ class Model:
             surfaces = on_root(comm, lambda: contact_surfaces(definition, mesh))  # type: ignore[arg-type]
             self.surfaces = surfaces
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
+            on_root(comm, lambda: _require_memory(case, mesh, pairs))
         self._definition = definition
         work = comm.bcast(_work(definition, mesh, case.model.degree) if mesh else None)
         self._group = find_group(comm, work)
@@ -219,6 +221,13 @@ class Model:
             )
             for name, body in self.reduction.bodies.items()
         }
+
+
+def _require_memory(case: Case, mesh: Mesh | None, pairs: tuple[Pair, ...] | None) -> None:
+    """Refuse what cannot fit into memory; on rank 0."""
+    if mesh is not None and pairs is not None and mesh.dimension == 2:
+        nodes = sum(len(pair.coupling.weights) for pair in pairs)
+        require_memory(estimate_cost(mesh, case.model.degree, nodes, steps=0))
 
 
 def _work(definition: ModelDefinition, mesh: Mesh, degree: int) -> list[float]:
