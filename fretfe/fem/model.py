@@ -10,20 +10,19 @@ import numpy as np
 from dolfinx import fem
 
 from fretfe._typing import Array
+from fretfe.bodies.definition import BodyDefinition, ModelDefinition, define_model
+from fretfe.bodies.pairs import Pair, contact_surfaces, couple_contacts
 from fretfe.case import Case
 from fretfe.contact.interface import Interface, coordinate_range
 from fretfe.contact.state import ContactState, StepLoads
 from fretfe.fem._compat import MPI
 from fretfe.fem.condensation import Body
-from fretfe.fem.definition import BodyDefinition, ModelDefinition, define_model
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.parallel import on_root
-from fretfe.fem.reduction import Pair, ReducedBody, build_interface
+from fretfe.fem.reduction import ReducedBody, build_interface
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
 from fretfe.mesh.mesh import Mesh
-from fretfe.surface.mortar import couple
-from fretfe.surface.surface import Surface, build_surface
 
 
 @dataclass(frozen=True)
@@ -117,25 +116,6 @@ class Model:
             surface = body.surface_displacement(traction, own, amplitudes)
             retained[name] = (surface, own[: body.body.coupling.shape[1]], amplitudes)
         return retained
-
-
-def contact_surfaces(definition: ModelDefinition, mesh: Mesh) -> dict[str, Surface]:
-    """All contact surfaces, oriented, by name."""
-    return {
-        name: build_surface(mesh.bodies[body.name], name)
-        for body in definition.bodies
-        for name in body.surfaces
-    }
-
-
-def couple_contacts(case: Case, surfaces: dict[str, Surface]) -> tuple[Pair, ...]:
-    """The contact pairs of a case, in its order."""
-    pairs = []
-    for name, contact in case.contacts.items():
-        first, second = surfaces[contact.surface1], surfaces[contact.surface2]
-        coupling = couple(name, first, second, contact.multipliers, case.model.degree)
-        pairs.append(Pair(name, first.body, second.body, coupling))
-    return tuple(pairs)
 
 
 def step_loads(

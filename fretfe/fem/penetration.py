@@ -10,10 +10,10 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.bodies.pairs import Pair
 from fretfe.contact.interface import coordinate_range
 from fretfe.contact.state import ContactState, StepLoads
 from fretfe.fem.model import Model
-from fretfe.fem.reduction import Pair
 from fretfe.surface.chain import Chain
 from fretfe.surface.gap import INTERPENETRATION_PER_FACET
 from fretfe.surface.surface import Surface

@@ -26,7 +26,9 @@ from fretfe.results.model import BodyArrays, Result
 from fretfe.results.solution import ContactHistory, Solution
 
 SCHEMA = {"name": "fretfe-results", "version": 2}
-NUMBERS, ARRAYS = "results.json", "results.h5"
+NUMBERS, ARRAYS, REPORT = "results.json", "results.h5", "report.html"
+# Where pictures are in a results folder, and what lists them there.
+PICTURES, PICTURE_LIST = "pictures", "pictures.json"
 
 
 def prepare_directory(directory: Path) -> None:
@@ -56,6 +58,13 @@ def remove_fields(directory: Path) -> None:
         (directory / FIELDS).unlink(missing_ok=True)
     except OSError as error:
         raise OutputError(f"{directory / FIELDS}: cannot remove old fields: {error}") from error
+
+
+def remove_pictures(directory: Path) -> None:
+    """Remove the pictures of an earlier run; other files stay."""
+    folder = directory / PICTURES
+    for path in [*folder.glob("*.png"), folder / PICTURE_LIST]:
+        path.unlink(missing_ok=True)
 
 
 def write_results(directory: Path, result: Result) -> None:

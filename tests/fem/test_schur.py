@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from petsc_garbage import replace_meshes
 
 from fretfe._typing import Array
+from fretfe.bodies.body import Material
 from fretfe.fem._compat import MPI, PETSc
-from fretfe.fem.elasticity import ElasticBody, Material
+from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.schur import SchurFactorization
 
 pytestmark = pytest.mark.mpi
