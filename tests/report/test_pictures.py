@@ -265,7 +265,9 @@ def test_other_work_is_done_while_processes_draw(
     folder: Path, monkeypatch: pytest.MonkeyPatch, idle: int
 ) -> None:
     """No more processes at a time than idle cores, each picture once; without any, one by one."""
-    events, running, most = [], [], []
+    events: list[str] = []
+    running: list[Sequence[str]] = []
+    most: list[int] = []
 
     def draw(task: str, directory: Path, files: Sequence[str]) -> dict[str, dict[str, Any]]:
         running.append(files)
