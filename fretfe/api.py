@@ -9,30 +9,23 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-from matplotlib.figure import Figure
 
 from fretfe.backends import Observer
 from fretfe.backends.observer import SILENT
 from fretfe.case import Case, load_case
+from fretfe.checked import Checked, check, make_mesh
 from fretfe.errors import OutputError
-from fretfe.loads import History, build_history
-from fretfe.mesh.mesh import Mesh
 from fretfe.quality.validate import Validation
 from fretfe.quality.verify.run import Verification, verify
-from fretfe.report.figures.history import draw_factors, draw_loads
-from fretfe.report.figures.tractions import draw_tractions
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
-from fretfe.runner import Runner, draw_report, fem_runner
+from fretfe.runner import Runner, draw_report
 from fretfe.sweeps import Sweep
 
 if TYPE_CHECKING:
-    from fretfe.fem.definition import ModelDefinition
-    from fretfe.fem.model import Pair
+    from matplotlib.figure import Figure
 
 __all__ = [
     "Checked",
@@ -134,66 +127,6 @@ def _folder(output: Path | str | None) -> Path | None:
     return None if output is None else Path(output)
 
 
-@dataclass(frozen=True)
-class Checked:
-    """A case that finite elements could solve.
-
-    Attributes:
-        case: as it was checked.
-        history: its loads.
-        mesh: of its bodies, the first one if it refines itself.
-        definition: bodies, coordinates and loads of the model.
-        pairs: coupled contact surfaces.
-        restrained_modes: by body, a rigid motion that only contact prevents, in words.
-    """
-
-    case: Case
-    history: History
-    mesh: Mesh
-    definition: ModelDefinition
-    pairs: Sequence[Pair]
-    restrained_modes: Mapping[str, str]
-
-
-def check(case: Case) -> Checked | None:
-    """Check a case and its mesh without solving it; None on processes other than 0.
-
-    Raises:
-        FretfeError: if there is no history, no mesh or no model for the case.
-    """
-    from fretfe.fem._compat import MPI
-    from fretfe.fem.parallel import on_root
-
-    fem_runner().require_support(case)
-    return on_root(MPI.COMM_WORLD, lambda: _check(case), share=False)
-
-
-def _check(case: Case) -> Checked:
-    from fretfe.fem.definition import define_model
-    from fretfe.fem.model import contact_surfaces, couple_contacts
-    from fretfe.fem.refine import starting_mesh
-    from fretfe.fem.rigid_modes import modes_restrained_by_contact
-
-    history, mesh = build_history(case), starting_mesh(case)
-    definition = define_model(case, mesh)
-    pairs = couple_contacts(case, contact_surfaces(definition, mesh))
-    restrained = modes_restrained_by_contact(definition, mesh)
-    return Checked(case, history, mesh, definition, pairs, restrained)
-
-
-def make_mesh(case: Case) -> Mesh | None:
-    """Make the mesh of a case, the first one if it refines itself; None on processes other than 0.
-
-    Raises:
-        FretfeError: if there is no mesh for the case.
-    """
-    from fretfe.fem._compat import MPI
-    from fretfe.fem.parallel import on_root
-    from fretfe.fem.refine import starting_mesh
-
-    return on_root(MPI.COMM_WORLD, lambda: starting_mesh(case), share=False)
-
-
 def plot_tractions(result: Result) -> Figure:
     """Draw pressure and shear along every contact at the two load extremes.
 
@@ -205,14 +138,20 @@ def plot_tractions(result: Result) -> Figure:
             f"expected tractions, found none: {result.backend!r} has none, or this process is "
             "not the first one"
         )
+    from fretfe.report.figures.tractions import draw_tractions
+
     return draw_tractions(result.case, result.solution, result.contacts)
 
 
 def plot_factors(result: Result) -> Figure:
     """Draw K_N and K_T of every edge over time."""
+    from fretfe.report.figures.history import draw_factors
+
     return draw_factors(result.case, result.loads, result.contacts)
 
 
 def plot_loads(result: Result) -> Figure:
     """Draw all loads over time."""
+    from fretfe.report.figures.history import draw_loads
+
     return draw_loads(result.case, result.loads)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """A backend, and what every run with it does before and after it solves.
 
-Under MPI every process calls the same methods in the same order.
+Under MPI every process calls the same methods in the same order. What draws, sweeps and validates
+is imported by the functions that need it: a run starts without it.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from fretfe.backends import (
     Backend,
@@ -25,17 +26,20 @@ from fretfe.backends import (
 from fretfe.backends.observer import SILENT
 from fretfe.case import Case, as_written, case_text, load_case, parse_assignments
 from fretfe.errors import ModelError, OutputError
-from fretfe.quality.validate import Validation, validate
-from fretfe.quality.validate.report import as_numbers
-from fretfe.report.page.html import REPORT, write_report
-from fretfe.report.page.sections import Plots, draw_plots
-from fretfe.report.pictures.folder import make_pictures, remove_pictures
 from fretfe.results.field_file import FIELDS
 from fretfe.results.model import Result
-from fretfe.results.reader import load_result
-from fretfe.results.writer import prepare_directory, remove_fields, write_results
-from fretfe.sweeps import Sweep, make_variants, run_sweep
-from fretfe.sweeps.files import write_files
+from fretfe.results.writer import (
+    REPORT,
+    prepare_directory,
+    remove_fields,
+    remove_pictures,
+    write_results,
+)
+
+if TYPE_CHECKING:
+    from fretfe.quality.validate import Validation
+    from fretfe.report.page.sections import Plots
+    from fretfe.sweeps import Sweep
 
 T = TypeVar("T")
 CASE_COPY, ROWS = "case.toml", "validation.json"
@@ -94,7 +98,8 @@ class Runner:
         Raises:
             ModelError: with all reasons why not.
         """
-        self.processes.on_root(lambda: _require_support(self, case))
+        supports = self.backend.supports
+        self.processes.on_root(lambda: require_support(self.name, case, supports(case)))
 
     def run(self, case: Case, output: Path | None = None, observer: Observer = SILENT) -> Result:
         """Solve a case and write its numbers, but no report.
@@ -140,6 +145,9 @@ class Runner:
         Raises:
             FretfeError: before any work, if a combination is not a valid case.
         """
+        from fretfe.sweeps import make_variants, run_sweep
+        from fretfe.sweeps.files import write_files
+
         variants = self.processes.on_root(lambda: make_variants(case, vary))
         if output is not None:
             self.write(lambda: _write_case(output, case))
@@ -161,6 +169,8 @@ class Runner:
         Raises:
             FretfeError: if the case itself cannot be solved.
         """
+        from fretfe.quality.validate import validate
+
         self.require_support(case)
         if output is not None:
             self.write(lambda: prepare_directory(output))
@@ -180,22 +190,15 @@ class Runner:
         return observer if self.processes.rank == 0 else SILENT
 
 
-def fem_runner() -> Runner:
-    """Return the runner of finite elements, for what only they can do.
+def require_support(backend: str, case: Case, reasons: Sequence[str]) -> None:
+    """Raise the reasons why a backend cannot solve a case, if there are any.
 
     Raises:
-        DependencyError: if DOLFINx cannot be used.
+        ModelError: with all of them.
     """
-    from fretfe.fem.backend import BACKEND
-
-    return Runner("fem", BACKEND)
-
-
-def _require_support(runner: Runner, case: Case) -> None:
-    reasons = runner.backend.supports(case)
     if reasons:
         raise ModelError(
-            f"{case.source}: the backend {runner.name!r} cannot solve this case:\n"
+            f"{case.source}: the backend {backend!r} cannot solve this case:\n"
             + "\n".join(f"  {reason}" for reason in reasons)
         )
 
@@ -236,6 +239,8 @@ def _write_numbers(directory: Path, result: Result) -> None:
 
 
 def _write_validation(directory: Path, validation: Validation) -> None:
+    from fretfe.quality.validate.report import as_numbers
+
     write_results(directory, validation.result)
     text = json.dumps(as_numbers(validation), indent=1, allow_nan=False)
     (directory / ROWS).write_text(text + "\n", encoding="utf-8")
@@ -260,6 +265,11 @@ def draw_report(directory: Path) -> Drawn:
     What cannot be made takes nothing away from the results. Plots are drawn while other processes
     draw pictures, if cores are idle.
     """
+    from fretfe.report.page.html import write_report
+    from fretfe.report.page.sections import draw_plots
+    from fretfe.report.pictures.folder import make_pictures
+    from fretfe.results.reader import load_result
+
     seconds: dict[str, float] = {}
     problems: list[str] = []
     plots: list[Plots] = []

@@ -9,9 +9,9 @@ import numpy as np
 from scipy import sparse
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.bodies.definition import BodyDefinition, ModelDefinition
 from fretfe.contact.interface import coordinate_range
 from fretfe.fem.condensation import Body, constraint_shapes
-from fretfe.fem.definition import BodyDefinition, ModelDefinition
 from fretfe.fem.model import Reduction
 
 

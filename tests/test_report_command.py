@@ -11,9 +11,9 @@ from pad_cases import HERTZ
 from stored_runs import write_run
 from typer.testing import CliRunner
 
-import fretfe.runner
 from fretfe.cli.app import app
 from fretfe.cli.run import run as run_case
+from fretfe.report.page import html
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def test_report_that_fails_is_a_warning(
     def fail(directory: Path, plots: object) -> Path:
         raise ZeroDivisionError("no [red]plot[/red]")
 
-    monkeypatch.setattr(fretfe.runner, "write_report", fail)
+    monkeypatch.setattr(html, "write_report", fail)
     run_case(case, tmp_path / "out", "analytic")
     printed = capsys.readouterr().out
     assert "Warning: no report: ZeroDivisionError: no [red]plot[/red]" in printed

@@ -15,7 +15,7 @@ from launch import fretfe
 from fretfe.errors import CaseError
 from fretfe.geometry import templates
 from fretfe.geometry.templates import Parameter, check_parameters, find_template, template_names
-from fretfe.report.page.tables import parameter_rows
+from fretfe.report.page.listings import parameter_rows
 
 NAMES = ("cylinder", "dovetail", "firtree", "flat_rounded", "wedge")
 

@@ -17,7 +17,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from fretfe.geometry.templates import Template, find_template, template_names
 from fretfe.mesh.cell_geometry import directed_edges, exterior_edges
 from fretfe.mesh.mesh import mesh_template
-from fretfe.report.page.tables import parameter_rows
+from fretfe.report.page.listings import parameter_rows
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "templates.md"

@@ -4,15 +4,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 from scipy.special import xlogy
 
 from fretfe._typing import Array
 from fretfe.analytic._arguments import check_positive, check_range
 from fretfe.analytic._numerics import solve_half_width
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 _FEWEST_POINTS = 4
 
@@ -55,6 +58,9 @@ def tabulated_profile(x: ArrayLike, gap: ArrayLike, e_star: float) -> TabulatedP
             f"gap must not fall with |x|, found {height[row]:g} at {position[row]:g} "
             f"and {height[row + 1]:g} at {position[row + 1]:g}"
         )
+    # Brings SciPy's optimisers along, which nothing else here needs.
+    from scipy.interpolate import CubicSpline
+
     return TabulatedProfile(CubicSpline(position, height, bc_type=((1, 0.0), "not-a-knot")), e_star)
 
 

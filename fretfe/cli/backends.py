@@ -25,7 +25,7 @@ def backends(
 
     from fretfe.backends import installed_backends
     from fretfe.case import load_case
-    from fretfe.report.page.tables import backend_table
+    from fretfe.report.page.listings import backend_table
 
     # On every rank: a backend that starts MPI when it is imported waits for the others.
     installed = installed_backends()

@@ -6,9 +6,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fretfe.cli.options import CaseFile, Overrides, TrustGeo, examples
+from fretfe.environment import rank_from_environment
 
 if TYPE_CHECKING:
-    from fretfe.api import Checked
+    from fretfe.checked import Checked
 
 EXAMPLES = examples(
     "fretfe check pad.toml", "fretfe check pad.toml --set geometry.parameters.size=0.02"
@@ -17,10 +18,12 @@ EXAMPLES = examples(
 
 def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = False) -> None:
     """Check a case and its mesh, and list what would be solved."""
-    from fretfe.api import check as check_case
-    from fretfe.runner import fem_runner
+    from fretfe.case import load_case, parse_assignments
+    from fretfe.checked import check as check_case
 
-    checked = check_case(fem_runner().read_case(case, overrides or (), trust_geo=trust_geo))
+    if rank_from_environment() > 0:
+        return
+    checked = check_case(load_case(case, parse_assignments(overrides or ()), trust_geo=trust_geo))
     if checked is not None:
         _print(checked)
 
@@ -58,4 +61,6 @@ def _print(checked: Checked) -> None:
         text = f"the mesh refines itself to a tolerance of {case.edges.tolerance:g}: first mesh"
         console.print(text, highlight=False)
     console.print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")
+    if checked.cost is not None:
+        console.print(f"Estimate: {checked.cost.text}", highlight=False)
     console.print("The case is valid.")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fretfe.cli.options import CaseFile, Overrides, TrustGeo, examples
+from fretfe.environment import rank_from_environment
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -29,18 +30,20 @@ def mesh(
 
     With its named groups, and a picture beside it.
     """
-    from fretfe.api import make_mesh
+    from fretfe.case import load_case, parse_assignments
+    from fretfe.checked import make_mesh
     from fretfe.results.writer import prepare_directory
-    from fretfe.runner import fem_runner
 
-    runner = fem_runner()
-    read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
-    runner.write(lambda: prepare_directory(output.parent))
+    if rank_from_environment() > 0:
+        return
+    read = load_case(case, parse_assignments(overrides or ()), trust_geo=trust_geo)
+    prepare_directory(output.parent)
     made = make_mesh(read)
-    runner.write(lambda: _write(read, made, output))
+    if made is not None:
+        _write(read, made, output)
 
 
-def _write(case: Case, mesh: Mesh | None, target: Path) -> None:
+def _write(case: Case, mesh: Mesh, target: Path) -> None:
     from rich.console import Console
 
     from fretfe.cli.mesh_report import print_mesh
@@ -48,7 +51,6 @@ def _write(case: Case, mesh: Mesh | None, target: Path) -> None:
     from fretfe.mesh.writer import write_mesh
     from fretfe.report.pictures.mesh import write_mesh_picture
 
-    assert mesh is not None
     console = Console()
     print_mesh(console, case, mesh)
     solid = case.geometry.solid

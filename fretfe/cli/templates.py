@@ -20,7 +20,7 @@ def templates(
     from rich.console import Console
 
     from fretfe.geometry.templates import find_template, template_names
-    from fretfe.report.page.tables import parameter_table, template_table
+    from fretfe.report.page.listings import parameter_table, template_table
 
     if name is None:
         table = template_table([find_template(each) for each in template_names()])

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import minimize_scalar
 
 from fretfe._typing import Array, Positions
 from fretfe.analytic._arguments import check_positive, check_range
@@ -132,6 +131,9 @@ def _overhang(data: Increments, window: Positions, terms: int) -> float:
         target = data.force[0, window] - data.force[0, -1] * model[:, 0]
         rest = np.linalg.lstsq(model[:, 1:], target)[0]
         return float(np.sum((model[:, 1:] @ rest - target) ** 2))
+
+    # Imported where it is needed: it takes as long as all other imports of a check.
+    from scipy.optimize import minimize_scalar
 
     bounds = (0.0, LARGEST_OVERHANG)
     return float(minimize_scalar(squares, bounds=bounds, method="bounded").x)

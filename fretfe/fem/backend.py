@@ -8,6 +8,7 @@ from functools import partial
 from typing import TypeVar
 
 from fretfe.backends.protocol import DEFAULTS, Processes, RunOptions, Session
+from fretfe.bodies.support import unsupported
 from fretfe.case import Case
 from fretfe.edges.foresight import coarse_contacts
 from fretfe.fem._compat import MPI
@@ -22,10 +23,6 @@ from fretfe.results.model import Result
 from fretfe.surface.load import load_mesh
 
 T = TypeVar("T")
-NO_SOLIDS = (
-    "geometry.solid: expected a plane case, found a solid: contact in three dimensions is not "
-    "solved yet; `fretfe mesh` writes the mesh",
-)
 SolveCase = Callable[[Case, RunOptions, LoadMesh], Result]
 
 
@@ -54,7 +51,7 @@ class FemBackend:
 
     def supports(self, case: Case) -> tuple[str, ...]:
         """Every plane case; what is wrong with a mesh is found when it is read."""
-        return NO_SOLIDS if case.geometry.solid is not None else ()
+        return unsupported(case)
 
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
         """Solve a case. Collective.

@@ -8,9 +8,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.bodies.definition import BodyDefinition
 from fretfe.contact.interface import coordinate_range
 from fretfe.contact.recorder import StateBlock
-from fretfe.fem.definition import BodyDefinition
 from fretfe.fem.model import Reduction
 
 

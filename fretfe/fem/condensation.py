@@ -28,28 +28,15 @@ from scipy.linalg import qr
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
+from fretfe.bodies.body import Constraint, DistributedLoad
+from fretfe.bodies.rigid_modes import rigid_motions
 from fretfe.fem._compat import PETSc
 from fretfe.fem.bordered import BorderedFactor
-from fretfe.fem.elasticity import DistributedLoad, ElasticBody
+from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.timing import Clock
 
 # Surface nodes are found by their coordinates, to this fraction of the size of the surface.
 MATCH_TOLERANCE = 1e-8
-
-
-@dataclass(frozen=True)
-class Constraint:
-    """A boundary that moves by one amplitude along a direction.
-
-    Attributes:
-        label: name used in results and messages.
-        boundary: physical group.
-        direction: unit vector (gdim,). Only its non-zero components are constrained.
-    """
-
-    label: str
-    boundary: str
-    direction: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -423,18 +410,6 @@ def constraint_shapes(elastic: ElasticBody, constraints: list[Constraint]) -> li
             values[free, component] = constraint.direction[component]
             holder[free, component] = constraint.boundary
     return shapes
-
-
-def rigid_motions(points: Array) -> Array:
-    """(n, gdim, k) translations and infinitesimal rotations at points (n, gdim)."""
-    count, gdim = points.shape
-    pairs = [(i, j) for i in range(gdim) for j in range(i + 1, gdim)]
-    motions = np.zeros((count, gdim, gdim + len(pairs)))
-    motions[:, range(gdim), range(gdim)] = 1.0
-    for number, (i, j) in enumerate(pairs, start=gdim):
-        motions[:, i, number] = -points[:, j]
-        motions[:, j, number] = points[:, i]
-    return motions
 
 
 def _products(left: list[PETSc.Vec], right: list[PETSc.Vec]) -> Array:

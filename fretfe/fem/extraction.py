@@ -10,6 +10,7 @@ import numpy as np
 from dolfinx import fem
 
 from fretfe._typing import Array, Indices
+from fretfe.bodies.pairs import Pair
 from fretfe.case import Case, contact_modulus, plane_modulus
 from fretfe.contact.march import March
 from fretfe.contact.neighbours import FRACTION, neighbour_states
@@ -21,7 +22,6 @@ from fretfe.edges.separation import own_part
 from fretfe.edges.slip_zones import cycle_states
 from fretfe.fem.interaction_integral import MODES, InteractionForm, Tip
 from fretfe.fem.model import Model, Request
-from fretfe.fem.reduction import Pair
 from fretfe.results.solution import (
     ContactHistory,
     Factor,

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
+from fretfe.bodies.pairs import Pair
 from fretfe.case import Case
 from fretfe.contact.interface import coordinate_range
 from fretfe.contact.recorder import Recorder, StateBlock
@@ -18,7 +19,6 @@ from fretfe.edges.limits import ContactExtent, ModelLimit, contact_extent, conta
 from fretfe.edges.slip_zones import cycle_states
 from fretfe.errors import ConvergenceError
 from fretfe.fem.model import Model, Reduction
-from fretfe.fem.reduction import Pair
 from fretfe.idealise.bodies import SIMILAR, dissimilarity
 from fretfe.results.solution import OPEN, ContactHistory, Solution
 from fretfe.surface.chain import Chain

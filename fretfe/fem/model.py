@@ -12,23 +12,22 @@ from dolfinx import fem
 from scipy import sparse
 
 from fretfe._typing import Array
+from fretfe.bodies.definition import BodyDefinition, ModelDefinition, define_model
+from fretfe.bodies.pairs import Pair, contact_surfaces, couple_contacts
 from fretfe.case import Case
 from fretfe.contact.interface import Interface, coordinate_range
 from fretfe.contact.state import ContactState, StepLoads, StepTable
 from fretfe.fem._compat import MPI
 from fretfe.fem.condensation import Body, CondensedBody
-from fretfe.fem.definition import BodyDefinition, ModelDefinition, define_model
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.groups import find_group, together
 from fretfe.fem.parallel import on_root
-from fretfe.fem.reduction import Pair, ReducedBody, build_interface, weighted_operator
+from fretfe.fem.reduction import ReducedBody, build_interface, weighted_operator
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
 from fretfe.mesh.cost import estimate_cost, require_memory
 from fretfe.mesh.groups import body_unknowns
 from fretfe.mesh.mesh import BodyMesh, Mesh
-from fretfe.surface.mortar import couple
-from fretfe.surface.surface import Surface, build_surface
 
 
 @dataclass(frozen=True)
@@ -235,25 +234,6 @@ def _work(definition: ModelDefinition, mesh: Mesh, degree: int) -> list[float]:
     power = 1.5 if mesh.dimension == 2 else 2.0
     bodies = (mesh.bodies[body.name] for body in definition.bodies)
     return [float(body_unknowns(body, degree)) ** power for body in bodies]
-
-
-def contact_surfaces(definition: ModelDefinition, mesh: Mesh) -> dict[str, Surface]:
-    """All contact surfaces, oriented, by name."""
-    return {
-        name: build_surface(mesh.bodies[body.name], name)
-        for body in definition.bodies
-        for name in body.surfaces
-    }
-
-
-def couple_contacts(case: Case, surfaces: dict[str, Surface]) -> tuple[Pair, ...]:
-    """The contact pairs of a case, in its order."""
-    pairs = []
-    for name, contact in case.contacts.items():
-        first, second = surfaces[contact.surface1], surfaces[contact.surface2]
-        coupling = couple(name, first, second, contact.multipliers, case.model.degree)
-        pairs.append(Pair(name, first.body, second.body, coupling))
-    return tuple(pairs)
 
 
 def step_loads(

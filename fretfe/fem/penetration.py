@@ -11,9 +11,9 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.bodies.pairs import Pair
 from fretfe.contact.recorder import Recorder
 from fretfe.fem.model import Model
-from fretfe.fem.reduction import Pair
 from fretfe.results.states import StateArray, blocks
 from fretfe.surface.chain import Chain
 from fretfe.surface.gap import INTERPENETRATION_PER_FACET

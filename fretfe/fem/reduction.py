@@ -4,26 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
 
 from fretfe._typing import Array, Indices
+from fretfe.bodies.pairs import Pair
 from fretfe.contact.compliance import DenseCompliance
 from fretfe.contact.interface import Coordinate, Interface, coordinate_range, require_restraint
 from fretfe.fem.condensation import CondensedBody
-from fretfe.surface.mortar import Coupling
-
-
-@dataclass(frozen=True)
-class Pair:
-    """One contact: its name, its bodies and its coupling."""
-
-    name: str
-    body1: str
-    body2: str
-    coupling: Coupling
 
 
 class ReducedBody:

@@ -60,12 +60,12 @@ def first_sizes(case: Case, growth: float, gmsh: ModuleType) -> Sizes:
 
 
 def starting_mesh(case: Case) -> Mesh:
-    """The mesh of a case, the first one if it refines itself. Serial.
+    """The first mesh of a case that refines itself. Serial.
 
     Raises:
         FretfeError: as for `load_mesh`.
     """
-    return load_mesh(case) if case.edges is None else _Passes(case, DEFAULTS.announce).load()
+    return _Passes(case, DEFAULTS.announce).load()
 
 
 def refine(comm: MPI.Comm, case: Case, options: RunOptions) -> Result:

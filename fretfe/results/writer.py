@@ -34,7 +34,9 @@ from fretfe.results.states import StateArray, blocks
 from fretfe.results.stream import STREAM
 
 SCHEMA = {"name": "fretfe-results", "version": 3}
-NUMBERS, ARRAYS = "results.json", "results.h5"
+NUMBERS, ARRAYS, REPORT = "results.json", "results.h5", "report.html"
+# Where pictures are in a results folder, and what lists them there.
+PICTURES, PICTURE_LIST = "pictures", "pictures.json"
 # In place of a list that is in `ARRAYS`: this, and the name of its data set there.
 ELSEWHERE = f"{ARRAYS}:"
 
@@ -66,6 +68,13 @@ def remove_fields(directory: Path) -> None:
         (directory / FIELDS).unlink(missing_ok=True)
     except OSError as error:
         raise OutputError(f"{directory / FIELDS}: cannot remove old fields: {error}") from error
+
+
+def remove_pictures(directory: Path) -> None:
+    """Remove the pictures of an earlier run; other files stay."""
+    folder = directory / PICTURES
+    for path in [*folder.glob("*.png"), folder / PICTURE_LIST]:
+        path.unlink(missing_ok=True)
 
 
 def write_results(directory: Path, result: Result) -> None:

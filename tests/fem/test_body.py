@@ -13,9 +13,11 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
+from fretfe.bodies.body import Constraint, DistributedLoad, Material
+from fretfe.bodies.rigid_modes import rigid_motions
 from fretfe.fem._compat import MPI
-from fretfe.fem.condensation import Body, CondensedBody, Constraint, rigid_motions
-from fretfe.fem.elasticity import DistributedLoad, ElasticBody, Material
+from fretfe.fem.condensation import Body, CondensedBody
+from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.timing import Clock
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.surface.surface import build_surface

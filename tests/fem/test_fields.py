@@ -17,10 +17,11 @@ from pad_cases import cylinder, pad, pad_text, press, shear
 
 from fretfe._typing import Array
 from fretfe.backends import RunOptions
+from fretfe.bodies.body import Material
 from fretfe.case import parse_case
 from fretfe.errors import OutputError
 from fretfe.fem._compat import MPI
-from fretfe.fem.elasticity import ElasticBody, Material
+from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.run import solve
 from fretfe.results.field_file import FIELDS, FieldReader, FieldWriter
 

@@ -11,9 +11,9 @@ from blocks import Map, block
 from chains import surface
 
 from fretfe._typing import Array
+from fretfe.bodies.definition import define_model
+from fretfe.bodies.rigid_modes import modes_restrained_by_contact
 from fretfe.case import parse_case
-from fretfe.fem.definition import define_model
-from fretfe.fem.rigid_modes import modes_restrained_by_contact
 from fretfe.mesh.groups import mesh_summary
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.chain import Chain

@@ -9,13 +9,10 @@ either: a small run comes first.
 
 from __future__ import annotations
 
-import sys
+import runpy
 from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "tools"))
-import bench
 
 
 @pytest.mark.slow
@@ -24,7 +21,8 @@ import bench
     ("h", "growth", "limit"), [(0.02, 0.15, 6), (0.005, 0.05, 2.5)], ids=["h .02", "h .005"]
 )
 def test_cost_in_factorisations(tmp_path: Path, h: float, growth: float, limit: float) -> None:
-    found = bench.in_a_process(bench.write_cylinder(tmp_path / "b1", h, growth))
+    bench = runpy.run_path(str(Path(__file__).parents[2] / "tools" / "bench.py"))
+    found = bench["in_a_process"](bench["write_cylinder"](tmp_path / "b1", h, growth))
     run, factorisation = found["run"], found["factorisation"]
     print(f"run {run:.2f} s, factorisation {factorisation:.2f} s, ratio {run / factorisation:.2f}")
     assert run < limit * factorisation

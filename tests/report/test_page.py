@@ -19,8 +19,8 @@ from stored_runs import REASON, RUNS, edit_numbers, solved, write_many_contacts,
 from fretfe.case import parse_case
 from fretfe.edges.refinement import Pass, Refinement, StationValues
 from fretfe.errors import OutputError
-from fretfe.report.page.html import REPORT, render, write_report
-from fretfe.results.writer import write_results
+from fretfe.report.page.html import render, write_report
+from fretfe.results.writer import REPORT, write_results
 
 SCRIPT = "<script>alert(1)</script>"
 # A name of the SVG and XLink languages is no address that is loaded.

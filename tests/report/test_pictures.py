@@ -24,14 +24,14 @@ from matplotlib.image import imread
 from fretfe.report.pictures import folder as folder_module
 from fretfe.report.pictures.child import _run
 from fretfe.report.pictures.fields import open_fields
-from fretfe.report.pictures.folder import FOLDER, LIST, MOST_EDGES, make_pictures, plan_pictures
+from fretfe.report.pictures.folder import MOST_EDGES, make_pictures, plan_pictures
 from fretfe.report.pictures.panels import Pixels
 from fretfe.report.pictures.status import STATUS
 from fretfe.report.pictures.stress import draw_bodies, find_look
 from fretfe.results.field_file import FIELDS
 from fretfe.results.reader import load_result
 from fretfe.results.solution import SLIP, STICK
-from fretfe.results.writer import NUMBERS, remove_fields
+from fretfe.results.writer import NUMBERS, PICTURE_LIST, PICTURES, remove_fields
 
 # Load extremes and end of the last cycle, from t = 2 to t = 3.
 EXTREMES = (2.25, 2.75, 3.0)
@@ -58,11 +58,11 @@ def drawn(source: Path) -> Path:
 @pytest.fixture
 def folder(source: Path, tmp_path: Path) -> Path:
     """A copy to change."""
-    return shutil.copytree(source, tmp_path / "copy", ignore=shutil.ignore_patterns(FOLDER))
+    return shutil.copytree(source, tmp_path / "copy", ignore=shutil.ignore_patterns(PICTURES))
 
 
 def listed(folder: Path) -> dict[str, Any]:
-    return dict(json.loads((folder / FOLDER / LIST).read_text("utf-8")))
+    return dict(json.loads((folder / PICTURES / PICTURE_LIST).read_text("utf-8")))
 
 
 def reasons(folder: Path) -> dict[str, str]:
@@ -75,12 +75,14 @@ def test_every_picture_is_there_and_as_large_as_the_list_says(drawn: Path) -> No
     assert content["missing"] == []
     names = [each["file"] for each in content["pictures"]]
     assert names == ["stress.png", "edges.png", "status.png"]
-    assert sorted(path.name for path in (drawn / FOLDER).iterdir()) == sorted([*names, LIST])
+    assert sorted(path.name for path in (drawn / PICTURES).iterdir()) == sorted(
+        [*names, PICTURE_LIST]
+    )
     for each in content["pictures"]:
-        height, width = imread(drawn / FOLDER / each["file"]).shape[:2]
+        height, width = imread(drawn / PICTURES / each["file"]).shape[:2]
         assert (each["width"], each["height"]) == (width, height)
         assert width <= 1600
-    assert sum((drawn / FOLDER / name).stat().st_size for name in names) < 3e6
+    assert sum((drawn / PICTURES / name).stat().st_size for name in names) < 3e6
 
 
 def test_captions_tell_states_scale_and_where_colours_end(drawn: Path) -> None:
@@ -126,7 +128,7 @@ def test_colours_are_where_the_stress_is(drawn: Path) -> None:
 
 
 def test_status_has_its_colours(drawn: Path) -> None:
-    pixels = imread(drawn / FOLDER / "status.png")[..., :3].reshape(-1, 3)
+    pixels = imread(drawn / PICTURES / "status.png")[..., :3].reshape(-1, 3)
     for kind in (STICK, SLIP):
         # Anti-aliased lines have pure pixels inside; 8 bits are exact to 1/510.
         same = np.abs(pixels - to_rgb(STATUS[kind]["color"])).max(axis=1) < 0.003
@@ -248,14 +250,14 @@ def test_a_drawing_process_knows_nothing_of_mpi(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_an_earlier_run_leaves_nothing(folder: Path) -> None:
-    (folder / FOLDER).mkdir()
-    for path in (FOLDER + "/old.png", FOLDER + "/mine.txt", FIELDS):
+    (folder / PICTURES).mkdir()
+    for path in (PICTURES + "/old.png", PICTURES + "/mine.txt", FIELDS):
         (folder / path).write_text("")
     remove_fields(folder)
     make_pictures(folder)
     assert not (folder / FIELDS).exists()
-    kept = sorted(path.name for path in (folder / FOLDER).iterdir())
-    assert kept == ["mine.txt", LIST, "status.png"]
+    kept = sorted(path.name for path in (folder / PICTURES).iterdir())
+    assert kept == ["mine.txt", PICTURE_LIST, "status.png"]
 
 
 @pytest.mark.parametrize("idle", [0, 1, 3])
@@ -263,7 +265,9 @@ def test_other_work_is_done_while_processes_draw(
     folder: Path, monkeypatch: pytest.MonkeyPatch, idle: int
 ) -> None:
     """No more processes at a time than idle cores, each picture once; without any, one by one."""
-    events, running, most = [], [], []
+    events: list[str] = []
+    running: list[Sequence[str]] = []
+    most: list[int] = []
 
     def draw(task: str, directory: Path, files: Sequence[str]) -> dict[str, dict[str, Any]]:
         running.append(files)

@@ -23,8 +23,8 @@ from fretfe.report.texts import number
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.solution import Solution
+from fretfe.results.writer import REPORT
 
-REPORT = "report.html"
 TEMPLATE, STYLE = "report.html.j2", "report.css"
 # Parts of a certificate, in the order of the page, with what they are a violation of.
 CERTIFICATE = {

@@ -27,11 +27,10 @@ from fretfe.report.source import edge_title, extremes, folder_of
 from fretfe.results.field_file import FIELDS
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
+from fretfe.results.writer import PICTURE_LIST, PICTURES, remove_pictures
 
 T = TypeVar("T")
 
-# Where pictures are in a results folder, and what lists them there.
-FOLDER, LIST = "pictures", "pictures.json"
 # Panels in one picture.
 MOST_EDGES, MOST_CONTACTS = 4, 4
 
@@ -141,19 +140,12 @@ def make_pictures(directory: Path, meanwhile: Callable[[], None] = lambda: None)
     wanted = plan_pictures(run)
     reports = {each.file: {"reason": reason} for each in wanted if (reason := _lacks(run, each))}
     try:
-        (directory / FOLDER).mkdir(exist_ok=True)
+        (directory / PICTURES).mkdir(exist_ok=True)
         missing = [each for each in wanted if each.file not in reports]
         reports |= _draw(run, missing, meanwhile)
         _write_list(directory, wanted, reports)
     except OSError as error:
-        raise OutputError(f"{directory / FOLDER}: cannot write pictures: {error}") from error
-
-
-def remove_pictures(directory: Path) -> None:
-    """Remove the pictures of an earlier run; other files stay."""
-    folder = directory / FOLDER
-    for path in [*folder.glob("*.png"), folder / LIST]:
-        path.unlink(missing_ok=True)
+        raise OutputError(f"{directory / PICTURES}: cannot write pictures: {error}") from error
 
 
 def _lacks(run: Result, wanted: Wanted) -> str:
@@ -193,7 +185,7 @@ def _draw(
 
 def _draw_status(run: Result, wanted: Wanted) -> dict[str, Any]:
     figure, caption = draw_status(run, wanted.contacts, wanted.states)
-    width, height = save_png(figure, folder_of(run) / FOLDER / wanted.file)
+    width, height = save_png(figure, folder_of(run) / PICTURES / wanted.file)
     return {"caption": caption, "width": width, "height": height}
 
 
@@ -208,7 +200,7 @@ def _write_list(
         if report:
             pictures.append({"file": each.file, "title": each.title, **report})
     text = json.dumps({"pictures": pictures, "missing": missing}, indent=1, ensure_ascii=False)
-    (directory / FOLDER / LIST).write_text(text + "\n", encoding="utf-8")
+    (directory / PICTURES / PICTURE_LIST).write_text(text + "\n", encoding="utf-8")
 
 
 @dataclass(frozen=True)
@@ -252,8 +244,8 @@ def read_pictures(directory: Path) -> Pictures:
     Raises:
         OutputError: if the list, or a picture in it, cannot be read.
     """
-    folder = directory / FOLDER
-    path = folder / LIST
+    folder = directory / PICTURES
+    path = folder / PICTURE_LIST
     if not path.exists():
         return Pictures()
     try:

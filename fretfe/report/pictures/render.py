@@ -14,12 +14,13 @@ from pathlib import Path
 from typing import Any
 
 from fretfe.report.pictures.fields import Fields, Scene, open_fields
-from fretfe.report.pictures.folder import FOLDER, Wanted, plan_pictures
+from fretfe.report.pictures.folder import Wanted, plan_pictures
 from fretfe.report.pictures.panels import pixels, save_png
 from fretfe.report.pictures.stress import bodies_caption, draw_bodies, draw_edges, find_look
 from fretfe.report.source import extremes, folder_of, span, when
 from fretfe.report.theme import COLOURS
 from fretfe.results.field_file import FIELDS
+from fretfe.results.writer import PICTURES
 
 # Of an animation: its width in inches, and how long a cycle takes in milliseconds.
 FRAME_WIDTH, DURATION = 6.4, 4000
@@ -55,7 +56,7 @@ def _draw(source: Fields, wanted: Wanted) -> dict[str, Any]:
         scene.close()
     else:
         figure, caption = draw_edges(source, states[-1], wanted.edges)
-    width, height = save_png(figure, folder_of(source.run) / FOLDER / wanted.file, COLOURS)
+    width, height = save_png(figure, folder_of(source.run) / PICTURES / wanted.file, COLOURS)
     return {**report, "caption": caption, "width": width, "height": height}
 
 

@@ -8,8 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.fem.condensation import rigid_motions
-from fretfe.fem.definition import BodyDefinition, ModelDefinition
+from fretfe.bodies.definition import BodyDefinition, ModelDefinition
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.checks import place
 
@@ -100,3 +99,15 @@ def _one_motion(motion: Array, body: BodyMesh) -> str:
     # u = (a - c y, b + c x) vanishes at x = -b/c, y = a/c
     fixed = centre + size * np.array([-motion[1], motion[0]]) / motion[2]
     return f"to turn about {place(fixed, 4)}"
+
+
+def rigid_motions(points: Array) -> Array:
+    """(n, gdim, k) translations and infinitesimal rotations at points (n, gdim)."""
+    count, gdim = points.shape
+    pairs = [(i, j) for i in range(gdim) for j in range(i + 1, gdim)]
+    motions = np.zeros((count, gdim, gdim + len(pairs)))
+    motions[:, range(gdim), range(gdim)] = 1.0
+    for number, (i, j) in enumerate(pairs, start=gdim):
+        motions[:, i, number] = -points[:, j]
+        motions[:, j, number] = points[:, i]
+    return motions

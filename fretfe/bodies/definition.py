@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fretfe.bodies.body import Constraint, DistributedLoad, Material
 from fretfe.case import Case, unit_vector
 from fretfe.case.channels import DisplacementLoad, PlatenLoad, RotationLoad, TractionLoad
 from fretfe.contact.interface import Coordinate
 from fretfe.errors import ModelError
-from fretfe.fem.condensation import Constraint
-from fretfe.fem.elasticity import DistributedLoad, Material
 from fretfe.mesh.mesh import Mesh
 
 AXES = "xyz"

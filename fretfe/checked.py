@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What finite elements would solve: the case, its mesh and its model, without DOLFINx."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from fretfe.bodies.definition import ModelDefinition, define_model
+from fretfe.bodies.pairs import Pair, contact_surfaces, couple_contacts
+from fretfe.bodies.rigid_modes import modes_restrained_by_contact
+from fretfe.bodies.support import unsupported
+from fretfe.case import Case
+from fretfe.environment import rank_from_environment
+from fretfe.loads import History, build_history
+from fretfe.mesh.cost import Cost, estimate_cost
+from fretfe.mesh.mesh import Mesh
+from fretfe.runner import require_support
+from fretfe.surface.load import load_mesh
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A case that finite elements could solve.
+
+    Attributes:
+        case: as it was checked.
+        history: its loads.
+        mesh: of its bodies, the first one if it refines itself.
+        definition: bodies, coordinates and loads of the model.
+        pairs: coupled contact surfaces.
+        restrained_modes: by body, a rigid motion that only contact prevents, in words.
+    """
+
+    case: Case
+    history: History
+    mesh: Mesh
+    definition: ModelDefinition
+    pairs: Sequence[Pair]
+    restrained_modes: Mapping[str, str]
+
+    @property
+    def cost(self) -> Cost | None:
+        """Estimate of memory and time, of the first mesh if it refines itself; None in space."""
+        if self.mesh.dimension != 2:
+            return None
+        nodes = sum(len(pair.coupling.weights) for pair in self.pairs)
+        steps = len(self.history.times) - 1
+        return estimate_cost(self.mesh, self.case.model.degree, nodes, steps)
+
+
+def check(case: Case) -> Checked | None:
+    """Check a case and its mesh without solving it; None on processes other than 0.
+
+    Raises:
+        FretfeError: if there is no history, no mesh or no model for the case.
+    """
+    if rank_from_environment() > 0:
+        return None
+    require_support("fem", case, unsupported(case))
+    history, mesh = build_history(case), _first_mesh(case)
+    definition = define_model(case, mesh)
+    pairs = couple_contacts(case, contact_surfaces(definition, mesh))
+    restrained = modes_restrained_by_contact(definition, mesh)
+    return Checked(case, history, mesh, definition, pairs, restrained)
+
+
+def make_mesh(case: Case) -> Mesh | None:
+    """Make the mesh of a case, the first one if it refines itself; None on processes other than 0.
+
+    Raises:
+        FretfeError: if there is no mesh for the case.
+    """
+    return None if rank_from_environment() > 0 else _first_mesh(case)
+
+
+def _first_mesh(case: Case) -> Mesh:
+    if case.edges is None:
+        return load_mesh(case)
+    # The first mesh of a refinement is a part of solving.
+    from fretfe.fem.refine import starting_mesh
+
+    return starting_mesh(case)

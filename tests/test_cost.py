@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Estimates of memory and time, and the refusal of what cannot fit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import blocks
+import pytest
+
+from fretfe.environment import machine_memory
+from fretfe.errors import ModelError
+from fretfe.mesh import cost
+from fretfe.mesh.cost import estimate_cost, require_memory
+from fretfe.mesh.mesh import Mesh
+
+GB = 2**30
+
+
+def mesh() -> Mesh:
+    lines = blocks.graded(0.0, 1.5, 40), blocks.graded(0.0, 1.0, 30)
+    return Mesh({"b": blocks.block("b", *lines)})
+
+
+def test_the_machine_tells_its_memory() -> None:
+    there = machine_memory()
+    assert there is not None
+    assert GB / 4 < there < 2**50
+
+
+def test_cost_grows_with_tractions_and_steps() -> None:
+    small = estimate_cost(mesh(), 2, nodes=40, steps=100)
+    assert small.tractions == 80
+    assert small.text.startswith(f"{small.unknowns} unknowns, 80 contact tractions, 100 steps: ")
+    assert estimate_cost(mesh(), 2, nodes=4000, steps=100).memory > 10 * small.memory
+    longer = estimate_cost(mesh(), 2, nodes=40, steps=100_000)
+    assert longer.memory == small.memory  # a history is streamed to a file
+    assert longer.seconds > 300
+    assert "min" in longer.text
+    assert "h" in estimate_cost(mesh(), 2, nodes=40, steps=10**7).text.rsplit(" ", 1)[1]
+
+
+def test_what_cannot_fit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = estimate_cost(mesh(), 2, nodes=40, steps=100)
+    require_memory(found)
+    monkeypatch.setattr(cost, "machine_memory", lambda: 4 * GB)
+    large = replace(found, unknowns=2_000_000, memory=8.0 * GB)
+    expected = r"memory of this machine \(4 GB\), found one that needs about 8 GB \(2000000 unk"
+    with pytest.raises(ModelError, match=expected) as caught:
+        require_memory(large)
+    assert "About 1000000 unknowns would fit: make the elements larger" in str(caught.value)
+    monkeypatch.setattr(cost, "machine_memory", lambda: None)
+    require_memory(large)
