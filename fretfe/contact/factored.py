@@ -32,6 +32,8 @@ from fretfe.errors import ModelError
 # Leading blocks end at multiples of this fraction of all nodes: most changes of the contact area
 # leave the block as it is.
 STEP = 1 / 64
+# Nodes that are factorised: at least so many, and so many times those in contact.
+FEWEST, SPARE = 300, 2
 # Work of opening a component among those of a block, for each of them, over that of a factorisation
 # for each cube of an unknown (measured: 18 ns, .03 ns).
 OPENING = 600
@@ -49,6 +51,7 @@ class FactoredOperator:
     def __init__(self, interface: Interface) -> None:
         self.interface = interface
         self._order: ContactOrder | None = None
+        self._count = FEWEST
         self._met = np.zeros(interface.size, dtype=np.int64)  # how often a node was in contact
 
     def area(self, closed: Bools, gap: Array) -> NestedArea:
@@ -56,7 +59,9 @@ class FactoredOperator:
         self._met += closed
         if self._order is None or self._order.is_worn(closed):
             keys = gap / self.interface.roots, -self._met, ~closed  # the last one counts most
-            self._order = ContactOrder(self.interface, np.lexsort(keys))
+            # Never fewer than before: a contact that shrank will grow again.
+            self._count = max(self._count, SPARE * int(closed.sum()))
+            self._order = ContactOrder(self.interface, np.lexsort(keys)[: self._count])
         return self._order.area(closed)
 
     def regularised(self, penalty: float) -> RegularisedFactor:
@@ -65,19 +70,21 @@ class FactoredOperator:
 
 
 class ContactOrder:
-    """The compliance factorised in one order of the nodes.
+    """The compliance of the nodes that come into contact first, factorised in this order.
 
     Args:
         interface: the interface problem.
-        nodes: (N,) all nodes.
+        nodes: (K,) these nodes; the others do not touch.
 
     Attributes:
         interface: the interface problem.
-        nodes: (N,) all nodes.
-        components: (N*d,) theirs.
+        nodes: (K,) these nodes.
+        components: (K*d,) theirs.
+        others: components of the other nodes.
         level: mean compliance, the unit of tractions.
         scale: (m,) unit of each coordinate.
-        motion: (N*d, m) G in these units and this order.
+        motion: (K*d, m) G in these units and this order.
+        effect: displacements of the others by tractions, then by coordinates, in these units.
         stiffness: (m, m) K in these units.
         inverse: of the leading blocks of A.
         rows: of these inverses, and G times them.
@@ -88,13 +95,19 @@ class ContactOrder:
         self.interface = interface
         self.nodes = nodes
         self.components = (nodes[:, None] * d + np.arange(d)).ravel()
-        self._rank = np.argsort(nodes)
+        self._rank = np.full(interface.size, len(nodes))
+        self._rank[nodes] = np.arange(len(nodes))
         self._step = max(1, round(STEP * len(nodes)))
         self._area: NestedArea | None = None
         self._cost = 0.0
         self.level = interface.compliance.level
         self.scale = coordinate_scale(interface)
         self.motion = interface.motion[self.components] * self.scale
+        self.others = np.delete(np.arange(interface.size * d), self.components)
+        self.effect = (
+            interface.compliance.block(self.others, self.components) / self.level,
+            interface.motion[self.others] * self.scale,
+        )
         self.stiffness = interface.stiffness * np.outer(self.scale, self.scale) * self.level
         matrix = interface.compliance.block(self.components, self.components).T  # Fortran's order
         matrix /= self.level
@@ -109,10 +122,12 @@ class ContactOrder:
         self.rows = InverseRows(self.inverse, self.motion)
 
     def is_worn(self, closed: Bools) -> bool:
-        """Tell whether opening nodes out of order has cost as much by now as another order does.
+        """Tell whether another order is needed, or has been paid by opening nodes out of order.
 
         Counts the contact area as solved once more.
         """
+        if self._last(closed) > len(self.nodes):
+            return True
         opened = self._last(closed) - int(closed.sum())
         size = len(self.components)
         self._cost += OPENING * opened * self.interface.components * int(closed.sum())
@@ -120,7 +135,7 @@ class ContactOrder:
 
     def area(self, closed: Bools) -> NestedArea:
         """The leading block that includes a contact area."""
-        count = min(-(-self._last(closed) // self._step) * self._step, len(closed))
+        count = min(-(-self._last(closed) // self._step) * self._step, len(self.nodes))
         if self._area is None or self._area.count != count:
             self._area = NestedArea(self, count)
         return self._area
@@ -161,16 +176,18 @@ class StuckSolution:
         order, size = area.order, area.size
         self._area = area
         self._given = free, forces
-        self._free = free.reshape(-1, free.shape[-1])[order.components]
+        self._free = free.reshape(-1, free.shape[-1])
         self._forces = forces * order.scale[:, None] * order.level
         # Forces that the tractions leave over with all coordinates at rest.
-        self._missing = order.rows.vectors(size) @ self._free[:size] - self._forces
+        self._missing = (
+            order.rows.vectors(size) @ self._free[order.components[:size]] - self._forces
+        )
 
     @cached_property
     def _traction(self) -> Array:
         """(n*d, J) tractions with all coordinates at rest."""
-        area = self._area
-        return area.order.inverse.solve(area.size, -self._free[: area.size])
+        order, size = self._area.order, self._area.size
+        return order.inverse.solve(size, -self._free[order.components[:size]])
 
     @property
     def coordinates(self) -> Array:
@@ -222,16 +239,17 @@ class StuckSolution:
         traction, relative = np.zeros_like(self._free), np.zeros_like(self._free)
         traction[order.components[:size]] = solved / order.level
         relative[order.components[released.all]] = changes[:count]
-        relative[order.components[size:]] = (
-            self._free[size:]
-            + order.inverse.beyond(size).T @ solved
-            + order.motion[size:] @ changes[count:]
-        )
+        beyond, coordinates = order.components[size:], changes[count:]
+        relative[beyond] = self._free[beyond] + order.inverse.beyond(size).T @ solved
+        relative[beyond] += order.motion[size:] @ coordinates
+        tractions, motion = order.effect
+        relative[order.others] = self._free[order.others] + tractions[:, :size] @ solved
+        relative[order.others] += motion @ coordinates
         shape = (order.interface.size, order.interface.components, -1)
         return Response(
             traction.reshape(shape),
             relative.reshape(shape),
-            changes[count:] * order.scale[:, None],
+            coordinates * order.scale[:, None],
             residual,
         )
 

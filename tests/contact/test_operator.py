@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fretfe._typing import Array, Bools
+from fretfe.contact import factored
 from fretfe.contact.compliance import DenseCompliance
 from fretfe.contact.factored import FactoredOperator
 from fretfe.contact.interface import Coordinate, Interface
@@ -166,6 +167,28 @@ def test_area_is_the_same_while_it_serves(make: type[FactoredOperator]) -> None:
     assert operator.area(np.arange(NODES) < 18, gap) is not first
     again = operator.area(closed, gap)
     assert operator.area((np.arange(NODES) < 20) & (np.arange(NODES) != 3), gap) is again
+
+
+@OPERATORS
+@DIMENSIONS
+def test_nodes_that_are_not_factorised_come_into_contact(
+    make: type[FactoredOperator], d: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Areas that grow, move away and come back meet the conditions as one that is solved alone."""
+    monkeypatch.setattr(factored, "FEWEST", 4)
+    interface = problem(d)
+    operator = make(interface)
+    wanted = conditions(interface, np.array([False, True, True, True]))
+    free, forces = loads(interface)
+    for first, last in ((0, 6), (0, 18), (22, NODES), (3, 15)):
+        inside = (np.arange(NODES) >= first) & (np.arange(NODES) < last)
+        now = replace(wanted, status=np.where(inside, wanted.status, OPEN).astype(np.int8))
+        area = operator.area(now.status != OPEN, free[:, 0, 0])
+        found = area.stuck(free, forces).release(now)
+        traction, relative, coordinates = solved_directly(interface, now, free, forces)
+        np.testing.assert_allclose(found.traction, traction, atol=SAME)
+        np.testing.assert_allclose(found.relative, relative, atol=SAME)
+        np.testing.assert_allclose(found.coordinates, coordinates, atol=SAME)
 
 
 @OPERATORS
