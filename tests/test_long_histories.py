@@ -86,17 +86,16 @@ def test_a_steady_cycle_is_not_solved_again() -> None:
     assert set(repeat.source) == set(range(repeat.first - STEPS, repeat.first))
     for mine, other in zip(known.contacts, every.contacts, strict=True):
         for name in ("traction", "mean_traction", "gap", "slip", "dissipation"):
-            expected = np.asarray(getattr(other, name))
-            assert np.asarray(getattr(mine, name)) == pytest.approx(
-                expected, abs=1e-9 * np.abs(expected).max()
-            )
+            wanted = np.asarray(getattr(other, name))
+            size = 1e-9 * np.abs(wanted).max()
+            assert np.asarray(getattr(mine, name)) == pytest.approx(wanted, abs=size)
         np.testing.assert_array_equal(np.asarray(mine.status), np.asarray(other.status))
-    (mine,), (other,) = evaluate(known), evaluate(every)
-    for one, two in zip(mine.stations, other.stations, strict=True):
+    (found,), (expected,) = evaluate(known), evaluate(every)
+    for one, two in zip(found.stations, expected.stations, strict=True):
         assert one.k_t_range == pytest.approx(two.k_t_range, rel=1e-9)
         zones = [[zone.length for zone in each.slip_zones] for each in (one, two)]
         assert zones[0] == pytest.approx(zones[1], rel=1e-9)
-    assert mine.dissipation == pytest.approx(other.dissipation, rel=1e-9)
+    assert found.dissipation == pytest.approx(expected.dissipation, rel=1e-9)
 
 
 def test_what_follows_repeated_cycles_is_solved() -> None:
@@ -179,8 +178,8 @@ def test_tractions_are_kept_as_wanted(tmp_path: Path, wanted: str) -> None:
     for name in ("traction", "mean_traction", "gap", "slip", "status", "dissipation"):
         np.testing.assert_array_equal(getattr(mine, name)[states], getattr(other, name)[states])
     for each in ("k_t", "position"):
-        histories = [run.history("main", "left")[each] for run in (found, result)]
-        np.testing.assert_array_equal(*histories)
+        mine_left, other_left = (run.history("main", "left") for run in (found, result))
+        np.testing.assert_array_equal(mine_left[each], other_left[each])
     if wanted != "all":
         with pytest.raises(OutputError, match=r"traction in state 2, found only .* tractions"):
             mine.traction[2]

@@ -48,7 +48,7 @@ class Repetition:
             period = now - earlier
             if (
                 np.array_equal(loads[now + 1 : now + 1 + period], loads[earlier + 1 : now + 1])
-                and np.allclose(*recorder.marks[[earlier, now]], rtol=1e-8, atol=0.0)
+                and np.allclose(recorder.marks[now], recorder.marks[earlier], rtol=1e-8, atol=0.0)
                 and _same(recorder.last, recorder.state(earlier))
             ):
                 different = np.flatnonzero(loads[now + 1 :] != loads[earlier + 1 : -period])
