@@ -24,12 +24,13 @@ from fretfe.backends import (
 )
 from fretfe.backends.observer import SILENT
 from fretfe.case import Case, as_written, case_text, load_case, parse_assignments
-from fretfe.errors import ModelError, OutputError
+from fretfe.errors import FretfeError, ModelError, OutputError
 from fretfe.quality.validate import Validation, validate
 from fretfe.quality.validate.report import as_numbers
 from fretfe.report.page.html import REPORT, write_report
 from fretfe.report.pictures.folder import make_pictures, remove_pictures
 from fretfe.results.model import Result
+from fretfe.results.stream import STREAM
 from fretfe.results.writer import FIELDS, prepare_directory, remove_fields, write_results
 from fretfe.sweeps import Sweep, make_variants, run_sweep
 from fretfe.sweeps.files import write_files
@@ -114,7 +115,12 @@ class Runner:
         self.write(lambda: _prepare_folder(output, case))
         if case.output.fields != "none":
             options = replace(options, fields=output / FIELDS)
-        result = replace(self.backend.solve(case, options), backend=self.name, directory=output)
+        try:
+            result = replace(self.backend.solve(case, options), backend=self.name, directory=output)
+        except FretfeError:
+            # There are no results that its states would belong to.
+            (output / STREAM).unlink(missing_ok=True)
+            raise
         begin = time.perf_counter()
         self.write(lambda: _write_numbers(output, result))
         return replace(result, seconds={**result.seconds, "writing": time.perf_counter() - begin})
