@@ -93,8 +93,8 @@ def _patches(contact: ContactHistory) -> Iterator[str]:
     if several:
         yield (
             f"in {len(several)} of {len(contact.traction) - 1} states up to {1 - min(several):.1%} "
-            "of P is on single nodes apart from the patch, too few for edges of their own: make the "
-            "elements smaller there"
+            "of P is on single nodes apart from the patch, too few for edges of their own: make "
+            "the elements smaller there"
         )
 
 
