@@ -25,9 +25,10 @@ from fretfe.backends import (
 )
 from fretfe.backends.observer import SILENT
 from fretfe.case import Case, as_written, case_text, load_case, parse_assignments
-from fretfe.errors import ModelError, OutputError
+from fretfe.errors import FretfeError, ModelError, OutputError
 from fretfe.results.field_file import FIELDS
 from fretfe.results.model import Result
+from fretfe.results.stream import STREAM
 from fretfe.results.writer import (
     REPORT,
     prepare_directory,
@@ -122,7 +123,12 @@ class Runner:
         self.write(lambda: _prepare_folder(output, case))
         if case.output.fields != "none":
             options = replace(options, fields=output / FIELDS)
-        result = replace(self.backend.solve(case, options), backend=self.name, directory=output)
+        try:
+            result = replace(self.backend.solve(case, options), backend=self.name, directory=output)
+        except FretfeError:
+            # There are no results that its states would belong to.
+            (output / STREAM).unlink(missing_ok=True)
+            raise
         begin = time.perf_counter()
         self.write(lambda: _write_numbers(output, result))
         return replace(result, seconds={**result.seconds, "writing": time.perf_counter() - begin})

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,7 +30,7 @@ class Run:
     """
 
     model: Model
-    steps: list[StepLoads]
+    steps: Sequence[StepLoads]
     results: list[StepResult]
     tractions: Array
     forces: dict[str, Array]
@@ -68,7 +68,7 @@ def run(data: dict[str, Any], *meshes: BodyMesh) -> Run:
     mesh = Mesh({m.name: m for m in meshes}) if comm.rank == 0 else None
     model = Model(comm, case, mesh, Clock())
     replace_meshes(*(body.elastic.mesh for body in model.bodies.values()))
-    steps: list[StepLoads] = []
+    steps: Sequence[StepLoads] = []
     results: list[StepResult] = []
     tractions, forces = None, None
     if model.reduction is not None:

@@ -24,7 +24,7 @@ Two measures make it converge from the solution of the step before:
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -156,7 +156,7 @@ class MonolithicSolver:
         self._means = (sparse.diags(means) @ system.coupling)[:, self.free]
         self._pull = (sparse.diags(pull) @ system.coupling)[:, self.free].T
 
-    def run(self, steps: list[StepLoads]) -> Iterator[MonolithicStep]:
+    def run(self, steps: Sequence[StepLoads]) -> Iterator[MonolithicStep]:
         """Solve steps one after the other, each from the solution of the one before.
 
         Args:

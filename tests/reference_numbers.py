@@ -74,10 +74,10 @@ def solved_numbers(name: str, folder: Path) -> Numbers:
 def _of_contact(contact: ContactHistory, summary: ContactSummary) -> Iterator[tuple[str, Any]]:
     for key in ("normal_force", "shear_force", "moment", "half_width", "effective_tension"):
         yield key, getattr(summary, key)
-    yield "friction work", contact.dissipation.sum(axis=1)
+    yield "friction work", np.sum(contact.dissipation, axis=1)
     for component, key in enumerate(("pressure", "shear")):
         yield f"norm of {key}", np.sqrt(contact.traction[..., component] ** 2 @ contact.weights)
-    yield "status", (contact.status * np.arange(1, 1 + contact.status.shape[1])).sum(axis=1)
+    yield "status", np.sum(contact.status * np.arange(1, 1 + contact.status.shape[1]), axis=1)
 
 
 def _of_edge(edge: Station) -> Iterator[tuple[str, Any]]:

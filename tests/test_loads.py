@@ -421,3 +421,38 @@ def test_a_load_that_does_not_return_is_not_a_cycle() -> None:
     )
     given = case_of(extra="cycle = { start = 1, end = 2 }", a=[wave(cycles=2)], b=[ramp(4, 2, 2)])
     assert build_history(given).cycle == (8, 16)
+
+
+def repeated(folder: Path, content: str, *before: dict[str, Any], **keys: Any) -> History:
+    """History of some segments and of a CSV file with these keys."""
+    (folder / "table.csv").write_text(content, encoding="utf-8")
+    segment = {"csv": "table.csv", "time": "t", "value": "Q", **keys}
+    return build_history(case_of(folder / "c.toml", a=[*before, segment]))
+
+
+def test_a_csv_file_is_scaled_shifted_and_repeated(tmp_path: Path) -> None:
+    ramp = {"ramp": 5.0, "until": 2.0, "steps": 1}
+    keys = {"scale": -2.0, "offset": 1.0, "repeat": 3}
+    history = repeated(tmp_path, "t,Q\n2,-2\n3,1\n5.5,4\n6,-2\n", ramp, **keys)
+    assert history.times.tolist() == [0, 2, 3, 5.5, 6, 7, 9.5, 10, 11, 13.5, 14]
+    assert history.values[:, 0].tolist() == [0, 5, -1, -7, 5, -1, -7, 5, -1, -7, 5]
+    # The last repetition is the cycle.
+    assert history.cycle == (7, 10)
+
+
+REPEATED = {
+    "open": (
+        "t,Q\n0,0\n1,2\n2,1e-6\n", {}, "expected the same first and last value in the column 'Q'"
+    ),
+    "values": ("t,Q\n0,0\n1,2\n2,1\n", {"scale": 3.0}, "found 0 and 3"),
+    "one row": ("t,Q\n1,2\n", {}, "expected two rows at least to be repeated"),
+    "separator": ("t,Q\n0,0\n", {"separator": "tab"}, "expected one column 't', found 't,Q'"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("content", "keys", "expected"), REPEATED.values(), ids=REPEATED)
+def test_what_cannot_be_repeated_is_told(
+    tmp_path: Path, content: str, keys: dict[str, Any], expected: str
+) -> None:
+    with pytest.raises(CaseError, match=re.escape(expected)):
+        repeated(tmp_path, content, **{"repeat": 2, **keys})

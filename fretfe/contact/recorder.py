@@ -7,7 +7,7 @@ States go to a file while the history is solved; in memory are a few numbers for
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Protocol
 
@@ -175,7 +175,9 @@ class Recorder:
         state, number = result.state, self.count
         self._keep(state, result.dissipation)
         self._counts[number] = [getattr(result, name) for name in COUNTS]
-        self._violations[number] = *astuple(result.certificate), result.certificate.worst
+        certificate = result.certificate
+        self._violations[number, :-1] = [getattr(certificate, name) for name in VIOLATIONS]
+        self._violations[number, -1] = certificate.worst
         if not state.closed.any():
             return
         key = np.packbits(state.closed).tobytes()

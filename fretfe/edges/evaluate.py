@@ -29,7 +29,7 @@ from fretfe.edges.front import (
     fronts_of,
 )
 from fretfe.edges.lives import by_life, in_evaluated_life
-from fretfe.edges.patches import resultants
+from fretfe.edges.patches import pressure_moments
 from fretfe.edges.pressure import EdgeFit
 from fretfe.edges.range_spread import FactorHistories, range_spreads
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront, nearest_front
@@ -119,10 +119,8 @@ def _resultants(contact: ContactHistory, centre: Array) -> tuple[Array, Array]:
         traction = contact.traction[states]
         # The weights are those of the solution itself: P and Q balance the loads to round-off.
         forces[states] = np.einsum("n,tnc->tc", contact.weights, traction[..., :2])
-        moments[states] = [
-            resultants(contact.arc, t[:, 0], t[:, 1], c if np.isfinite(c) else 0.0).moment
-            for t, c in zip(traction, centre[states], strict=True)
-        ]
+        middle = np.where(np.isfinite(centre[states]), centre[states], 0.0)
+        moments[states] = pressure_moments(contact.arc, traction[..., 0], middle)
     return forces, moments
 
 

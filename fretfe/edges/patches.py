@@ -52,10 +52,15 @@ def resultants(x: Array, p: Array, q: Array, centre: float) -> Resultants:
 
     A positive moment presses on the side x > centre.
     """
-    length, h, arm = _node_lengths(x), np.diff(x), x - centre
-    left, right = p[:-1], p[1:]
-    moments = arm[:-1] * (2 * left + right) + arm[1:] * (left + 2 * right)
-    return Resultants(float(length @ p), float(length @ q), float(h @ moments / 6))
+    length, moment = _node_lengths(x), pressure_moments(x, p[None], np.array([centre]))
+    return Resultants(float(length @ p), float(length @ q), float(moment[0]))
+
+
+def pressure_moments(x: Array, p: Array, centre: Array) -> Array:
+    """Return (T,) moments of piecewise-linear pressures (T, n) at x (n,) about centres (T,)."""
+    arm, left, right = x - centre[:, None], p[:, :-1], p[:, 1:]
+    moments = arm[:, :-1] * (2 * left + right) + arm[:, 1:] * (left + 2 * right)
+    return np.asarray(moments @ np.diff(x) / 6)
 
 
 def _node_lengths(x: Array) -> Array:

@@ -83,17 +83,18 @@ def _patches(contact: ContactHistory) -> Iterator[str]:
             f"{'; it '.join(contact.fate)}. It has edges only where it exists, and K_T and K_I "
             "begin anew whenever it appears"
         )
-    shares = [
-        _main_share(contact.arc, pressure)
-        for states in blocks(len(contact.traction), contact.traction[0].size)
-        for pressure in contact.traction[states, :, 0]
-    ]
+    shares = []
+    for states in blocks(len(contact.traction), contact.traction[0].size):
+        pressure = contact.traction[states, :, 0]
+        borders = np.diff(pressure > 0, axis=1, prepend=False, append=False)
+        apart = np.count_nonzero(borders, axis=1) > 2
+        shares += [_main_share(contact.arc, state) for state in pressure[apart]]
     several = [share for share in shares if share < 1 - SMALLEST_PATCH]
     if several:
         yield (
-            f"in {len(several)} of {len(shares) - 1} states up to {1 - min(several):.1%} of P is "
-            "on single nodes apart from the patch, too few for edges of their own: make the "
-            "elements smaller there"
+            f"in {len(several)} of {len(contact.traction) - 1} states up to {1 - min(several):.1%} "
+            "of P is on single nodes apart from the patch, too few for edges of their own: make "
+            "the elements smaller there"
         )
 
 

@@ -28,7 +28,7 @@ def balance(reduction: Reduction, blocks: Iterable[StateBlock]) -> dict[str, Arr
     for block in blocks:
         bodies = [_body_balance(reduction, each, block) for each in reduction.definition.bodies]
         for name in bodies[0]:
-            largest = np.max([body[name] for body in bodies], axis=0)
+            largest = np.array([body[name] for body in bodies]).max(axis=0)
             found.setdefault(name, []).append(largest)
     return {name: np.concatenate(parts) for name, parts in found.items()}
 

@@ -68,16 +68,18 @@ def make_dataset(
     for name in EDGE:
         values = [[getattr(edge, name) for edge in contact.stations] for contact in contacts]
         variables[name] = (("contact", "edge", "time"), np.array(values))
-    for history in solution.contacts if solution is not None else ():
-        variables |= _fields(history, solution.kept)
+    contact_arrays = solution.contacts if solution is not None else ()
+    kept = solution.kept if solution is not None else None
+    for history in contact_arrays:
+        variables |= _fields(history, kept)
     coordinates: dict[str, Any] = {
         "time": loads.times,
         "load": list(loads.channels),
         "contact": names,
         "edge": sides,
     }
-    if solution is not None and solution.kept is not None:
-        coordinates["kept"] = solution.kept
+    if kept is not None:
+        coordinates["kept"] = kept
     dataset: xr.Dataset = require("xarray").Dataset(variables, coordinates)
     return dataset
 

@@ -188,11 +188,11 @@ def _draw_path(figure: Figure, run: Result, contact: ContactSummary, tension: bo
 
 def _trace(axes: Axes, run: Result, x: Array, y: Array) -> None:
     first, last = span(run)
-    for states, style in (
-        (slice(0, len(x)), {"color": ORANGE, "lw": 0.8, "ls": "--"}),
-        (slice(first, last + 1), {"color": BLUE, "lw": 2.0}),
+    for states, colour, width, line in (
+        (slice(0, len(x)), ORANGE, 0.8, "--"),
+        (slice(first, last + 1), BLUE, 2.0, "-"),
     ):
         seen = np.union1d(envelope(x[states]), envelope(y[states]))
-        axes.plot(x[states][seen], y[states][seen], **style)
+        axes.plot(x[states][seen], y[states][seen], color=colour, lw=width, ls=line)
     axes.plot(x[first], y[first], "o", color="black", ms=4)
     axes.axhline(0, color=GREY, lw=0.4)

@@ -96,7 +96,7 @@ def _shortened(path: str) -> str:
     return re.sub(r"-?\d+\.\d{3,}", lambda found: f"{float(found[0]):.2f}", path)
 
 
-def envelope(values: Array) -> Indices:
+def envelope(values: Array | Indices) -> Indices:
     """(m,) places of values (n,), increasing, that draw the same line: of many the extremes.
 
     All places if they are few; else the smallest and largest value of each of `BINS` parts.

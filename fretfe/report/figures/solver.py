@@ -36,11 +36,11 @@ def _iterations(figure: Figure, solution: Solution) -> None:
     axes = figure.subplots()
     steps = np.arange(1, len(solution.times))
     shown = envelope(solution.iterations[1:])
-    iterations = {"color": BLUE, "label": "Newton iterations"}
+    iterations, label = solution.iterations[1:][shown], "Newton iterations"
     if len(shown) == len(steps):
-        axes.bar(steps, solution.iterations[1:], width=0.8, **iterations)
+        axes.bar(steps, iterations, width=0.8, color=BLUE, label=label)
     else:
-        axes.plot(steps[shown], solution.iterations[1:][shown], lw=0.8, **iterations)
+        axes.plot(steps[shown], iterations, lw=0.8, color=BLUE, label=label)
     for values, mark, colour, label in (
         (np.where(solution.parts > 1, solution.parts, 0), "s", ORANGE, "parts of a cut step"),
         (solution.fallbacks, "x", VERMILLION, "fallbacks"),
