@@ -204,6 +204,7 @@ from pathlib import Path
 folder = Path(sys.argv[1])
 case = fretfe.load_case(folder / "pad.toml", {"output.fields": "none"})
 result = fretfe.run(case, output=folder / "run")
+from fretfe.fem._compat import MPI
 sweep = fretfe.sweep(case, {"loads.press.ramp": [-600.0, -300.0]}, output=folder / "sweep")
 gathered = MPI.COMM_WORLD.gather(repr((result.edges(), sweep.records()[0]["k_n"])))
 if MPI.COMM_WORLD.rank == 0:
