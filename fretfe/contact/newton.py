@@ -61,6 +61,7 @@ class LoadedStep:
         roots = interface.roots
         self._free_motion = float((np.abs(self.free).max(axis=1) / roots).max())
         self._reach = interface.reach
+        self._least_motion = self.motion(np.where(interface.prescribed, loads.values, 0.0))
         forces = interface.coordinate_loads @ loads.amplitudes
         self._forces = forces + np.where(interface.prescribed, 0.0, loads.values)
 
@@ -69,14 +70,17 @@ class LoadedStep:
         if area is not self._area:
             self._area = area
             self._stuck = area.stuck(self.free[..., None], self._forces[:, None])
-            coordinates = self._stuck.coordinates[:, 0]
-            prescribed = self._interface.prescribed
-            self._stuck_motion = self.motion(np.where(prescribed, self.loads.values, coordinates))
         return self._stuck
 
     def resists(self, motion: float) -> bool:
         """Tell whether a motion is not out of all proportion to that in full stick."""
-        return motion <= RUNAWAY * self._stuck_motion
+        # In full stick bodies move at least by loads and prescribed motions alone.
+        if motion <= RUNAWAY * self._least_motion:
+            return True
+        coordinates = np.where(
+            self._interface.prescribed, self.loads.values, self._stuck.coordinates[:, 0]
+        )
+        return motion <= RUNAWAY * self.motion(coordinates)
 
     def motion(self, coordinates: Array) -> float:
         """Largest displacement of a node (length) by loads or by one coordinate."""
