@@ -14,6 +14,7 @@ from fretfe.contact.compliance import DenseCompliance
 from fretfe.contact.factored import FactoredOperator
 from fretfe.contact.interface import Coordinate, Interface
 from fretfe.contact.operator import Conditions, InterfaceOperator
+from fretfe.contact.sliding import unknown_tractions
 from fretfe.contact.state import OPEN, SLIP, STICK
 
 NODES = 40
@@ -118,6 +119,32 @@ def test_release_meets_the_conditions(make: type[FactoredOperator], d: int, know
     np.testing.assert_allclose(found.traction, traction, atol=SAME)
     np.testing.assert_allclose(found.relative, relative, atol=SAME)
     np.testing.assert_allclose(found.coordinates, coordinates, atol=SAME)
+
+
+@OPERATORS
+@pytest.mark.parametrize(
+    "status", [[SLIP, SLIP, SLIP, OPEN], [SLIP, SLIP, OPEN, SLIP, OPEN, SLIP, STICK]]
+)
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_contacts_most_of_which_slide(
+    make: type[FactoredOperator], friction: float, status: list[int]
+) -> None:
+    interface = problem(2)
+    wanted = conditions(interface, np.array([False, True, True, True]))
+    wanted = replace(
+        wanted,
+        status=np.tile(status, NODES)[:NODES].astype(np.int8),
+        pull=2 * friction * wanted.pull,
+    )
+    counts = np.bincount(wanted.status)
+    assert unknown_tractions(wanted) < 2 * counts[OPEN] + counts[SLIP]  # solved directly
+    free, forces = loads(interface)
+    found = make(interface).area(wanted.status != OPEN, free[:, 0, 0]).stuck(free, forces)
+    response = found.release(wanted)
+    traction, relative, coordinates = solved_directly(interface, wanted, free, forces)
+    np.testing.assert_allclose(response.traction, traction, atol=SAME)
+    np.testing.assert_allclose(response.relative, relative, atol=SAME)
+    np.testing.assert_allclose(response.coordinates, coordinates, atol=SAME)
 
 
 @OPERATORS
