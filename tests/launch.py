@@ -44,7 +44,9 @@ def python(
     *arguments: str | Path, ranks: int = 1, timeout: float = 120
 ) -> subprocess.CompletedProcess[str]:
     """Run the interpreter of the tests and return what it printed."""
-    command = [sys.executable, *map(str, arguments)]
+    # Installed modules, not those of the folder that the tests are run from.
+    safe = ["-P"] if arguments[0] in ("-c", "-m") else []
+    command = [sys.executable, *safe, *map(str, arguments)]
     if ranks > 1:
         beside = Path(sys.executable).with_name("mpirun")
         launcher = str(beside) if beside.exists() else shutil.which("mpirun")
