@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -38,6 +39,7 @@ def test_imports(arguments: list[str], allowed: list[str]) -> None:
     assert set(imported(*arguments)) <= set(allowed)
 
 
+@pytest.mark.skipif(find_spec("gmsh") is None, reason="Gmsh is not installed")
 def test_imports_of_a_check(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(pad_text(geometry=cylinder(size=0.05)))
     assert set(imported("check", str(tmp_path / "case.toml"))) == {"h5py", "numpy", "pydantic"}
