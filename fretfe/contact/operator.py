@@ -71,11 +71,11 @@ class Response:
 
 
 class StuckContact(Protocol):
-    """A loaded interface in full stick, with all prescribed coordinates on springs."""
+    """A loaded interface in full stick."""
 
     @property
     def coordinates(self) -> Array:
-        """(m, J) c; those of prescribed coordinates are as the springs have it."""
+        """(m, J) c with the prescribed ones at rest; of many solutions the smallest."""
 
     def release(self, conditions: Conditions) -> Response:
         """Let go of whatever the conditions do not hold.
