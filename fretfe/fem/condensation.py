@@ -210,13 +210,16 @@ class Body:
         """
         balanced = forces.copy()
         excess = [motion.dot(forces) for motion in self._motions]
-        balance = self._surface_motions @ np.array(excess)
-        np.subtract.at(balanced.array, self._own_local, balance[self._own_positions])
+        self._push(balanced, -(self._surface_motions @ np.array(excess)))
         balanced.array[_owned(self._fixed, self._own)] = 0.0
         field = self._factor.solve(balanced)
         mean = self._surface_motions.T @ self._gather(field)
         _add(field, -mean, self._motions)
         return field
+
+    def _push(self, forces: PETSc.Vec, values: Array) -> None:
+        """Add forces (p*gdim,) on the surface nodes to nodal forces."""
+        np.add.at(forces.array, self._own_local, values[self._own_positions])
 
     def _gather(self, vector: PETSc.Vec) -> Array:
         """(p*gdim,) values at the surface nodes, on every rank."""
@@ -297,7 +300,7 @@ class Body:
         vectors = []
         for column in self._surface_motions.T:
             vector = self._zeros()
-            np.add.at(vector.array, self._own_local, column[self._own_positions])
+            self._push(vector, column)
             vector.array[_owned(self._fixed, self._own)] = 0.0
             vectors.append(vector)
         return vectors
@@ -355,8 +358,7 @@ class Body:
             amplitudes: (l,) load amplitudes.
         """
         forces = self._zeros()
-        nodal = self._operator.T @ traction
-        np.add.at(forces.array, self._own_local, nodal[self._own_positions])
+        self._push(forces, self._operator.T @ traction)
         _add(forces, amplitudes, self._loads)
         driven, free = np.split(coordinates, [len(self._shapes)])
         _add(forces, -driven, self._shape_forces)

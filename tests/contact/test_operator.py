@@ -13,7 +13,7 @@ from fretfe.contact import factored
 from fretfe.contact.compliance import DenseCompliance
 from fretfe.contact.factored import FactoredOperator
 from fretfe.contact.interface import Coordinate, Interface
-from fretfe.contact.operator import Conditions, InterfaceOperator
+from fretfe.contact.operator import Conditions, InterfaceOperator, Response
 from fretfe.contact.sliding import unknown_tractions
 from fretfe.contact.state import OPEN, SLIP, STICK
 
@@ -95,6 +95,15 @@ def solved_directly(
     return unknowns[:size].reshape(NODES, d, -1), relative.reshape(NODES, d, -1), unknowns[size:]
 
 
+def assert_solved_directly(
+    found: Response, interface: Interface, wanted: Conditions, free: Array, forces: Array
+) -> None:
+    traction, relative, coordinates = solved_directly(interface, wanted, free, forces)
+    np.testing.assert_allclose(found.traction, traction, atol=SAME)
+    np.testing.assert_allclose(found.relative, relative, atol=SAME)
+    np.testing.assert_allclose(found.coordinates, coordinates, atol=SAME)
+
+
 def loads(interface: Interface) -> tuple[Array, Array]:
     rng = np.random.default_rng(5)
     free = rng.standard_normal((NODES, interface.components, CASES))
@@ -115,10 +124,7 @@ def test_release_meets_the_conditions(make: type[FactoredOperator], d: int, know
     free, forces = loads(interface)
     area = operator.area(wanted.status != OPEN, free[:, 0, 0])
     found = area.stuck(free, forces).release(wanted)
-    traction, relative, coordinates = solved_directly(interface, wanted, free, forces)
-    np.testing.assert_allclose(found.traction, traction, atol=SAME)
-    np.testing.assert_allclose(found.relative, relative, atol=SAME)
-    np.testing.assert_allclose(found.coordinates, coordinates, atol=SAME)
+    assert_solved_directly(found, interface, wanted, free, forces)
 
 
 @OPERATORS
@@ -141,10 +147,7 @@ def test_contacts_most_of_which_slide(
     free, forces = loads(interface)
     found = make(interface).area(wanted.status != OPEN, free[:, 0, 0]).stuck(free, forces)
     response = found.release(wanted)
-    traction, relative, coordinates = solved_directly(interface, wanted, free, forces)
-    np.testing.assert_allclose(response.traction, traction, atol=SAME)
-    np.testing.assert_allclose(response.relative, relative, atol=SAME)
-    np.testing.assert_allclose(response.coordinates, coordinates, atol=SAME)
+    assert_solved_directly(response, interface, wanted, free, forces)
 
 
 @OPERATORS
@@ -212,10 +215,7 @@ def test_nodes_that_are_not_factorised_come_into_contact(
         now = replace(wanted, status=np.where(inside, wanted.status, OPEN).astype(np.int8))
         area = operator.area(now.status != OPEN, free[:, 0, 0])
         found = area.stuck(free, forces).release(now)
-        traction, relative, coordinates = solved_directly(interface, now, free, forces)
-        np.testing.assert_allclose(found.traction, traction, atol=SAME)
-        np.testing.assert_allclose(found.relative, relative, atol=SAME)
-        np.testing.assert_allclose(found.coordinates, coordinates, atol=SAME)
+        assert_solved_directly(found, interface, now, free, forces)
 
 
 @OPERATORS
