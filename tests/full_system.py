@@ -11,8 +11,9 @@ from scipy import sparse
 from fretfe._typing import Array, Bools, Indices
 from fretfe.bodies.definition import BodyDefinition, ModelDefinition
 from fretfe.contact.interface import coordinate_range
-from fretfe.fem.condensation import Body, constraint_shapes
+from fretfe.fem.condensation import Body
 from fretfe.fem.model import Reduction
+from fretfe.fem.restraints import Restraints
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,7 @@ def _expansion(body: Body, definition: BodyDefinition) -> sparse.csr_matrix:
     """Displacements of a body in terms of its free ones, then the amplitudes of its constraints."""
     columns = np.zeros((_size(body), len(definition.constraints)))
     for column, shape in zip(
-        columns.T, constraint_shapes(body.elastic, list(definition.constraints)), strict=True
+        columns.T, Restraints(body.elastic, definition.constraints).shapes, strict=True
     ):
         column[:] = shape.x.array
     free = sparse.identity(len(columns), format="csc")[:, ~np.any(columns != 0, axis=1)]

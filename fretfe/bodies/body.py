@@ -5,6 +5,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from fretfe._typing import Array, Indices
+
 
 @dataclass(frozen=True)
 class Material:
@@ -63,14 +67,37 @@ class DistributedLoad:
 
 @dataclass(frozen=True)
 class Constraint:
-    """A boundary that moves by one amplitude along a direction.
+    """A boundary that moves by one amplitude: along a direction, or about an axis.
 
     Attributes:
         label: name used in results and messages.
         boundary: physical group.
-        direction: unit vector (gdim,). Only its non-zero components are constrained.
+        direction: unit vector (gdim,); (0, ...) of a tilt.
+        roller: true if only the displacement along `direction` is constrained, false if each of its
+            non-zero components is.
+        axis: unit vector (3,) of the axis of a tilt; empty otherwise.
+        centre: (gdim,) a point on that axis.
     """
 
     label: str
     boundary: str
     direction: tuple[float, ...]
+    roller: bool = False
+    axis: tuple[float, ...] = ()
+    centre: tuple[float, ...] = ()
+
+    @property
+    def components(self) -> Indices:
+        """Components of the displacement that it constrains, unless it is a roller."""
+        if self.axis:
+            return np.arange(len(self.direction))
+        return np.flatnonzero(self.direction)
+
+    def displacement(self, points: Array) -> Array:
+        """(n, gdim) displacement of points (n, gdim) by a unit amplitude."""
+        if not self.axis:
+            return np.tile(np.array(self.direction), (len(points), 1))
+        arms = points - np.array(self.centre)
+        if points.shape[1] == 2:
+            return self.axis[2] * np.column_stack([-arms[:, 1], arms[:, 0]])
+        return np.cross(self.axis, arms)

@@ -9,12 +9,20 @@ import numpy as np
 
 from fretfe.bodies.body import Constraint, DistributedLoad, Material
 from fretfe.case import Case, unit_vector
-from fretfe.case.channels import DisplacementLoad, PlatenLoad, RotationLoad, TractionLoad
+from fretfe.case.channels import (
+    DisplacementLoad,
+    PlatenLoad,
+    RotationLoad,
+    TiltLoad,
+    TractionLoad,
+)
 from fretfe.contact.interface import Coordinate
 from fretfe.errors import ModelError
 from fretfe.mesh.mesh import Mesh
 
 AXES = "xyz"
+# What a coordinate calls the moment and the rotation of a tilt.
+TILT_CONTROLS: dict[str, Control] = {"moment": "force", "rotation": "displacement"}
 
 
 @dataclass(frozen=True)
@@ -93,23 +101,37 @@ def _material(case: Case, name: str) -> Material:
 
 
 def _platens(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
-    """Loaded directions of each platen, then the guided ones."""
+    """Loaded directions of each platen, then the guided ones, then its tilts."""
     platens: dict[str, list[str]] = {}
     for name, load in case.loads.items():
-        if isinstance(load, PlatenLoad):
+        if isinstance(load, PlatenLoad | TiltLoad):
             platens.setdefault(load.boundary, []).append(name)
     constrained: list[tuple[Constraint, str, str]] = []
     for boundary, names in platens.items():
         directions: list[tuple[float, ...]] = []
+        tilts: list[tuple[Constraint, str, str]] = []
         for name in names:
             load = case.loads[name]
+            if isinstance(load, TiltLoad):
+                tilts.append(_tilt(name, load, gdim))
+                continue
             assert isinstance(load, PlatenLoad)
             directions.append(unit_vector(load.direction, gdim))
             constrained.append((Constraint(name, boundary, directions[-1]), load.control, name))
         for direction in _complement(directions, gdim):
             label = f"{boundary} guide {_direction_name(direction)}"
             constrained.append((Constraint(label, boundary, direction), "fixed", ""))
+        constrained += tilts
     return constrained
+
+
+def _tilt(name: str, load: TiltLoad, gdim: int) -> tuple[Constraint, str, str]:
+    """A rotation and its moment are the displacement and the force of their coordinate."""
+    axis, control = unit_vector(load.axis, 3), TILT_CONTROLS[load.control]
+    constraint = Constraint(
+        name, load.boundary, (0.0,) * gdim, axis=axis, centre=load.centre[:gdim]
+    )
+    return constraint, control, name
 
 
 def _displacements(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
@@ -121,11 +143,18 @@ def _displacements(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
 
 
 def _supports(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
-    return [
+    """Components that are held, then the inclined rollers: those go last at a common node."""
+    fixed = [
         (Constraint(f"{name} {axis}", support.boundary, unit_vector(axis, gdim)), "fixed", "")
         for name, support in case.supports.items()
         for axis in support.fix
     ]
+    rollers = [
+        (Constraint(name, support.boundary, support.direction, roller=True), "fixed", "")
+        for name, support in case.supports.items()
+        if support.direction is not None
+    ]
+    return fixed + rollers
 
 
 def _complement(directions: list[tuple[float, ...]], gdim: int) -> list[tuple[float, ...]]:

@@ -23,11 +23,9 @@ def modes_restrained_by_contact(definition: ModelDefinition, mesh: Mesh) -> dict
     """Rigid-body modes restrained only by contact, in words, for each body that has some.
 
     Supports and prescribed displacements restrain their boundary. A platen restrains it too, but
-    for the directions in which a force acts on it. A mesh in space has no entries.
+    for the directions in which a force acts on it. In space they are counted only.
     """
     found: dict[str, str] = {}
-    if mesh.dimension != 2:
-        return found
     for body in definition.bodies:
         own = mesh.bodies[body.name]
         motions = _modes(body, own)
@@ -41,40 +39,49 @@ def _centre_and_size(body: BodyMesh) -> tuple[Array, float]:
 
 
 def _modes(definition: BodyDefinition, body: BodyMesh) -> Array:
-    """(3, k) modes in the order of `rigid_motions`, about the centre of the body."""
+    """(3 or 6, k) modes in the order of `rigid_motions`, about the centre of the body."""
+    count = rigid_motions(body.points[:1]).shape[2]
     driven = [i for i, c in enumerate(definition.coordinates) if c.control == "force"]
     rows = list(_constraint_rows(definition, body, driven))
     if not rows:
-        return np.eye(3)
+        return np.eye(count)
     _, values, directions = np.linalg.svd(np.array(rows))
     values = np.concatenate([values, np.zeros(len(directions) - len(values))])
-    return directions[values < UNRESTRAINED * values[0], :3].T
+    return directions[values < UNRESTRAINED * values[0], :count].T
 
 
 def _constraint_rows(
     definition: BodyDefinition, body: BodyMesh, driven: list[int]
 ) -> Iterator[Array]:
-    """Constraints (3 + forces,) on the rigid motion and the displacements of driven platens."""
+    """Constraints (3 or 6 + forces,) on the rigid motion and the displacements of driven platens."""
     centre, size = _centre_and_size(body)
     holder: dict[tuple[int, int], str] = {}
     for constraint in definition.constraints:
         for node in np.unique(body.boundaries[constraint.boundary]).tolist():
-            for component in np.flatnonzero(constraint.direction).tolist():
+            for component in constraint.components.tolist() if not constraint.roller else ():
                 holder.setdefault((node, component), constraint.boundary)
     for (node, component), boundary in holder.items():
-        motion = rigid_motions((body.points[[node]] - centre) / size)[0, component]
+        point = body.points[[node]]
+        motion = rigid_motions((point - centre) / size)[0, component]
         platen = [
-            definition.constraints[i].direction[component]
-            if definition.constraints[i].boundary == boundary
-            else 0.0
-            for i in driven
+            each.displacement(point)[0, component] if each.boundary == boundary else 0.0
+            for each in (definition.constraints[i] for i in driven)
         ]
         yield np.concatenate([motion, -np.array(platen)])
+    for constraint in definition.constraints:
+        if constraint.roller:
+            nodes = np.unique(body.boundaries[constraint.boundary])
+            motions = rigid_motions((body.points[nodes] - centre) / size)
+            along = np.einsum("d,ndk->nk", constraint.direction, motions)
+            yield from np.pad(along, ((0, 0), (0, len(driven))))
 
 
 def _in_words(motions: Array, body: BodyMesh) -> str:
-    if motions.shape[1] == 3:
+    count = motions.shape[1]
+    if count == len(motions):
         return "to move in every direction and to turn"
+    if len(motions) == 6:
+        return f"in {count} of its 6 rigid motions"
     turning = np.abs(motions[2]) > ROUND_OFF
     if motions.shape[1] == 2:
         return "to move in every direction" if not turning.any() else _two_motions(motions, body)

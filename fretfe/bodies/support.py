@@ -5,12 +5,13 @@ from __future__ import annotations
 
 from fretfe.case import Case
 
-NO_SOLIDS = (
-    "geometry.solid: expected a plane case, found a solid: contact in three dimensions is not "
-    "solved yet; `fretfe mesh` writes the mesh",
+NO_REFINEMENT = (
+    "edges: expected a plane case, found a solid: a mesh of solids does not refine itself yet; "
+    "leave the table [edges] out and set the element sizes of the geometry"
 )
 
 
 def unsupported(case: Case) -> tuple[str, ...]:
     """Reasons why finite elements cannot solve a case; empty if they can."""
-    return NO_SOLIDS if case.geometry.solid is not None else ()
+    solid = case.geometry.solid is not None
+    return (NO_REFINEMENT,) if solid and case.edges is not None else ()

@@ -4,7 +4,14 @@
 from __future__ import annotations
 
 from fretfe.case.base import unit_vector
-from fretfe.case.channels import DisplacementLoad, Load, PlatenLoad, RotationLoad, TractionLoad
+from fretfe.case.channels import (
+    DisplacementLoad,
+    Load,
+    PlatenLoad,
+    RotationLoad,
+    TiltLoad,
+    TractionLoad,
+)
 from fretfe.case.dimension import check_dimension
 from fretfe.case.histories import CsvPoints, Hold, Points, Ramp, Segment, Wave
 from fretfe.case.messages import complaint
@@ -52,6 +59,7 @@ __all__ = [
     "Selector",
     "Solid",
     "Support",
+    "TiltLoad",
     "TractionLoad",
     "Units",
     "Wave",

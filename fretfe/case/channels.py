@@ -31,7 +31,7 @@ class Channel(Table):
 
 
 class PlatenLoad(Channel):
-    """A boundary that moves as one rigid piece and does not rotate."""
+    """A boundary that moves as one rigid piece and does not turn, unless it has a tilt."""
 
     type: Literal["platen"] = Field(description='"platen": a rigid, guided boundary.')
     boundary: Text = Field(description="Physical group of the boundary.")
@@ -43,6 +43,29 @@ class PlatenLoad(Channel):
         description='What the history prescribes: "force", the total force on the platen for the '
         'whole thickness, in force units, or "displacement", in length units; positive along '
         "direction."
+    )
+
+
+class TiltLoad(Channel):
+    """A platen that turns about an axis as well."""
+
+    type: Literal["tilt"] = Field(description='"tilt": a rigid boundary that turns about an axis.')
+    boundary: Text = Field(
+        description="Physical group of the boundary, a platen. Without a platen load of its own it "
+        "is held in every direction, and about every axis without a tilt."
+    )
+    axis: Direction = Field(
+        default="z",
+        description='Axis that it turns about, anticlockwise: "x", "y", "z" or a vector (its '
+        'length does not matter); "z" in a plane model.',
+    )
+    centre: tuple[Number, ...] = Field(
+        min_length=2, max_length=3, description="A point on the axis, in length units."
+    )
+    control: Literal["moment", "rotation"] = Field(
+        description='What the history prescribes: "moment", about the axis for the whole '
+        'thickness, in force times length units (0 lets the platen tilt freely), or "rotation", in '
+        "radians."
     )
 
 
@@ -86,9 +109,10 @@ class RotationLoad(Channel):
     )
 
 
-Load = PlatenLoad | TractionLoad | DisplacementLoad | RotationLoad
+Load = PlatenLoad | TiltLoad | TractionLoad | DisplacementLoad | RotationLoad
 LOADS: dict[str, type[Channel]] = {
     "platen": PlatenLoad,
+    "tilt": TiltLoad,
     "traction": TractionLoad,
     "displacement": DisplacementLoad,
     "rotation": RotationLoad,
@@ -103,6 +127,7 @@ def _load_type(load: Any) -> str | None:
 
 AnyLoad = Annotated[
     Annotated[PlatenLoad, Tag(f"{TAG}platen")]
+    | Annotated[TiltLoad, Tag(f"{TAG}tilt")]
     | Annotated[TractionLoad, Tag(f"{TAG}traction")]
     | Annotated[DisplacementLoad, Tag(f"{TAG}displacement")]
     | Annotated[RotationLoad, Tag(f"{TAG}rotation")],

@@ -8,7 +8,7 @@ from itertools import combinations
 from typing import NamedTuple
 
 from fretfe.case.base import unit_vector
-from fretfe.case.channels import DisplacementLoad, Load, PlatenLoad, RotationLoad
+from fretfe.case.channels import DisplacementLoad, Load, PlatenLoad, RotationLoad, TiltLoad
 from fretfe.case.tables import Body, Contact, Support
 
 Key = tuple[str | int, ...]
@@ -59,7 +59,7 @@ def _platens(loads: Mapping[str, Load]) -> dict[str, str]:
     """Platen boundaries and the first load of each."""
     platens: dict[str, str] = {}
     for name, load in loads.items():
-        if isinstance(load, PlatenLoad):
+        if isinstance(load, PlatenLoad | TiltLoad):
             platens.setdefault(load.boundary, name)
     return platens
 
@@ -89,24 +89,28 @@ def _platen_problems(
 
 
 def _platen_direction_problems(loads: Mapping[str, Load]) -> Iterator[Problem]:
-    platen_loads = [(name, load) for name, load in loads.items() if isinstance(load, PlatenLoad)]
-    for (name1, load1), (name2, load2) in combinations(platen_loads, 2):
-        if load1.boundary != load2.boundary:
-            continue
-        direction1, direction2 = (unit_vector(load.direction, 3) for load in (load1, load2))
-        cosine = sum(a * b for a, b in zip(direction1, direction2, strict=True))
-        if abs(cosine) > ORTHOGONALITY:
-            yield Problem(
-                ("loads", name2, "direction"),
-                f"expected a direction at right angles to that of loads.{name1} on the same "
-                f"platen {load1.boundary!r}, found {_shown(load2)} and {_shown(load1)}",
-            )
+    """Directions, or axes, of loads on one platen that are not at right angles."""
+    for kind, key in ((PlatenLoad, "direction"), (TiltLoad, "axis")):
+        own = [(name, load) for name, load in loads.items() if isinstance(load, kind)]
+        for (name1, load1), (name2, load2) in combinations(own, 2):
+            if load1.boundary != load2.boundary:
+                continue
+            found1, found2 = getattr(load1, key), getattr(load2, key)
+            vectors = (unit_vector(each, 3) for each in (found1, found2))
+            cosine = sum(a * b for a, b in zip(*vectors, strict=True))
+            if abs(cosine) > ORTHOGONALITY:
+                yield Problem(
+                    ("loads", name2, key),
+                    f"expected {'an' if key == 'axis' else 'a'} {key} at right angles to that of "
+                    f"loads.{name1} on the same platen {load1.boundary!r}, found {_shown(found2)} "
+                    f"and {_shown(found1)}",
+                )
 
 
-def _shown(load: PlatenLoad) -> str:
-    if isinstance(load.direction, str):
-        return repr(load.direction)
-    return "[" + ", ".join(f"{component:.6g}" for component in load.direction) + "]"
+def _shown(direction: str | tuple[float, ...]) -> str:
+    if isinstance(direction, str):
+        return repr(direction)
+    return "[" + ", ".join(f"{component:.6g}" for component in direction) + "]"
 
 
 def _displacement_problems(

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fretfe.case.base import AXES
-from fretfe.case.channels import RotationLoad
+from fretfe.case.channels import RotationLoad, TiltLoad
 from fretfe.case.checks import Key, Problem
 from fretfe.case.messages import complaint
 from fretfe.case.model import Case
@@ -40,18 +40,26 @@ def _misfits(case: Case, dimension: int) -> Iterator[Problem]:
                 key, f"expected {dimension} components on this mesh, found {len(direction)}"
             )
     for name, load in case.loads.items():
-        if isinstance(load, RotationLoad) and (
-            len(load.axis) != 3 or (dimension == 2 and (load.axis[0], load.axis[1]) != (0, 0))
-        ):
+        if isinstance(load, RotationLoad | TiltLoad) and not _is_axis(load.axis, dimension):
             expected = "[0, 0, 1] or [0, 0, -1]" if dimension == 2 else "3 components"
-            yield Problem(("loads", name, "axis"), f"expected {expected}, found {list(load.axis)}")
+            found = repr(load.axis) if isinstance(load.axis, str) else str(list(load.axis))
+            yield Problem(("loads", name, "axis"), f"expected {expected}, found {found}")
+
+
+def _is_axis(axis: str | tuple[float, ...], dimension: int) -> bool:
+    """Whether bodies can turn about an axis: in the plane about z only."""
+    if isinstance(axis, str):
+        return dimension == 3 or axis == "z"
+    return len(axis) == 3 and (dimension == 3 or axis[:2] == (0, 0))
 
 
 def _directions(case: Case) -> Iterator[tuple[Key, str | tuple[float, ...]]]:
     for name, support in case.supports.items():
         yield from ((("supports", name, "fix", i), axis) for i, axis in enumerate(support.fix))
+        if support.direction is not None:
+            yield ("supports", name, "direction"), support.direction
     for name, load in case.loads.items():
-        if isinstance(load, RotationLoad):
+        if isinstance(load, RotationLoad | TiltLoad):
             yield ("loads", name, "centre"), load.centre
         else:
             yield ("loads", name, "direction"), load.direction

@@ -7,7 +7,18 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from fretfe.case.base import TAG, Axis, Count, Name, NotNegative, Number, Positive, Table, Text
+from fretfe.case.base import (
+    TAG,
+    Axis,
+    Count,
+    Name,
+    NotNegative,
+    Number,
+    Positive,
+    Table,
+    Text,
+    Vector,
+)
 from fretfe.case.selectors import BoundarySelector, Selector, file_problem
 
 Plane = Literal["strain", "stress"]
@@ -189,12 +200,27 @@ class Edges(Table):
 
 
 class Support(Table):
-    """A boundary with displacement components held at zero."""
+    """A boundary with displacement components, or one along a direction, held at zero."""
 
     boundary: Text = Field(description="Physical group of the boundary.")
     fix: tuple[Axis, ...] = Field(
-        min_length=1, description='Components held at zero: a list of "x", "y", "z".'
+        default=(),
+        min_length=1,
+        description='Components held at zero: a list of "x", "y", "z". Exactly one of fix and '
+        "direction must be given.",
     )
+    direction: Vector | None = Field(
+        default=None,
+        description="Direction along which the boundary is held, as on inclined rollers: a vector "
+        "(its length does not matter). Across it the boundary is free.",
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if bool(self.fix) == (self.direction is not None):
+            found = "both" if self.fix else "neither"
+            raise ValueError(f"expected exactly one of 'fix' and 'direction', found {found}")
+        return self
 
 
 class Cycle(Table):

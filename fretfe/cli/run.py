@@ -102,10 +102,19 @@ def _finish(
 
 
 def _print_numbers(console: Console, result: Result) -> None:
-    from fretfe.report.page.tables import contact_table, edge_table, limit_table, mesh_table
+    from fretfe.report.page.tables import (
+        area_table,
+        contact_table,
+        edge_table,
+        limit_table,
+        mesh_table,
+    )
 
-    console.print(contact_table(result.case, result.loads.cycle, result.contacts))
-    console.print(edge_table(result.case, result.contacts))
+    if result.areas:
+        console.print(area_table(result.case, result.loads.cycle, result.areas))
+    else:
+        console.print(contact_table(result.case, result.loads.cycle, result.contacts))
+        console.print(edge_table(result.case, result.contacts))
     if result.refinement is not None:
         console.print(mesh_table(result.refinement))
         console.print(limit_table(result.refinement))
@@ -127,6 +136,6 @@ def _print_warnings(console: Console, result: Result) -> None:
     if refinement is not None and not refinement.converged:
         text = f"Warning: the mesh is not fine enough for edges.tolerance: {refinement.reason}"
         console.print(text, highlight=False, markup=False)
-    for contact in result.contacts:
+    for contact in result.summaries:
         for warning in contact.warnings:
             console.print(f"Warning: {contact.name}: {warning}", highlight=False, markup=False)

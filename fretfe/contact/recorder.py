@@ -64,12 +64,13 @@ class Nodes(Protocol):
 
 @dataclass(frozen=True)
 class Place:
-    """One contact: its name, its bodies and its nodes."""
+    """One contact: its name, its bodies and its nodes; of solids the facets between them."""
 
     name: str
     body1: str
     body2: str
     nodes: Nodes
+    facets: Indices | None = None
 
 
 @dataclass(frozen=True)
@@ -341,6 +342,7 @@ class Recorder:
             full_stick=FullStickUnits(
                 fields=self._unit_fields(nodes, roots), area=self._area_of_state[: self.count]
             ),
+            facets=place.facets,
         )
 
     def _part(self, name: str, nodes: slice) -> StateArray:

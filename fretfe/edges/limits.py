@@ -10,13 +10,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
 from fretfe.case import Case, plane_modulus
+from fretfe.edges.area import AreaSummary
 from fretfe.edges.front import ContactSummary
 from fretfe.results.solution import OPEN, ContactHistory
 from fretfe.results.states import blocks
+
+Contact = TypeVar("Contact", ContactSummary, AreaSummary)
 
 # Sliding over the width of the contact. The gap of round surfaces that slide by s has an error of
 # s²/(4R) against the approach a²/R of two equal cylinders: (s/2a)², one hundredth.
@@ -66,8 +70,8 @@ class ModelLimit:
 
 
 def with_limit_warnings(
-    contacts: Iterable[ContactSummary], limits: Iterable[ModelLimit]
-) -> tuple[ContactSummary, ...]:
+    contacts: Iterable[Contact], limits: Iterable[ModelLimit]
+) -> tuple[Contact, ...]:
     """The contacts with a warning for each of their limits that is exceeded."""
     exceeded = [limit for limit in limits if limit.exceeded]
     return tuple(
@@ -114,7 +118,8 @@ class ContactExtent:
 
     Attributes:
         sliding: tangential displacement between points of the two surfaces in contact.
-        width: length over which the surfaces are in contact; 0 if they never are.
+        width: length over which the surfaces are in contact, of solids the root of the area; 0 if
+            they never are.
         pressure: at a node.
     """
 
@@ -128,10 +133,10 @@ def contact_extent(contact: ContactHistory) -> ContactExtent:
     largest = np.zeros(3)
     for states in blocks(len(contact.status), contact.traction[0].size):
         closed = contact.status[states] != OPEN
-        sliding = np.where(closed, np.abs(contact.slip[states, :, 0]), 0.0)
+        sliding = np.where(closed, np.linalg.norm(contact.slip[states], axis=2), 0.0)
         found = (
             sliding.max(),
-            (closed @ contact.weights).max(),
+            (closed @ contact.weights).max() ** (1 / (contact.points.shape[1] - 1)),
             contact.traction[states, :, 0].max(),
         )
         largest = np.maximum(largest, found)

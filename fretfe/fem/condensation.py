@@ -33,6 +33,7 @@ from fretfe.bodies.rigid_modes import rigid_motions
 from fretfe.fem._compat import PETSc
 from fretfe.fem.bordered import BorderedFactor
 from fretfe.fem.elasticity import ElasticBody
+from fretfe.fem.restraints import Restraints
 from fretfe.fem.timing import Clock
 
 # Surface nodes are found by their coordinates, to this fraction of the size of the surface.
@@ -106,12 +107,13 @@ class Body:
         self._surface_points = surface_points
         self._retain()
         with clock("assembly"):
-            shapes = constraint_shapes(elastic, constraints)
+            self._restraints = Restraints(elastic, constraints)
+            shapes = self._restraints.shapes
             self._shapes = [shape.x.petsc_vec.copy() for shape in shapes]
-            self._constrained = np.flatnonzero(np.any([s.x.array != 0 for s in shapes], axis=0))
+            self._constrained = self._restraints.constrained
             self._motions = self._free_motions()
             self._fixed = np.concatenate([self._constrained, self._pins()])
-            matrix = elastic.stiffness(self._fixed.astype(np.int32))
+            matrix = self._restraints.stiffness(self._fixed)
             self._shape_forces = [elastic.forces(shape) for shape in shapes]
             self._loads = [elastic.load_vector(load) for load in loads]
         with clock("condensation"):
@@ -152,7 +154,10 @@ class Body:
         size = np.ptp(self._surface_points, axis=0).max()
         everywhere = rigid_motions((points - centre) / size)
         everywhere = everywhere.reshape(-1, everywhere.shape[2])
-        rows = everywhere[_owned(self._constrained, self._own)]
+        turned = everywhere.copy()
+        for column in turned.T:
+            self._restraints.turn(column)
+        rows = turned[_owned(self._constrained, self._own)]
         stretch, combinations = np.linalg.eigh(self.elastic.comm.allreduce(rows.T @ rows))
         # A restrained mode moves many constrained nodes by about one, any other none at all.
         free = combinations[:, stretch < 1e-8 * max(stretch[-1], 1.0)]
@@ -172,6 +177,8 @@ class Body:
             return np.array([], dtype=np.int64)
         start = self._index_map.local_range[0] * self.elastic.gdim
         values = np.array([motion.array for motion in self._motions])
+        for each in values:
+            self._restraints.turn(each)
         values[:, _owned(self._constrained, self._own)] = 0.0
         # As far apart as possible: those that a pivoted QR decomposition takes first.
         count = len(values)
@@ -196,12 +203,14 @@ class Body:
         everywhere = np.concatenate(self.elastic.comm.allgather(fixed))
         entries = sparse.coo_matrix(self._operator)
         columns = self.surface_unknowns[entries.col]
-        kept = ~np.isin(columns, everywhere)
         size = self._index_map.size_global * self.elastic.gdim
-        return sparse.csr_matrix(
-            (entries.data[kept], (entries.row[kept], columns[kept])),
-            shape=(self._operator.shape[0], size),
-        )
+        shape = self._operator.shape[0], size
+        border = sparse.csr_matrix((entries.data, (entries.row, columns)), shape=shape)
+        moving = np.ones(size)
+        moving[everywhere] = 0.0
+        border = border @ self._restraints.turning @ sparse.diags(moving)
+        border.eliminate_zeros()
+        return border.tocsr()
 
     def _respond(self, forces: PETSc.Vec) -> PETSc.Vec:
         """Displacement under nodal forces with the constrained boundaries at rest.
@@ -211,10 +220,17 @@ class Body:
         balanced = forces.copy()
         excess = [motion.dot(forces) for motion in self._motions]
         self._push(balanced, -(self._surface_motions @ np.array(excess)))
-        balanced.array[_owned(self._fixed, self._own)] = 0.0
-        field = self._factor.solve(balanced)
+        field = self._respond_held(balanced)
         mean = self._surface_motions.T @ self._gather(field)
         _add(field, -mean, self._motions)
+        return field
+
+    def _respond_held(self, forces: PETSc.Vec) -> PETSc.Vec:
+        """Displacement under nodal forces with all fixed displacements at rest; changes them."""
+        self._restraints.turn(forces.array)
+        forces.array[_owned(self._fixed, self._own)] = 0.0
+        field = self._factor.solve(forces)
+        self._restraints.turn_back(field.array)
         return field
 
     def _push(self, forces: PETSc.Vec, values: Array) -> None:
@@ -281,7 +297,7 @@ class Body:
         compliance, comm = self._factor.compliance, self.elastic.comm
         if not self._motions:
             return compliance, 0.0
-        held = [self._factor.solve(each) for each in self._balancing_forces()]
+        held = [self._respond_held(each) for each in self._balancing_forces()]
         coupling = self._relative(held)
         mean = self._surface_motions.T @ _columns(
             [self._gather(each) for each in held], len(self.surface_unknowns)
@@ -301,7 +317,6 @@ class Body:
         for column in self._surface_motions.T:
             vector = self._zeros()
             self._push(vector, column)
-            vector.array[_owned(self._fixed, self._own)] = 0.0
             vectors.append(vector)
         return vectors
 
@@ -338,7 +353,10 @@ class Body:
         for mode in range(gdim, motions.shape[2]):
             turned, fixed = fem.Function(self.elastic.space), fem.Function(self.elastic.space)
             turned.x.array[:] = motions[:, :, mode].ravel()
-            fixed.x.array[self._constrained] = turned.x.array[self._constrained]
+            values = turned.x.array.copy()
+            self._restraints.turn(values)
+            fixed.x.array[self._constrained] = values[self._constrained]
+            self._restraints.turn_back(fixed.x.array)
             whole.append(turned)
             held.append(fixed)
         return whole, held
@@ -372,7 +390,10 @@ class Body:
 
     @property
     def stiffness(self) -> PETSc.Mat:
-        """Stiffness matrix, with unit rows and columns where the body is held."""
+        """Stiffness matrix, with unit rows and columns where the body is held.
+
+        Nodes on inclined rollers have frames of their own in it.
+        """
         return self._factor.matrix
 
     def surface_displacement(self, displacement: fem.Function) -> Array:
@@ -396,22 +417,6 @@ def _add(vector: PETSc.Vec, factors: Array, vectors: list[PETSc.Vec]) -> None:
 def _owned(local: Indices, own: int) -> Indices:
     """Those of some local numbers that belong to the rank, which owns the first ones."""
     return np.asarray(local[local < own])
-
-
-def constraint_shapes(elastic: ElasticBody, constraints: list[Constraint]) -> list[fem.Function]:
-    """Displacements of the constrained nodes by a unit amplitude of each constraint."""
-    gdim = elastic.gdim
-    shapes = [fem.Function(elastic.space) for _ in constraints]
-    holder = np.full((len(elastic.space.tabulate_dof_coordinates()), gdim), "", dtype=object)
-    for constraint, shape in zip(constraints, shapes, strict=True):
-        nodes = elastic.boundary_nodes(constraint.boundary)
-        values = shape.x.array.reshape(-1, gdim)
-        for component in np.flatnonzero(constraint.direction):
-            holders = holder[nodes, component]
-            free = nodes[(holders == "") | (holders == constraint.boundary)]
-            values[free, component] = constraint.direction[component]
-            holder[free, component] = constraint.boundary
-    return shapes
 
 
 def _products(left: list[PETSc.Vec], right: list[PETSc.Vec]) -> Array:

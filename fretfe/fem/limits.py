@@ -125,6 +125,15 @@ def model_limits(
     return tuple(limits)
 
 
+def solid_limits(case: Case, solution: Solution) -> tuple[ModelLimit, ...]:
+    """Limits of a solved history of solids that the history tells by itself."""
+    limits = [_balance_limit(solution, kind) for kind in ("force", "moment")]
+    for history in solution.contacts:
+        limits += contact_limits(case, history)
+        limits += _dissimilar(case, history)
+    return tuple(limits)
+
+
 def _balance_limit(solution: Solution, kind: str) -> ModelLimit:
     return ModelLimit(
         "",

@@ -101,6 +101,11 @@ class Model:
             )
 
     @property
+    def dimension(self) -> int:
+        """Number of coordinates, 2 or 3."""
+        return next(iter(self.surfaces.values())).dimension
+
+    @property
     def first_of_group(self) -> bool:
         """True on the first rank of each group."""
         return bool(self._group.comm.rank == 0)

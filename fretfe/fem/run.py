@@ -13,10 +13,12 @@ from typing import Any
 import numpy as np
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
+from fretfe.bodies.pairs import Pair
 from fretfe.case import Case
 from fretfe.contact.march import March
 from fretfe.contact.recorder import Place, Recorder
 from fretfe.contact.solve import solve_history
+from fretfe.edges.area import AreaSummary, evaluate_areas, shear_extremes
 from fretfe.edges.evaluate import evaluate
 from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary
@@ -28,7 +30,7 @@ from fretfe.fem._compat import MPI
 from fretfe.fem.balance import balance
 from fretfe.fem.extraction import add_integrals
 from fretfe.fem.fields import FieldOutput
-from fretfe.fem.limits import imbalance, model_limits, without_moved
+from fretfe.fem.limits import imbalance, model_limits, solid_limits, without_moved
 from fretfe.fem.model import Model, Request, step_loads
 from fretfe.fem.parallel import on_root, release
 from fretfe.fem.penetration import farthest_states, unpaired_penetration
@@ -139,30 +141,26 @@ def solve_prepared(
     failure = comm.bcast(marched.failure if marched else None)
     recorder = marched.recorder if marched else None
     solution = _solution(model, history, marched.recorder) if marched else None
-    with clock("edge integrals"):
-        solution = add_integrals(model, case, recorder, prepared.march, solution)
+    if model.dimension == 2:
+        with clock("edge integrals"):
+            solution = add_integrals(model, case, recorder, prepared.march, solution)
     with clock("evaluation"):
-        depths = _penetration(model, recorder)
-        contacts, limits = on_root(
-            comm,
-            lambda: (
-                _evaluate(model, recorder, solution, depths) if recorder and solution else ((), ())
-            ),
-        )
+        found = _evaluate(model, recorder, solution)
         failure = failure or on_root(comm, lambda: imbalance(solution) if solution else None)
     notes = on_root(comm, lambda: tuple(each.text for each in solution.repeats) if solution else ())
     if options.fields is not None:
         with clock("fields"):
-            chosen = _field_states(case, history, solution, contacts) if solution else None
+            chosen = _field_states(case, history, solution, found) if solution else None
             notes += _write_fields(model, history, recorder, chosen, options.fields)
     return Result(
         case=case,
         loads=comm.bcast(solution.loads if solution else None),
-        contacts=contacts,
+        contacts=found.contacts,
+        areas=found.areas,
         solution=solution,
         notes=notes,
         failure=failure,
-        limits=limits,
+        limits=found.limits,
         bodies=mesh.bodies if mesh else {},
         versions=_compat.versions(),
         seconds=clock.seconds,
@@ -170,18 +168,42 @@ def solve_prepared(
     )
 
 
-def _evaluate(
-    model: Model,
-    recorder: Recorder | None,
-    solution: Solution | None,
-    depths: dict[str, float],
-) -> tuple[tuple[ContactSummary, ...], tuple[ModelLimit, ...]]:
+@dataclass(frozen=True)
+class _Evaluation:
+    """The contacts of plane bodies, or the contact areas of solids, and the limits of the model."""
+
+    contacts: tuple[ContactSummary, ...] = ()
+    areas: tuple[AreaSummary, ...] = ()
+    limits: tuple[ModelLimit, ...] = ()
+
+
+def _evaluate(model: Model, recorder: Recorder | None, solution: Solution | None) -> _Evaluation:
+    """Evaluate a solved history, which rank 0 has. Collective."""
+    depths = _penetration(model, recorder) if model.dimension == 2 else {}
+
+    def work() -> _Evaluation:
+        if recorder is None or solution is None:
+            return _Evaluation()
+        if model.dimension == 3:
+            return _evaluate_solids(model, solution)
+        return _evaluate_plane(model, recorder, solution, depths)
+
+    return on_root(model.comm, work)
+
+
+def _evaluate_plane(
+    model: Model, recorder: Recorder, solution: Solution, depths: dict[str, float]
+) -> _Evaluation:
     """The contacts, with warnings where the model does not hold, and its limits; on rank 0."""
-    assert recorder is not None
-    assert solution is not None
     contacts = without_moved(model.case, solution, evaluate(solution))
     limits = model_limits(model, recorder, solution, contacts, depths)
-    return with_limit_warnings(contacts, limits), limits
+    return _Evaluation(contacts=with_limit_warnings(contacts, limits), limits=limits)
+
+
+def _evaluate_solids(model: Model, solution: Solution) -> _Evaluation:
+    limits = solid_limits(model.case, solution)
+    areas = with_limit_warnings(evaluate_areas(solution), limits)
+    return _Evaluation(areas=areas, limits=limits)
 
 
 def _penetration(model: Model, recorder: Recorder | None) -> dict[str, float]:
@@ -200,8 +222,8 @@ def _penetration(model: Model, recorder: Recorder | None) -> dict[str, float]:
 def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
     reduction = model.reduction
     assert reduction is not None
-    measures = balance(reduction, recorder.blocks())
-    return separate_patches(recorder.solution(history, measures))
+    solution = recorder.solution(history, balance(reduction, recorder.blocks()))
+    return separate_patches(solution) if model.dimension == 2 else solution
 
 
 def _requests(recorder: Recorder | None, states: list[int]) -> list[Request] | None:
@@ -225,7 +247,7 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     assert reduction is not None
     assert march is not None
     steps = step_loads(case, history, reduction.interface, reduction.definition)
-    places = [Place(p.name, p.body1, p.body2, p.coupling) for p in reduction.pairs]
+    places = [_place(prepared.model, pair) for pair in reduction.pairs]
     channels = [load.channel for load in reduction.definition.loads]
     recorder = Recorder(march, places, steps, channels, case.model.degree, options.states)
     try:
@@ -237,6 +259,11 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
         return _Marched(recorder, ConvergenceError(f"{failure} {hint}"))
     _require_contact(recorder)
     return _Marched(recorder, None)
+
+
+def _place(model: Model, pair: Pair) -> Place:
+    facets = pair.coupling.facets if model.dimension == 3 else None
+    return Place(pair.name, pair.body1, pair.body2, pair.coupling, facets)
 
 
 def _require_contact(recorder: Recorder) -> None:
@@ -280,7 +307,7 @@ def _write_fields(
 
 
 def _field_states(
-    case: Case, history: History, solution: Solution, contacts: tuple[ContactSummary, ...]
+    case: Case, history: History, solution: Solution, found: _Evaluation
 ) -> list[int]:
     """Solved states whose fields the case asks for."""
     solved = range(1, len(solution.times))
@@ -292,9 +319,13 @@ def _field_states(
     if wanted == "last":
         return list(solved[-1:])
     if wanted == "extremes":
-        stations = [station for contact in contacts for station in contact.stations]
-        states = load_extremes(
-            [each.k_t for each in stations], [each.k_i for each in stations], solution.cycle
+        stations = [station for contact in found.contacts for station in contact.stations]
+        states = (
+            shear_extremes(found.areas, solution.cycle)
+            if found.areas
+            else load_extremes(
+                [each.k_t for each in stations], [each.k_i for each in stations], solution.cycle
+            )
         )
         return sorted({*states, *solved[-1:]} & set(solved))
     return [state for state in (history.step(time) for time in wanted) if state in solved]

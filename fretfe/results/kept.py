@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from fretfe._typing import Indices
+from fretfe.edges.area import shear_extremes
 from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary
 from fretfe.edges.slip_zones import cycle_states
@@ -34,6 +35,8 @@ def kept_states(result: Result, solution: Solution) -> Indices:
         return np.arange(count)
     starts = {max(int(np.argmax(each.friction > 0)) - 1, 0) for each in solution.contacts}
     states = _extremes(result.contacts, solution.cycle) | starts | {0, count - 1}
+    if result.areas and count > 1:
+        states |= set(shear_extremes(result.areas, solution.cycle))
     if wanted == "cycle":
         states |= set(cycle_states(solution.cycle).tolist())
     # What moved in the step to a state tells what slipped there.

@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case
+from fretfe.edges.area import AreaSummary
 from fretfe.edges.front import ContactSummary
 from fretfe.edges.limits import ModelLimit
 from fretfe.edges.refinement import Refinement
 from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.loads import History
 from fretfe.results.dataset import make_dataset, require
-from fretfe.results.records import edge_records
+from fretfe.results.records import area_records, edge_records
 from fretfe.results.solution import ContactHistory, Solution
 
 if TYPE_CHECKING:
@@ -61,7 +62,8 @@ class Result:
         case: as it was run.
         loads: the T states that were solved, fewer than the case has if `failure` is set; its
             cycle is then None.
-        contacts: edges, resultants and slip zones of each contact.
+        contacts: edges, resultants and slip zones of each contact of plane bodies.
+        areas: resultants and areas of each contact of solids.
         backend: name of the backend, which the caller of the backend fills in.
         solution: tractions along the contacts; None if the backend has none, or on ranks other
             than 0.
@@ -90,6 +92,12 @@ class Result:
     refinement: Refinement | None = None
     limits: tuple[ModelLimit, ...] = ()
     directory: Path | None = None
+    areas: tuple[AreaSummary, ...] = ()
+
+    @property
+    def summaries(self) -> tuple[ContactSummary | AreaSummary, ...]:
+        """All contacts, of plane bodies or of solids."""
+        return self.contacts or self.areas
 
     def edges(self) -> list[dict[str, Any]]:
         """One flat record of numbers and texts for each contact edge."""
@@ -165,8 +173,8 @@ class Result:
         return make_dataset(self.loads, self.contacts, self.solution)
 
     def _repr_html_(self) -> str:
-        """The edges as a table, for notebooks."""
-        records = self.edges()
+        """The edges, or the contacts of solids, as a table for notebooks."""
+        records = self.edges() or area_records(self.areas)
         head = "".join(f"<th>{html.escape(name)}</th>" for name in records[0])
         rows = "".join(
             "<tr>" + "".join(f"<td>{_cell(value)}</td>" for value in record.values()) + "</tr>"

@@ -21,6 +21,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case, parse_case
+from fretfe.edges.area import AreaSummary
 from fretfe.edges.front import ContactSummary, Station, fronts_of
 from fretfe.edges.limits import ModelLimit
 from fretfe.edges.refinement import Refinement
@@ -162,6 +163,10 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         seconds=numbers["seconds"],
         ranks=numbers["ranks"],
         limits=tuple(restored(ModelLimit, each) for each in numbers["limits"]),
+        areas=tuple(
+            restored(AreaSummary, {**table, "name": name})
+            for name, table in numbers["areas"].items()
+        ),
         refinement=restored_refinement(refinement) if refinement else None,
         directory=directory,
     )
@@ -242,7 +247,7 @@ def _read_arrays(
         states = file["states"][:]
         contacts = tuple(
             _read_contact(path, name, file[f"contacts/{name}"], states)
-            for name in numbers["contacts"]
+            for name in [*numbers["contacts"], *numbers["areas"]]
         )
         bodies = {name: _read_body(file[f"mesh/{name}"]) for name in numbers["mesh"]}
     return _solution(case, history, numbers, contacts, states), bodies

@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from fretfe.edges.area import AreaSummary
 from fretfe.edges.front import ContactSummary, Station
 
 # Slip zones of a record: those of the last two half cycles.
@@ -23,6 +24,27 @@ def edge_records(contacts: Sequence[ContactSummary]) -> list[dict[str, Any]]:
     that is more than half of the number, or unknown, there is none.
     """
     return [_record(contact, station) for contact in contacts for station in contact.stations]
+
+
+def area_records(areas: Sequence[AreaSummary]) -> list[dict[str, Any]]:
+    """Texts, numbers and truth values of every contact of solids in its last state, by name."""
+    return [
+        {
+            "contact": area.name,
+            "normal_force": float(area.normal_force[-1]),
+            **{
+                f"shear_force_{axis}": float(q)
+                for axis, q in zip("xyz", area.shear_force[-1], strict=True)
+            },
+            "contact_area": float(area.contact_area[-1]),
+            "stick_area": float(area.stick_area[-1]),
+            "largest_pressure": float(area.largest_pressure[-1]),
+            "dissipation": area.dissipation,
+            "steady": area.steady,
+            "warnings": "; ".join(area.warnings),
+        }
+        for area in areas
+    ]
 
 
 def _record(contact: ContactSummary, station: Station) -> dict[str, Any]:

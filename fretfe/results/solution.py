@@ -121,10 +121,11 @@ class ContactHistory:
         name: that of the pair; with a number in brackets for one of several patches.
         pair: name of the surface pair, the contact in the case.
         body1, body2: names of the bodies.
-        arc: (N,) arc length along the surface that carries the tractions, increasing in +x.
+        arc: (N,) arc length along the surface that carries the tractions, increasing in +x; of
+            solids (0,).
         points: (N, d) coordinates of the nodes before deformation.
         frames: (N, d, d) rows: outward normal of body 2, tangents.
-        weights: (N,) length that belongs to each node (integral of its hat function).
+        weights: (N,) length, or area, that belongs to each node (integral of its hat function).
         friction: (T,) coefficient in the step that ends at each state.
         traction: (T, N, d) pressure, then shear that body 1 exerts on body 2: nodal values of the
             piecewise-linear multiplier field.
@@ -142,6 +143,8 @@ class ContactHistory:
             which reaches half-way to its neighbours; -1 where the patch does not exist. None if the
             pair has one patch only.
         fate: where a patch comes from and where it goes, in words; one text for each kind of event.
+        facets: (F, 3 or 4) nodes of the facets of the surface, counter-clockwise seen from outside
+            body 2; None in the plane.
     """
 
     name: str
@@ -164,6 +167,7 @@ class ContactHistory:
     neighbours: Neighbours | None = None
     territory: Indices | None = None
     fate: tuple[str, ...] = ()
+    facets: Indices | None = None
 
     @property
     def exists(self) -> Bools:
@@ -242,6 +246,11 @@ class Solution:
             return True
         inside = (self.kept >= first) & (self.kept <= last)
         return int(np.count_nonzero(inside)) == last - first + 1
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates, d."""
+        return self.contacts[0].points.shape[1]
 
     @property
     def source(self) -> Indices:

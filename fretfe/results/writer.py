@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fretfe._typing import Array, Indices
+from fretfe.edges.area import AreaSummary
 from fretfe.edges.front import ContactSummary, SlipZone, Station
 from fretfe.edges.refinement import Refinement
 from fretfe.environment import versions
@@ -147,6 +148,7 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
             "cycle": loads.cycle,
             "loads": dict(zip(loads.channels, loads.values.T, strict=True)),
             "contacts": {contact.name: _contact_numbers(contact) for contact in result.contacts},
+            "areas": {area.name: _area_numbers(area) for area in result.areas},
             **_solution_numbers(result.solution),
             "mesh": {
                 name: {
@@ -203,6 +205,13 @@ def _contact_numbers(contact: ContactSummary) -> dict[str, Any]:
     numbers = {field.name: getattr(contact, field.name) for field in fields(contact)}
     del numbers["name"], numbers["fronts"]
     return {**numbers, "edges": [_station_numbers(station) for station in contact.stations]}
+
+
+def _area_numbers(area: AreaSummary) -> dict[str, Any]:
+    """A contact of solids: its histories."""
+    numbers = {field.name: getattr(area, field.name) for field in fields(area)}
+    del numbers["name"]
+    return numbers
 
 
 def _station_numbers(station: Station) -> dict[str, Any]:

@@ -6,10 +6,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+import numpy as np
 from rich.table import Table
 
 from fretfe._typing import Array
 from fretfe.case import Case
+from fretfe.edges.area import AreaSummary
 from fretfe.edges.front import ContactSummary, SlipZone, Station
 from fretfe.edges.refinement import Refinement, StationValues, changes_by_kind
 from fretfe.report.page.listings import plain_table
@@ -85,7 +87,39 @@ def contact_table(
     return table
 
 
-def _steady(contact: ContactSummary) -> str:
+def area_table(
+    case: Case, evaluated: tuple[int, int] | None, areas: tuple[AreaSummary, ...]
+) -> Table:
+    """One row per contact of solids: forces over the cycle, areas at its end.
+
+    Args:
+        case: for the units.
+        evaluated: first and last state of the cycle; None for all states.
+        areas: the contacts.
+    """
+    units = case.units
+    title = (
+        f"Contacts: P, |Q| in {units.force}, areas at the end in {units.length}², largest "
+        f"pressure in {units.stress}, friction work in {units.force}·{units.length}"
+    )
+    headers = ("contact", "P", "|Q|", "in contact", "sticks", "p_max", "work", "steady")
+    table = plain_table(title, headers, text=1)
+    cycle = slice(evaluated[0], evaluated[1] + 1) if evaluated else slice(None)
+    for area in areas:
+        table.add_row(
+            area.name,
+            _range(area.normal_force[cycle]),
+            _range(np.linalg.norm(area.shear_force[cycle], axis=1)),
+            number(area.contact_area[-1]),
+            number(area.stick_area[-1]),
+            number(area.largest_pressure[cycle].max()),
+            number(area.dissipation),
+            _steady(area),
+        )
+    return table
+
+
+def _steady(contact: ContactSummary | AreaSummary) -> str:
     if not math.isfinite(contact.cycle_change):
         return MISSING
     return "yes" if contact.steady else "no"

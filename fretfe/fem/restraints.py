@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Constrained displacements of a body: platens, tilts, supports along axes and inclined rollers.
+
+Nodes on inclined rollers have frames of their own, one axis of which is the direction in which they
+are held: there a constraint is a zero component like any other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from dolfinx import fem
+from scipy import sparse
+
+from fretfe._typing import Array, Indices
+from fretfe.bodies.body import Constraint
+from fretfe.fem._compat import PETSc
+from fretfe.fem.elasticity import ElasticBody
+
+# Sine of the angle between a roller and the directions in which a node is held already, below which
+# the roller adds nothing.
+SMALLEST_ANGLE = 1e-6
+
+
+class Restraints:
+    """What constraints prescribe on the nodes of a body. Construction is collective.
+
+    Args:
+        elastic: the body.
+        constraints: in order of precedence: where boundaries share a node, the first one moves it.
+
+    Attributes:
+        shapes: displacement by a unit amplitude of each constraint.
+        constrained: local numbers of the constrained components, gdim * node + component, owned and
+            ghosted; of nodes on rollers in their frames.
+    """
+
+    def __init__(self, elastic: ElasticBody, constraints: Sequence[Constraint]) -> None:
+        self._elastic = elastic
+        points = elastic.space.tabulate_dof_coordinates()[:, : elastic.gdim]
+        shape = (len(constraints), *points.shape)
+        values, self._held = np.zeros(shape), np.zeros(points.shape, dtype=bool)
+        # By node: rows are the axes.
+        self._frames: dict[int, Array] = {}
+        holder = np.full(points.shape, "", dtype=object)
+        for number, constraint in enumerate(constraints):
+            nodes = elastic.boundary_nodes(constraint.boundary)
+            if constraint.roller:
+                for node in nodes.tolist():
+                    self._hold_along(node, np.array(constraint.direction), values[:, node], number)
+                continue
+            moved = constraint.displacement(points[nodes])
+            for component in constraint.components:
+                taken = holder[nodes, component]
+                own = (taken == "") | (taken == constraint.boundary)
+                values[number, nodes[own], component] = moved[own, component]
+                holder[nodes[own], component] = constraint.boundary
+                self._held[nodes[own], component] = True
+        self._nodes = np.array(sorted(self._frames), dtype=np.int64)
+        axes = [self._frames[node] for node in self._nodes.tolist()]
+        self._axes = np.array(axes).reshape(len(axes), elastic.gdim, elastic.gdim)
+        self.constrained: Indices = np.flatnonzero(self._held)
+        self.shapes = [self._function(each) for each in values]
+
+    def _hold_along(self, node: int, direction: Array, values: Array, number: int) -> None:
+        """Hold a node along a direction, in what freedom others have left to it.
+
+        Args:
+            node: its local number.
+            direction: unit vector.
+            values: (m, gdim) displacement of the node by each constraint, in its frame; changed.
+            number: of the roller among the constraints.
+        """
+        frame = self._frames.get(node, np.eye(len(direction)))
+        seen, free = frame @ direction, np.flatnonzero(~self._held[node])
+        length = np.linalg.norm(seen[free])
+        if length < SMALLEST_ANGLE:
+            return
+        # The first free axis is turned into what is left of the direction.
+        turned = np.linalg.qr(np.column_stack([seen[free] / length, np.eye(len(free))]))[0].T
+        turned *= np.sign(turned[0] @ seen[free])
+        frame = frame.copy()
+        frame[free] = turned @ frame[free]
+        self._frames[node] = frame
+        # What the others prescribe at the node may move it along the direction: not so.
+        values[:number, free[0]] = -(values[:number] @ seen) / length
+        values[number, free[0]] = 1 / length
+        self._held[node, free[0]] = True
+
+    def _function(self, values: Array) -> fem.Function:
+        """A displacement from values (n, gdim) in the frames of the nodes."""
+        function = fem.Function(self._elastic.space)
+        function.x.array[:] = values.ravel()
+        self.turn_back(function.x.array)
+        return function
+
+    def turn(self, values: Array) -> None:
+        """Turn displacements or forces (local numbers,) into the frames of the nodes, in place."""
+        self._apply(values, self._axes)
+
+    def turn_back(self, values: Array) -> None:
+        """Turn them back from the frames of the nodes, in place."""
+        self._apply(values, self._axes.swapaxes(1, 2))
+
+    def _apply(self, values: Array, axes: Array) -> None:
+        rows = values.reshape(-1, self._elastic.gdim)
+        known = self._nodes < len(rows)  # a vector of PETSc has no ghosts
+        nodes = self._nodes[known]
+        rows[nodes] = np.einsum("nij,nj->ni", axes[known], rows[nodes])
+
+    def stiffness(self, fixed: Indices) -> PETSc.Mat:
+        """Stiffness in the frames of the nodes, with unit rows and columns at fixed components.
+
+        Collective.
+
+        Args:
+            fixed: local numbers as of `constrained`.
+        """
+        if not self._elastic.comm.allreduce(len(self._nodes)):
+            return self._elastic.stiffness(fixed.astype(np.int32))
+        matrix = self._elastic.stiffness(np.empty(0, dtype=np.int32))
+        start, end = matrix.getOwnershipRange()
+        own = self.turning[start:end]
+        integers = (each.astype(PETSc.IntType) for each in (own.indptr, own.indices))
+        sizes = matrix.getSizes()
+        turning = PETSc.Mat().createAIJ(sizes, csr=(*integers, own.data), comm=matrix.comm)
+        turned = matrix.ptap(turning)
+        rows = start + fixed[fixed < end - start]
+        turned.zeroRowsColumns(rows.astype(PETSc.IntType), 1.0)
+        turned.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        return turned
+
+    @cached_property
+    def turning(self) -> sparse.csr_matrix:
+        """(N, N) from displacements in the frames of the nodes, global numbers. Collective."""
+        gdim, index_map = self._elastic.gdim, self._elastic.space.dofmap.index_map
+        own = self._nodes < index_map.size_local
+        numbers = self._nodes[own] + index_map.local_range[0]
+        parts = self._elastic.comm.allgather((numbers, self._axes[own]))
+        nodes = np.concatenate([part[0] for part in parts])
+        axes = np.concatenate([part[1] for part in parts])
+        size = index_map.size_global * gdim
+        whole = sparse.eye(size, format="lil")
+        components = np.arange(gdim)
+        for node, each in zip(nodes.tolist(), axes, strict=True):
+            unknowns = node * gdim + components
+            whole[np.ix_(unknowns, unknowns)] = each.T
+        return whole.tocsr()
