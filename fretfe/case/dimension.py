@@ -29,6 +29,8 @@ def check_dimension(case: Case, dimension: int) -> None:
 
 
 def _misfits(case: Case, dimension: int) -> Iterator[Problem]:
+    if dimension == 3:
+        yield from _plane_only(case)
     for key, direction in _directions(case):
         axes = AXES[:dimension]
         if isinstance(direction, str):
@@ -44,6 +46,21 @@ def _misfits(case: Case, dimension: int) -> Iterator[Problem]:
             expected = "[0, 0, 1] or [0, 0, -1]" if dimension == 2 else "3 components"
             found = repr(load.axis) if isinstance(load.axis, str) else str(list(load.axis))
             yield Problem(("loads", name, "axis"), f"expected {expected}, found {found}")
+
+
+def _plane_only(case: Case) -> Iterator[Problem]:
+    """Keys that mean nothing, or nothing yet, on a mesh of solids."""
+    if case.model.plane != "strain":
+        yield Problem(("model", "plane"), "expected no plane state on a mesh of solids")
+    if case.model.thickness != 1:
+        found = f"{case.model.thickness:g}"
+        yield Problem(("model", "thickness"), f"expected 1 on a mesh of solids, found {found}")
+    if case.edges is not None:
+        yield Problem(
+            ("edges",),
+            "expected a plane mesh: one of solids does not refine itself; leave the table [edges] "
+            "out and set the element sizes of the geometry",
+        )
 
 
 def _is_axis(axis: str | tuple[float, ...], dimension: int) -> bool:

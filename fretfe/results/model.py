@@ -103,6 +103,10 @@ class Result:
         """One flat record of numbers and texts for each contact edge."""
         return edge_records(self.contacts)
 
+    def records(self) -> list[dict[str, Any]]:
+        """The records of `edges`; of solids one for each contact in its last state."""
+        return area_records(self.areas) if self.areas else self.edges()
+
     def history(self, contact: str, edge: str) -> dict[str, Array]:
         """Histories of one edge, T numbers each.
 
@@ -152,12 +156,12 @@ class Result:
         raise OutputError(f"expected one of the contacts {known}, found {contact!r}")
 
     def to_dataframe(self) -> pd.DataFrame:
-        """The records of `edges` as a table.
+        """The flat records as a table.
 
         Raises:
             DependencyError: if pandas is not installed.
         """
-        table: pd.DataFrame = require("pandas").DataFrame(self.edges())
+        table: pd.DataFrame = require("pandas").DataFrame(self.records())
         return table
 
     def to_xarray(self) -> xr.Dataset:
@@ -174,7 +178,7 @@ class Result:
 
     def _repr_html_(self) -> str:
         """The edges, or the contacts of solids, as a table for notebooks."""
-        records = self.edges() or area_records(self.areas)
+        records = self.records()
         head = "".join(f"<th>{html.escape(name)}</th>" for name in records[0])
         rows = "".join(
             "<tr>" + "".join(f"<td>{_cell(value)}</td>" for value in record.values()) + "</tr>"

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from contact_runs import ramp
 
-from fretfe._typing import Array
 from fretfe.case import parse_case
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
