@@ -43,7 +43,7 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
         raise result.failure
     rows = [*own_rows(result), *limit_rows(result)]
     if result.areas:
-        return Validation(result, (*rows, missing("all", "", "companions", SOLIDS)))
+        return Validation(result, (*rows, missing("all", "", "companions", SOLIDS, "unknown")))
     variants, reasons = make_variants(case, result)
     rows += [missing("all", "", name, reason) for name, reason in reasons.items()]
     for variant in variants:
