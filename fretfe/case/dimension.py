@@ -12,6 +12,10 @@ from fretfe.case.messages import complaint
 from fretfe.case.model import Case
 from fretfe.errors import CaseError
 
+# Added to a complaint about a direction.
+PLANE = "; the mesh is plane, and [geometry.solid] would extrude it"
+SOLID = "; the bodies are solid"
+
 
 def check_dimension(case: Case, dimension: int) -> None:
     """Check that every direction of the case exists in the space of the mesh.
@@ -36,11 +40,11 @@ def _misfits(case: Case, dimension: int) -> Iterator[Problem]:
         if isinstance(direction, str):
             if direction in AXES and direction not in axes:
                 expected = " or ".join(map(repr, axes))
-                yield Problem(key, f"expected {expected} on this mesh, found {direction!r}")
+                text = f"expected {expected} on this mesh, found {direction!r}{PLANE}"
+                yield Problem(key, text)
         elif len(direction) != dimension:
-            yield Problem(
-                key, f"expected {dimension} components on this mesh, found {len(direction)}"
-            )
+            text = f"expected {dimension} components on this mesh, found {len(direction)}"
+            yield Problem(key, text + (PLANE if dimension == 2 else SOLID))
     for name, load in case.loads.items():
         if isinstance(load, RotationLoad | TiltLoad) and not _is_axis(load.axis, dimension):
             expected = "[0, 0, 1] or [0, 0, -1]" if dimension == 2 else "3 components"

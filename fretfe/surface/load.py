@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from fretfe.case import Case
 from fretfe.mesh.load import grouped_mesh, naming_case
-from fretfe.mesh.mesh import Mesh, SetSizes
+from fretfe.mesh.make import SetSizes
+from fretfe.mesh.mesh import Mesh
 from fretfe.surface.checks import check_contacts
 
 
