@@ -33,7 +33,7 @@ DefineConstant[
   lower_height = {20,   Min 0.01, Max 1e4, Name "Parameters/07 Height of the lower body [mm]"},
   contact_x    = {1,    Min 1e-4, Max 1e3, Name "Parameters/08 Expected half width of the contact in x [mm]"},
   contact_z    = {0,    Min 0,    Max 1e3, Name "Parameters/09 Expected half width of the contact in z, 0 for that in x [mm]"},
-  zone         = {1.6,   Min 1.5,  Max 10,  Name "Parameters/10 Candidate contact zone, in half widths of the expected contact [-]"},
+  zone         = {1.6,  Min 1.5,  Max 10,  Name "Parameters/10 Candidate contact zone, in half widths of the expected contact [-]"},
   size         = {0.085,Min 1e-5, Max 1e2, Name "Parameters/11 Element size in the expected contact [mm]"},
   growth       = {0.35, Min 0.05, Max 0.7, Name "Parameters/12 Growth of the element size per distance from the contact [-]"}
 ];
