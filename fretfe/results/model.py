@@ -116,6 +116,11 @@ class Result:
         Raises:
             CaseError: if there is no such edge.
         """
+        if self.areas:
+            raise CaseError(
+                f"{self.case.source}: expected a contact of plane bodies, found solids, whose "
+                "edges are not evaluated; `areas` has the histories of their contacts"
+            )
         edges = {f"{each.name} {one.front}": one for each in self.contacts for one in each.stations}
         wanted = f"{contact} {edge}"
         if wanted not in edges:
@@ -151,30 +156,35 @@ class Result:
         known = ", ".join(each.name for each in self.solution.contacts)
         raise OutputError(f"expected one of the contacts {known}, found {contact!r}")
 
+    def records(self) -> list[dict[str, Any]]:
+        """The records of `edges`; of solids one for each contact."""
+        return self.edges() or area_records(self.areas)
+
     def to_dataframe(self) -> pd.DataFrame:
-        """The records of `edges` as a table.
+        """The records as a table.
 
         Raises:
             DependencyError: if pandas is not installed.
         """
-        table: pd.DataFrame = require("pandas").DataFrame(self.edges())
+        table: pd.DataFrame = require("pandas").DataFrame(self.records())
         return table
 
     def to_xarray(self) -> xr.Dataset:
         """Histories of loads, contacts and edges, and the tractions, with named dimensions.
 
-        Dimensions are ``time``, ``load``, ``contact`` and ``edge``; the fields of a contact NAME
-        are called ``NAME.traction`` and so on, over ``NAME.node`` (see docs/python.md). If they
-        are those of some states only, ``kept`` takes the place of ``time``.
+        Dimensions are ``time``, ``load``, ``contact`` and ``edge``, of solids ``axis`` in its
+        place; the fields of a contact NAME are called ``NAME.traction`` and so on, over
+        ``NAME.node`` (see docs/python.md). If they are those of some states only, ``kept`` takes
+        the place of ``time``.
 
         Raises:
             DependencyError: if xarray is not installed.
         """
-        return make_dataset(self.loads, self.contacts, self.solution)
+        return make_dataset(self.loads, self.contacts, self.areas, self.solution)
 
     def _repr_html_(self) -> str:
         """The edges, or the contacts of solids, as a table for notebooks."""
-        records = self.edges() or area_records(self.areas)
+        records = self.records()
         head = "".join(f"<th>{html.escape(name)}</th>" for name in records[0])
         rows = "".join(
             "<tr>" + "".join(f"<td>{_cell(value)}</td>" for value in record.values()) + "</tr>"
