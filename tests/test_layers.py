@@ -36,6 +36,7 @@ LAYERS = (
     "fretfe.results.records",
     "fretfe.results.dataset",
     "fretfe.results.model",
+    "fretfe.results.vtkhdf",
     "fretfe.results.field_file",
     "fretfe.halfplane.*",
     "fretfe.bodies.*",

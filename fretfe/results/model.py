@@ -120,6 +120,11 @@ class Result:
         Raises:
             CaseError: if there is no such edge.
         """
+        if self.areas:
+            raise CaseError(
+                f"{self.case.source}: expected a contact of plane bodies, found solids, whose "
+                "edges are not evaluated; `areas` has the histories of their contacts"
+            )
         edges = {f"{each.name} {one.front}": one for each in self.contacts for one in each.stations}
         wanted = f"{contact} {edge}"
         if wanted not in edges:
@@ -167,14 +172,15 @@ class Result:
     def to_xarray(self) -> xr.Dataset:
         """Histories of loads, contacts and edges, and the tractions, with named dimensions.
 
-        Dimensions are ``time``, ``load``, ``contact`` and ``edge``; the fields of a contact NAME
-        are called ``NAME.traction`` and so on, over ``NAME.node`` (see docs/python.md). If they
-        are those of some states only, ``kept`` takes the place of ``time``.
+        Dimensions are ``time``, ``load``, ``contact`` and ``edge``, of solids ``axis`` in its
+        place; the fields of a contact NAME are called ``NAME.traction`` and so on, over
+        ``NAME.node`` (see docs/python.md). If they are those of some states only, ``kept`` takes
+        the place of ``time``.
 
         Raises:
             DependencyError: if xarray is not installed.
         """
-        return make_dataset(self.loads, self.contacts, self.solution)
+        return make_dataset(self.loads, self.contacts, self.areas, self.solution)
 
     def _repr_html_(self) -> str:
         """The edges, or the contacts of solids, as a table for notebooks."""

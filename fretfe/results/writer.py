@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """What a run leaves on disk: `results.json` for numbers and histories, `results.h5` for arrays.
 
+Contact surfaces of solids are in `contacts.hdf` too, for ParaView.
+
 Lists of more than `LONG` numbers, the histories of a long run, go to `results.h5` too.
 
 The schema is described in docs/results.md. Numbers that do not exist are null in JSON and NaN in
@@ -26,6 +28,7 @@ from fretfe.edges.front import ContactSummary, SlipZone, Station
 from fretfe.edges.refinement import Refinement
 from fretfe.environment import versions
 from fretfe.errors import OutputError
+from fretfe.results.contact_file import SURFACES, write_surfaces
 from fretfe.results.dataset import NODAL
 from fretfe.results.field_file import FIELDS
 from fretfe.results.kept import LONG, kept_states
@@ -79,7 +82,7 @@ def remove_pictures(directory: Path) -> None:
 
 
 def write_results(directory: Path, result: Result) -> None:
-    """Write `results.json` and, if there are tractions, `results.h5`.
+    """Write `results.json`; `results.h5` if there are tractions, of solids `contacts.hdf` too.
 
     Args:
         directory: existing folder.
@@ -92,6 +95,7 @@ def write_results(directory: Path, result: Result) -> None:
         lists: dict[str, Array] = {}
         text = json.dumps(as_numbers(result, lists), indent=1, allow_nan=False)
         (directory / NUMBERS).write_text(text + "\n", encoding="utf-8")
+        _write_surfaces(directory / SURFACES, result)
         new = directory / f"{ARRAYS}.new"
         if result.solution is not None or lists:
             # The result may have been read from the file that is replaced.
@@ -104,6 +108,15 @@ def write_results(directory: Path, result: Result) -> None:
         (directory / STREAM).unlink(missing_ok=True)
     except OSError as error:
         raise OutputError(f"{directory}: cannot write the results: {error}") from error
+
+
+def _write_surfaces(path: Path, result: Result) -> None:
+    """Write the contact surfaces of solids; of plane bodies there are none, nor any file."""
+    solution = result.solution
+    if solution is not None and solution.dimension == 3:
+        write_surfaces(path, solution, kept_states(result, solution))
+    else:
+        path.unlink(missing_ok=True)
 
 
 def _write_arrays(path: Path, result: Result, lists: Mapping[str, Array]) -> None:

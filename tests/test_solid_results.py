@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Results of solids are read as they were written; their contacts are a file for ParaView too."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from solid_runs import FRICTION, NORMAL, PEAK, SHEAR, solid_result, surface, write_solid
+from stored_runs import write_run
+
+from fretfe.edges.area import AreaSummary
+from fretfe.errors import CaseError
+from fretfe.results.contact_file import SURFACES
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result
+from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory
+from fretfe.results.writer import write_results
+
+SHAPES = {"main": surface(bend=0.3), "quads": surface(bend=0.3, corners=4)}
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return solid_result(shapes=SHAPES)
+
+
+@pytest.fixture(scope="module")
+def folder(result: Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("solid")
+    write_results(folder, result)
+    return folder
+
+
+def test_areas_are_those_of_the_formulas(result: Result) -> None:
+    area = result.areas[0]
+    # Bent by .3 over a radius of 1, a surface carries .985 of Q along x; facets cost .5 %.
+    assert area.normal_force[-1] == pytest.approx(NORMAL, rel=0.006)
+    assert area.shear_force[:, 0].max() == pytest.approx(SHEAR * FRICTION * NORMAL, rel=0.03)
+    assert area.largest_pressure.max() == pytest.approx(PEAK)
+
+
+def test_summaries_are_read_as_they_were_written(result: Result, folder: Path) -> None:
+    loaded = load_result(folder)
+    assert loaded.contacts == () and loaded.edges() == []
+    assert [each.name for each in loaded.areas] == ["main", "quads"]
+    for mine, other in zip(loaded.areas, result.areas, strict=True):
+        for field in fields(AreaSummary):
+            read, written = (getattr(each, field.name) for each in (mine, other))
+            assert type(read) is type(written), field.name
+            np.testing.assert_array_equal(read, written, err_msg=field.name)
+    # Where nothing presses there is no centre.
+    assert np.isnan(loaded.areas[0].centre[0]).all()
+
+
+def test_contacts_are_read_as_they_were_written(result: Result, folder: Path) -> None:
+    loaded = load_result(folder)
+    assert loaded.solution is not None and loaded.solution.dimension == 3
+    for name in SHAPES:
+        mine, other = loaded.contact_history(name), result.contact_history(name)
+        for field in fields(ContactHistory):
+            read, written = (getattr(each, field.name) for each in (mine, other))
+            if field.name != "full_stick" and written is not None:
+                np.testing.assert_array_equal(read, written, err_msg=field.name)
+    assert loaded.contact_history("quads").facets.shape[1] == 4  # type: ignore[union-attr]
+
+
+def test_histories_of_long_runs_are_read_too(result: Result, tmp_path: Path) -> None:
+    """More than 1000 states: vectors stand in the file of arrays."""
+    count = 1500
+    (area, *_), loads = result.areas, result.loads
+    turning = np.random.default_rng(1).normal(size=(count, 3))
+    long = {
+        field.name: turning if np.ndim(getattr(area, field.name)) == 2 else turning[:, 0]
+        for field in fields(AreaSummary)
+        if isinstance(getattr(area, field.name), np.ndarray)
+    }
+    times = np.arange(float(count))
+    values = np.zeros((count, 2))
+    case = replace(
+        result,
+        areas=(replace(area, **long),),
+        loads=replace(loads, times=times, values=values, cycle=None, between=None),
+        solution=None,
+    )
+    write_results(tmp_path, case)
+    (loaded,) = load_result(tmp_path).areas
+    np.testing.assert_array_equal(loaded.shear_force, turning)
+    np.testing.assert_array_equal(loaded.work, turning[:, 0])
+
+
+def test_records_are_those_of_contacts(result: Result) -> None:
+    pytest.importorskip("pandas")
+    table = result.to_dataframe()
+    assert table["contact"].tolist() == ["main", "quads"]
+    assert table["shear_force_x"][0] == result.areas[0].shear_force[-1, 0]
+    assert "stick_area" in result._repr_html_()
+
+
+def test_an_edge_of_a_solid_has_no_history(result: Result) -> None:
+    with pytest.raises(CaseError, match="found solids, whose edges are not evaluated"):
+        result.history("main", "left")
+
+
+def test_dataset_has_vectors_and_places(result: Result) -> None:
+    pytest.importorskip("xarray")
+    data = result.to_xarray()
+    count = len(result.loads.times)
+    assert data.sizes["axis"] == 3 and "edge" not in data.sizes
+    assert data["shear_force"].dims == ("contact", "time", "axis")
+    assert data["contact_area"].shape == (2, count)
+    history = result.contact_history("main")
+    assert "main.arc" not in data
+    places = np.stack([data[f"main.{axis}"] for axis in "xyz"], axis=1)
+    np.testing.assert_array_equal(places, history.points)
+    # P from the dataset alone
+    total = (data["main.traction"][..., 0] * data["main.weights"]).sum("main.node")
+    np.testing.assert_allclose(total, result.areas[0].normal_force, rtol=1e-12)
+
+
+def surfaces(folder: Path) -> h5py.File:
+    return h5py.File(folder / SURFACES, "r")
+
+
+def test_surfaces_have_all_contacts_and_kept_states(result: Result, folder: Path) -> None:
+    counts = [len(shape.points) for shape in SHAPES.values()]
+    with surfaces(folder) as file:
+        root = file["VTKHDF"]
+        np.testing.assert_array_equal(root["Steps/Values"][:], result.loads.times)
+        contact = root["CellData/contact"]
+        assert contact.attrs["names"].tolist() == list(SHAPES)
+        assert np.bincount(contact[:]).tolist() == [len(s.facets) for s in SHAPES.values()]
+        assert set(np.diff(root["Offsets"][:])) == {3, 4}
+        assert root["Points"].shape == (sum(counts), 3)
+        assert root["Connectivity"][:].max() == sum(counts) - 1
+        np.testing.assert_array_equal(root["Points"][: counts[0]], SHAPES["main"].points)
+        last = int(root["Steps/PointDataOffsets/status"][-1])
+        status = root["PointData/status"][last : last + counts[0], 0]
+    np.testing.assert_array_equal(status, result.contact_history("main").status[-1])
+
+
+def test_vectors_of_surfaces_are_in_the_axes_of_the_case(result: Result, folder: Path) -> None:
+    """Shear and slip along the first tangent, which turns with the surface."""
+    contact = result.contact_history("main")
+    count, state = len(contact.points), 24
+    with surfaces(folder) as file:
+        root = file["VTKHDF"]
+        values = {}
+        for name in root["PointData"]:
+            start = int(root["Steps/PointDataOffsets"][name][state])
+            values[name] = root["PointData"][name][start : start + count].astype(float)
+    angle = 0.3 * SHAPES["main"].plane[:, 0]
+    tangent = np.stack([np.cos(angle), -np.sin(angle), 0 * angle], axis=1)
+    for name, along in (
+        ("shear", contact.mean_traction[state, :, 1]),
+        ("slip", contact.slip[state, :, 0]),
+    ):
+        expected = along[:, None] * tangent
+        np.testing.assert_allclose(values[name], expected, atol=1e-6 * np.abs(along).max())
+    work = values["dissipation"][:, 0] @ contact.weights
+    assert work == pytest.approx(result.areas[0].work[state], rel=1e-6) and work > 0
+
+
+def test_surfaces_have_the_states_that_are_kept(tmp_path: Path) -> None:
+    result = solid_result(tractions="extremes")
+    write_results(tmp_path, result)
+    loaded = load_result(tmp_path)
+    assert loaded.solution is not None and loaded.solution.kept is not None
+    kept = loaded.solution.kept
+    assert len(kept) < len(result.loads.times)
+    with surfaces(tmp_path) as file:
+        np.testing.assert_array_equal(file["VTKHDF/Steps/Values"][:], result.loads.times[kept])
+    # Written again from what was read
+    write_results(tmp_path, loaded)
+    with surfaces(tmp_path) as file:
+        assert len(file["VTKHDF/Steps/Values"]) == len(kept)
+
+
+def test_pyvista_reads_surfaces(folder: Path, result: Result) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    reader = pyvista.get_reader(folder / SURFACES).reader
+    reader.UpdateInformation()
+    reader.UpdateTimeStep(2.25)
+    grid = pyvista.wrap(reader.GetOutputDataObject(0))
+    sizes = grid.compute_cell_sizes(length=False, volume=False)["Area"]
+    assert sizes[grid.cell_data["contact"] == 1].sum() == pytest.approx(9.0, rel=1e-3)
+    state = int(np.flatnonzero(result.loads.times == 2.25)[0])
+    found = np.bincount(grid.point_data["status"].ravel(), minlength=3)
+    expected = sum(np.bincount(result.contact_history(n).status[state]) for n in SHAPES)
+    assert [OPEN, STICK, SLIP] == [0, 1, 2]
+    np.testing.assert_array_equal(found, expected)
+
+
+def test_plane_bodies_have_no_surfaces(tmp_path: Path) -> None:
+    write_solid(tmp_path)
+    assert (tmp_path / SURFACES).exists()
+    write_run(tmp_path, "halfplane")
+    assert not (tmp_path / SURFACES).exists()
