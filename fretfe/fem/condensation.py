@@ -61,6 +61,7 @@ class CondensedBody:
             in the plane), about the middle of the contact surfaces, by y, coordinates of the
             constraints and a.
         size: largest extent of the body.
+        held: true if displacements of its contact surfaces are constrained.
     """
 
     name: str
@@ -73,6 +74,7 @@ class CondensedBody:
     contact_resultants: Array
     moments: Array
     size: float
+    held: bool
 
 
 class Body:
@@ -285,6 +287,8 @@ class Body:
         ]
         moments, size = self._moments(arms, turning, driven), self._size()
         resultants = self._resultants()
+        own = np.isin(self._own_local, self._constrained).any()
+        surface_held = self.elastic.comm.allreduce(int(own)) > 0
         if compliance is None:
             return None
         gdim = self.elastic.gdim
@@ -300,6 +304,7 @@ class Body:
             contact_resultants=(self._operator @ everywhere).T,
             moments=moments,
             size=size,
+            held=surface_held,
         )
 
     def _compliance(self, free: Array) -> tuple[Array | None, float]:
