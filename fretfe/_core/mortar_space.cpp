@@ -18,6 +18,10 @@ constexpr double farthest_foot = 1.0;
 constexpr double farthest_hit = 0.1;
 // Vertices this close (in reference length) to a line are on it.
 constexpr double on_line = 1e-10;
+// Edges that leave the line between their ends by less than this fraction of it are straight.
+constexpr double straight_edge = 1e-4;
+// Edges do not leave the line between their ends by more than this fraction of their facet.
+constexpr double largest_bulge = 0.25;
 // Polygons smaller than this (in reference area) come from round-off at facet edges.
 constexpr double smallest_area = 1e-10;
 // Facets that hide another one are nearer by this fraction of its size; neighbours are not.
@@ -40,7 +44,8 @@ Vector cross(const Vector &a, const Vector &b) {
 
 Place minus(const Place &a, const Place &b) { return {a[0] - b[0], a[1] - b[1]}; }
 double cross(const Place &a, const Place &b) { return a[0] * b[1] - a[1] * b[0]; }
-double norm(const Place &a) { return std::hypot(a[0], a[1]); }
+double dot(const Place &a, const Place &b) { return a[0] * b[0] + a[1] * b[1]; }
+double norm(const Place &a) { return std::sqrt(dot(a, a)); }
 
 /// Solution of x a + y b + z c = r; none if the columns lie in a plane.
 std::optional<Vector> solve(const Vector &a, const Vector &b, const Vector &c, const Vector &r) {
@@ -306,32 +311,76 @@ double largest_diameter(const double *nodes, std::size_t count) {
   return largest;
 }
 
-/// Points along the edges of a facet, clockwise seen from outside its body.
+/// Feet of the points that cut an edge between the nodes (from, to[, middle]) into pieces.
 ///
-/// Edges are cut in two, and those much longer than `size` more often: straight edges too may be
-/// curved in the reference cell of another facet. How an edge
-/// is cut depends on nothing but the edge: neighbours cut it alike.
-std::vector<Vector> rim(const double *nodes, std::size_t count, double size) {
-  std::vector<Vector> points;
+/// How an edge is cut depends on nothing but the edge: neighbours cut it alike. Those much longer
+/// than the near facet are cut more often. Straight edges too may be curved as seen by the near
+/// facet; none of the feet count if all are on the line between `ends`.
+std::optional<Polygon> inner_feet(const Near &near, const std::array<Vector, 3> &edge, bool linear,
+                                  const std::array<Place, 2> &ends) {
+  const double ratio = std::round(norm(edge[1] - edge[0]) / near.size);
+  const int pieces = 2 * static_cast<int>(std::clamp(ratio, 1.0, most_pieces));
+  const Place line = minus(ends[1], ends[0]);
+  const double allowed = straight_edge * dot(line, line);
+  Polygon feet;
+  bool straight = true;
+  for (int k = 1; k < pieces; ++k) {
+    const auto s = line_values(linear, static_cast<double>(k) / pieces);
+    const auto at = foot(near, s[0] * edge[0] + s[1] * edge[1] + s[2] * edge[2]);
+    if (!at)
+      return std::nullopt;
+    feet.push_back(*at);
+    straight = straight && std::abs(cross(line, minus(*at, ends[0]))) <= allowed;
+  }
+  return straight ? Polygon{} : feet;
+}
+
+/// All corners of a polygon are so far beyond a side of the cell that the rest is there too.
+bool beyond(std::size_t count, const Polygon &corner_feet) {
+  double size = 0;
+  for (const Place &p : corner_feet)
+    size = std::max(size, norm(minus(p, corner_feet[0])));
+  const auto all = [&](auto distance) {
+    return std::all_of(corner_feet.begin(), corner_feet.end(),
+                       [&](const Place &p) { return distance(p) < -largest_bulge * size; });
+  };
+  if (all([](const Place &p) { return p[0]; }) || all([](const Place &p) { return p[1]; }))
+    return true;
+  if (is_triangle(count))
+    return all([](const Place &p) { return 1 - p[0] - p[1]; });
+  return all([](const Place &p) { return 1 - p[0]; }) ||
+         all([](const Place &p) { return 1 - p[1]; });
+}
+
+/// Outline of a facet of the other side as seen by a near one, clockwise seen from outside its
+/// body; none where no normal line of the near facet meets it.
+std::optional<Polygon> outline(const Near &near, const double *nodes, std::size_t count) {
   const std::size_t sides = corners(count);
   const bool linear = count == sides;
   const auto node = [&](std::size_t k) {
     return Vector{nodes[3 * k], nodes[3 * k + 1], nodes[3 * k + 2]};
   };
-  for (std::size_t i = sides; i-- > 0;) {
-    const Vector from = node((i + 1) % sides);
-    const Vector to = node(i);
-    const double ratio = std::clamp(std::round(norm(to - from) / size), 1.0, most_pieces);
-    const int pieces = 2 * static_cast<int>(ratio);
-    for (int k = 0; k < pieces; ++k) {
-      const auto s = line_values(linear, static_cast<double>(k) / pieces);
-      Vector x = s[0] * from + s[1] * to;
-      if (!linear)
-        x = x + s[2] * node(sides + i);
-      points.push_back(x);
-    }
+  Polygon corner_feet;
+  for (std::size_t i = 0; i < sides; ++i) {
+    const auto at = foot(near, node(i));
+    if (!at)
+      return std::nullopt;
+    corner_feet.push_back(*at);
   }
-  return points;
+  if (beyond(near.count, corner_feet))
+    return std::nullopt;
+  Polygon polygon;
+  for (std::size_t i = sides; i-- > 0;) {
+    const std::size_t from = (i + 1) % sides;
+    const Vector middle = linear ? no_origin : node(sides + i);
+    const auto inner = inner_feet(near, {node(from), node(i), middle}, linear,
+                                  {corner_feet[from], corner_feet[i]});
+    if (!inner)
+      return std::nullopt;
+    polygon.push_back(corner_feet[from]);
+    polygon.insert(polygon.end(), inner->begin(), inner->end());
+  }
+  return polygon;
 }
 
 struct Piece { // part of a near facet's cell that lies opposite one facet of the other side
@@ -346,14 +395,10 @@ std::optional<Piece> piece(const Near &near, const Facets &other, std::size_t nu
                            double max_gap) {
   const std::size_t count = other.nodes_per_facet;
   const double *nodes = other.nodes + number * count * 3;
-  Polygon polygon;
-  for (const Vector &x : rim(nodes, count, near.size)) {
-    const auto at = foot(near, x);
-    if (!at)
-      return std::nullopt;
-    polygon.push_back(*at);
-  }
-  polygon = inside_cell(near.count, std::move(polygon));
+  auto seen = outline(near, nodes, count);
+  if (!seen)
+    return std::nullopt;
+  Polygon polygon = inside_cell(near.count, std::move(*seen));
   if (polygon.size() < 3 || area2(polygon) < 2 * smallest_area)
     return std::nullopt;
   Place middle{0, 0};
