@@ -11,8 +11,10 @@ namespace {
 constexpr int max_newton = 30;
 // Newton converges quadratically: after a step this small the error is round-off.
 constexpr double parameter_tolerance = 1e-10;
-// Foot points further than this (in reference length) from their cell need no more than a side.
+// Of foot points further than this (in reference length) from their cell the side matters only.
 constexpr double farthest_foot = 1.0;
+// Newton's method does not come back from this far (in reference length) outside a facet.
+constexpr double leaves_for_good = 3;
 // Polygons have straight edges where curved facets have curved ones: points may be hit this far
 // (in reference length) outside a facet, whose shape continues there.
 constexpr double farthest_hit = 0.1;
@@ -188,10 +190,10 @@ std::optional<Place> foot(const Near &near, const Vector &x) {
     along += (*step)[2];
     if (!seen_from_centre)
       seen_from_centre = at;
-    if (!(outside(near.count, at) < farthest_foot))
+    if (!(outside(near.count, at) < leaves_for_good))
       break;
     if (std::max(std::abs((*step)[0]), std::abs((*step)[1])) < parameter_tolerance)
-      return at;
+      return outside(near.count, at) < farthest_foot ? at : seen_from_centre;
   }
   return seen_from_centre;
 }
@@ -211,7 +213,7 @@ std::optional<Hit> meet(const double *nodes, std::size_t count, const Vector &x,
     if (!step)
       return std::nullopt;
     at = {at[0] + (*step)[0], at[1] + (*step)[1]};
-    if (!(outside(count, at) < 2)) // leaves the facet for good
+    if (!(outside(count, at) < leaves_for_good))
       return std::nullopt;
     if (std::max(std::abs((*step)[0]), std::abs((*step)[1])) < parameter_tolerance) {
       const Field found = interpolate(shape_at(count, at), nodes, count, x);
