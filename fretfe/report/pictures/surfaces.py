@@ -15,7 +15,6 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.patheffects import withStroke
 from matplotlib.tri import Triangulation
 from scipy.spatial import cKDTree
 
@@ -26,7 +25,7 @@ from fretfe.report.pictures.stress import BAR_ASPECT, round_up
 from fretfe.report.pictures.unroll import Unrolled, direction_text, unroll
 from fretfe.report.source import loading, when
 from fretfe.report.texts import number, rounded
-from fretfe.report.theme import COLOURS, FRAMED, PALE
+from fretfe.report.theme import COLOURS, FRAMED, HALO, PALE
 from fretfe.results.contact_file import in_space
 from fretfe.results.model import Result
 from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory
@@ -40,8 +39,6 @@ LEVELS, ARROWS = 10, (20, 12)
 # Arrows of less shear than this fraction of the largest are left out; length of the longest in
 # distances between arrows, and their width in inches.
 SHORTEST, LONGEST, ARROW_WIDTH = 0.03, 0.95, 0.014
-# Light around dark lines: they are seen on every colour.
-HALO = [withStroke(linewidth=2.4, foreground="white")]
 LINES: dict[str, dict[str, Any]] = {
     "edge of the contact": {"colors": "black", "linewidths": 1.0, "linestyles": "-"},
     "edge of stick": {"colors": "black", "linewidths": 1.2, "linestyles": "--"},
