@@ -340,11 +340,12 @@ def test_a_wrong_solid_is_named(solid: dict[str, Any], expected: str) -> None:
     assert expected in message(geometry={"template": "wedge", "solid": solid})
 
 
-def test_a_solid_needs_a_template() -> None:
+def test_templates_and_files_are_extruded() -> None:
     solid = {"length": 10, "layers": 2}
     case = parse_case(edited(geometry={"template": "wedge", "solid": solid}))
     assert case.geometry.solid == Solid(length=10.0, skew=0.0, layers=2)
-    assert "'solid'" in message(geometry={"file": "b1.msh", "solid": solid})
+    case = parse_case(edited(geometry={"file": "b1.msh", "solid": solid}))
+    assert case.geometry.solid == Solid(length=10.0, skew=0.0, layers=2)
 
 
 SEGMENTS = {

@@ -10,7 +10,11 @@ from pathlib import Path
 Node = tuple[float, float, float]
 # Gmsh element type, name of the physical group, node numbers from 1
 Element = tuple[int, str, Sequence[int]]
-DIMENSIONS = {15: 0, 1: 1, 8: 1, 2: 2, 3: 2, 9: 2, 10: 2, 16: 2, 21: 2, 4: 3}
+DIMENSIONS = {
+    kind: dim
+    for dim, kinds in enumerate([(15,), (1, 8), (2, 3, 9, 10, 16, 21), (4, 5, 6, 7, 11, 12, 17)])
+    for kind in kinds
+}
 
 
 @dataclass(frozen=True)

@@ -20,3 +20,23 @@ def overlap_points(
     npt.NDArray[np.float64],
     npt.NDArray[np.float64],
 ]: ...
+def overlap_points_in_space(
+    nodes: npt.NDArray[np.float64],
+    normals: npt.NDArray[np.float64],
+    other: npt.NDArray[np.float64],
+    starts: npt.NDArray[np.int64],
+    candidates: npt.NDArray[np.int64],
+    square: npt.NDArray[np.float64],
+    square_weights: npt.NDArray[np.float64],
+    triangle: npt.NDArray[np.float64],
+    triangle_weights: npt.NDArray[np.float64],
+    max_gap: float,
+) -> tuple[
+    npt.NDArray[np.int64],
+    npt.NDArray[np.int64],
+    npt.NDArray[np.float64],
+    npt.NDArray[np.float64],
+    npt.NDArray[np.float64],
+    npt.NDArray[np.float64],
+    npt.NDArray[np.float64],
+]: ...

@@ -4,11 +4,13 @@
 #include <nanobind/ndarray.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <type_traits>
 #include <vector>
 
 #include "mortar.hpp"
+#include "mortar_space.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -16,12 +18,12 @@ using namespace nb::literals;
 namespace {
 
 using Nodes = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Values = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Numbers = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Pairs = std::vector<fretfe::PointPair>;
 
 /// One member of each record as a NumPy array that owns its data.
-template <class Member> auto column(const Pairs &pairs, Member member) {
+template <class Pair, class Member> auto column(const std::vector<Pair> &pairs, Member member) {
   using T = std::decay_t<decltype(member(pairs.front()))>;
   T *data = new T[pairs.size()];
   for (std::size_t i = 0; i < pairs.size(); ++i)
@@ -30,26 +32,26 @@ template <class Member> auto column(const Pairs &pairs, Member member) {
   return nb::ndarray<nb::numpy, T, nb::ndim<1>>(data, {pairs.size()}, owner);
 }
 
-/// Normals (n, 2) of all records.
-nb::ndarray<nb::numpy, double, nb::ndim<2>> normals_of(const Pairs &pairs) {
-  double *data = new double[2 * pairs.size()];
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    std::copy(pairs[i].normal.begin(), pairs[i].normal.end(), data + 2 * i);
+/// One member with several components of each record, (n, components).
+template <class Pair, class Member> auto rows(const std::vector<Pair> &pairs, Member member) {
+  constexpr std::size_t size = std::tuple_size_v<std::decay_t<decltype(member(pairs.front()))>>;
+  double *data = new double[size * pairs.size()];
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto &row = member(pairs[i]);
+    std::copy(row.begin(), row.end(), data + size * i);
+  }
   nb::capsule owner(data, [](void *p) noexcept { delete[] static_cast<double *>(p); });
-  return {data, {pairs.size(), 2}, owner};
-}
-
-fretfe::Facets as_facets(const Nodes &nodes) {
-  return {nodes.data(), nodes.shape(0), nodes.shape(1)};
+  return nb::ndarray<nb::numpy, double, nb::ndim<2>>(data, {pairs.size(), size}, owner);
 }
 
 nb::tuple overlap_points(Nodes nodes, Nodes normals, Nodes other, Numbers starts,
                          Numbers candidates, Values points, Values weights, double max_gap) {
   const fretfe::Rule rule{points.data(), weights.data(), points.size()};
-  Pairs pairs;
+  std::vector<fretfe::PointPair> pairs;
   {
     nb::gil_scoped_release release;
-    pairs = fretfe::overlap_points(as_facets(nodes), normals.data(), as_facets(other),
+    pairs = fretfe::overlap_points({nodes.data(), nodes.shape(0), nodes.shape(1)}, normals.data(),
+                                   {other.data(), other.shape(0), other.shape(1)},
                                    {starts.data(), candidates.data()}, rule, max_gap);
   }
   return nb::make_tuple(column(pairs, [](const auto &p) { return p.facet; }),
@@ -57,7 +59,31 @@ nb::tuple overlap_points(Nodes nodes, Nodes normals, Nodes other, Numbers starts
                         column(pairs, [](const auto &p) { return p.xi; }),
                         column(pairs, [](const auto &p) { return p.eta; }),
                         column(pairs, [](const auto &p) { return p.weight; }),
-                        column(pairs, [](const auto &p) { return p.gap; }), normals_of(pairs));
+                        column(pairs, [](const auto &p) { return p.gap; }),
+                        rows(pairs, [](const auto &p) { return p.normal; }));
+}
+
+nb::tuple overlap_points_in_space(Nodes nodes, Nodes normals, Nodes other, Numbers starts,
+                                  Numbers candidates, Table square, Values square_weights,
+                                  Table triangle, Values triangle_weights, double max_gap) {
+  const fretfe::space::Rule on_square{square.data(), square_weights.data(), square.shape(0)};
+  const fretfe::space::Rule on_triangle{triangle.data(), triangle_weights.data(),
+                                        triangle.shape(0)};
+  std::vector<fretfe::space::PointPair> pairs;
+  {
+    nb::gil_scoped_release release;
+    pairs = fretfe::space::overlap_points(
+        {nodes.data(), nodes.shape(0), nodes.shape(1)}, normals.data(),
+        {other.data(), other.shape(0), other.shape(1)}, {starts.data(), candidates.data()},
+        on_square, on_triangle, max_gap);
+  }
+  return nb::make_tuple(column(pairs, [](const auto &p) { return p.facet; }),
+                        column(pairs, [](const auto &p) { return p.other_facet; }),
+                        rows(pairs, [](const auto &p) { return p.at; }),
+                        rows(pairs, [](const auto &p) { return p.other_at; }),
+                        column(pairs, [](const auto &p) { return p.weight; }),
+                        column(pairs, [](const auto &p) { return p.gap; }),
+                        rows(pairs, [](const auto &p) { return p.normal; }));
 }
 
 } // namespace
@@ -67,5 +93,10 @@ NB_MODULE(_kernels, m) {
   m.def("overlap_points", &overlap_points, "nodes"_a, "normals"_a, "other"_a, "starts"_a,
         "candidates"_a, "points"_a, "weights"_a, "max_gap"_a,
         "Integration points on the overlap segments of two facet chains: facet, other facet, "
+        "reference coordinates on both, weight, gap, normal.");
+  m.def("overlap_points_in_space", &overlap_points_in_space, "nodes"_a, "normals"_a, "other"_a,
+        "starts"_a, "candidates"_a, "square"_a, "square_weights"_a, "triangle"_a,
+        "triangle_weights"_a, "max_gap"_a,
+        "Integration points on the overlap of two surfaces in space: facet, other facet, "
         "reference coordinates on both, weight, gap, normal.");
 }

@@ -22,7 +22,7 @@ from fretfe.mesh.mesh import Mesh
 
 AXES = "xyz"
 # What a coordinate calls the moment and the rotation of a tilt.
-TILT_CONTROLS: dict[str, Control] = {"moment": "force", "rotation": "displacement"}
+TILT_CONTROLS = {"moment": "force", "rotation": "displacement"}
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,7 @@ def _modes(definition: BodyDefinition, body: BodyMesh) -> Array:
 def _constraint_rows(
     definition: BodyDefinition, body: BodyMesh, driven: list[int]
 ) -> Iterator[Array]:
-    """Constraints (3 or 6 + forces,) on the rigid motion and the displacements of driven platens."""
+    """Constraints (3 or 6 + forces,) on the rigid motion and the amplitudes of driven platens."""
     centre, size = _centre_and_size(body)
     holder: dict[tuple[int, int], str] = {}
     for constraint in definition.constraints:

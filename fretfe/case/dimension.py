@@ -12,6 +12,10 @@ from fretfe.case.messages import complaint
 from fretfe.case.model import Case
 from fretfe.errors import CaseError
 
+# Added to a complaint about a direction.
+PLANE = "; the mesh is plane, and [geometry.solid] would extrude it"
+SOLID = "; the bodies are solid"
+
 
 def check_dimension(case: Case, dimension: int) -> None:
     """Check that every direction of the case exists in the space of the mesh.
@@ -29,21 +33,38 @@ def check_dimension(case: Case, dimension: int) -> None:
 
 
 def _misfits(case: Case, dimension: int) -> Iterator[Problem]:
+    if dimension == 3:
+        yield from _plane_only(case)
     for key, direction in _directions(case):
         axes = AXES[:dimension]
         if isinstance(direction, str):
             if direction in AXES and direction not in axes:
                 expected = " or ".join(map(repr, axes))
-                yield Problem(key, f"expected {expected} on this mesh, found {direction!r}")
+                text = f"expected {expected} on this mesh, found {direction!r}{PLANE}"
+                yield Problem(key, text)
         elif len(direction) != dimension:
-            yield Problem(
-                key, f"expected {dimension} components on this mesh, found {len(direction)}"
-            )
+            text = f"expected {dimension} components on this mesh, found {len(direction)}"
+            yield Problem(key, text + (PLANE if dimension == 2 else SOLID))
     for name, load in case.loads.items():
         if isinstance(load, RotationLoad | TiltLoad) and not _is_axis(load.axis, dimension):
             expected = "[0, 0, 1] or [0, 0, -1]" if dimension == 2 else "3 components"
             found = repr(load.axis) if isinstance(load.axis, str) else str(list(load.axis))
             yield Problem(("loads", name, "axis"), f"expected {expected}, found {found}")
+
+
+def _plane_only(case: Case) -> Iterator[Problem]:
+    """Keys that mean nothing, or nothing yet, on a mesh of solids."""
+    if case.model.plane != "strain":
+        yield Problem(("model", "plane"), "expected no plane state on a mesh of solids")
+    if case.model.thickness != 1:
+        found = f"{case.model.thickness:g}"
+        yield Problem(("model", "thickness"), f"expected 1 on a mesh of solids, found {found}")
+    if case.edges is not None:
+        yield Problem(
+            ("edges",),
+            "expected a plane mesh: one of solids does not refine itself; leave the table [edges] "
+            "out and set the element sizes of the geometry",
+        )
 
 
 def _is_axis(axis: str | tuple[float, ...], dimension: int) -> bool:

@@ -95,19 +95,25 @@ class FileKind:
     named: bool = False
 
 
-GMSH_MESH = FileKind("Gmsh mesh", (".msh",))
-GMSH_SCRIPT = FileKind("Gmsh script", (".geo",), ("parameters", "order"))
+GMSH_MESH = FileKind("Gmsh mesh", (".msh",), ("solid",))
+GMSH_SCRIPT = FileKind("Gmsh script", (".geo",), ("parameters", "order", "solid"))
 CAD = FileKind(
     "CAD file",
     (".step", ".stp", ".brep"),
-    ("size", "order", "bodies", "boundaries"),
+    ("size", "order", "bodies", "boundaries", "solid"),
     ("point", "points", "label", "color"),
     named=True,
 )
 XDMF = FileKind(
-    "XDMF mesh", (".xdmf",), ("facets", "bodies", "boundaries"), ("tag", "tags"), named=True
+    "XDMF mesh",
+    (".xdmf",),
+    ("facets", "bodies", "boundaries", "solid"),
+    ("tag", "tags"),
+    named=True,
 )
-ABAQUS = FileKind("Abaqus or CalculiX mesh", (".inp",), ("bodies", "boundaries"), ("label",))
+ABAQUS = FileKind(
+    "Abaqus or CalculiX mesh", (".inp",), ("bodies", "boundaries", "solid"), ("label",)
+)
 FILE_KINDS = (GMSH_MESH, GMSH_SCRIPT, CAD, XDMF, ABAQUS)
 
 

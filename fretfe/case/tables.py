@@ -57,7 +57,7 @@ class Model(Table):
 
 
 class Solid(Table):
-    """How a plane template is extruded to a solid body."""
+    """How plane bodies are extruded to solid ones."""
 
     length: Positive = Field(description="Extent in z, in length units; > 0.")
     skew: Number = Field(
@@ -110,12 +110,7 @@ class Geometry(Table):
         default={},
         description="What the names of boundaries stand for in a CAD, XDMF or .inp file.",
     )
-
-    solid: Solid | None = Field(
-        default=None,
-        description="Extrude the template to a solid; for `fretfe mesh` only, contact in three "
-        "dimensions is not solved yet.",
-    )
+    solid: Solid | None = Field(default=None, description="Extrude plane bodies to solid ones.")
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:

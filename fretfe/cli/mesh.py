@@ -12,8 +12,6 @@ from fretfe.cli.options import CaseFile, Overrides, TrustGeo, examples
 from fretfe.environment import rank_from_environment
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from fretfe.case import Case
     from fretfe.mesh.mesh import Mesh
 
@@ -47,16 +45,11 @@ def _write(case: Case, mesh: Mesh, target: Path) -> None:
     from rich.console import Console
 
     from fretfe.cli.mesh_report import print_mesh
-    from fretfe.mesh.extrude import extrude
     from fretfe.mesh.writer import write_mesh
     from fretfe.report.pictures.mesh import write_mesh_picture
 
     console = Console()
     print_mesh(console, case, mesh)
-    solid = case.geometry.solid
-    if solid is not None:
-        mesh = extrude(mesh, solid)
-        _print_solid(console, mesh)
     write_mesh(mesh, target)
     console.print(f"Mesh in {target}", highlight=False, soft_wrap=True)
     if mesh.dimension == 2:
@@ -65,10 +58,3 @@ def _write(case: Case, mesh: Mesh, target: Path) -> None:
         console.print(f"Picture in {picture}", highlight=False, soft_wrap=True)
     else:
         console.print("Note: a picture is drawn of plane meshes only.")
-
-
-def _print_solid(console: Console, mesh: Mesh) -> None:
-    """What the plane mesh that the table describes became."""
-    for body in mesh.bodies.values():
-        text = f"{body.name}, extruded: {len(body.cells)} tetrahedra, {len(body.points)} nodes"
-        console.print(text, highlight=False)

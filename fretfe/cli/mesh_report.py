@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from fretfe.case import Case
+from fretfe.mesh.cell_geometry import PLURALS
 from fretfe.mesh.groups import BodySummary, mesh_summary
 from fretfe.mesh.mesh import Mesh
 from fretfe.surface.checks import initial_gaps, place
@@ -51,7 +52,7 @@ def _body_table(bodies: Sequence[BodySummary]) -> Table:
     for body in bodies:
         table.add_row(
             body.name,
-            f"{body.elements} {body.cell}s",
+            f"{body.elements} {PLURALS[body.cell]}",
             str(body.nodes),
             str(body.order),
             f"{body.smallest_angle:.1f}",

@@ -129,8 +129,8 @@ class ContactOrder:
         if self._last(closed) > len(self.nodes):
             return True
         opened = self._last(closed) - int(closed.sum())
-        size = len(self.components)
-        self._cost += OPENING * opened * self.interface.components * int(closed.sum())
+        size, released = len(self.components), opened * self.interface.components
+        self._cost += OPENING * released * int(closed.sum()) + released**3
         return opened > 0 and self._cost > size**3
 
     def area(self, closed: Bools) -> NestedArea:

@@ -120,7 +120,8 @@ def _size(contact: ContactHistory) -> tuple[int, int]:
 
 def _in_block(contact: ContactHistory, states: slice) -> dict[str, Array]:
     """Histories of some states, by the names of `AreaSummary`."""
-    traction, status = contact.traction[states], contact.status[states]
+    # Means around the nodes have the moments of the field itself, nodal values do not.
+    traction, status = contact.mean_traction[states], contact.status[states]
     pressure, weights = traction[..., 0], contact.weights
     # On body 2 the pressure acts against its outward normal.
     signed = traction * np.array([-1.0, 1.0, 1.0])
@@ -138,7 +139,7 @@ def _in_block(contact: ContactHistory, states: slice) -> dict[str, Array]:
         "moment": about_origin - np.cross(centre, force),
         "contact_area": (status != OPEN) @ weights,
         "stick_area": (status == STICK) @ weights,
-        "largest_pressure": contact.mean_traction[states][..., 0].max(axis=1),
+        "largest_pressure": pressure.max(axis=1),
         "work": contact.dissipation[states].sum(axis=1),
     }
 

@@ -74,16 +74,12 @@ def with_limit_warnings(
 ) -> tuple[Contact, ...]:
     """The contacts with a warning for each of their limits that is exceeded."""
     exceeded = [limit for limit in limits if limit.exceeded]
-    return tuple(
-        replace(
-            each,
-            warnings=(
-                *each.warnings,
-                *(limit.warning for limit in exceeded if limit.contact == each.name),
-            ),
-        )
-        for each in contacts
-    )
+
+    def warned(contact: Contact) -> Contact:
+        own = tuple(limit.warning for limit in exceeded if limit.contact == contact.name)
+        return replace(contact, warnings=contact.warnings + own)
+
+    return tuple(warned(each) for each in contacts)
 
 
 def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:

@@ -70,7 +70,7 @@ def create_mesh(
         comm: communicator of the mesh.
         cells: (m, k) node numbers on rank 0, (0, k) elsewhere.
         points: (n, gdim) node coordinates on rank 0, (0, gdim) elsewhere.
-        cell: "triangle" or "quadrilateral".
+        cell: "triangle" or "quadrilateral", "tetrahedron" or "hexahedron" of a solid.
         order: polynomial order of the geometry.
     """
     element = basix.ufl.element("Lagrange", cell, order, shape=(points.shape[1],))

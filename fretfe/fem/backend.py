@@ -8,7 +8,6 @@ from functools import partial
 from typing import TypeVar
 
 from fretfe.backends.protocol import DEFAULTS, Processes, RunOptions, Session
-from fretfe.bodies.support import unsupported
 from fretfe.case import Case
 from fretfe.edges.foresight import coarse_contacts
 from fretfe.fem._compat import MPI
@@ -50,8 +49,8 @@ class FemBackend:
         return MpiProcesses()
 
     def supports(self, case: Case) -> tuple[str, ...]:
-        """Every plane case; what is wrong with a mesh is found when it is read."""
-        return unsupported(case)
+        """Every case; what is wrong with a mesh is found when it is read."""
+        return ()
 
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
         """Solve a case. Collective.
@@ -97,8 +96,9 @@ def _load(case: Case, options: RunOptions) -> Mesh:
     mesh = load_mesh(case)
     unknowns = count_unknowns(mesh, case.model.degree)
     options.announce(f"mesh: {unknowns} unknowns; the bodies are condensed before the first step")
-    for warning in coarse_contacts(case, mesh, options.history or build_history(case)):
-        options.announce(f"Warning: {warning}")
+    if mesh.dimension == 2:
+        for warning in coarse_contacts(case, mesh, options.history or build_history(case)):
+            options.announce(f"Warning: {warning}")
     return mesh
 
 

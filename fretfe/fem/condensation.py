@@ -20,6 +20,7 @@ does not matter which displacements they are.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from dolfinx import fem
@@ -60,6 +61,7 @@ class CondensedBody:
             in the plane), about the middle of the contact surfaces, by y, coordinates of the
             constraints and a.
         size: largest extent of the body.
+        held: true if displacements of its contact surfaces are constrained.
     """
 
     name: str
@@ -72,6 +74,7 @@ class CondensedBody:
     contact_resultants: Array
     moments: Array
     size: float
+    held: bool
 
 
 class Body:
@@ -212,26 +215,34 @@ class Body:
         border.eliminate_zeros()
         return border.tocsr()
 
-    def _respond(self, forces: PETSc.Vec) -> PETSc.Vec:
-        """Displacement under nodal forces with the constrained boundaries at rest.
+    def _respond(self, forces: list[PETSc.Vec]) -> list[PETSc.Vec]:
+        """Displacements under nodal forces with the constrained boundaries at rest.
 
         Forces are balanced on the contact surfaces, whose mean free motion is zero.
         """
+        fields = self._respond_held([self._balanced(each) for each in forces])
+        for field in fields:
+            mean = self._surface_motions.T @ self._gather(field)
+            _add(field, -mean, self._motions)
+        return fields
+
+    def _balanced(self, forces: PETSc.Vec) -> PETSc.Vec:
+        """Nodal forces with others on the contact surfaces that balance them."""
         balanced = forces.copy()
         excess = [motion.dot(forces) for motion in self._motions]
         self._push(balanced, -(self._surface_motions @ np.array(excess)))
-        field = self._respond_held(balanced)
-        mean = self._surface_motions.T @ self._gather(field)
-        _add(field, -mean, self._motions)
-        return field
+        return balanced
 
-    def _respond_held(self, forces: PETSc.Vec) -> PETSc.Vec:
-        """Displacement under nodal forces with all fixed displacements at rest; changes them."""
-        self._restraints.turn(forces.array)
-        forces.array[_owned(self._fixed, self._own)] = 0.0
-        field = self._factor.solve(forces)
-        self._restraints.turn_back(field.array)
-        return field
+    def _respond_held(self, forces: list[PETSc.Vec]) -> list[PETSc.Vec]:
+        """Displacements under nodal forces with all that is fixed at rest; changes the forces."""
+        fixed = _owned(self._fixed, self._own)
+        for each in forces:
+            self._restraints.turn(each.array)
+            each.array[fixed] = 0.0
+        fields = self._factor.solve(forces)
+        for each in fields:
+            self._restraints.turn_back(each.array)
+        return fields
 
     def _push(self, forces: PETSc.Vec, values: Array) -> None:
         """Add forces (p*gdim,) on the surface nodes to nodal forces."""
@@ -252,8 +263,13 @@ class Body:
 
     def _condense(self) -> CondensedBody | None:
         """All operators; on rank 0 only."""
-        fields = [self._respond(-1.0 * force) for force in self._shape_forces]
-        loaded = [self._respond(vector) for vector in self._loads]
+        whole, held = self._rotations()
+        turning = [self.elastic.forces(each) for each in held]
+        # All at once: one reading of the factor.
+        reactions = [-1.0 * force for force in self._shape_forces + turning]
+        responses = iter(self._respond(self._loads + reactions))
+        loaded = list(islice(responses, len(self._loads)))
+        fields = list(islice(responses, len(self._shapes)))
         free = np.asarray(self._operator @ self._surface_motions)
         compliance, fill = self._compliance(free)
         pushed = _products(self._motions, self._loads)
@@ -265,8 +281,14 @@ class Body:
         stiffness[:count, :count] = _products(driven, self._shape_forces)
         coordinate_loads = _products(self._shapes, self._loads)
         coordinate_loads -= _products(self._shape_forces, loaded)
-        moments, size = self._moments(driven)
+        arms = [
+            everything.x.petsc_vec - motion.x.petsc_vec - response
+            for everything, motion, response in zip(whole, held, responses, strict=True)
+        ]
+        moments, size = self._moments(arms, turning, driven), self._size()
         resultants = self._resultants()
+        own = np.isin(self._own_local, self._constrained).any()
+        surface_held = self.elastic.comm.allreduce(int(own)) > 0
         if compliance is None:
             return None
         gdim = self.elastic.gdim
@@ -282,6 +304,7 @@ class Body:
             contact_resultants=(self._operator @ everywhere).T,
             moments=moments,
             size=size,
+            held=surface_held,
         )
 
     def _compliance(self, free: Array) -> tuple[Array | None, float]:
@@ -297,7 +320,7 @@ class Body:
         compliance, comm = self._factor.compliance, self.elastic.comm
         if not self._motions:
             return compliance, 0.0
-        held = [self._respond_held(each) for each in self._balancing_forces()]
+        held = self._respond_held(self._balancing_forces())
         coupling = self._relative(held)
         mean = self._surface_motions.T @ _columns(
             [self._gather(each) for each in held], len(self.surface_unknowns)
@@ -320,29 +343,31 @@ class Body:
             vectors.append(vector)
         return vectors
 
-    def _moments(self, driven: list[PETSc.Vec]) -> tuple[Array, float]:
-        """Moments of reactions, loads and contact, and the size of the body.
+    def _moments(
+        self, arms: list[PETSc.Vec], turning: list[PETSc.Vec], driven: list[PETSc.Vec]
+    ) -> Array:
+        """Moments of reactions, loads and contact.
 
         Reaction by reaction, a coordinate has only the sum of its nodal forces, not their moment:
         that is the reaction on a coordinate that turns the constrained nodes.
 
         Args:
+            arms: displacements that nodal forces do as much work in as they have moments.
+            turning: forces that turn the constrained nodes, all others at rest.
             driven: displacement by each constraint.
         """
-        whole, held = self._rotations()
-        forces = [self.elastic.forces(each) for each in held]
-        arms = []
-        for everything, turning, force in zip(whole, held, forces, strict=True):
-            arm = everything.x.petsc_vec - turning.x.petsc_vec
-            arms.append(arm - self._respond(-1.0 * force))
-        points = self.elastic.space.tabulate_dof_coordinates()
-        size = float(np.ptp(np.vstack(self.elastic.comm.allgather(points)), axis=0).max())
         moments = [
             self._relative(arms).T,
-            _products(forces, driven),
+            _products(turning, driven),
             _products(arms, self._loads),
         ]
-        return np.hstack(moments), size
+        return np.hstack(moments)
+
+    def _size(self) -> float:
+        """Largest extent of the body."""
+        points = self.elastic.space.tabulate_dof_coordinates()
+        ends = self.elastic.comm.allgather([points.min(axis=0), points.max(axis=0)])
+        return float(np.ptp(np.vstack(ends), axis=0).max())
 
     def _rotations(self) -> tuple[list[fem.Function], list[fem.Function]]:
         """Rotations of all nodes, and of the constrained ones alone."""
@@ -367,26 +392,29 @@ class Body:
         local = np.array([v.array.reshape(-1, gdim).sum(axis=0) for v in self._loads])
         return self.elastic.comm.allreduce(local.reshape(len(self._loads), gdim)).T
 
-    def recover(self, traction: Array, coordinates: Array, amplitudes: Array) -> fem.Function:
-        """Displacement field of a solved step. Collective; same arguments on all ranks.
+    def recover(self, states: list[tuple[Array, Array, Array]]) -> list[fem.Function]:
+        """Displacement fields of solved steps. Collective; same arguments on all ranks.
 
         Args:
-            traction: (n,) weighted tractions y.
-            coordinates: (m + k,) c.
-            amplitudes: (l,) load amplitudes.
+            states: (n,) weighted tractions y, (m + k,) coordinates c and (l,) load amplitudes.
         """
+        fields = self._respond([self._forces(*state) for state in states])
+        recovered = []
+        for field, (_, coordinates, _) in zip(fields, states, strict=True):
+            _add(field, coordinates, self._shapes + self._motions)
+            displacement = fem.Function(self.elastic.space, name="displacement")
+            displacement.x.array[: len(field.array)] = field.array
+            displacement.x.scatter_forward()
+            recovered.append(displacement)
+        return recovered
+
+    def _forces(self, traction: Array, coordinates: Array, amplitudes: Array) -> PETSc.Vec:
+        """Nodal forces by tractions, constrained boundaries and loads."""
         forces = self._zeros()
         self._push(forces, self._operator.T @ traction)
         _add(forces, amplitudes, self._loads)
-        driven, free = np.split(coordinates, [len(self._shapes)])
-        _add(forces, -driven, self._shape_forces)
-        field = self._respond(forces)
-        _add(field, driven, self._shapes)
-        _add(field, free, self._motions)
-        displacement = fem.Function(self.elastic.space, name="displacement")
-        displacement.x.array[: len(field.array)] = field.array
-        displacement.x.scatter_forward()
-        return displacement
+        _add(forces, -coordinates[: len(self._shapes)], self._shape_forces)
+        return forces
 
     @property
     def stiffness(self) -> PETSc.Mat:

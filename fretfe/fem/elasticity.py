@@ -26,6 +26,7 @@ from fretfe.fem._compat import (
     vtk_order,
 )
 from fretfe.fem.form_cache import compiled
+from fretfe.mesh.cell_geometry import facet_node_count
 from fretfe.mesh.mesh import BodyMesh
 
 # Components of a stress that are written, those that do not follow from others.
@@ -57,17 +58,18 @@ class ElasticBody:
         self.gdim: int = gdim
         self.mesh = create_mesh(comm, cells, points, cell, order)
         self.space = fem.functionspace(self.mesh, ("Lagrange", degree, (gdim,)))
-        self.groups, self.facet_tags = self._tag_boundaries(mesh)
+        self.groups, self.facet_tags = self._tag_boundaries(mesh, cell, order)
 
-    def _tag_boundaries(self, mesh: BodyMesh | None) -> tuple[dict[str, int], Any]:
+    def _tag_boundaries(
+        self, mesh: BodyMesh | None, cell: str, order: int
+    ) -> tuple[dict[str, int], Any]:
         """Number of each boundary name, and the facet tags that carry these numbers."""
         names = self.comm.bcast(sorted(mesh.boundaries) if mesh else None)
         groups = {name: number for number, name in enumerate(names, start=1)}
         dim = self.mesh.topology.dim - 1
         self.mesh.topology.create_connectivity(dim, 0)
         self.mesh.topology.create_connectivity(dim, dim + 1)
-        width = self.comm.bcast(mesh.order + 1 if mesh else None)
-        facets = np.empty((0, width), np.int64)
+        facets = np.empty((0, facet_node_count(cell, order)), np.int64)
         values = np.empty(0, np.int32)
         if mesh:
             facets = np.concatenate([mesh.boundaries[name] for name in names])

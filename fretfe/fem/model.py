@@ -182,10 +182,11 @@ class Model:
         shares = self.comm.bcast(
             [self._shares(each) for each in requests] if requests is not None else None
         )
-        return [
-            {name: body.recover(*share[name]) for name, body in self.bodies.items()}
-            for share in shares
-        ]
+        fields = {
+            name: body.recover([share[name] for share in shares])
+            for name, body in self.bodies.items()
+        }
+        return [{name: found[i] for name, found in fields.items()} for i in range(len(shares))]
 
     def surface_displacements(
         self, requests: Sequence[Request] | None

@@ -7,12 +7,16 @@ from collections.abc import Sequence
 
 import numpy as np
 from scipy import sparse
+from scipy.linalg.lapack import dpstrf
 
 from fretfe._typing import Array, Indices
 from fretfe.bodies.pairs import Pair
 from fretfe.contact.compliance import DenseCompliance
 from fretfe.contact.interface import Coordinate, Interface, coordinate_range, require_restraint
 from fretfe.fem.condensation import CondensedBody
+
+# Pivots of the compliance below this fraction of its largest entry are round-off.
+DEPENDENT = 1e-11
 
 
 class ReducedBody:
@@ -98,6 +102,8 @@ def build_interface(
     }
     for name, body in reduced.items():
         body.add_to(system, coordinate_range(everything, name))
+    if sum(body.held for body in bodies) > 1:
+        decouple_dependent(system)
     gap = np.zeros((len(roots), d))
     gap[:, 0] = np.concatenate([pair.coupling.gap for pair in pairs]) / roots
     interface = Interface(
@@ -111,6 +117,28 @@ def build_interface(
     )
     require_restraint(interface)
     return interface, reduced
+
+
+def decouple_dependent(system: dict[str, Array]) -> None:
+    """Take tractions that move nothing by themselves out of an interface problem, in place.
+
+    Where both bodies are held in the same direction at the end of a contact surface, as on a plane
+    of symmetry, there are more tractions along it than displacements that they could move. Those
+    beyond the rank of the compliance vanish: nothing but a compliance of their own resists them.
+
+    Args:
+        system: `compliance`, and `motion` and `loads` with its rows.
+    """
+    compliance = system["compliance"]
+    level = float(compliance.diagonal().mean())
+    tolerance = DEPENDENT * float(compliance.diagonal().max())
+    _, order, rank, _ = dpstrf(compliance, tol=tolerance, lower=1)
+    dependent = order[rank:] - 1
+    compliance[dependent] = 0.0
+    compliance[:, dependent] = 0.0
+    compliance[dependent, dependent] = level
+    system["motion"][dependent] = 0.0
+    system["loads"][dependent] = 0.0
 
 
 def weighted_operator(body: str, pairs: Sequence[Pair]) -> sparse.csr_matrix:

@@ -19,14 +19,8 @@ from fretfe._typing import Array, Indices
 from fretfe.errors import DependencyError, MeshError
 from fretfe.geometry.templates import Template, check_parameters, parameter_error
 
-CELL_TYPES = {
-    2: ("triangle", 1),
-    3: ("quadrilateral", 1),
-    9: ("triangle", 2),
-    10: ("quadrilateral", 2),
-}
-LINE_ORDERS = {1: 1, 8: 2}
-SERENDIPITY_QUADRILATERAL = 16
+# What Gmsh calls the groups of bodies and of boundaries, by dimension of the mesh.
+BODY_KINDS, BOUNDARY_KINDS = {2: "surface", 3: "volume"}, {2: "curve", 3: "surface"}
 DEBIAN_PACKAGES = (
     "libglu1-mesa libxrender1 libxcursor1 libxft2 libxinerama1 libxfixes3 libfontconfig1"
 )
@@ -42,11 +36,19 @@ class ElementBlock:
 
 @dataclass(frozen=True)
 class RawMesh:
-    """What a Gmsh model holds: points (n, 3), and elements by the name of their physical group."""
+    """What a mesh file or a Gmsh model holds.
+
+    Attributes:
+        points: (n, 3) coordinates.
+        dimension: 2 where the bodies are plane, 3 where they are solid.
+        bodies: their cells, by name.
+        boundaries: lines along plane bodies or facets of solid ones, by name.
+    """
 
     points: Array
-    surfaces: dict[str, list[ElementBlock]]
-    curves: dict[str, list[ElementBlock]]
+    dimension: int
+    bodies: dict[str, list[ElementBlock]]
+    boundaries: dict[str, list[ElementBlock]]
 
 
 def import_gmsh() -> ModuleType:
@@ -151,44 +153,46 @@ def _merge(gmsh: ModuleType, script: Path) -> list[str]:
 def raw_mesh(gmsh: ModuleType, source: Path) -> RawMesh:
     """The named physical groups of the current model, with their nodes and elements.
 
+    A model with volume elements is one of solid bodies; its surfaces are boundaries.
+
     Raises:
-        MeshError: a three-dimensional mesh, or surfaces without a named physical group.
+        MeshError: surfaces, or volumes where there are any, without a named physical group.
     """
-    if gmsh.model.mesh.getElementTypes(3).size:
-        raise MeshError(
-            f"{source}: expected a plane mesh, found volume elements;"
-            " three-dimensional bodies are not supported yet"
-        )
-    _require_named_surfaces(gmsh, source)
+    dimension = 3 if gmsh.model.mesh.getElementTypes(3).size else 2
+    _require_named_bodies(gmsh, dimension, source)
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     order = np.argsort(tags, kind="stable")
     return RawMesh(
         points=coordinates.reshape(-1, 3)[order],
-        surfaces=_blocks_by_name(gmsh, 2, tags[order]),
-        curves=_blocks_by_name(gmsh, 1, tags[order]),
+        dimension=dimension,
+        bodies=_blocks_by_name(gmsh, dimension, tags[order]),
+        boundaries=_blocks_by_name(gmsh, dimension - 1, tags[order]),
     )
 
 
-def _require_named_surfaces(gmsh: ModuleType, source: Path) -> None:
-    """Every surface that is meshed must be in a physical surface that has a name."""
+def _require_named_bodies(gmsh: ModuleType, dim: int, source: Path) -> None:
+    """Every surface, or volume, that is meshed must be in a physical group that has a name."""
+    what = BODY_KINDS[dim]
     named = {
         entity
-        for dim, group in gmsh.model.getPhysicalGroups(2)
+        for _, group in gmsh.model.getPhysicalGroups(dim)
         if gmsh.model.getPhysicalName(dim, group)
         for entity in gmsh.model.getEntitiesForPhysicalGroup(dim, group)
     }
     if not named:
         raise MeshError(
-            f"{source}: expected one named physical surface per body, found none."
-            ' In a .geo file: Physical Surface("pad") = {1};'
+            f"{source}: expected one named physical {what} per body, found none."
+            f' In a .geo file: Physical {what.capitalize()}("pad") = {{1}};'
         )
     meshed = {
-        tag for _, tag in gmsh.model.getEntities(2) if gmsh.model.mesh.getElementTypes(2, tag).size
+        tag
+        for _, tag in gmsh.model.getEntities(dim)
+        if gmsh.model.mesh.getElementTypes(dim, tag).size
     }
     if loose := sorted(meshed - named):
         raise MeshError(
-            f"{source}: expected every meshed surface in a named physical surface;"
-            f" surface {', '.join(map(str, loose))} is in none"
+            f"{source}: expected every meshed {what} in a named physical {what};"
+            f" {what} {', '.join(map(str, loose))} is in none"
         )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.mesh.cell_geometry import directed_edges, exterior_edges
+from fretfe.mesh.cell_geometry import directed_facets, exterior_facets
 from fretfe.mesh.mesh import BodyMesh, Mesh
 
 # Bodies may overlap by this fraction of the longer facet there: a straight facet on an arc that it
@@ -50,7 +50,7 @@ def body_overlaps(mesh: Mesh) -> list[BodyOverlap]:
 
 def _outline(body: BodyMesh) -> Array:
     """(m, 2, 2) ends of the straight pieces of the boundary; two for each curved facet."""
-    edges, _ = exterior_edges(directed_edges(body.cells, body.cell, body.order))
+    edges, _ = exterior_facets(directed_facets(body.cells, body.cell, body.order), "line")
     if body.order == 2:
         edges = np.concatenate([edges[:, [0, 2]], edges[:, [2, 1]]])
     return body.points[edges]

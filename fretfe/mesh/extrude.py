@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Extrude a plane mesh of triangles to a solid mesh of tetrahedra, straight or skewed.
+"""Extrude a plane mesh to a solid one, straight or skewed.
 
 Every triangle becomes a column of prisms, every prism three tetrahedra. The diagonals on the sides
 of the prisms rise from the vertex of lower rank to that of higher rank; a rank that two mirrored
-vertices share makes neighbours fit and the mesh of a symmetric template symmetric. The nodes of
-order 2 lie on the extruded curved edges: no geometry is lost.
+vertices share makes neighbours fit and the mesh of a symmetric template symmetric. Quadrilaterals
+become hexahedra, a tensor product. The nodes of order 2 lie on the extruded curved edges: no
+geometry is lost.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Solid
+from fretfe.mesh.cell_geometry import MIDDLES, reference_nodes, reversal
 from fretfe.mesh.mesh import BodyMesh, Mesh
 
 FRONT, BACK = "front", "back"
@@ -28,21 +30,22 @@ _TETRAHEDRA = (
 )
 # The same for the two triangles of a quadrilateral on the side of a prism.
 _SIDES = (((0, 0), (1, 0), (1, 1)), ((0, 0), (1, 1), (0, 1)))
-# Ends of the edges whose middles follow the vertices, in Gmsh's order.
-_EDGES = {3: ((0, 1), (1, 2), (2, 0)), 4: ((0, 1), (1, 2), (2, 0), (3, 0), (2, 3), (1, 3))}
+# Ends of the edges whose middles follow the vertices, by the number of these.
+_EDGES = {3: MIDDLES["triangle"], 4: MIDDLES["tetrahedron"]}
+# The shapes of cells and side facets over those of the plane mesh.
+_SWEPT = {"triangle": "tetrahedron", "quadrilateral": "hexahedron", "line": "quadrilateral"}
 
 
 def extrude(mesh: Mesh, solid: Solid) -> Mesh:
     """The solid that a plane mesh sweeps along (tan(skew), 0, 1) * length, from z = 0.
 
     Args:
-        mesh: triangles of order 1 or 2 in the plane z = 0.
+        mesh: of plane bodies, with cells of order 1 or 2.
         solid: length in the units of the mesh, skew in degrees, number of layers.
 
     Returns:
-        Tetrahedra of the same order. The boundaries keep their names; those at the ends are called
-        `<body>_back` (z = 0) and `<body>_front` (z = length). The nodes of a facet run so that the
-        right-hand rule gives the outward normal.
+        Tetrahedra and hexahedra of the same order. The boundaries keep their names; those at the
+        ends are called `<body>_back` (z = 0) and `<body>_front` (z = length).
     """
     return Mesh({name: _extruded(body, solid) for name, body in mesh.bodies.items()})
 
@@ -53,24 +56,48 @@ def _extruded(body: BodyMesh, solid: Solid) -> BodyMesh:
     z = np.repeat(np.linspace(0.0, solid.length, levels), len(body.points))
     plane = np.tile(body.points, (levels, 1))
     points = np.column_stack([plane[:, 0] + math.tan(math.radians(solid.skew)) * z, plane[:, 1], z])
-    columns = _Columns(body, solid.layers)
+    columns = (_Prisms if body.cell == "triangle" else _Bricks)(body, solid.layers)
     sides = {name: columns.sides(facets) for name, facets in body.boundaries.items()}
-    top = body.cells + (levels - 1) * len(body.points)
-    # from behind, the triangles of the back run the other way round
     ends = {
-        f"{body.name}_{FRONT}": top,
-        f"{body.name}_{BACK}": body.cells[:, [0, 2, 1, 5, 4, 3][: body.cells.shape[1]]],
+        f"{body.name}_{FRONT}": body.cells + (levels - 1) * len(body.points),
+        # from behind, the cells run the other way round
+        f"{body.name}_{BACK}": body.cells[:, reversal(body.cell, body.order)],
     }
-    used, cells = np.unique(columns.cells(), return_inverse=True)
+    cells = columns.cells()
     # a node between the layers on no edge would be left over; there is none in triangles
-    assert len(used) == len(points)
-    return replace(
-        body, points=points, cells=cells, cell="tetrahedron", boundaries={**sides, **ends}
-    )
+    assert len(np.unique(cells)) == len(points)
+    boundaries = {**sides, **ends}
+    return replace(body, points=points, cells=cells, cell=_SWEPT[body.cell], boundaries=boundaries)
 
 
-class _Columns:
-    """Node numbers of the tetrahedra and side facets above the cells and facets of a plane mesh."""
+class _Bricks:
+    """Node numbers of the hexahedra and side facets above quadrilaterals and their edges."""
+
+    def __init__(self, body: BodyMesh, layers: int) -> None:
+        self._body = body
+        self._layers = layers
+
+    def cells(self) -> Indices:
+        """Hexahedra (layers * m, 8 or 27) with positive determinant."""
+        return self._swept(self._body.cells, self._body.cell)
+
+    def sides(self, facets: Indices) -> Indices:
+        """Quadrilaterals (layers * f, 4 or 9) on the sides above facets, seen from the outside."""
+        return self._swept(facets, "line")
+
+    def _swept(self, plane: Indices, shape: str) -> Indices:
+        """Cells or facets (n, k) in all layers, each node at its place below and at its level."""
+        order, count = self._body.order, len(self._body.points)
+        below = reference_nodes(shape, order)
+        nodes = reference_nodes(_SWEPT[shape], order)
+        places = np.linalg.norm(nodes[:, None, :-1] - below, axis=2).argmin(axis=1)
+        levels = np.rint((nodes[:, -1] + 1) * order / 2).astype(np.int64)
+        one_layer = plane[:, places] + levels * count
+        return np.concatenate([one_layer + order * n * count for n in range(self._layers)])
+
+
+class _Prisms:
+    """Node numbers of the tetrahedra and side facets above triangles and their edges."""
 
     def __init__(self, body: BodyMesh, layers: int) -> None:
         self._body = body
@@ -83,15 +110,15 @@ class _Columns:
         triangles, turned = self._ranked(self._body.cells[:, :3])
         cells = np.concatenate([self._nodes(triangles, shape) for shape in _TETRAHEDRA])
         # ranks that run clockwise give the mirror images of the three shapes
-        mirrored = [1, 0, 2, 3, 4, 6, 5, 9, 8, 7][: cells.shape[1]]
         turned = np.tile(turned, len(cells) // len(turned))
-        return np.where(turned[:, None], cells[:, mirrored], cells)
+        mirrored = cells[:, reversal("tetrahedron", self._body.order)]
+        return np.where(turned[:, None], mirrored, cells)
 
     def sides(self, facets: Indices) -> Indices:
         """Triangles (2 * layers * f, 3 or 6) on the sides above facets, seen from the outside."""
         edges, turned = self._ranked(facets[:, :2])
         triangles = np.concatenate([self._nodes(edges, shape) for shape in _SIDES])
-        reversed_triangles = triangles[:, [0, 2, 1, 5, 4, 3][: triangles.shape[1]]]
+        reversed_triangles = triangles[:, reversal("triangle", self._body.order)]
         turned = np.tile(turned, len(triangles) // len(turned))
         return np.where(turned[:, None], reversed_triangles, triangles)
 

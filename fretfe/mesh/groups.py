@@ -8,30 +8,35 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Indices
 from fretfe.case import Case
 from fretfe.errors import MeshError
+from fretfe.geometry.gmsh_model import BODY_KINDS, BOUNDARY_KINDS
 from fretfe.geometry.templates import did_you_mean
-from fretfe.mesh.cell_geometry import smallest_angle
+from fretfe.mesh.cell_geometry import (
+    CORNERS,
+    MIDDLES,
+    facet_measures,
+    row_keys,
+    smallest_angle,
+)
 from fretfe.mesh.mesh import BodyMesh, Mesh
-
-CORNERS = {"triangle": 3, "quadrilateral": 4}
 
 
 @dataclass(frozen=True)
 class BoundarySummary:
-    """Facets of one boundary on one body; lengths along the facets, in the units of the mesh."""
+    """Facets of one boundary on one body; lengths, or areas of a solid, in units of the mesh."""
 
     name: str
     facets: int
-    length: float
+    measure: float
     smallest_facet: float
     largest_facet: float
 
 
 @dataclass(frozen=True)
 class BodySummary:
-    """Size and quality of the mesh of one body; smallest corner angle in degrees."""
+    """Size and quality of the mesh of one body; its smallest angle in degrees."""
 
     name: str
     nodes: int
@@ -56,8 +61,9 @@ def check_groups(mesh: Mesh, case: Case) -> None:
         lines = "".join(f"\n  - {problem}" for problem in problems)
         raise MeshError(
             f"the mesh does not fit the case:{lines}"
-            f"\nbodies (physical surfaces) of the mesh: {_listed(mesh.bodies)}"
-            f"\nboundaries (physical curves) of the mesh: {_listed(_bodies_of_boundaries(mesh))}"
+            f"\nbodies (physical {BODY_KINDS[mesh.dimension]}s) of the mesh: {_listed(mesh.bodies)}"
+            f"\nboundaries (physical {BOUNDARY_KINDS[mesh.dimension]}s) of the mesh:"
+            f" {_listed(_bodies_of_boundaries(mesh))}"
         )
 
 
@@ -86,42 +92,36 @@ def count_unknowns(mesh: Mesh, degree: int) -> int:
 
 def body_unknowns(body: BodyMesh, degree: int) -> int:
     """Displacement unknowns of a body with elements of a degree, 1 or 2."""
-    nodes = body.cells[:, : CORNERS[body.cell]]
-    count = len(np.unique(nodes))
+    count = _distinct(body.cells[:, : CORNERS[body.cell]])
     if degree == 2:
-        edges = np.sort(np.stack([nodes, np.roll(nodes, -1, axis=1)], axis=2).reshape(-1, 2))
-        count += len(np.unique(edges, axis=0))
-        count += len(nodes) if body.cell == "quadrilateral" else 0
-    return 2 * count
+        count += sum(_shared_count(body, size) for size in {len(m) for m in MIDDLES[body.cell]})
+    return body.points.shape[1] * count
+
+
+def _shared_count(body: BodyMesh, size: int) -> int:
+    """Number of edges, faces or cells with `size` corners that have a node of degree 2 inside."""
+    places = [around for around in MIDDLES[body.cell] if len(around) == size]
+    corners = np.sort(body.cells[:, places].reshape(-1, size), axis=1)
+    return _distinct(row_keys(corners))
+
+
+def _distinct(numbers: Indices) -> int:
+    """How many numbers differ; three times as fast as `np.unique`."""
+    return 1 + np.count_nonzero(np.diff(np.sort(numbers, axis=None)))
 
 
 def _boundary_summary(name: str, body: BodyMesh, facets: Indices) -> BoundarySummary:
-    lengths = facet_lengths(body.points, facets)
+    measures = facet_measures(body.points, facets)
     return BoundarySummary(
-        name, len(facets), float(lengths.sum()), float(lengths.min()), float(lengths.max())
+        name, len(facets), float(measures.sum()), float(measures.min()), float(measures.max())
     )
-
-
-def facet_lengths(points: Array, facets: Indices) -> Array:
-    """Arc length (f,) of facets (f, 2 or 3) between points (n, 2): end, end[, middle].
-
-    Curved facets by three Gauss points: the error is below 1e-6 for an arc of 30 degrees.
-    """
-    first, second = points[facets[:, 0]], points[facets[:, 1]]
-    chord = second - first
-    if facets.shape[1] == 2:
-        return np.linalg.norm(chord, axis=1)
-    bulge = points[facets[:, 2]] - (first + second) / 2
-    places, weights = np.polynomial.legendre.leggauss(3)
-    # x(t) on -1 <= t <= 1 is middle of the chord + t chord/2 + (1 - t^2) bulge
-    tangents = chord / 2 - 2 * places[:, None, None] * bulge
-    return weights @ np.linalg.norm(tangents, axis=2)
 
 
 def _body_problems(mesh: Mesh, case: Case) -> Iterator[str]:
     for name in case.bodies:
         if name not in mesh.bodies:
-            yield f"bodies.{name}: no physical surface '{name}'{did_you_mean(name, mesh.bodies)}"
+            kind = BODY_KINDS[mesh.dimension]
+            yield f"bodies.{name}: no physical {kind} '{name}'{did_you_mean(name, mesh.bodies)}"
     for name in mesh.bodies:
         if name not in case.bodies:
             yield f"the mesh has a body '{name}', but the case has no [bodies.{name}]"
@@ -131,7 +131,8 @@ def _boundary_problems(mesh: Mesh, case: Case) -> Iterator[str]:
     found = _bodies_of_boundaries(mesh)
     for key, name in named_boundaries(case):
         if name not in found:
-            yield f"{key}: no physical curve '{name}'{did_you_mean(name, found)}"
+            kind = BOUNDARY_KINDS[mesh.dimension]
+            yield f"{key}: no physical {kind} '{name}'{did_you_mean(name, found)}"
 
 
 def named_boundaries(case: Case) -> Iterator[tuple[str, str]]:
@@ -155,7 +156,8 @@ def _contact_problems(mesh: Mesh, case: Case) -> Iterator[str]:
         for key, group in shared.items():
             yield (
                 f"contacts.{name}.{key}: expected a boundary of one body, but '{group}' has facets"
-                f" of {_listed(bodies[group])}; name one physical curve for each"
+                f" of {_listed(bodies[group])}; name one physical"
+                f" {BOUNDARY_KINDS[mesh.dimension]} for each"
             )
         if not shared and bodies[contact.surface1] == bodies[contact.surface2]:
             yield (

@@ -74,7 +74,7 @@ def read_inp(
         facets = groups.boundary(name, _label(name, selectors[1]))
         curves[name] = _blocks(([place[n] for n in facet.nodes] for facet in facets), LINES)
     points, surfaces = complete(points, surfaces)
-    return RawMesh(points, surfaces, curves)
+    return RawMesh(points, 2, surfaces, curves)
 
 
 def _label(name: str, selectors: Mapping[str, Selector]) -> str:

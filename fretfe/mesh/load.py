@@ -15,9 +15,12 @@ from fretfe.geometry.cad import cad_model
 from fretfe.geometry.gmsh_model import RawMesh, script_model
 from fretfe.geometry.sizing import Sizes, apply_sizes
 from fretfe.geometry.templates import Template, find_template, read_template
+from fretfe.mesh.extrude import BACK, FRONT, extrude
 from fretfe.mesh.groups import check_groups, named_boundaries
 from fretfe.mesh.inp_groups import read_inp
-from fretfe.mesh.mesh import Mesh, SetSizes, mesh_from_raw, mesh_model, mesh_template, read_mesh
+from fretfe.mesh.make import SetSizes, mesh_model, mesh_template, read_mesh
+from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.split import mesh_from_raw
 from fretfe.mesh.xdmf import read_xdmf
 
 # Growth of the element size per distance from the contact surfaces.
@@ -49,9 +52,31 @@ def grouped_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
     """
     with naming_case(case):
         mesh = _mesh_of_case(case, size)
+        if case.geometry.solid is not None:
+            mesh = _extruded(case, mesh)
         check_groups(mesh, case)
         check_dimension(case, mesh.dimension)
     return mesh
+
+
+def _extruded(case: Case, mesh: Mesh) -> Mesh:
+    assert case.geometry.solid is not None
+    if mesh.dimension == 3:
+        source = case.geometry.template or case.geometry.file
+        text = f"expected none, as {source} has solid bodies; a plane mesh is extruded"
+        raise CaseError(complaint(case.source, ("geometry", "solid"), text))
+    taken = {
+        name
+        for body in mesh.bodies.values()
+        for name in (f"{body.name}_{FRONT}", f"{body.name}_{BACK}")
+        if any(name in other.boundaries for other in mesh.bodies.values())
+    }
+    if taken:
+        text = (
+            f"expected no boundaries with the names of the ends, found {', '.join(sorted(taken))}"
+        )
+        raise CaseError(complaint(case.source, ("geometry", "solid"), text))
+    return extrude(mesh, case.geometry.solid)
 
 
 def _mesh_of_case(case: Case, size: SetSizes | None) -> Mesh:

@@ -8,7 +8,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.geometry.gmsh_model import SERENDIPITY_QUADRILATERAL, ElementBlock
+from fretfe.geometry.gmsh_elements import SERENDIPITY_QUADRILATERAL
+from fretfe.geometry.gmsh_model import ElementBlock
 
 Points = Array
 # The shape functions of the eight nodes (4 corners, 4 mid-side nodes) at the centre.

@@ -9,23 +9,14 @@ from typing import Any
 import numpy as np
 
 from fretfe.errors import OutputError
+from fretfe.geometry.gmsh_elements import NUMBERS
 from fretfe.geometry.gmsh_model import gmsh_model
+from fretfe.mesh.cell_geometry import FACET_SHAPES
 from fretfe.mesh.mesh import BodyMesh, Mesh
-
-CELL_NUMBERS = {
-    ("triangle", 1): 2,
-    ("triangle", 2): 9,
-    ("quadrilateral", 1): 3,
-    ("quadrilateral", 2): 10,
-    ("tetrahedron", 1): 4,
-    ("tetrahedron", 2): 11,
-}
-# by dimension of the mesh and order
-FACET_NUMBERS = {(2, 1): 1, (2, 2): 8, (3, 1): 2, (3, 2): 9}
 
 
 def write_mesh(mesh: Mesh, path: Path) -> None:
-    """Write a `.msh` file; `read_mesh` reads it back if the mesh is plane.
+    """Write a `.msh` file that `read_mesh` reads back.
 
     Raises:
         OutputError: if the file does not end in .msh or cannot be written.
@@ -41,7 +32,7 @@ def write_mesh(mesh: Mesh, path: Path) -> None:
                 gmsh.model.addDiscreteEntity(facet_dimension, boundary, [])
                 gmsh.model.mesh.addElementsByType(
                     boundary,
-                    FACET_NUMBERS[mesh.dimension, body.order],
+                    NUMBERS[FACET_SHAPES[body.cell], body.order],
                     [],
                     (facets + first_node).ravel(),
                 )
@@ -59,7 +50,7 @@ def _add_body(gmsh: Any, body: BodyMesh, entity: int, first_node: int) -> None:
     points[:, :dimension] = body.points
     tags = np.arange(first_node, first_node + len(points))
     gmsh.model.mesh.addNodes(dimension, entity, tags, points.ravel())
-    number = CELL_NUMBERS[body.cell, body.order]
+    number = NUMBERS[body.cell, body.order]
     cells = (body.cells + first_node).ravel()
     gmsh.model.mesh.addElementsByType(entity, number, [], cells)
     gmsh.model.addPhysicalGroup(dimension, [entity], name=body.name)

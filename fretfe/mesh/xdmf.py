@@ -75,7 +75,7 @@ def read_xdmf(
     _require_all_cells(path, grids, cells, bodies)
     curves = _named(facets or path, 1, lines, boundaries)
     points, surfaces = complete(points, surfaces)
-    return RawMesh(points, surfaces, curves)
+    return RawMesh(points, 2, surfaces, curves)
 
 
 def _grids(path: Path) -> list[Grid]:

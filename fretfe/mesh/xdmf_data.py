@@ -11,7 +11,8 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import MeshError
-from fretfe.geometry.gmsh_model import CELL_TYPES, ElementBlock
+from fretfe.geometry.gmsh_elements import ELEMENTS, SHAPE_DIMENSIONS
+from fretfe.geometry.gmsh_model import ElementBlock
 
 # Gmsh type and number of nodes, by the name of a topology and by its number among mixed cells. All
 # of them have their nodes in the same order as in Gmsh.
@@ -40,7 +41,9 @@ NUMBERS = {
 }
 # The number of nodes stands before the nodes of these.
 COUNTED = (1, 2)
-DIMENSIONS = {15: 0, 1: 1, 8: 1, 16: 2} | dict.fromkeys(CELL_TYPES, 2)
+DIMENSIONS = {15: 0, 16: 2} | {
+    kind: SHAPE_DIMENSIONS[shape] for kind, (shape, _) in ELEMENTS.items()
+}
 
 
 def read_points(path: Path, geometry: ET.Element) -> Array:

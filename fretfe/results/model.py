@@ -103,6 +103,10 @@ class Result:
         """One flat record of numbers and texts for each contact edge."""
         return edge_records(self.contacts)
 
+    def records(self) -> list[dict[str, Any]]:
+        """The records of `edges`; of solids one for each contact in its last state."""
+        return area_records(self.areas) if self.areas else self.edges()
+
     def history(self, contact: str, edge: str) -> dict[str, Array]:
         """Histories of one edge, T numbers each.
 
@@ -156,12 +160,8 @@ class Result:
         known = ", ".join(each.name for each in self.solution.contacts)
         raise OutputError(f"expected one of the contacts {known}, found {contact!r}")
 
-    def records(self) -> list[dict[str, Any]]:
-        """The records of `edges`; of solids one for each contact."""
-        return self.edges() or area_records(self.areas)
-
     def to_dataframe(self) -> pd.DataFrame:
-        """The records as a table.
+        """The flat records as a table.
 
         Raises:
             DependencyError: if pandas is not installed.

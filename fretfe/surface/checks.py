@@ -16,23 +16,29 @@ from fretfe.surface.gap import InitialGap, initial_gap
 from fretfe.surface.overlap import search_reach
 from fretfe.surface.surface import Surface, build_surface
 
+# What is compared with the reach of the search, by dimension.
+_EXTENTS = {2: "length of the shorter", 3: "root of the area of the smaller"}
+
 
 def check_contacts(mesh: Mesh, case: Case) -> None:
     """Check that every contact can close and that no two bodies are in the same place.
 
     A gap is no problem: loads may close it. Nor is an overlap of the size of what straight facets
-    make of arcs that fit into each other.
+    make of arcs that fit into each other. In space bodies are compared on their contact surfaces
+    only.
 
     Args:
-        mesh: plane bodies that have all the groups that the case names.
+        mesh: bodies that have all the groups that the case names.
         case: validated case.
 
     Raises:
-        MeshError: Contact surfaces are no open curves, overlap, face the wrong way or never face
-            each other, or bodies overlap. Everything found is in the message.
+        MeshError: Contact surfaces have no common orientation, are no open curves in the plane,
+            overlap, face the wrong way or never face each other, or bodies overlap. Everything
+            found is in the message.
     """
     unit = case.units.length
-    overlaps = {frozenset((o.body1, o.body2)): o for o in body_overlaps(mesh)}
+    found_overlaps = body_overlaps(mesh) if mesh.dimension == 2 else ()
+    overlaps = {frozenset((o.body1, o.body2)): o for o in found_overlaps}
     problems = []
     for name, initial in initial_gaps(mesh, case).items():
         bodies = frozenset((initial.surface1.body, initial.surface2.body))
@@ -50,7 +56,7 @@ def initial_gaps(mesh: Mesh, case: Case) -> dict[str, InitialGap]:
     """Initial gap of each contact, by name.
 
     Raises:
-        MeshError: A contact surface is not one open curve.
+        MeshError: as for `build_surface`.
     """
     bodies = {name: body for body in mesh.bodies.values() for name in body.boundaries}
     pairs = {name: (each.surface1, each.surface2) for name, each in case.contacts.items()}
@@ -80,11 +86,14 @@ def _interpenetration(name: str, initial: InitialGap, unit: str) -> Iterator[str
     if (-initial.gap - allowed).max() <= 0:
         return
     deepest = int(np.argmin(initial.gap))
-    length = initial.weights[initial.gap < 0].sum()
+    measure = initial.weights[initial.gap < 0].sum()
+    extent = f"a length of {measure:.4g} {unit}"
+    if initial.surface1.dimension == 3:
+        extent = f"an area of {measure:.4g} {unit}²"
     yield (
         f"{_heading(name, initial)} overlap before any load acts: by up to"
-        f" {-initial.gap[deepest]:.4g} {unit} at {place(initial.points[deepest])}, over a length of"
-        f" {length:.4g} {unit}; expected at most {allowed[deepest]:.2g} {unit}"
+        f" {-initial.gap[deepest]:.4g} {unit} at {place(initial.points[deepest])}, over"
+        f" {extent}; expected at most {allowed[deepest]:.2g} {unit}"
         " there, which the mesh does not resolve. Move the bodies until they touch or stand"
         " apart, and let a load bring them together. An intended interference (press fit) is not"
         " supported"
@@ -115,8 +124,8 @@ def _why_apart(initial: InitialGap, unit: str) -> str:
     if distance[chosen] > reach:
         return (
             f"are too far apart: nearest {where}; expected less than {reach:.4g} {unit}, half the"
-            " length of the shorter one. Check the names, and that the bodies are in their working"
-            " position"
+            f" {_EXTENTS[first.dimension]} one. Check the names, and that the bodies are in their"
+            " working position"
         )
     return (
         f"pass by each other: nearest {where}, but no normal of the one meets the other. Check"

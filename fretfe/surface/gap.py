@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.surface.chain import Chain
+from fretfe.surface.curvature import deviations
 from fretfe.surface.overlap import overlap_points
 from fretfe.surface.reference import shape_values
 from fretfe.surface.surface import Surface
@@ -50,16 +50,12 @@ class InitialGap:
         sides = ((self.surface1, self.facet1), (self.surface2, self.facet2))
         size = max(float(np.ptp(surface.vertices, axis=0).max()) for surface, _ in sides)
         coarsest = np.maximum(*(surface.sizes[facets] for surface, facets in sides))
-        deviation = np.add(*(Chain(surface).deviations[facets] for surface, facets in sides))
+        deviation = np.add(*(deviations(surface)[facets] for surface, facets in sides))
         return deviation + INTERPENETRATION_PER_FACET * coarsest + FILE_ROUNDING * size
 
 
 def initial_gap(surface1: Surface, surface2: Surface) -> InitialGap:
-    """Initial gap of two surfaces; without any place if they do not lie opposite each other.
-
-    Raises:
-        ModelError: The surfaces are not in the plane.
-    """
+    """Initial gap of two surfaces; without any place if they do not lie opposite each other."""
     overlap = overlap_points(surface1, surface2)
     values = shape_values(surface2.shape, surface2.degree, overlap.at2)
     points = np.einsum("nk,nkd->nd", values, surface2.nodes[overlap.facet2])

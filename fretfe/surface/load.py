@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from fretfe.case import Case
 from fretfe.mesh.load import grouped_mesh, naming_case
-from fretfe.mesh.mesh import Mesh, SetSizes
+from fretfe.mesh.make import SetSizes
+from fretfe.mesh.mesh import Mesh
 from fretfe.surface.checks import check_contacts
 
 
@@ -21,7 +22,6 @@ def load_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
         MeshError: as for `grouped_mesh`, and if contact surfaces overlap or do not face each other.
     """
     mesh = grouped_mesh(case, size)
-    if mesh.dimension == 2:
-        with naming_case(case):
-            check_contacts(mesh, case)
+    with naming_case(case):
+        check_contacts(mesh, case)
     return mesh

@@ -16,15 +16,16 @@ import numpy as np
 
 from fretfe._core import _kernels
 from fretfe._typing import Array, Indices
-from fretfe.errors import ModelError
-from fretfe.surface.chain import Chain
-from fretfe.surface.reference import quadrature
+from fretfe.surface.curvature import mean_curvature
+from fretfe.surface.reference import quadrature, seven_points
 from fretfe.surface.search import opposite_candidates
 from fretfe.surface.surface import Surface
 
 # Exact for the products of hat, quadratic displacement and geometry on straight facets, and far
 # below the discretisation error on curved ones.
 GAUSS_POINTS = 5
+# The same in parts of quadrilaterals that are triangles: degree 6.
+TRIANGLE_POINTS = 4
 # Points further apart than this fraction of the shorter surface are never in contact.
 SEARCH_FRACTION = 0.5
 
@@ -56,17 +57,11 @@ def overlap_points(surface1: Surface, surface2: Surface) -> OverlapPoints:
     """Integration points on surface 2 and their projections on surface 1.
 
     There are none where no part of the surfaces lies opposite the other within `search_reach`.
-
-    Raises:
-        ModelError: The surfaces are not in the plane.
     """
-    if surface1.dimension != 2:
-        raise ModelError(
-            f"surfaces {surface1.name!r} and {surface2.name!r}: expected a plane case: contact in"
-            " three dimensions is not solved yet."
-        )
-    at, weights = quadrature("interval", GAUSS_POINTS)
     normals = contact_normals(surface1, surface2)
+    if surface1.dimension == 3:
+        return project_in_space(surface2, normals, surface1)
+    at, weights = quadrature("interval", GAUSS_POINTS)
     return project(surface2, normals, surface1, (at[:, 0], weights))
 
 
@@ -95,25 +90,51 @@ def project(
     return OverlapPoints(facet1, facet2, eta[:, None], xi[:, None], weights, gap, at_points)
 
 
+def project_in_space(near: Surface, normals: Array, far: Surface) -> OverlapPoints:
+    """Project points of one surface in space along normals onto another one.
+
+    Args:
+        near: surface 2.
+        normals: (f, k, 3) unit normals at the nodes of `near`.
+        far: surface 1.
+    """
+    reach = search_reach(near, far)
+    candidates = opposite_candidates(near, normals, far, reach)
+    facet2, facet1, at2, at1, weights, gap, at_points = _kernels.overlap_points_in_space(
+        np.ascontiguousarray(near.nodes),
+        np.ascontiguousarray(normals),
+        np.ascontiguousarray(far.nodes),
+        candidates.starts,
+        candidates.facets,
+        *quadrature("quadrilateral", GAUSS_POINTS),
+        *_triangle_rule(near, far),
+        reach,
+    )
+    return OverlapPoints(facet1, facet2, at1, at2, weights, gap, at_points)
+
+
+def _triangle_rule(*surfaces: Surface) -> tuple[Array, Array]:
+    """Points and weights in triangles: hat times displacement is of degree 3 or, on a square, 6."""
+    if all(surface.shape == "triangle" for surface in surfaces):
+        return seven_points()
+    return quadrature("triangle", TRIANGLE_POINTS)
+
+
 def search_reach(surface1: Surface, surface2: Surface) -> float:
     """Distance beyond which points of two surfaces are never in contact."""
     return SEARCH_FRACTION * min(surface1.extent, surface2.extent)
 
 
 def contact_normals(surface1: Surface, surface2: Surface) -> Array:
-    """(f, k, 2) unit normals of the contact at the nodes of surface 2, out of body 2.
+    """(f, k, d) unit normals of the contact at the nodes of surface 2, out of body 2.
 
     The normal of each surface counts with the mean curvature of the other: a flat against a
     rounded surface gives the normal of the flat, equal cylinders the direction between their
     axes, conforming surfaces their common normal.
-
-    Raises:
-        ModelError: The surfaces are not in the plane.
     """
-    curvature1, curvature2 = (Chain(each).mean_curvature for each in (surface1, surface2))
+    curvature1, curvature2 = mean_curvature(surface1), mean_curvature(surface2)
     if curvature2 == 0:
         return surface2.normals
-    shape = surface2.normals.shape
-    opposite = surface1.nearest(surface2.nodes.reshape(-1, shape[2]))[1]
-    normals = curvature1 * surface2.normals - curvature2 * opposite.reshape(shape)
+    opposite = surface1.nearest(surface2.points)[1][surface2.facets]
+    normals = curvature1 * surface2.normals - curvature2 * opposite
     return normals / np.linalg.norm(normals, axis=2, keepdims=True)

@@ -36,9 +36,8 @@ MIDDLES: dict[Shape, tuple[tuple[int, ...], ...]] = {
     "triangle": ((0, 1), (1, 2), (2, 0)),
     "quadrilateral": ((0, 1), (1, 2), (2, 3), (3, 0), (0, 1, 2, 3)),
 }
-# Largest sum of the absolute values of the functions of degree 2: interpolated vectors are longer
-# than the longest nodal one by no more than this factor.
-LEBESGUE: dict[Shape, float] = {"interval": 5 / 4, "triangle": 5 / 3, "quadrilateral": 25 / 16}
+# Largest sum of the absolute values of the functions of degree 2 that do not belong to corners.
+BULGE: dict[Shape, float] = {"interval": 1.0, "triangle": 4 / 3, "quadrilateral": 1.3844}
 
 
 def shape_values(shape: Shape, degree: int, at: Array) -> Array:
@@ -76,6 +75,17 @@ def quadrature(shape: Shape, count: int) -> tuple[Array, Array]:
         height = 1 - at[:, 0]
         return np.stack([at[:, 0], at[:, 1] * height], axis=1), weights * height
     return at, weights
+
+
+def seven_points() -> tuple[Array, Array]:
+    """Points (7, 2) and weights (7,) in a triangle, exact for polynomials of degree 5 (Radon)."""
+    root = np.sqrt(15)
+    shares = (6 + np.array([-root, root])) / 21
+    corners = CORNERS["triangle"]
+    centre = corners.mean(axis=0)
+    orbits = [centre + (1 - 3 * share) * (corners - centre) for share in shares]
+    weights = np.repeat([9 / 40, *(155 + np.array([-root, root])) / 1200], [1, 3, 3]) / 2
+    return np.vstack([centre, *orbits]), weights
 
 
 def _grid(shape: Shape, line: Array) -> Array:

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices, Positions
-from fretfe.surface.reference import LEBESGUE
+from fretfe.surface.reference import BULGE, MIDDLES
 from fretfe.surface.surface import Surface
 
 # Spheres are larger by this fraction: points just beyond the end of a facet count as on it.
@@ -71,13 +71,16 @@ def opposite_candidates(near: Surface, normals: Array, far: Surface, reach: floa
         reach: largest distance along the normals, to either side.
     """
     tubes = _tubes(near, normals, reach)
-    levels, order = _box_tree(*_spheres(far))
+    spheres = _spheres(far)
+    levels, order = _box_tree(*spheres)
     facet, box = np.arange(len(near.facets)), np.zeros(len(near.facets), dtype=np.int64)
     for centres, radii in levels:
         facet, box = np.repeat(facet, 2), np.stack([2 * box, 2 * box + 1], axis=1).ravel()
         kept = tubes.meet(facet, centres[box], radii[box])
         facet, box = facet[kept], box[kept]
     facet, found = facet[box < len(order)], order[box[box < len(order)]]
+    kept = tubes.meet(facet, *(x[found] for x in spheres))
+    facet, found = facet[kept], found[kept]
     sorting = np.lexsort([found, facet])
     starts = np.searchsorted(facet[sorting], np.arange(len(near.facets) + 1))
     return Candidates(starts.astype(np.int64), found[sorting].astype(np.int64))
@@ -87,7 +90,7 @@ def _tubes(surface: Surface, normals: Array, reach: float) -> _Tubes:
     centres, radii = _spheres(surface)
     directions = normals.mean(axis=1)
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    spreads = _stretch(surface) * np.linalg.norm(normals - directions[:, None], axis=2).max(axis=1)
+    spreads = _farthest(surface, normals - directions[:, None])
     # Unit vectors differ by no more than twice what vectors differ from which they are made.
     return _Tubes(centres, directions, radii, 2 * spreads + MARGIN, reach)
 
@@ -96,13 +99,21 @@ def _spheres(surface: Surface) -> tuple[Array, Array]:
     """Centres (f, d) and radii (f,) of spheres around the facets."""
     nodes = surface.nodes
     centres = nodes.mean(axis=1)
-    farthest = np.linalg.norm(nodes - centres[:, None], axis=2).max(axis=1)
-    return centres, (_stretch(surface) + MARGIN) * farthest
+    return centres, (1 + MARGIN) * _farthest(surface, nodes - centres[:, None])
 
 
-def _stretch(surface: Surface) -> float:
-    """Bound of interpolated vectors over the longest nodal one."""
-    return LEBESGUE[surface.shape] if surface.degree == 2 else 1.0
+def _farthest(surface: Surface, vectors: Array) -> Array:
+    """(f,) bound of the length of vectors interpolated between those at the nodes (f, k, d).
+
+    The longest at the corners, and what the other nodes add to the interpolation between these.
+    """
+    corners, middles = vectors[:, : surface.corners.shape[1]], MIDDLES[surface.shape]
+    farthest = np.linalg.norm(corners, axis=2).max(axis=1)
+    if surface.degree == 2:
+        straight = np.stack([corners[:, around].mean(axis=1) for around in middles], axis=1)
+        bulges = np.linalg.norm(vectors[:, corners.shape[1] :] - straight, axis=2)
+        farthest += BULGE[surface.shape] * bulges.max(axis=1)
+    return farthest
 
 
 def _box_tree(centres: Array, radii: Array) -> tuple[list[tuple[Array, Array]], Positions]:

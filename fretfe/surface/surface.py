@@ -26,8 +26,8 @@ from fretfe.surface.reference import (
 
 # Gauss points along each direction of a facet for its measure.
 GAUSS_POINTS = 4
-# Places along each direction of a facet at which the nearest one is looked up, by dimension d.
-SAMPLES = {2: 17, 3: 9}
+# Places along each edge of a facet at which the nearest one is looked up.
+SAMPLES: dict[Shape, int] = {"interval": 17, "triangle": 9, "quadrilateral": 17}
 
 
 @dataclass(frozen=True)
@@ -104,14 +104,16 @@ class Surface:
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
         """Sampled places (m, d) of the surface nearest to points (m, d), and unit normals there."""
-        at = lattice(self.shape, SAMPLES[self.dimension])
+        at = lattice(self.shape, SAMPLES[self.shape])
         values = shape_values(self.shape, self.degree, at)
         places, normals = (
             np.einsum("qk,fkd->fqd", values, nodal).reshape(-1, self.dimension)
             for nodal in (self.nodes, self.normals)
         )
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        found = cKDTree(places).query(points)[1]
+        # Places on edges are there twice, which makes balanced trees slow.
+        tree = cKDTree(places, balanced_tree=self.dimension == 2)
+        found = tree.query(points)[1]
         return places[found], normals[found]
 
     def displacement_points(self, degree: int) -> Array:

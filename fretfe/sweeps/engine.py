@@ -25,7 +25,8 @@ class Solved:
 
     Attributes:
         values: that distinguish it, by key.
-        edges: a record for each contact edge (see `Result.edges`); none if it failed.
+        edges: a record for each contact edge, or contact of solids (see `Result.records`); none if
+            it failed.
         failure: why it could not be solved; empty if it was.
         notes: what the backend assumed.
         seconds: wall time.
@@ -128,7 +129,7 @@ def _solve(variant: Variant, backend: Backend, solve: Solve, options: RunOptions
             if isinstance(result.failure, StoppedError):
                 raise result.failure
             failure, notes = str(result.failure or ""), result.notes
-            edges = () if failure else tuple(result.edges())
+            edges = () if failure else tuple(result.records())
     except StoppedError:
         raise
     except FretfeError as error:

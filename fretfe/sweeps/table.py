@@ -18,6 +18,8 @@ from fretfe.sweeps.engine import Sweep
 LAST_COLUMNS = ("seconds", "failure")
 # Longer tables are for the file.
 MOST_ROWS = 60
+EDGE_COLUMNS = ("K_N", "ΔK_T", "slip zones", "predicted")
+AREA_COLUMNS = ("P", "|Q|", "in contact", "sticks", "p_max", "work")
 
 
 def write_table(path: Path, sweep: Sweep) -> None:
@@ -37,43 +39,59 @@ def _plain(value: Any) -> Any:
 
 
 def sweep_table(sweep: Sweep) -> Table:
-    """The first rows: K_N, ΔK_T, slip zones as computed and as predicted, wall time."""
-    units = sweep.units
+    """The first rows: K_N, ΔK_T, slip zones as computed and as predicted, wall time.
+
+    Of solids forces, areas, largest pressure and friction work.
+    """
+    units, solids = sweep.units, any("contact_area" in each for each in sweep.records())
     title = (
-        f"Sweep: slip zones in {units.length}, K_N in {units.stress}/√{units.length}, "
+        f"Sweep: P, |Q| in {units.force}, areas in {units.length}², largest pressure in "
+        f"{units.stress}, friction work in {units.force}·{units.length}"
+        if solids
+        else f"Sweep: slip zones in {units.length}, K_N in {units.stress}/√{units.length}, "
         f"ΔK_T in {units.stress}·√{units.length}"
     )
     table = Table(title=title, title_justify="left", box=box.SIMPLE, title_style="bold")
     table.pad_edge = False
     table.padding = (0, 1, 0, 0)
-    for name in (*sweep.keys, "contact", "edge"):
+    for name in (*sweep.keys, "contact", *([] if solids else ["edge"])):
         table.add_column(escape(name), overflow="fold")
-    for name in ("K_N", "ΔK_T", "slip zones", "predicted"):
+    for name in AREA_COLUMNS if solids else EDGE_COLUMNS:
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("steady")
     table.add_column("s", justify="right", no_wrap=True)
     for record in sweep.records()[:MOST_ROWS]:
-        table.add_row(*(escape(cell) for cell in _cells(sweep.keys, record)))
+        table.add_row(*(escape(cell) for cell in _cells(sweep.keys, record, solids)))
     return table
 
 
-def _cells(keys: tuple[str, ...], record: Mapping[str, Any]) -> list[str]:
+def _cells(keys: tuple[str, ...], record: Mapping[str, Any], solids: bool) -> list[str]:
     values = [_shown(record[key]) for key in keys]
     seconds = f"{record['seconds']:.1f}"
     if record["failure"]:
-        return [*values, "failed", *[""] * 6, seconds]
+        empty = len(AREA_COLUMNS) + 1 if solids else len(EDGE_COLUMNS) + 2
+        return [*values, "failed", *[""] * empty, seconds]
+    steady = "yes" if record["steady"] else "no"
+    numbers = _area_cells(record) if solids else _edge_cells(record)
+    return [*values, record["contact"], *numbers, steady, seconds]
+
+
+def _edge_cells(record: Mapping[str, Any]) -> list[str]:
     slip = "gross" if record["gross"] else _pair(record, "slip")
     return [
-        *values,
-        record["contact"],
         record["edge"],
         _number(record["k_n"]),
         _number(record["k_t_range"]),
         slip if record["resolved"] else f"~{slip}",
         _pair(record, "predicted"),
-        "yes" if record["steady"] else "no",
-        seconds,
     ]
+
+
+def _area_cells(record: Mapping[str, Any]) -> list[str]:
+    shear = math.hypot(*(record[f"shear_force_{axis}"] for axis in "xyz"))
+    names = ("contact_area", "stick_area", "largest_pressure", "dissipation")
+    numbers = (record["normal_force"], shear, *(record[name] for name in names))
+    return [_number(each) for each in numbers]
 
 
 def _shown(value: Any) -> str:

@@ -320,7 +320,7 @@ def test_recovery_of_uniform_stress(cell: str, degree: int, order: int, plane: s
     surface = (points @ gradient.T + offset).ravel()
     free = condensed(body).motion.T @ surface
     traction = nodal_forces(body, points, STRESS @ [0.0, -1.0])
-    field = body.recover(traction, free, np.ones(len(loads)))
+    (field,) = body.recover([(traction, free, np.ones(len(loads)))])
     x = body.elastic.space.tabulate_dof_coordinates()[:, :2]
     expected = x @ gradient.T + offset
     np.testing.assert_allclose(field.x.array.reshape(-1, 2), expected, rtol=0, atol=1e-14)
@@ -341,7 +341,7 @@ def test_recovery_with_constraints_and_a_shared_corner() -> None:
     normal = (first_lame + 2 * mu) * strain
     traction = nodal_forces(body, points, np.array([0.0, -normal]))
     coordinates = np.array([0.0, strain * HEIGHT, 0.0])
-    field = body.recover(traction, coordinates, np.array([side]))
+    (field,) = body.recover([(traction, coordinates, np.array([side]))])
     x = body.elastic.space.tabulate_dof_coordinates()[:, :2]
     expected = np.stack([np.zeros(len(x)), strain * x[:, 1]], axis=1)
     np.testing.assert_allclose(field.x.array.reshape(-1, 2), expected, rtol=0, atol=1e-15)

@@ -67,16 +67,19 @@ def test_compliance_is_that_of_dense_algebra(matrix: PETSc.Mat) -> None:
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_solution_is_that_of_dense_algebra(matrix: PETSc.Mat, dimension: int) -> None:
-    """With the ordering for either dimension; more than once."""
+    """With the ordering for either dimension; more than once, for several at once."""
     full = dense(matrix)
     factor = BorderedFactor(matrix, border(len(full)), dimension)
-    for seed in (2, 3):
-        load = np.random.default_rng(seed).standard_normal(len(full))
-        expected = np.linalg.solve(full, load)
-        rhs = matrix.createVecRight()
-        rhs.array[:] = load[slice(*rhs.getOwnershipRange())]
-        found = np.concatenate(MPI.COMM_WORLD.allgather(factor.solve(rhs).array.copy()))
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+    for count in (0, 1, 3):
+        loads = np.random.default_rng(count).standard_normal((count, len(full)))
+        sides = [matrix.createVecRight() for _ in loads]
+        for side, load in zip(sides, loads, strict=True):
+            side.array[:] = load[slice(*side.getOwnershipRange())]
+        for solution, load in zip(factor.solve(sides), loads, strict=True):
+            found = np.concatenate(MPI.COMM_WORLD.allgather(solution.array.copy()))
+            expected = np.linalg.solve(full, load)
+            largest = np.abs(expected).max()
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * largest)
     np.testing.assert_array_equal(dense(matrix), full)
 
 

@@ -16,7 +16,7 @@ from launch import fretfe, python
 from meshes_b1 import write_b1
 
 from fretfe.case import load_case
-from fretfe.mesh.mesh import read_mesh
+from fretfe.mesh.make import read_mesh
 from fretfe.surface.load import load_mesh
 
 

@@ -20,7 +20,8 @@ from fretfe.contact.state import SLIP, STICK
 from fretfe.errors import ConvergenceError, FretfeError
 from fretfe.fem.model import Model, Request
 from fretfe.geometry.templates import find_template
-from fretfe.mesh.mesh import BodyMesh, mesh_template, read_mesh
+from fretfe.mesh.make import mesh_template, read_mesh
+from fretfe.mesh.mesh import BodyMesh
 
 Data = dict[str, Any]
 

@@ -21,8 +21,10 @@ from fretfe.geometry.sizing import (
     round_curves,
 )
 from fretfe.geometry.templates import find_template
-from fretfe.mesh.groups import count_unknowns, facet_lengths, mesh_summary
-from fretfe.mesh.mesh import Mesh, mesh_template
+from fretfe.mesh.cell_geometry import facet_measures
+from fretfe.mesh.groups import count_unknowns, mesh_summary
+from fretfe.mesh.make import mesh_template
+from fretfe.mesh.mesh import Mesh
 
 EVEN, GROWTH = 0.1, 0.25
 
@@ -41,7 +43,7 @@ def sizes_along(mesh: Mesh, body: str, boundary: str) -> tuple[NDArray, NDArray]
     """Middles (f, 2) and lengths (f,) of the facets of a boundary."""
     own = mesh.bodies[body]
     facets = own.boundaries[boundary]
-    return own.points[facets[:, 2]], facet_lengths(own.points, facets)
+    return own.points[facets[:, 2]], facet_measures(own.points, facets)
 
 
 @pytest.mark.parametrize("side", [-1, 1])

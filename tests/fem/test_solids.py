@@ -17,9 +17,10 @@ from scipy.spatial import cKDTree
 from fretfe.case import Solid
 from fretfe.geometry.gmsh_model import gmsh_model
 from fretfe.geometry.templates import find_template
-from fretfe.mesh.cell_geometry import directed_edges, exterior_edges, jacobian_determinants
+from fretfe.mesh.cell_geometry import directed_facets, exterior_facets, jacobian_determinants
 from fretfe.mesh.extrude import extrude
-from fretfe.mesh.mesh import BodyMesh, Mesh, mesh_template
+from fretfe.mesh.make import mesh_template
+from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.mesh.writer import write_mesh
 
 COARSE: dict[str, dict[str, float]] = {
@@ -105,7 +106,7 @@ def test_boundaries_are_complete_and_outside(name: str, order: int, solid: Solid
             f"{body.name}_back",
         }
         faces = outer_faces(body)
-        edges, _ = exterior_edges(directed_edges(before.cells, before.cell, before.order))
+        edges, _ = exterior_facets(directed_facets(before.cells, before.cell, before.order), "line")
         assert len(faces) == 2 * len(before.cells) + 2 * solid.layers * len(edges)
         for group, facets in body.boundaries.items():
             opposite = [faces[tuple(sorted(facet))] for facet in facets[:, :3].tolist()]
@@ -182,7 +183,7 @@ def test_the_command_mesh_writes_a_solid_and_others_refuse_it(tmp_path: Path) ->
     case, target = tmp_path / "case.toml", tmp_path / "solid.msh"
     done = fretfe("mesh", case, "-o", target)
     assert done.returncode == 0, done.stderr
-    assert "upper, extruded:" in done.stdout and target.stat().st_size > 0
+    assert "tetrahedra" in done.stdout and target.stat().st_size > 0
     commands: list[list[str | Path]] = [["check", case], ["run", case, "-o", tmp_path / "results"]]
     for command in commands:
         done = fretfe(*command)

@@ -20,9 +20,10 @@ from template_parameters import checked
 
 from fretfe.errors import CaseError, MeshError
 from fretfe.geometry.templates import Template, find_template
-from fretfe.mesh.cell_geometry import directed_edges, exterior_edges
-from fretfe.mesh.groups import BodySummary, facet_lengths, mesh_summary
-from fretfe.mesh.mesh import BodyMesh, Mesh, mesh_template
+from fretfe.mesh.cell_geometry import directed_facets, exterior_facets, facet_measures
+from fretfe.mesh.groups import BodySummary, mesh_summary
+from fretfe.mesh.make import mesh_template
+from fretfe.mesh.mesh import BodyMesh, Mesh
 
 COARSE = {"edge_size": 0.05, "edge_zone": 0.15, "flank_size": 0.3, "growth": 0.3}
 COARSE_CYLINDER = COARSE_WEDGE = {"size": 0.05, "growth": 0.3}
@@ -191,7 +192,7 @@ def test_both_sides_are_fine_at_the_contact_edges() -> None:
     mesh = dovetail(edge_size=0.02)
     blade, disc = mesh.bodies["blade"], mesh.bodies["disc"]
     sizes = [
-        facet_lengths(body.points, body.boundaries[name]).min()
+        facet_measures(body.points, body.boundaries[name]).min()
         for body, name in ((blade, "blade_flank_left"), (disc, "disc_flank_left"))
     ]
     # whole elements have to fit into edge_zone; the disc is 7 % coarser
@@ -203,7 +204,7 @@ def test_order_two_is_curved(coarse_dovetail: Mesh) -> None:
     facets = blade.boundaries["blade_flank_right"]
     chord_middle = blade.points[facets[:, :2]].mean(axis=1)
     sagitta = np.linalg.norm(blade.points[facets[:, 2]] - chord_middle, axis=1)
-    lengths = facet_lengths(blade.points, facets)
+    lengths = facet_measures(blade.points, facets)
     s = along_and_above(chord_middle, 1)[:, 0]
     on_arc = np.abs(s) > 3
     # sagitta of a chord h of a circle R = 4: h^2/(8 R), here to (h/R)^2/16 < 1 %
@@ -395,7 +396,7 @@ def test_refused_geometry_is_bad(case: str, tmp_path: Path) -> None:
 
 def points_inside(body: BodyMesh, other: BodyMesh) -> bool:
     """Whether nodes of the outline of a body are well inside a triangle of another."""
-    edges, _ = exterior_edges(directed_edges(body.cells, body.cell, body.order))
+    edges, _ = exterior_facets(directed_facets(body.cells, body.cell, body.order), "line")
     points = body.points[np.unique(edges)]
     corners = other.points[other.cells[:, :3]]
     tree = cKDTree(corners.mean(axis=1))
@@ -466,7 +467,7 @@ def test_punch_is_graded_smoothly_from_the_flat_to_a_tiny_rounding() -> None:
         body = mesh.bodies[name]
         facets = body.boundaries[f"{name}_contact"]
         middle = body.points[facets[:, :2]].mean(axis=1)[:, 0]
-        lengths = facet_lengths(body.points, facets)[np.argsort(middle)]
+        lengths = facet_measures(body.points, facets)[np.argsort(middle)]
         x = np.sort(middle)
         # a whole number of elements has to fit into each of three pieces
         np.testing.assert_allclose(lengths[np.abs(x) > 0.95], 0.002 * coarser, rtol=0.05)
@@ -525,7 +526,7 @@ def test_lobes_engage_from_the_top_or_from_the_bottom(gap: float, lowest: float)
 def test_backs_and_walls_of_the_firtree_keep_their_clearance(stepped_firtree: Mesh) -> None:
     outlines = []
     for body in stepped_firtree.bodies.values():
-        edges, _ = exterior_edges(directed_edges(body.cells, body.cell, body.order))
+        edges, _ = exterior_facets(directed_facets(body.cells, body.cell, body.order), "line")
         contact = [f for name, f in body.boundaries.items() if "flank" in name]
         inner = np.unique(np.concatenate(contact))
         outlines.append(np.setdiff1d(np.unique(edges), inner))
@@ -546,6 +547,6 @@ def test_summary_counts_and_measures() -> None:
     assert (upper.name, upper.nodes, upper.elements) == ("upper", len(body.points), len(body.cells))
     assert (upper.cell, upper.order) == ("triangle", 1)
     top = {each.name: each for each in upper.boundaries}["upper_top"]
-    assert top.length == pytest.approx(14.0)
+    assert top.measure == pytest.approx(14.0)
     assert top.facets == len(body.boundaries["upper_top"])
-    assert 0 < top.smallest_facet <= top.length / top.facets <= top.largest_facet
+    assert 0 < top.smallest_facet <= top.measure / top.facets <= top.largest_facet

@@ -31,7 +31,7 @@ from fretfe.fem.backend import BACKEND
 from fretfe.geometry.cad import cad_model
 from fretfe.geometry.gmsh_model import gmsh_model
 from fretfe.geometry.shapes import Shapes
-from fretfe.mesh.groups import facet_lengths
+from fretfe.mesh.cell_geometry import facet_measures
 from fretfe.mesh.mesh import Mesh
 from fretfe.surface.load import load_mesh
 
@@ -105,12 +105,12 @@ def test_lengths_and_places_are_those_of_the_drawing(folder: Path) -> None:
     assert set(found["upper"].boundaries) == {"upper_contact", "upper_top"}
     upper, lower = found["upper"], found["lower"]
     # curves of order 2 are short of an arc by (h/R)^4/2880: round-off
-    arc = facet_lengths(upper.points, upper.boundaries["upper_contact"]).sum()
+    arc = facet_measures(upper.points, upper.boundaries["upper_contact"]).sum()
     assert arc == pytest.approx(2 * RADIUS * math.asin(ZONE / RADIUS), rel=1e-9)
     top = upper.points[upper.boundaries["upper_top"]]
     # a straight line: round-off of the size of the bodies
     np.testing.assert_allclose(top[..., 1], HEIGHT, rtol=0, atol=1e-12)
-    assert facet_lengths(lower.points, lower.boundaries["lower_bottom"]).sum() == pytest.approx(
+    assert facet_measures(lower.points, lower.boundaries["lower_bottom"]).sum() == pytest.approx(
         2 * WIDTH, rel=1e-12
     )
 
@@ -150,7 +150,7 @@ def test_the_path_of_a_part_is_a_label_too(folder: Path) -> None:
 @pytest.mark.parametrize(("body", "name"), [("upper", "upper_contact"), ("lower", "lower_contact")])
 def test_sizes_are_those_asked_for(folder: Path, body: str, name: str) -> None:
     found = mesh_of(cad_geometry(folder / "pad.step", size=0.1)).bodies[body]
-    lengths = facet_lengths(found.points, found.boundaries[name])
+    lengths = facet_measures(found.points, found.boundaries[name])
     # a curve has a whole number of elements, 3/0.1; on the way from the middle, where the other
     # surface is near too, to the ends they may grow by the growth of 0.2 a length
     assert lengths.mean() == pytest.approx(0.1, rel=0.04)

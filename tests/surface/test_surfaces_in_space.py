@@ -15,7 +15,6 @@ from fretfe.errors import MeshError, ModelError
 from fretfe.mesh.extrude import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.chain import Chain
-from fretfe.surface.mortar import couple
 from fretfe.surface.reference import reference_nodes, shape_values
 from fretfe.surface.surface import Surface, build_surface, tangent_frames
 
@@ -194,8 +193,3 @@ def test_frames_of_an_extrusion_are_those_of_the_plane() -> None:
 def test_arc_length_is_of_the_plane_only() -> None:
     with pytest.raises(ModelError, match=r"surface 'face' of body.*a curve in the plane"):
         Chain(flat("triangle", 1))
-
-
-def test_coupling_in_space_is_refused() -> None:
-    with pytest.raises(ModelError, match="contact in three dimensions is not solved yet"):
-        couple("main", flat("triangle", 1), flat("quadrilateral", 1), "finer", 2)

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Mortar coupling of surfaces in space: areas, gaps, balance, and the plane inside space."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sheets
+
+from fretfe._typing import Array
+from fretfe.surface.curvature import deviations, mean_curvature
+from fretfe.surface.mortar import Coupling, couple
+from fretfe.surface.overlap import contact_normals, overlap_points
+from fretfe.surface.surface import Surface
+
+CELLS = ("triangle", "quadrilateral")
+PAIRS = pytest.mark.parametrize(
+    ("cell1", "cell2", "order"), [(a, b, o) for a in CELLS for b in CELLS for o in (1, 2)]
+)
+KINDS = pytest.mark.parametrize(("cell", "order"), [(c, o) for c in CELLS for o in (1, 2)])
+SIDES = pytest.mark.parametrize("side", ["surface1", "surface2"])
+# Overlap of the rectangles of `flat_pair`.
+AREA = 1.5 * 1.85
+
+
+def flat_pair(
+    cell1: str, cell2: str, order: int, gap: float = 0.0, warp: float = 0.0
+) -> tuple[Surface, Surface]:
+    """Rectangles above each other that do not match; each is covered by the other in part."""
+    x1, y1 = sheets.graded(-1, 0.8, 5), sheets.graded(-0.9, 1, 6, 0.8)
+    x2, y2 = sheets.graded(-0.7, 1, 7), sheets.graded(-1, 0.95, 5, 0.8)
+    upper = sheets.sheet("upper", x1, y1, cell1, order, sheets.level(gap), down=True, warp=warp)
+    return upper, sheets.sheet("lower", x2, y2, cell2, order, sheets.level(0.0), warp=-warp)
+
+
+@PAIRS
+def test_weights_add_up_to_the_area_of_the_overlap(cell1: str, cell2: str, order: int) -> None:
+    pair = flat_pair(cell1, cell2, order, gap=0.1)
+    overlap = overlap_points(*pair)
+    assert overlap.weights.sum() == pytest.approx(AREA, rel=1e-13)
+    np.testing.assert_allclose(overlap.gap, 0.1, rtol=1e-13)
+    np.testing.assert_allclose(overlap.normals, [[0, 0, 1]] * len(overlap.gap), atol=1e-15)
+
+
+@PAIRS
+@SIDES
+def test_hats_are_a_partition_of_unity(cell1: str, cell2: str, order: int, side: str) -> None:
+    pair = flat_pair(cell1, cell2, order, gap=0.1)
+    coupling = couple("main", *pair, side, order)
+    assert coupling.weights.sum() == pytest.approx(AREA, rel=1e-13)
+    assert coupling.gap == pytest.approx(0.1 * coupling.weights, rel=1e-12)
+    ones = np.ones(len(coupling.weights))
+    np.testing.assert_allclose(coupling.averaging @ ones, ones, rtol=1e-12)
+    assert len(coupling.arc) == 0
+    # Constant tractions act on both bodies alike: n = z, t1 = n × e, t2 = n × t1.
+    tractions = np.tile([3.0, 0.5, -0.2], len(ones))
+    force1, force2 = (
+        (body.T @ tractions).reshape(-1, 3).sum(axis=0) for body in (coupling.body1, coupling.body2)
+    )
+    expected = AREA * np.array([3.0, -0.5, 0.2]) @ coupling.frames[0]
+    np.testing.assert_allclose(force1, expected, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(force2, -expected, rtol=0, atol=1e-12)
+
+
+@PAIRS
+@SIDES
+def test_linear_fields_on_flat_surfaces_give_no_jump(
+    cell1: str, cell2: str, order: int, side: str
+) -> None:
+    """The facets have curved edges and middles that are off the middle."""
+    pair = flat_pair(cell1, cell2, order, warp=0.05)
+    coupling = couple("main", *pair, side, order)
+    assert jump(coupling, pair, order).max() < 1e-12
+
+
+def jump(coupling: Coupling, pair: tuple[Surface, Surface], degree: int) -> Array:
+    """(N * 3,) mean relative displacement around the nodes of a linear field on both surfaces."""
+    gradient = np.array([[0.3, -1.1, 0.2], [0.7, 0.4, -0.5], [-0.6, 0.9, 0.8]])
+    fields = [surface.displacement_points(degree) @ gradient.T for surface in pair]
+    found = coupling.body1 @ fields[0].ravel() + coupling.body2 @ fields[1].ravel()
+    return np.abs(found) / np.repeat(coupling.weights, 3)
+
+
+@SIDES
+@KINDS
+def test_facets_of_the_nodes_look_out_of_body_2(cell: str, order: int, side: str) -> None:
+    pair = flat_pair(cell, cell, order)
+    coupling = couple("main", *pair, side, order)
+    corners = coupling.points[coupling.facets]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert np.all(normals[:, 2] > 0) and np.all(normals[:, :2] == 0)
+    assert set(np.unique(coupling.facets)) <= set(range(len(coupling.points)))
+    # All facets that overlap somewhere; those of the first surface are 5 × 6, of the second 7 × 5.
+    per_cell = 2 if cell == "triangle" else 1
+    assert len(coupling.facets) <= per_cell * (30 if side == "surface1" else 35)
+    assert len(coupling.facets) >= per_cell * (20 if side == "surface1" else 28)
+    # The rectangles reach beyond each other: nodes at the end have cut hats.
+    ends = np.concatenate([coupling.points.min(axis=0), coupling.points.max(axis=0)])[[0, 1, 3, 4]]
+    assert np.all(np.abs(ends) >= np.array([0.7, 0.9, 0.8, 0.95]) - 1e-12)
+
+
+@pytest.mark.parametrize(("cell1", "cell2"), [(a, b) for a in CELLS for b in CELLS])
+def test_gap_of_concentric_spheres(cell1: str, cell2: str) -> None:
+    """A cavity of radius 1.05 around a ball of 1; facets of .06 with curved edges."""
+    ball = sheets.cap("ball", 1.0, cell2, 2, 13)
+    cavity = sheets.cap("cavity", 1.05, cell1, 2, 12, width=0.4, down=True)
+    overlap = overlap_points(cavity, ball)
+    np.testing.assert_allclose(overlap.gap, 0.05, rtol=4e-4)
+    # All of the ball is below the cavity.
+    assert overlap.weights.sum() == pytest.approx(ball.measures.sum(), rel=1e-10)
+
+
+@KINDS
+def test_curvature_of_a_sphere(cell: str, order: int) -> None:
+    surface = sheets.cap("cap", 2.0, cell, order, 12)
+    # At the rim of flat facets the normal is that of one side: some turning is missing.
+    assert mean_curvature(surface) == pytest.approx(np.sqrt(2) / 2, rel={1: 0.08, 2: 1e-3}[order])
+    size = 0.7 * 2 / 12
+    # half of the diagonal, squared, over the diameter
+    expected = (size / np.sqrt(2)) ** 2 / 4
+    found = deviations(surface).max()
+    if order == 1:
+        assert found == pytest.approx(expected, rel=1.2) and found > 0.8 * expected
+    else:
+        assert found < expected / 1000
+
+
+@KINDS
+def test_normals_of_flat_against_round_are_those_of_the_flat(cell: str, order: int) -> None:
+    line = np.linspace(-0.5, 0.5, 7)
+    flat = sheets.sheet("flat", line, line, cell, order, sheets.level(1.0))
+    below = sheets.sheet("below", line, line, cell, order, sheets.level(1.0), down=True)
+    ball = sheets.cap("ball", 1.0, cell, order, 8)
+    normals = contact_normals(below, ball)
+    np.testing.assert_allclose(normals, np.broadcast_to([0, 0, 1.0], normals.shape), atol=1e-14)
+    assert contact_normals(ball, flat) is flat.normals
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@SIDES
+def test_the_plane_inside_space(order: int, side: str) -> None:
+    """Extruded quadrilaterals: sums over z are the operators of the plane, times the length."""
+    plane, solid = sheets.extruded_pair(order, length=0.8)
+    flat, deep = (couple("main", *pair, side, order) for pair in (plane, solid))
+    at_ends = deep.points[:, 2] == 0
+    assert at_ends.sum() == len(flat.weights)
+    same_section = [np.flatnonzero(np.all(deep.points[:, :2] == x, axis=1)) for x in flat.points]
+    weights = np.array([deep.weights[nodes].sum() for nodes in same_section])
+    np.testing.assert_allclose(weights, 0.8 * flat.weights, rtol=1e-12)
+    gaps = np.array([deep.gap[nodes].sum() for nodes in same_section])
+    np.testing.assert_allclose(gaps, 0.8 * flat.gap, rtol=0, atol=1e-12 * np.abs(flat.gap).max())
+    rng = np.random.default_rng(2)
+    for number in (0, 1):
+        shallow, thick = (pair[number].displacement_points(order) for pair in (plane, solid))
+        field = rng.standard_normal(shallow.shape)
+        found = np.array([np.flatnonzero(np.all(shallow == x[:2], axis=1))[0] for x in thick])
+        moved = np.insert(field[found], 2, 0.0, axis=1)
+        body = ("body1", "body2")[number]
+        expected = 0.8 * (getattr(flat, body) @ field.ravel()).reshape(-1, 2)
+        rows = (getattr(deep, body) @ moved.ravel()).reshape(-1, 3)
+        sums = np.array([rows[nodes].sum(axis=0) for nodes in same_section])
+        np.testing.assert_allclose(sums[:, :2], expected, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(sums[:, 2], 0.0, atol=1e-12)
