@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fretfe.edges.area import shear_extremes
 from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary, Station
 from fretfe.results.model import Result
@@ -32,6 +33,8 @@ def span(run: Result) -> tuple[int, int]:
 
 def extremes(run: Result) -> list[int]:
     """The load extremes of all contacts together."""
+    if run.areas:
+        return shear_extremes(run.areas, run.loads.cycle)
     edges = [edge for contact in run.contacts for edge in contact.stations]
     return load_extremes([e.k_t for e in edges], [e.k_i for e in edges], run.loads.cycle)
 
