@@ -40,7 +40,8 @@ class AreaSummary:
             them that stick. A node counts as a whole: both grow in steps of an element.
         largest_pressure: (T,) of the means around the nodes.
         work: (T,) friction work in the step to each state.
-        cycle_change: change of the shear over the evaluated cycle relative to f p_max.
+        cycle_change: change of the shear over the evaluated cycle, of the means around the nodes,
+            relative to f p_max.
         steady: whether that is below the limit; False without a cycle.
         dissipation: friction work in the evaluated cycle, or of all steps without one.
         warnings: what a reader must know, in words.
@@ -148,7 +149,7 @@ def _cycle_change(solution: Solution, contact: ContactHistory) -> float:
     """Largest change of the shear between the ends of the cycle, relative to f p_max."""
     if solution.cycle is None:
         return np.nan
-    begin, end = (contact.traction[state] for state in solution.cycle)
+    begin, end = (contact.mean_traction[state] for state in solution.cycle)
     friction, pressure = float(contact.friction[solution.cycle[1]]), float(end[:, 0].max())
     if friction == 0 or pressure <= 0:
         return np.nan
