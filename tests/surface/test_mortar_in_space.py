@@ -10,8 +10,10 @@ import sheets
 
 from fretfe._typing import Array
 from fretfe.surface.curvature import deviations, mean_curvature
+from fretfe.surface.gap import initial_gap
 from fretfe.surface.mortar import Coupling, couple
 from fretfe.surface.overlap import contact_normals, overlap_points, project_in_space, search_reach
+from fretfe.surface.quality import contact_quality
 from fretfe.surface.reference import quadrature
 from fretfe.surface.surface import Surface
 
@@ -245,3 +247,22 @@ def test_the_plane_inside_space(order: int, side: str) -> None:
         sums = np.array([rows[nodes].sum(axis=0) for nodes in same_section])
         np.testing.assert_allclose(sums[:, :2], expected, rtol=0, atol=1e-12)
         np.testing.assert_allclose(sums[:, 2], 0.0, atol=1e-12)
+
+
+@KINDS
+def test_quality_of_a_ball_above_a_flat(cell: str, order: int) -> None:
+    line = np.linspace(-0.5, 0.5, 7)
+    flat = sheets.sheet("flat", line, line, cell, order, sheets.level(1.02), down=True)
+    ball = sheets.cap("ball", 1.0, cell, order, 8)
+    (found,) = contact_quality({"main": initial_gap(flat, ball)})
+    share = np.sqrt(0.5) if cell == "triangle" else 1.0
+    first, second = found.surfaces
+    assert first.measure == pytest.approx(1.0, rel=1e-12)
+    assert first.smallest == pytest.approx(share / 6, rel=1e-12)
+    assert first.radius == np.inf
+    assert second.opposite == second.facets == len(ball.facets)
+    assert found.measure == pytest.approx(second.measure, rel=1e-10)
+    assert found.extent == pytest.approx(np.sqrt(found.measure))
+    assert second.radius == pytest.approx(1.0, rel=0.15)
+    assert found.gap == pytest.approx(0.02, abs=0.002)
+    assert found.nearest == pytest.approx([0, 0, 1], abs=0.05)
