@@ -10,8 +10,10 @@ import sheets
 
 from fretfe._typing import Array
 from fretfe.surface.curvature import deviations, mean_curvature
+from fretfe.surface.gap import initial_gap
 from fretfe.surface.mortar import Coupling, couple
 from fretfe.surface.overlap import contact_normals, overlap_points, project_in_space, search_reach
+from fretfe.surface.quality import contact_quality
 from fretfe.surface.reference import quadrature
 from fretfe.surface.surface import Surface
 
@@ -106,6 +108,28 @@ def test_linear_fields_on_flat_surfaces_give_no_jump(
     assert jump(coupling, pair, order).max() < 1e-12
 
 
+@pytest.mark.parametrize(("count", "allowed"), [(8, 1e-5), (16, 1e-6)])
+@pytest.mark.parametrize(("cell1", "cell2"), [(a, b) for a in CELLS for b in CELLS])
+def test_linear_fields_on_spheres_give_the_jump_of_their_gap(
+    cell1: str, cell2: str, count: int, allowed: float
+) -> None:
+    """Two meshes of one sphere: what is left is their distance from it, which falls with h⁴."""
+    pair = (
+        sheets.cap("cavity", 1.0, cell1, 2, count, width=0.4, down=True),
+        sheets.cap("ball", 1.0, cell2, 2, count + 1),
+    )
+    coupling = couple("main", *pair, "finer", 2)
+    assert jump(coupling, pair, 2).max() < allowed
+    tractions = np.random.default_rng(0).standard_normal(coupling.body1.shape[0])
+    forces = [(b.T @ tractions).reshape(-1, 3) for b in (coupling.body1, coupling.body2)]
+    np.testing.assert_allclose(forces[0].sum(axis=0), -forces[1].sum(axis=0), rtol=0, atol=1e-15)
+    moments = [
+        np.cross(surface.displacement_points(2), force).sum(axis=0)
+        for surface, force in zip(pair, forces, strict=True)
+    ]
+    np.testing.assert_allclose(moments[0], -moments[1], rtol=0, atol=allowed / 50)
+
+
 def jump(coupling: Coupling, pair: tuple[Surface, Surface], degree: int) -> Array:
     """(N * 3,) mean relative displacement around the nodes of a linear field on both surfaces."""
     gradient = np.array([[0.3, -1.1, 0.2], [0.7, 0.4, -0.5], [-0.6, 0.9, 0.8]])
@@ -141,6 +165,35 @@ def test_gap_of_concentric_spheres(cell1: str, cell2: str) -> None:
     np.testing.assert_allclose(overlap.gap, 0.05, rtol=4e-4)
     # All of the ball is below the cavity.
     assert overlap.weights.sum() == pytest.approx(ball.measures.sum(), rel=1e-10)
+
+
+@KINDS
+def test_the_nearest_of_two_layers_counts(cell: str, order: int) -> None:
+    """The second one looks down too, from above the first one, and reaches further."""
+    y = sheets.graded(-1.1, 1.1, 5)
+    below = sheets.sheet("below", sheets.graded(-1, 1, 6), y / 1.1, cell, order, sheets.level(0.0))
+    layers = [
+        sheets.sheet(
+            "near", sheets.graded(-1.2, 0.0, 4), y, cell, order, sheets.level(0.1), down=True
+        ),
+        sheets.sheet(
+            "far", sheets.graded(-1.2, 1.2, 4), y, cell, order, sheets.level(0.6), down=True
+        ),
+    ]
+    points = np.vstack([layer.points for layer in layers])
+    facets = np.vstack([layers[0].facets, layers[1].facets + len(layers[0].points)])
+    overlap = overlap_points(sheets.surface("both", points, facets), below)
+    near = overlap.gap < 0.3
+    np.testing.assert_allclose(overlap.gap[near], 0.1, rtol=1e-12)
+    assert overlap.weights[near].sum() == pytest.approx(2.0, rel=1e-13)
+    # The end of the first layer cuts facets of the second: points of these count or do not.
+    assert overlap.weights[~near].sum() == pytest.approx(2.0, rel=0.06)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_mean_curvature_of_an_extrusion_is_that_of_the_plane(order: int) -> None:
+    for plane, solid in zip(*sheets.extruded_pair(order, 0.8), strict=True):
+        assert mean_curvature(solid) == pytest.approx(mean_curvature(plane), rel=1e-13)
 
 
 @KINDS
@@ -194,3 +247,22 @@ def test_the_plane_inside_space(order: int, side: str) -> None:
         sums = np.array([rows[nodes].sum(axis=0) for nodes in same_section])
         np.testing.assert_allclose(sums[:, :2], expected, rtol=0, atol=1e-12)
         np.testing.assert_allclose(sums[:, 2], 0.0, atol=1e-12)
+
+
+@KINDS
+def test_quality_of_a_ball_above_a_flat(cell: str, order: int) -> None:
+    line = np.linspace(-0.5, 0.5, 7)
+    flat = sheets.sheet("flat", line, line, cell, order, sheets.level(1.02), down=True)
+    ball = sheets.cap("ball", 1.0, cell, order, 8)
+    (found,) = contact_quality({"main": initial_gap(flat, ball)})
+    share = np.sqrt(0.5) if cell == "triangle" else 1.0
+    first, second = found.surfaces
+    assert first.measure == pytest.approx(1.0, rel=1e-12)
+    assert first.smallest == pytest.approx(share / 6, rel=1e-12)
+    assert first.radius == np.inf
+    assert second.opposite == second.facets == len(ball.facets)
+    assert found.measure == pytest.approx(second.measure, rel=1e-10)
+    assert found.extent == pytest.approx(np.sqrt(found.measure))
+    assert second.radius == pytest.approx(1.0, rel=0.15)
+    assert found.gap == pytest.approx(0.02, abs=0.002)
+    assert found.nearest == pytest.approx([0, 0, 1], abs=0.05)
