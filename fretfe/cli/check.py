@@ -61,6 +61,5 @@ def _print(checked: Checked) -> None:
         text = f"the mesh refines itself to a tolerance of {case.edges.tolerance:g}: first mesh"
         console.print(text, highlight=False)
     console.print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")
-    if checked.cost is not None:
-        console.print(f"Estimate: {checked.cost.text}", highlight=False)
+    console.print(f"Estimate: {checked.cost.text}", highlight=False)
     console.print("The case is valid.")

@@ -230,7 +230,7 @@ class Model:
 
 def _require_memory(case: Case, mesh: Mesh | None, pairs: tuple[Pair, ...] | None) -> None:
     """Refuse what cannot fit into memory; on rank 0."""
-    if mesh is not None and pairs is not None and mesh.dimension == 2:
+    if mesh is not None and pairs is not None:
         nodes = sum(len(pair.coupling.weights) for pair in pairs)
         require_memory(estimate_cost(mesh, case.model.degree, nodes, steps=0))
 
