@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.report.texts import direction_text
 from fretfe.results.solution import ContactHistory
 
 # Cosine of the angle that the normals of a surface may have to their mean if it is called flat.
@@ -116,11 +117,3 @@ def _along_arc(
 
 def _unit(vector: Array) -> Array:
     return np.asarray(vector / np.linalg.norm(vector))
-
-
-def direction_text(direction: Array) -> str:
-    """A direction in words: an axis of the case, or its components."""
-    place = int(np.abs(direction).argmax())
-    if abs(direction[place]) > 1 - 1e-6:
-        return f"{'' if direction[place] > 0 else '−'}{'xyz'[place]}"
-    return "(" + ", ".join(f"{value + 0.0:.2f}" for value in direction.round(2)) + ")"
