@@ -81,6 +81,9 @@ def _extruded(case: Case, mesh: Mesh) -> Mesh:
 
 def _mesh_of_case(case: Case, size: SetSizes | None) -> Mesh:
     geometry = case.geometry
+    if size is not None and geometry.solid is not None:
+        text = "expected none, as only plane meshes refine themselves and geometry.solid is given"
+        raise CaseError(complaint(case.source, ("edges", "tolerance"), text))
     if geometry.template is None:
         assert geometry.file is not None
         return _mesh_of_file(case, geometry.file, size)

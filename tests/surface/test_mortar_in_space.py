@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import mortar_space_twin
 import numpy as np
 import pytest
 import sheets
@@ -10,7 +11,8 @@ import sheets
 from fretfe._typing import Array
 from fretfe.surface.curvature import deviations, mean_curvature
 from fretfe.surface.mortar import Coupling, couple
-from fretfe.surface.overlap import contact_normals, overlap_points
+from fretfe.surface.overlap import contact_normals, overlap_points, project_in_space, search_reach
+from fretfe.surface.reference import quadrature
 from fretfe.surface.surface import Surface
 
 CELLS = ("triangle", "quadrilateral")
@@ -31,6 +33,37 @@ def flat_pair(
     x2, y2 = sheets.graded(-0.7, 1, 7), sheets.graded(-1, 0.95, 5, 0.8)
     upper = sheets.sheet("upper", x1, y1, cell1, order, sheets.level(gap), down=True, warp=warp)
     return upper, sheets.sheet("lower", x2, y2, cell2, order, sheets.level(0.0), warp=-warp)
+
+
+def wavy_pair(cell1: str, cell2: str, order: int) -> tuple[Surface, Surface]:
+    """Few curved facets with gaps of both signs, which reach beyond each other."""
+
+    def lift(phase: float) -> sheets.Lift:
+        return lambda p: np.column_stack(
+            [p, 0.04 * np.sin(2 * p[:, 0] + phase) * np.cos(1.7 * p[:, 1] - phase)]
+        )
+
+    x, y = sheets.graded(-1, 0.7, 2), sheets.graded(-0.8, 1, 2, 0.8)
+    upper = sheets.sheet("upper", x, y, cell1, order, lift(0.3), down=True, warp=0.06)
+    x, y = sheets.graded(-0.7, 1, 2), sheets.graded(-1, 0.9, 2, 0.7)
+    return upper, sheets.sheet("lower", x, y, cell2, order, lift(0.5), warp=-0.06)
+
+
+@PAIRS
+def test_kernel_and_twin_give_the_same_points(cell1: str, cell2: str, order: int) -> None:
+    far, near = wavy_pair(cell1, cell2, order)
+    rules = quadrature("quadrilateral", 2), quadrature("triangle", 2)
+    found = project_in_space(near, near.normals, far, *rules)
+    twin = mortar_space_twin.overlap_points(
+        near.nodes, near.normals, far.nodes, *rules, search_reach(near, far)
+    )
+    assert len(found.weights) > 30
+    assert found.gap.min() < 0 < found.gap.max()
+    np.testing.assert_array_equal(found.facet1, twin.facet1)
+    np.testing.assert_array_equal(found.facet2, twin.facet2)
+    for name in ("at1", "at2", "weights", "gap", "normals"):
+        # Newton in the kernel stops at steps of 1e-10; quadratic convergence leaves round-off.
+        np.testing.assert_allclose(getattr(found, name), getattr(twin, name), rtol=0, atol=1e-11)
 
 
 @PAIRS
