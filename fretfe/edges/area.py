@@ -93,8 +93,13 @@ def shear_extremes(areas: Sequence[AreaSummary], cycle: tuple[int, int] | None) 
 
 def _principal(force: Array) -> Array:
     """(n,) components of forces (n, 3) along the direction in which they vary most."""
+    return np.asarray(force @ shear_direction(force))
+
+
+def shear_direction(force: Array) -> Array:
+    """(3,) unit vector along which forces (n, 3) vary most, its largest component positive."""
     direction = np.linalg.svd(force - force.mean(axis=0), full_matrices=False)[2][0]
-    return np.asarray(force @ direction)
+    return np.asarray(direction * np.sign(direction[np.abs(direction).argmax()]))
 
 
 def _evaluate_area(solution: Solution, contact: ContactHistory) -> AreaSummary:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fretfe.edges.area import shear_extremes
+from fretfe.edges.area import AreaSummary, shear_extremes
 from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary, Station
 from fretfe.results.model import Result
@@ -39,6 +39,19 @@ def extremes(run: Result) -> list[int]:
     return load_extremes([e.k_t for e in edges], [e.k_i for e in edges], run.loads.cycle)
 
 
+def force_unit(run: Result) -> str:
+    """Unit of forces, in the plane per unit thickness."""
+    units = run.case.units
+    return units.force if run.areas else f"{units.force}/{units.length}"
+
+
+def work_unit(run: Result) -> str:
+    """Unit of work, in the plane per unit thickness."""
+    units = run.case.units
+    work = f"{units.force}·{units.length}"
+    return work if run.areas else f"{work}/{units.length}"
+
+
 def when(run: Result, state: int) -> str:
     """The time of a state, with its unit."""
     return f"t = {run.loads.times[state]:.6g} {run.case.units.time}"
@@ -67,7 +80,7 @@ class Shown:
     """
 
     run: Result
-    summary: ContactSummary
+    summary: ContactSummary | AreaSummary
     tractions: ContactHistory
     key: str
 
@@ -81,7 +94,7 @@ def shown_contacts(run: Result) -> list[Shown]:
     """The contacts whose tractions are known."""
     if run.solution is None:
         return []
-    pairs = zip(run.contacts, run.solution.contacts, strict=True)
+    pairs = zip(run.summaries, run.solution.contacts, strict=True)
     return [Shown(run, *pair, f"contact{number}") for number, pair in enumerate(pairs)]
 
 

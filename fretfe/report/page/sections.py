@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from fretfe.report.figures import edges, history, loops, slip, solver, tractions
+from fretfe.report.figures import areas, edges, history, loops, slip, solver, tractions
 from fretfe.report.figures.plot import Plot
 from fretfe.report.source import Shown, shown_contacts
 from fretfe.results.model import Result
@@ -51,6 +51,8 @@ def _sections(run: Result) -> tuple[Section, ...]:
     if len(run.loads.times) < 2:
         return ()
     shown = shown_contacts(run)
+    if run.areas:
+        return _solid_sections(run, shown)
     histories = (
         _section("factors", "Edge factors", history.FACTORS_INTRO, _factors(run)),
         _section("loads", "Loads", history.LOADS_INTRO, _loads(run)),
@@ -69,6 +71,21 @@ def _sections(run: Result) -> tuple[Section, ...]:
         _section("loops", "Hysteresis", loops.INTRO, _loops(run, shown)),
     )
     return tuple(section for section in sections if section.plots)
+
+
+def _solid_sections(run: Result, shown: list[Shown]) -> tuple[Section, ...]:
+    sections = (
+        _section("areas", "Contacts over time", areas.INTRO, _areas(run)),
+        _section("loads", "Loads", "Shaded: the evaluated cycle.", [history.load_plot(run)]),
+        _section("loops", "Hysteresis", loops.SOLID_INTRO, _loops(run, shown)),
+    )
+    return tuple(section for section in sections if section.plots)
+
+
+def _areas(run: Result) -> Iterable[Plot]:
+    for place, area in enumerate(run.areas):
+        yield areas.force_plot(run, area, f"contact{place}")
+        yield areas.area_plot(run, area, f"contact{place}")
 
 
 def _solver_plots(run: Result) -> tuple[Plot, ...]:

@@ -25,9 +25,8 @@ from fretfe.report.pictures.panels import (
 )
 from fretfe.report.pictures.panels import View as PlaneView
 from fretfe.report.pictures.stress import BODIES_PERCENTAGE, add_bar, deformation_scale, limit_of
-from fretfe.report.pictures.unroll import direction_text
 from fretfe.report.source import loading, when
-from fretfe.report.texts import number, rounded
+from fretfe.report.texts import direction_text, number, rounded
 from fretfe.report.theme import COLOURS, FRAMED, HALO, PICTURE_WIDTH
 from fretfe.results.field_file import CELL_TYPES
 from fretfe.results.solution import OPEN, ContactHistory

@@ -22,9 +22,9 @@ from fretfe._typing import Array
 from fretfe.report.pictures.panels import name_axes, panel_inches, panels, settle
 from fretfe.report.pictures.status import NAMES, STATUS, shares_text, visible_status
 from fretfe.report.pictures.stress import BAR_ASPECT, round_up
-from fretfe.report.pictures.unroll import Unrolled, direction_text, unroll
+from fretfe.report.pictures.unroll import Unrolled, unroll
 from fretfe.report.source import loading, when
-from fretfe.report.texts import number, rounded
+from fretfe.report.texts import direction_text, number, rounded
 from fretfe.report.theme import COLOURS, FRAMED, HALO, PALE
 from fretfe.results.contact_file import in_space
 from fretfe.results.model import Result

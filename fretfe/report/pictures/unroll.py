@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.report.texts import direction_text
 from fretfe.results.solution import ContactHistory
 
 # Cosine of the angle that the normals of a surface may have to their mean if it is called flat.
@@ -99,11 +100,12 @@ def _along_arc(
     across = np.cross(axis, upright)
     flat = normals - (normals @ axis)[:, None] * axis
     flat /= np.linalg.norm(flat, axis=1, keepdims=True)
-    # The arc grows by 1/cos of the slope with the distance across.
-    distance, growth = offsets @ across, 1 / (flat @ upright)
+    distance, slope = offsets @ across, np.arctan2(flat @ across, flat @ upright)
     order = np.argsort(distance, kind="stable")
-    sorted_distance, sorted_growth = distance[order], growth[order]
-    steps = np.diff(sorted_distance) * (sorted_growth[1:] + sorted_growth[:-1]) / 2
+    sorted_distance, sorted_slope = distance[order], slope[order]
+    # Circles between the nodes: their arc over the distance across.
+    middle, half = (sorted_slope[1:] + sorted_slope[:-1]) / 2, np.diff(sorted_slope) / 2
+    steps = np.diff(sorted_distance) / (np.cos(middle) * np.sinc(half / np.pi))
     arc = np.concatenate([[0.0], np.cumsum(steps)])
     arc -= np.interp(0.0, sorted_distance, arc)
     places = np.empty((len(offsets), 2))
@@ -116,11 +118,3 @@ def _along_arc(
 
 def _unit(vector: Array) -> Array:
     return np.asarray(vector / np.linalg.norm(vector))
-
-
-def direction_text(direction: Array) -> str:
-    """A direction in words: an axis of the case, or its components."""
-    place = int(np.abs(direction).argmax())
-    if abs(direction[place]) > 1 - 1e-6:
-        return f"{'' if direction[place] > 0 else '−'}{'xyz'[place]}"
-    return "(" + ", ".join(f"{value + 0.0:.2f}" for value in direction.round(2)) + ")"
