@@ -25,6 +25,12 @@ ENTRIES_IN_SPACE, POWER_IN_SPACE = 51.0, 4 / 3
 # Bytes for an entry of a factor; for an unknown's rows of the stiffness, mesh and spaces; for
 # everything that does not grow.
 PER_ENTRY, PER_UNKNOWN, ALWAYS = 10.0, 1200.0, 2.0e8
+# Memory of a symmetric factor over that of another one, which takes a third of the time in space.
+SYMMETRIC = 0.56
+SLOW_FACTORS = (
+    "memory is short: the factors of the bodies are symmetric ones, which take half the space and "
+    "about three times as long"
+)
 # Full matrices of the size of the interface that are held at the same time, of 8 bytes an entry.
 MATRICES = 6
 # Seconds: a factor by n^1.5 in the plane and n^2 in space, what is done cell by cell by n, start-up
@@ -52,6 +58,7 @@ class Cost:
         tractions: unknown tractions at the contact nodes.
         steps: of the load history.
         memory: bytes.
+        factors: those of them that hold the factors of the bodies.
         seconds: with one thread, without pictures and report.
         dimension: 2 of a plane case, 3 of a solid one.
     """
@@ -60,8 +67,14 @@ class Cost:
     tractions: int
     steps: int
     memory: float
+    factors: float
     seconds: float
     dimension: int
+
+    @property
+    def halved(self) -> float:
+        """Bytes with symmetric factors, which take longer."""
+        return self.memory - (1 - SYMMETRIC) * self.factors
 
     @property
     def text(self) -> str:
@@ -86,13 +99,14 @@ def estimate_cost(mesh: Mesh, degree: int, nodes: int, steps: int) -> Cost:
     tractions = dimension * nodes
     entries = sum(_factor_entries(n, dimension) for n in bodies)
     dense = 8.0 * MATRICES * tractions**2
-    memory = ALWAYS + PER_ENTRY * entries + PER_UNKNOWN * sum(bodies) + dense
+    factors = PER_ENTRY * entries
+    memory = ALWAYS + factors + PER_UNKNOWN * sum(bodies) + dense
     factor, power = FACTORISING[dimension]
     preparation = sum(factor * n**power + ASSEMBLING[dimension] * n for n in bodies)
     interface = ORDERS * INTERFACE * tractions**3
     march = steps * (STEP + STEP_SQUARED[dimension] * tractions**2)
     seconds = STARTING + preparation + interface + march
-    return Cost(sum(bodies), tractions, steps, memory, seconds, dimension)
+    return Cost(sum(bodies), tractions, steps, memory, factors, seconds, dimension)
 
 
 def _factor_entries(unknowns: int, dimension: int) -> float:
@@ -101,20 +115,22 @@ def _factor_entries(unknowns: int, dimension: int) -> float:
     return unknowns * max(ENTRIES * math.log2(unknowns) - FEWER, FEWEST)
 
 
-def require_memory(cost: Cost) -> None:
-    """Check that the machine has the memory that a run takes.
+def needs_symmetric_factors(cost: Cost) -> bool:
+    """Tell whether a run fits into the memory of this machine with symmetric factors only.
 
     Raises:
-        ModelError: if not; says what would fit.
+        ModelError: if it does not fit with these either; says what would.
     """
     there = machine_memory()
     if there is None or cost.memory <= there:
-        return
+        return False
+    if cost.halved <= there:
+        return True
     power = 1.0 if cost.dimension == 2 else 1 / POWER_IN_SPACE
-    fits = cost.unknowns * (there / cost.memory) ** power
+    fits = cost.unknowns * (there / cost.halved) ** power
     raise ModelError(
         f"expected a model that fits into the memory of this machine ({_rounded(there / 2**30)} "
-        f"GB), found one that needs about {_rounded(cost.memory / 2**30)} GB ({cost.unknowns} "
+        f"GB), found one that needs about {_rounded(cost.halved / 2**30)} GB ({cost.unknowns} "
         f"unknowns, {cost.tractions} contact tractions). About {_rounded(fits)} unknowns would "
         f"fit: {PROPOSALS[cost.dimension]}"
     )
