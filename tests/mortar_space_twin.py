@@ -17,7 +17,7 @@ from scipy.optimize import root
 
 from fretfe._typing import Array
 from fretfe.surface.overlap import OverlapPoints, Rule
-from fretfe.surface.reference import CORNERS, KINDS, shape_slopes, shape_values
+from fretfe.surface.reference import CORNERS, KINDS, Shape, shape_slopes, shape_values
 
 # Definitions that the twin shares with the kernel.
 FARTHEST_FOOT, FARTHEST_HIT = 1.0, 0.1
@@ -31,7 +31,7 @@ class Facet:
     normals: Array
 
     @cached_property
-    def kind(self) -> tuple[str, int]:
+    def kind(self) -> tuple[Shape, int]:
         return KINDS[3, len(self.nodes)]
 
     @property

@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import mortar_space_twin
 import numpy as np
 import pytest
 import sheets
+from scipy.spatial.transform import Rotation
 
 from fretfe._typing import Array
 from fretfe.surface.curvature import deviations, mean_curvature
@@ -66,6 +69,29 @@ def test_kernel_and_twin_give_the_same_points(cell1: str, cell2: str, order: int
     for name in ("at1", "at2", "weights", "gap", "normals"):
         # Newton in the kernel stops at steps of 1e-10; quadratic convergence leaves round-off.
         np.testing.assert_allclose(getattr(found, name), getattr(twin, name), rtol=0, atol=1e-11)
+
+
+@PAIRS
+@pytest.mark.parametrize(("scale", "origin"), [(1.0, 0.0), (2e-3, 1e3)], ids=["here", "far"])
+def test_turned_surfaces_give_the_same_points(
+    cell1: str, cell2: str, order: int, scale: float, origin: float
+) -> None:
+    """Far away, round-off of coordinates is 1e-10 of a facet."""
+    pair = wavy_pair(cell1, cell2, order)
+    turn = Rotation.from_rotvec([0.4, -1.1, 0.7]).as_matrix()
+    moved = [
+        sheets.surface(each.name, scale * each.points @ turn.T + origin, each.facets)
+        for each in pair
+    ]
+    expected, found = overlap_points(*pair), overlap_points(*moved)
+    tolerance = 1e-13 if origin == 0 else 1e-8
+    assert len(found.gap) == len(expected.gap)
+    close = partial(np.testing.assert_allclose, rtol=0, atol=tolerance)
+    close(found.at1, expected.at1)
+    close(found.at2, expected.at2)
+    close(found.weights / scale**2, expected.weights)
+    close(found.gap / scale, expected.gap)
+    close(found.normals @ turn, expected.normals)
 
 
 @PAIRS
@@ -165,6 +191,22 @@ def test_gap_of_concentric_spheres(cell1: str, cell2: str) -> None:
     np.testing.assert_allclose(overlap.gap, 0.05, rtol=4e-4)
     # All of the ball is below the cavity.
     assert overlap.weights.sum() == pytest.approx(ball.measures.sum(), rel=1e-10)
+
+
+@pytest.mark.parametrize("counts", [(2, 20), (20, 2), (6, 7)])
+@pytest.mark.parametrize(("order1", "order2"), [(1, 2), (2, 1), (2, 2)])
+@pytest.mark.parametrize(("cell1", "cell2"), [(a, b) for a in CELLS for b in CELLS])
+def test_nothing_is_missed_or_counted_twice(
+    cell1: str, cell2: str, order1: int, order2: int, counts: tuple[int, int]
+) -> None:
+    """Facets of very different sizes and kinds, one mesh turned about the other."""
+    far = sheets.cap("far", 1.05, cell1, order1, counts[0], width=0.6, down=True)
+    turn = Rotation.from_rotvec([0, 0, 0.4]).as_matrix()
+    far = sheets.surface("far", far.points @ turn.T, far.facets)
+    near = sheets.cap("near", 1.0, cell2, order2, counts[1], width=0.3)
+    overlap = overlap_points(far, near)
+    shares = np.bincount(overlap.facet2, overlap.weights, len(near.facets))
+    np.testing.assert_allclose(shares, near.measures, rtol=1e-8)
 
 
 @KINDS
