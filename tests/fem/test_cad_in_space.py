@@ -102,9 +102,8 @@ def changed(name: str, **selector: Any) -> dict[str, Any]:
 
 
 PLANE_POINTS = {"bodies": BODIES | {"upper": {"point": [0, 1]}}}
-NO_LOWER = {
-    "bodies": {"upper": {"points": [[0, 0, 1], [1.5, 0, -1]]}, "lower": {"point": [0, 0, 1]}}
-}
+ALL = {"points": [[0, 0, 1], [1.5, 0, -1]]}
+TWICE = {"bodies": {"upper": ALL, "lower": {"point": [0, 0, 1]}}}
 MISTAKES: dict[str, tuple[str, dict[str, Any], type[FretfeError], str]] = {
     "joined": ("joined.brep", {}, MeshError, "'upper' and 'lower' have a face in common"),
     "plane point": ("apart.step", PLANE_POINTS, MeshError, "expected 3 coordinates, as the bodies"),
