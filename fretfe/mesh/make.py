@@ -79,15 +79,9 @@ def mesh_model(
         MeshError: Gmsh cannot mesh the geometry, or the mesh is not valid.
     """
     with model as gmsh:
-        dimension = gmsh.model.getDimension()
         if size is not None:
-            if dimension == 3:
-                raise MeshError(
-                    f"{source}: expected a plane geometry, whose mesh can refine itself "
-                    "(edges.tolerance), found a solid one"
-                )
             size(gmsh)
-        gmsh.model.mesh.generate(dimension)
+        gmsh.model.mesh.generate(gmsh.model.getDimension())
         gmsh.model.mesh.setOrder(order)
         raw = raw_mesh(gmsh, path)
     return mesh_from_raw(raw, source)

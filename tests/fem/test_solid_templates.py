@@ -7,9 +7,12 @@ import math
 
 import numpy as np
 import pytest
+from pad_cases import pad, press
 
 from fretfe._typing import Array
-from fretfe.errors import MeshError
+from fretfe.case import parse_case
+from fretfe.errors import CaseError
+from fretfe.fem.refine import starting_mesh
 from fretfe.geometry.templates import find_template
 from fretfe.mesh.cell_geometry import facet_measures
 from fretfe.mesh.groups import body_unknowns, mesh_summary
@@ -121,6 +124,10 @@ def test_layers_are_thin_at_the_ends() -> None:
     assert ratios == pytest.approx(1.4)
 
 
-def test_a_solid_template_does_not_refine_itself() -> None:
-    with pytest.raises(MeshError, match="expected a plane geometry, whose mesh can refine itself"):
-        mesh_template(find_template("sphere"), {}, 2, size=lambda gmsh: None)
+def test_solid_bodies_do_not_refine_themselves() -> None:
+    pressed = {"loads": {"press": press(steps=1)}, "edges": {"tolerance": 0.05}}
+    cylinder = {"template": "cylinder", "solid": {"length": 4.0, "layers": 2}}
+    for geometry in ({"template": "sphere"}, cylinder):
+        case = parse_case(pad(geometry=geometry, **pressed))
+        with pytest.raises(CaseError, match=r"edges.tolerance: expected none, as the bodies are"):
+            starting_mesh(case)
