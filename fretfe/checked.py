@@ -9,13 +9,12 @@ from dataclasses import dataclass
 from fretfe.bodies.definition import ModelDefinition, define_model
 from fretfe.bodies.pairs import Pair, contact_surfaces, couple_contacts
 from fretfe.bodies.rigid_modes import modes_restrained_by_contact
-from fretfe.bodies.support import unsupported
+from fretfe.bodies.support import require_support, unsupported
 from fretfe.case import Case
 from fretfe.environment import rank_from_environment
 from fretfe.loads import History, build_history
 from fretfe.mesh.cost import Cost, estimate_cost
 from fretfe.mesh.mesh import Mesh
-from fretfe.runner import require_support
 from fretfe.surface.load import load_mesh
 
 

@@ -24,8 +24,9 @@ from fretfe.backends import (
     processes_of,
 )
 from fretfe.backends.observer import SILENT
+from fretfe.bodies.support import require_support
 from fretfe.case import Case, as_written, case_text, load_case, parse_assignments
-from fretfe.errors import FretfeError, ModelError, OutputError
+from fretfe.errors import FretfeError, OutputError
 from fretfe.results.field_file import FIELDS
 from fretfe.results.model import Result
 from fretfe.results.stream import STREAM
@@ -194,19 +195,6 @@ class Runner:
 
     def _shown(self, observer: Observer) -> Observer:
         return observer if self.processes.rank == 0 else SILENT
-
-
-def require_support(backend: str, case: Case, reasons: Sequence[str]) -> None:
-    """Raise the reasons why a backend cannot solve a case, if there are any.
-
-    Raises:
-        ModelError: with all of them.
-    """
-    if reasons:
-        raise ModelError(
-            f"{case.source}: the backend {backend!r} cannot solve this case:\n"
-            + "\n".join(f"  {reason}" for reason in reasons)
-        )
 
 
 def _prepare_folder(directory: Path, case: Case) -> None:
