@@ -132,12 +132,12 @@ def colours_at(run: Result, places: Array) -> Array:
 
 def test_colours_are_those_of_pressure_and_status(result: Result) -> None:
     # Between the arrows, at radii of 0, .55, .85 along the diagonal, and open.
-    places = np.array([[0.0, 0.0], [0.43, 0.345], [0.5, 0.687], [0.93, 0.93]])
+    places = np.array([[0.0, 0.0], [0.4, 0.345], [0.5, 0.687], [0.93, 0.93]])
     first, _, status, _ = colours_at(result, places)
-    tones = (np.array([300.0, 251.0, 158.0]) // 30).clip(max=9) * 30 + 15
-    # Colours of a band are those of its middle.
-    expected = colormaps["viridis"](tones / 300)[:, :3]
-    assert first[:3] == pytest.approx(expected, abs=0.05)
+    # 12 colours of 25 MPa each
+    bands = (np.array([300.0, 254.7, 158.0]) // 25).clip(max=11)
+    expected = colormaps["viridis"](bands / 11)[:, :3]
+    assert first[:3] == pytest.approx(expected, abs=0.01)
     kinds = (STICK, STICK, SLIP, OPEN)
     assert status == pytest.approx(np.array([to_rgb(FILLS[kind]) for kind in kinds]), abs=0.01)
 
