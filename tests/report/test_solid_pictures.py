@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,9 @@ from solid_runs import (
 )
 
 from fretfe._typing import Array
+from fretfe.edges.area import evaluate_areas
+from fretfe.errors import ConvergenceError
+from fretfe.report.page.html import render
 from fretfe.report.pictures import cycle
 from fretfe.report.pictures.cycle import MOST_BYTES, cycle_frames, draw_cycle
 from fretfe.report.pictures.fields import FACES, BodyField, Grid
@@ -42,9 +45,10 @@ from fretfe.report.pictures.plan import plan_pictures
 from fretfe.report.pictures.solids import View, cell_volumes, section
 from fretfe.report.pictures.surfaces import FILLS, draw_surface, lay_out
 from fretfe.report.pictures.unroll import Unrolled, unroll
+from fretfe.results.dataset import NODAL
 from fretfe.results.model import Result
 from fretfe.results.solution import OPEN, SLIP, STICK
-from fretfe.results.writer import PICTURE_LIST, PICTURES
+from fretfe.results.writer import PICTURE_LIST, PICTURES, write_results
 
 EXTREMES = [24, 32]
 
@@ -306,6 +310,35 @@ def test_without_the_states_of_the_cycle_there_is_no_animation(tmp_path: Path) -
     assert 'tractions = "cycle"' in reasons["Cycle of the contact main"]
     assert '"extremes"' in reasons["Bodies with their stress as a scene"]
     assert [each["file"] for each in listed(folder)["pictures"]] == ["contact.png"]
+
+
+def test_a_run_without_steps_has_what_there_is(result: Result, tmp_path: Path) -> None:
+    solution, loads = result.solution, result.loads
+    assert solution is not None
+    first = slice(0, 1)
+    history = result.contact_history("main")
+    states = {
+        field.name: getattr(history, field.name)[first]
+        for field in fields(history)
+        if field.name in (*NODAL, "friction")
+    }
+    loads = replace(loads, times=loads.times[first], values=loads.values[first], cycle=None)
+    names = ("times", "values", "amplitudes", "forces", "driver_values", "iterations", "parts")
+    short = replace(
+        solution,
+        contacts=(replace(history, **states),),
+        cycle=None,
+        fallbacks=solution.fallbacks[first],
+        certificates={name: values[first] for name, values in solution.certificates.items()},
+        **{name: getattr(solution, name)[first] for name in names},
+    )
+    failed = ConvergenceError("step 1 has no solution")
+    run = replace(result, solution=short, loads=loads, areas=evaluate_areas(short), failure=failed)
+    write_results(tmp_path, run)
+    make_pictures(tmp_path)
+    reasons = {each["title"]: each["reason"] for each in listed(tmp_path)["missing"]}
+    assert reasons["Cycle of the contact main"] == "no step was solved"
+    assert "step 1 has no solution" in render(tmp_path)
 
 
 def test_each_contact_has_a_picture() -> None:

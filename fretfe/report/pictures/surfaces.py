@@ -84,7 +84,8 @@ class Sheet:
     def levels(self) -> Array:
         """Limits of the colours, round numbers."""
         largest = self.pressure if self.pressure > 0 else 1.0
-        return MaxNLocator(LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, largest)
+        places = MaxNLocator(LEVELS, steps=[1, 2, 2.5, 5, 10])
+        return np.asarray(places.tick_values(0.0, largest))
 
     @property
     def norm(self) -> BoundaryNorm:
