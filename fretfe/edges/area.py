@@ -80,9 +80,12 @@ def shear_extremes(areas: Sequence[AreaSummary], cycle: tuple[int, int] | None) 
         cycle: its first and last state; None for the whole history without the unloaded state.
 
     Returns:
-        Two states in the order of time, or the last state alone if the load is constant.
+        Two states in the order of time, or the last state alone if the load is constant or no step
+        was solved.
     """
     first, last = cycle or (1, len(areas[0].normal_force) - 1)
+    if last < first:
+        return [last]
     states = slice(first, last + 1)
     shear = max((_principal(each.shear_force[states]) for each in areas), key=np.ptp)
     normal = max((each.normal_force[states] for each in areas), key=np.ptp)

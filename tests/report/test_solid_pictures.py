@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from matplotlib import colormaps
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 from PIL import Image
 from scipy.spatial.distance import pdist
 from scipy.spatial.transform import Rotation
@@ -31,6 +32,10 @@ from solid_runs import (
 )
 
 from fretfe._typing import Array
+from fretfe.edges.area import evaluate_areas
+from fretfe.errors import ConvergenceError
+from fretfe.report.page.html import render
+from fretfe.report.pictures import cycle
 from fretfe.report.pictures.cycle import MOST_BYTES, cycle_frames, draw_cycle
 from fretfe.report.pictures.fields import FACES, BodyField, Grid
 from fretfe.report.pictures.fields import surface as linear_pieces
@@ -40,9 +45,10 @@ from fretfe.report.pictures.plan import plan_pictures
 from fretfe.report.pictures.solids import View, cell_volumes, section
 from fretfe.report.pictures.surfaces import FILLS, draw_surface, lay_out
 from fretfe.report.pictures.unroll import Unrolled, unroll
+from fretfe.results.dataset import NODAL
 from fretfe.results.model import Result
 from fretfe.results.solution import OPEN, SLIP, STICK
-from fretfe.results.writer import PICTURE_LIST, PICTURES
+from fretfe.results.writer import PICTURE_LIST, PICTURES, write_results
 
 EXTREMES = [24, 32]
 
@@ -119,30 +125,43 @@ def test_the_longer_side_lies_across() -> None:
     assert "The axes have different scales." in caption
 
 
-def colours_at(run: Result, places: Array) -> Array:
-    """(panels, n, 3) colours at places (n, 2) of the surface at the load extremes."""
-    figure, _ = draw_surface(run, "main", EXTREMES)
-    image = np.asarray(pixels(figure)) / 255
-    found = []
-    for axes in figure.axes[:4]:
+@dataclass(frozen=True)
+class Drawn:
+    """A picture of a contact at the load extremes."""
+
+    figure: Figure
+    caption: str
+    image: Array
+
+
+@pytest.fixture(scope="module")
+def picture(result: Result) -> Drawn:
+    figure, caption = draw_surface(result, "main", EXTREMES)
+    return Drawn(figure, caption, np.asarray(pixels(figure)) / 255)
+
+
+def colours_at(picture: Drawn, places: Array) -> Array:
+    """(panels, n, 3) colours at places (n, 2) of the surface."""
+    image, found = picture.image, []
+    for axes in picture.figure.axes[:4]:
         columns, rows = axes.transData.transform(places).T
         found.append(image[(len(image) - rows).astype(int), columns.astype(int)])
     return np.array(found)
 
 
-def test_colours_are_those_of_pressure_and_status(result: Result) -> None:
+def test_colours_are_those_of_pressure_and_status(picture: Drawn) -> None:
     # Between the arrows, at radii of 0, .55, .85 along the diagonal, and open.
-    places = np.array([[0.0, 0.0], [0.43, 0.345], [0.5, 0.687], [0.93, 0.93]])
-    first, _, status, _ = colours_at(result, places)
-    tones = (np.array([300.0, 251.0, 158.0]) // 30).clip(max=9) * 30 + 15
-    # Colours of a band are those of its middle.
-    expected = colormaps["viridis"](tones / 300)[:, :3]
-    assert first[:3] == pytest.approx(expected, abs=0.05)
+    places = np.array([[0.0, 0.0], [0.4, 0.345], [0.5, 0.687], [0.93, 0.93]])
+    first, _, status, _ = colours_at(picture, places)
+    # 12 colours of 25 MPa each
+    bands = (np.array([300.0, 254.7, 158.0]) // 25).clip(max=11)
+    expected = colormaps["viridis"](bands / 11)[:, :3]
+    assert first[:3] == pytest.approx(expected, abs=0.01)
     kinds = (STICK, STICK, SLIP, OPEN)
     assert status == pytest.approx(np.array([to_rgb(FILLS[kind]) for kind in kinds]), abs=0.01)
 
 
-def test_arrows_are_those_of_the_shear(result: Result) -> None:
+def test_arrows_are_those_of_the_shear(result: Result, picture: Drawn) -> None:
     sheet = lay_out(result, "main", EXTREMES)
     for state in EXTREMES:
         shear = sheet.shear_at(state)
@@ -150,32 +169,20 @@ def test_arrows_are_those_of_the_shear(result: Result) -> None:
             shear[:, 0], result.contact_history("main").mean_traction[state, :, 1], atol=1e-9
         )
         np.testing.assert_allclose(shear[:, 1], 0, atol=1e-9)
-    figure, caption = draw_surface(result, "main", EXTREMES)
-    drawn = figure.axes[0].collections[-1]
+    drawn = picture.figure.axes[0].collections[-1]
     arrows = drawn.U  # type: ignore[attr-defined]
     # π/4 of 19 × 19 places less those next to the edge, and a few without shear
     assert 0.55 * 240 < len(arrows) < 0.9 * 240
-    assert arrows.min() > 0 and f"the longest {sheet.shear:.0f} MPa" in caption
+    assert arrows.min() > 0 and f"the longest {sheet.shear:.0f} MPa" in picture.caption
 
 
-def test_contact_ends_where_its_edge_is(result: Result) -> None:
+def test_contact_ends_where_its_edge_is(picture: Drawn) -> None:
     """Nodes and facets of .083: the edge is found within one of them."""
     angle = np.linspace(0.1, 2 * np.pi, 9)
     circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    inside, outside = (colours_at(result, circle * r)[2] for r in (RADIUS - 0.1, RADIUS + 0.01))
+    inside, outside = (colours_at(picture, circle * r)[2] for r in (RADIUS - 0.1, RADIUS + 0.01))
     grey = np.ptp(inside, axis=1) < 0.01
     assert not grey.any() and (np.ptp(outside[:1], axis=1) < 0.01).all()
-
-
-def test_cycle_is_an_animation_of_its_states(result: Result, tmp_path: Path) -> None:
-    data, caption = draw_cycle(result, "main")
-    path = tmp_path / "cycle.gif"
-    path.write_bytes(data)
-    with Image.open(path) as image:
-        frames = image.n_frames  # type: ignore[attr-defined]
-        assert image.info["loop"] == 0
-    assert frames == 16 == len(cycle_frames(result)) and len(data) < MOST_BYTES
-    assert "16 states" in caption
 
 
 def test_long_cycles_are_thinned_out(result: Result) -> None:
@@ -256,6 +263,22 @@ def test_everything_is_drawn_and_listed(drawn: Path) -> None:
     assert "through its largest pressure at (0, 0, 0) mm and across x" in caption
 
 
+def test_cycle_is_an_animation_of_its_states(drawn: Path, result: Result) -> None:
+    path = drawn / PICTURES / "cycle.gif"
+    with Image.open(path) as image:
+        frames = image.n_frames  # type: ignore[attr-defined]
+        assert image.info["loop"] == 0
+    assert frames == 16 == len(cycle_frames(result)) and path.stat().st_size < MOST_BYTES
+    assert "16 states" in listed(drawn)["files"][0]["caption"]
+
+
+def test_large_animations_are_thinned_out(result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+    short = replace(result, loads=replace(result.loads, cycle=(20, 24)))
+    monkeypatch.setattr(cycle, "MOST_BYTES", 60_000)
+    data, caption = draw_cycle(short, "main")
+    assert "2 states" in caption and len(data) < 60_000
+
+
 def test_cut_shows_the_stress_below_the_contact(drawn: Path) -> None:
     """The middle of the lower panels is the place of the largest pressure."""
     with Image.open(drawn / PICTURES / "stress.png") as image:
@@ -287,6 +310,35 @@ def test_without_the_states_of_the_cycle_there_is_no_animation(tmp_path: Path) -
     assert 'tractions = "cycle"' in reasons["Cycle of the contact main"]
     assert '"extremes"' in reasons["Bodies with their stress as a scene"]
     assert [each["file"] for each in listed(folder)["pictures"]] == ["contact.png"]
+
+
+def test_a_run_without_steps_has_what_there_is(result: Result, tmp_path: Path) -> None:
+    solution, loads = result.solution, result.loads
+    assert solution is not None
+    first = slice(0, 1)
+    history = result.contact_history("main")
+    states = {
+        field.name: getattr(history, field.name)[first]
+        for field in fields(history)
+        if field.name in (*NODAL, "friction")
+    }
+    loads = replace(loads, times=loads.times[first], values=loads.values[first], cycle=None)
+    names = ("times", "values", "amplitudes", "forces", "driver_values", "iterations", "parts")
+    short = replace(
+        solution,
+        contacts=(replace(history, **states),),
+        cycle=None,
+        fallbacks=solution.fallbacks[first],
+        certificates={name: values[first] for name, values in solution.certificates.items()},
+        **{name: getattr(solution, name)[first] for name in names},
+    )
+    failed = ConvergenceError("step 1 has no solution")
+    run = replace(result, solution=short, loads=loads, areas=evaluate_areas(short), failure=failed)
+    write_results(tmp_path, run)
+    make_pictures(tmp_path)
+    reasons = {each["title"]: each["reason"] for each in listed(tmp_path)["missing"]}
+    assert reasons["Cycle of the contact main"] == "no step was solved"
+    assert "step 1 has no solution" in render(tmp_path)
 
 
 def test_each_contact_has_a_picture() -> None:

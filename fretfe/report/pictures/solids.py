@@ -263,7 +263,7 @@ def draw_bodies(
         set_limits(panel, PlaneView(np.zeros(2), view.half_size, np.array([0.0, 1.0])))
         panel.set_xticks([])
         panel.set_yticks([])
-        shown = f"{number(2 * float(view.half_size[0]), 3)} {unit} across"
+        shown = f"panel {rounded(2 * float(view.half_size[0]))} {unit} wide"
         state = states[place % count]
         texts = [when(run, state), loading(run, state)] if view.cut is None else []
         panel.set_title("\n".join(filter(None, [": ".join(filter(None, texts)), shown])))
@@ -286,13 +286,14 @@ def _draw_axes(panel: Axes, view: View) -> None:
         seen = view.across @ axis
         if np.linalg.norm(seen) < 0.1:
             continue
+        x, y = origin + seen * scale
         panel.annotate(
-            "", xy=tuple(origin + seen * scale), xytext=tuple(origin), xycoords="axes fraction",
+            "", xy=(x, y), xytext=(origin[0], origin[1]), xycoords="axes fraction",
             textcoords="axes fraction", arrowprops=ARROW,
         )  # fmt: skip
-        end = origin + seen * scale * (1 + 0.22 / np.linalg.norm(seen))
+        x, y = origin + seen * scale * (1 + 0.22 / np.linalg.norm(seen))
         panel.text(
-            *end, name, transform=panel.transAxes, ha="center", va="center", path_effects=HALO
+            x, y, name, transform=panel.transAxes, ha="center", va="center", path_effects=HALO
         )
 
 

@@ -15,13 +15,14 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
 from fretfe.report.pictures.panels import name_axes, panel_inches, panels, settle
 from fretfe.report.pictures.status import NAMES, STATUS, shares_text, visible_status
-from fretfe.report.pictures.stress import BAR_ASPECT, round_up
+from fretfe.report.pictures.stress import BAR_ASPECT
 from fretfe.report.pictures.unroll import Unrolled, unroll
 from fretfe.report.source import loading, when
 from fretfe.report.texts import direction_text, number, rounded
@@ -31,11 +32,11 @@ from fretfe.results.model import Result
 from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory
 
 # Around the part of the surface that is closed in any of the states, as a fraction of it.
-BORDER = 0.06
+BORDER = 0.1
 # Height of a panel over its width, at least: a slender contact is drawn wider than it is.
 LOWEST = 0.3
 # Colours of the pressure. Places of arrows along the longer side, and along the shorter one.
-LEVELS, ARROWS = 10, (20, 12)
+LEVELS, ARROWS = 12, (20, 12)
 # Arrows of less shear than this fraction of the largest are left out; length of the longest in
 # distances between arrows, and their width in inches.
 SHORTEST, LONGEST, ARROW_WIDTH = 0.03, 0.95, 0.014
@@ -81,10 +82,15 @@ class Sheet:
 
     @property
     def levels(self) -> Array:
-        """Limits of the colours; what is open has none."""
-        levels = np.linspace(0.0, round_up(self.pressure) if self.pressure > 0 else 1.0, LEVELS + 1)
-        levels[0] = 1e-6 * levels[-1]
-        return levels
+        """Limits of the colours, round numbers."""
+        largest = self.pressure if self.pressure > 0 else 1.0
+        places = MaxNLocator(LEVELS, steps=[1, 2, 2.5, 5, 10])
+        return np.asarray(places.tick_values(0.0, largest))
+
+    @property
+    def norm(self) -> BoundaryNorm:
+        """Number of the colour of a pressure."""
+        return BoundaryNorm(self.levels, mpl.colormaps[COLOURS].N)
 
     def shear_at(self, state: int) -> Array:
         """(N, 2) shear along the axes of the plane."""
@@ -141,7 +147,7 @@ def frame_title(sheet: Sheet, state: int) -> str:
     """Time, loads and largest pressure of a state."""
     loads = ": ".join(filter(None, [when(sheet.run, state), loading(sheet.run, state)]))
     largest = float(sheet.contact.mean_traction[state][:, 0].max())
-    return f"{loads}\nlargest pressure {number(largest, 3)} {sheet.run.case.units.stress}"
+    return f"{loads}\nlargest pressure {rounded(largest)} {sheet.run.case.units.stress}"
 
 
 def frame(panel: Axes, sheet: Sheet) -> None:
@@ -154,8 +160,7 @@ def frame(panel: Axes, sheet: Sheet) -> None:
 
 def finish(figure: Figure, axes: Sequence[Axes], sheet: Sheet, handles: list[Any]) -> None:
     """Colour bar, legend and heading; then everything has its place."""
-    norm = BoundaryNorm(sheet.levels, mpl.colormaps[COLOURS].N)
-    bar = figure.colorbar(ScalarMappable(norm, COLOURS), ax=axes, aspect=BAR_ASPECT, pad=0.02)
+    bar = figure.colorbar(ScalarMappable(sheet.norm, COLOURS), ax=axes, aspect=BAR_ASPECT, pad=0.02)
     bar.set_label(f"pressure [{sheet.run.case.units.stress}]", labelpad=6)
     lines = [
         Line2D([], [], color=style["colors"], lw=style["linewidths"], ls=style["linestyles"],
@@ -175,7 +180,7 @@ def draw_pressure(panel: Axes, sheet: Sheet, state: int) -> None:
     levels = sheet.levels
     _fill(panel, sheet, np.ones(len(sheet.plane.places)), FILLS[OPEN])
     pressure = np.clip(sheet.contact.mean_traction[state][:, 0], 0.0, levels[-1])
-    panel.tricontourf(sheet.triangles, pressure, levels=levels, cmap=COLOURS)
+    panel.tricontourf(sheet.triangles, pressure, levels=levels, norm=sheet.norm, cmap=COLOURS)
     # The interpolated pressure ends at the first open nodes, the contact half-way before them.
     _fill(panel, sheet, sheet.contact.status[state] == OPEN, FILLS[OPEN])
     _draw_edges(panel, sheet, state)
