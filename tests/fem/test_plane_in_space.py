@@ -58,9 +58,7 @@ def compare(plane: Result, solid: Result, tolerance: float) -> None:
         order2, order3 = by_place(flat)[0], by_place(space)[0]
         layers = len(order3) // len(order2)
         rows = np.repeat(order2, layers)
-        np.testing.assert_allclose(
-            space.points[order3][:, :2], flat.points[rows], atol=1e-9
-        )
+        np.testing.assert_allclose(space.points[order3][:, :2], flat.points[rows], atol=1e-9)
         axes = space.frames[order3][:, 1:]  # the first tangent is that of the plane
         np.testing.assert_allclose(axes[:, 0, :2], flat.frames[rows][:, 1], atol=1e-7)
         expected, found = np.asarray(flat.traction)[:, rows], np.asarray(space.traction)[:, order3]
