@@ -25,7 +25,7 @@ from fretfe.backends import (
 )
 from fretfe.backends.observer import SILENT
 from fretfe.case import Case, as_written, case_text, load_case, parse_assignments
-from fretfe.errors import FretfeError, OutputError
+from fretfe.errors import FretfeError, ModelError, OutputError
 from fretfe.results.field_file import FIELDS
 from fretfe.results.model import Result
 from fretfe.results.stream import STREAM

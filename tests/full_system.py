@@ -96,12 +96,12 @@ def _starts(sizes: list[int]) -> Indices:
 
 def _expansion(body: Body, definition: BodyDefinition) -> sparse.csr_matrix:
     """Displacements of a body in terms of its free ones, then the amplitudes of its constraints."""
+    restraints = Restraints(body.elastic, definition.constraints)
     columns = np.zeros((_size(body), len(definition.constraints)))
-    for column, shape in zip(
-        columns.T, Restraints(body.elastic, definition.constraints).shapes, strict=True
-    ):
+    for column, shape in zip(columns.T, restraints.shapes, strict=True):
         column[:] = shape.x.array
-    free = sparse.identity(len(columns), format="csc")[:, ~np.any(columns != 0, axis=1)]
+    unconstrained = np.setdiff1d(np.arange(len(columns)), restraints.constrained)
+    free = restraints.turning.tocsc()[:, unconstrained]
     return sparse.hstack([free, sparse.csc_matrix(columns)], format="csr")
 
 

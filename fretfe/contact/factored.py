@@ -16,6 +16,7 @@ displacement that they cause.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -225,7 +226,7 @@ class StuckSolution:
         target[known] = conditions.amplitudes / order.scale[conditions.known, None]
         residual = 0.0
         if conditions.floating:
-            changes, residual = _least_motion(matrix, target)
+            changes, residual = _least_motion(matrix, target, count)
         else:
             changes = np.linalg.solve(matrix, target)
         return self._response(response, released, changes, residual)
@@ -303,26 +304,51 @@ class _Released:
         target[rows] += pull * stuck[bound]
 
 
-def _least_motion(matrix: Array, target: Array) -> tuple[Array, float]:
+def _least_motion(matrix: Array, target: Array, count: int) -> tuple[Array, float]:
     """Smallest solution of a system that leaves some motions free, and its relative residual.
 
-    Rows and columns are of different units: they are brought to one size first.
+    Args:
+        matrix: (k, k) released components by all unknowns, then forces by all unknowns.
+        target: (k, J) right-hand sides.
+        count: number of released components; coordinates follow.
     """
+    # Rows and columns are of different units: they are brought to one size first.
     rows = np.linalg.norm(matrix, axis=1)[:, None]
     matrix, target = matrix / rows, target / rows
     columns = np.linalg.norm(matrix, axis=0)[:, None]
     matrix = matrix / columns.T
-    # By a pivoted QR decomposition: several times faster than by singular values. The second time
-    # for what the first one leaves, a small difference of large tractions.
-    changes = _least_squares(matrix, target)
-    changes += _least_squares(matrix, target - matrix @ changes)
+    solve = _floating_solver(matrix, count)
+    # The second time for what the first one leaves, a small difference of large tractions.
+    changes = solve(target)
+    changes += solve(target - matrix @ changes)
     size = max(float(np.linalg.norm(target)), np.finfo(np.float64).tiny)
     return changes / columns, float(np.linalg.norm(matrix @ changes - target)) / size
 
 
-def _least_squares(matrix: Array, target: Array) -> Array:
-    changes: Array = linalg.lstsq(matrix, target, cond=UNRESISTED, lapack_driver="gelsy")[0]
-    return changes
+def _floating_solver(matrix: Array, count: int) -> Callable[[Array], Array]:
+    """Function that solves a system whose coordinates alone, after the first `count`, may float.
+
+    What moves without resistance is found among the few coordinates, once the released components
+    are eliminated: a rank-revealing decomposition of the whole system would take far longer.
+    """
+    factor = linalg.lu_factor(matrix[:count, :count])
+    coupling, forces = matrix[:count, count:], matrix[count:, :count]
+    moved = linalg.lu_solve(factor, coupling)
+    moved += linalg.lu_solve(factor, coupling - matrix[:count, :count] @ moved)
+    resistance = matrix[count:, count:] - forces @ moved
+    left, values, right = np.linalg.svd(resistance)
+    # Of the size that the terms of the difference have.
+    rank = int(np.sum(values > UNRESISTED * np.linalg.norm(matrix[count:, count:], 2)))
+    free = np.vstack([-moved @ right[rank:].T, right[rank:].T])
+
+    def solve(target: Array) -> Array:
+        released = linalg.lu_solve(factor, target[:count])
+        missing = left[:, :rank].T @ (target[count:] - forces @ released)
+        found = right[:rank].T @ (missing / values[:rank, None])
+        changes = np.vstack([released - moved @ found, found])
+        return np.asarray(changes - free @ np.linalg.lstsq(free, changes, rcond=None)[0])
+
+    return solve
 
 
 def _by_node(blocks: Array, values: Array) -> Array:

@@ -11,23 +11,20 @@ from typing import Any, cast
 import blocks
 import numpy as np
 import pytest
-from contact_runs import Run, run
+from contact_runs import run
 from meshes_b1 import write_b1
-from monolithic import Iterate, MonolithicSolver, MonolithicStep, cone_projection
+from monolithic import Iterate, MonolithicSolver, cone_projection
+from monolithic_runs import assert_same, monolithic, statuses
 
 from fretfe._typing import Array
 from fretfe.contact.state import SLIP, STICK
 from fretfe.errors import ConvergenceError, FretfeError
-from fretfe.fem.model import Model, Request
+from fretfe.fem.model import Model
 from fretfe.geometry.templates import find_template
 from fretfe.mesh.make import mesh_template, read_mesh
 from fretfe.mesh.mesh import BodyMesh
 
 Data = dict[str, Any]
-
-# Both paths end with round-off only. It grows with the condition of the bodies and of the contact;
-# measured: 3e-11 with a body that rocks on the contact, 4e-12 otherwise.
-SAME = 1e-9
 
 STEEL = {"young": 210e3, "poisson": 0.3, "density": 8e-9}
 SOFT = {"young": 100e3, "poisson": 0.2, "density": 3e-9}
@@ -233,47 +230,12 @@ CASES: dict[str, Data] = {
 }
 
 
-def difference(found: list[Array], expected: list[Array]) -> float:
-    """Largest difference in any step, over the largest value in all of them."""
-    both = np.array(found), np.array(expected)
-    return float(np.abs(both[0] - both[1]).max() / np.abs(both[1]).max())
-
-
-def assert_same(condensed: Run, steps: list[MonolithicStep]) -> None:
-    """Every step of both: tractions, gap and slip, whole displacement fields, forces."""
-    assert condensed.model.reduction is not None
-    interface = condensed.model.reduction.interface
-    assert len(steps) == len(condensed.results)
-    # A step cut into parts has another slip history: there would be nothing to compare.
-    assert [result.parts for result in condensed.results] == [1] * len(steps)
-    states = [result.state for result in condensed.results]
-    roots = interface.roots[:, None]
-    assert difference([s.traction for s in steps], [s.traction / roots for s in states]) < SAME
-    assert difference([s.relative for s in steps], [s.relative / roots for s in states]) < SAME
-    held = [j for j, c in enumerate(interface.coordinates) if c.control != "free"]
-    assert difference([s.forces for s in steps], [s.forces[held] for s in states]) < SAME
-    requests = [Request.of(*each) for each in zip(states, condensed.steps[1:], strict=True)]
-    recovered = condensed.model.recover_fields(requests)
-    fields = [np.concatenate([u.x.array for u in field.values()]) for field in recovered]
-    own = [np.concatenate(list(s.displacements.values())) for s in steps]
-    assert difference(own, fields) < SAME
-
-
-def monolithic(condensed: Run) -> list[MonolithicStep]:
-    return list(MonolithicSolver(condensed.model).run(condensed.steps))
-
-
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", CASES)
 def test_same_as_condensed(name: str, order: int, pads: dict[int, list[BodyMesh]]) -> None:
     data = CASES[name] | {"model": {"degree": order, "thickness": 2.5}}
     condensed = run(data, *pads[order])
     assert_same(condensed, monolithic(condensed))
-
-
-def statuses(condensed: Run) -> set[int]:
-    """STICK and SLIP if there were such nodes after the press steps."""
-    return {int(s) for result in condensed.results[2:] for s in np.unique(result.state.status)}
 
 
 def test_cases_stick_and_slip(pads: dict[int, list[BodyMesh]]) -> None:
