@@ -90,7 +90,7 @@ class Model:
             self.surfaces = surfaces
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
             symmetric = on_root(comm, lambda: _symmetric_factors(case, mesh, pairs))  # type: ignore[arg-type]
-        self.notes = (SLOW_FACTORS,) if symmetric else ()
+        self.notes: tuple[str, ...] = (SLOW_FACTORS,) if symmetric else ()
         self._definition = definition
         work = comm.bcast(_work(definition, mesh, case.model.degree) if mesh else None)
         self._group = find_group(comm, work)
