@@ -73,7 +73,7 @@ def test_a_solid_costs_what_was_measured() -> None:
 def test_a_solid_that_cannot_fit_gets_a_proposal(monkeypatch: pytest.MonkeyPatch) -> None:
     found = estimate_cost(solid(10, 10), 2, nodes=100, steps=100)
     monkeypatch.setattr(cost, "machine_memory", lambda: 4 * GB)
-    with pytest.raises(ModelError, match="take fewer and longer layers along the edge") as caught:
+    with pytest.raises(ModelError, match="take fewer, longer layers along the edge") as caught:
         require_memory(replace(found, unknowns=800_000, memory=32.0 * GB))
     # a factor's memory grows with the power of 4/3
     assert f"About {800_000 / 8**0.75:.0f} unknowns would fit" in str(caught.value)
