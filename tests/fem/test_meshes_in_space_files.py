@@ -84,8 +84,10 @@ def require_alike(found: Mesh, expected: Mesh) -> None:
     for name, body in expected.bodies.items():
         other = found.bodies[name]
         assert (other.cell, other.order) == (body.cell, body.order)
-        middles = [np.sort(b.points[b.cells].mean(axis=1).round(9), axis=0) for b in (body, other)]
-        np.testing.assert_allclose(*middles, atol=1e-8)
+        first, second = (
+            np.sort(b.points[b.cells].mean(axis=1).round(9), axis=0) for b in (body, other)
+        )
+        np.testing.assert_allclose(first, second, atol=1e-8)
         outlines = outline(body), outline(other)
         assert outlines[0].keys() == outlines[1].keys()
         for group, places in outlines[0].items():
