@@ -76,7 +76,7 @@ def test_histories_of_long_runs_are_read_too(result: Result, tmp_path: Path) -> 
     count = 1500
     (area, *_), loads = result.areas, result.loads
     turning = np.random.default_rng(1).normal(size=(count, 3))
-    long = {
+    long: dict[str, Any] = {
         field.name: turning if np.ndim(getattr(area, field.name)) == 2 else turning[:, 0]
         for field in fields(AreaSummary)
         if isinstance(getattr(area, field.name), np.ndarray)

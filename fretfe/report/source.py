@@ -80,7 +80,7 @@ class Shown:
     """
 
     run: Result
-    summary: ContactSummary | AreaSummary
+    summary: ContactSummary
     tractions: ContactHistory
     key: str
 
@@ -91,11 +91,28 @@ class Shown:
 
 
 def shown_contacts(run: Result) -> list[Shown]:
-    """The contacts whose tractions are known."""
+    """The contacts of plane bodies whose tractions are known."""
     if run.solution is None:
         return []
-    pairs = zip(run.summaries, run.solution.contacts, strict=True)
+    pairs = zip(run.contacts, run.solution.contacts, strict=True)
     return [Shown(run, *pair, f"contact{number}") for number, pair in enumerate(pairs)]
+
+
+@dataclass(frozen=True)
+class ShownArea:
+    """A contact of solids to be drawn; attributes as of `Shown`."""
+
+    run: Result
+    summary: AreaSummary
+    tractions: ContactHistory
+    key: str
+
+
+def shown_areas(run: Result) -> list[ShownArea]:
+    """The contacts of solids."""
+    assert run.solution is not None
+    pairs = zip(run.areas, run.solution.contacts, strict=True)
+    return [ShownArea(run, *pair, f"contact{number}") for number, pair in enumerate(pairs)]
 
 
 def inward(edge: Station) -> float:

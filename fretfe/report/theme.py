@@ -30,7 +30,7 @@ SURFACES: tuple[dict[str, Any], ...] = (
 )
 BOUNDARY: dict[str, Any] = {"color": "#202020", "linewidth": 1.4, "linestyle": (0, (1.0, 1.0))}
 # Light around dark lines and texts: they are seen on every colour.
-HALO = [withStroke(linewidth=2.4, foreground="white")]
+HALO: Any = [withStroke(linewidth=2.4, foreground="white")]
 
 # Inches. A plot of the page, of which two stand side by side (96 pixels an inch), and a picture.
 WIDTH, PICTURE_WIDTH, PICTURE_HEIGHT = 5.6, 10.4, 8.4

@@ -110,6 +110,7 @@ def test_the_longer_side_lies_across() -> None:
     long = surface()
     stretched = replace(long, points=long.points * [0.2, 1, 1], plane=long.plane * [0.2, 1])
     result = solid_result(shapes={"main": stretched})
+    assert result.solution is not None
     run = replace(
         result,
         solution=replace(
@@ -317,7 +318,7 @@ def test_a_run_without_steps_has_what_there_is(result: Result, tmp_path: Path) -
     assert solution is not None
     first = slice(0, 1)
     history = result.contact_history("main")
-    states = {
+    states: dict[str, Any] = {
         field.name: getattr(history, field.name)[first]
         for field in fields(history)
         if field.name in (*NODAL, "friction")

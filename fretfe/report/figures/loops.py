@@ -8,9 +8,8 @@ from matplotlib.figure import Figure
 
 from fretfe._typing import Array
 from fretfe.edges.area import shear_direction
-from fretfe.edges.front import ContactSummary
 from fretfe.report.figures.plot import Plot, envelope, make_plot, plain_axis
-from fretfe.report.source import Shown, force_unit, span, work_unit
+from fretfe.report.source import Shown, ShownArea, force_unit, span, work_unit
 from fretfe.report.texts import direction_text, number
 from fretfe.report.theme import BLUE, SINGLE
 from fretfe.results.model import Result
@@ -30,7 +29,7 @@ NO_WORK = 1e-6
 ROUND_OFF = 1e-9
 
 
-def slip_loop_plot(shown: Shown) -> Plot | None:
+def slip_loop_plot(shown: Shown | ShownArea) -> Plot | None:
     """Q over the mean slip of a contact; None if no node stays in contact."""
     first, last = span(shown.run)
     solution = shown.run.solution
@@ -70,13 +69,13 @@ def slip_loop_plot(shown: Shown) -> Plot | None:
     return make_plot(f"{shown.key}-loop", f"Contact {shown.summary.name}", caption, SINGLE, draw)
 
 
-def _shear(shown: Shown, states: slice) -> tuple[Array, Array, str]:
+def _shear(shown: Shown | ShownArea, states: slice) -> tuple[Array, Array, str]:
     """Direction of the shear at the nodes (N, d - 1), the force along it in some states, its name.
 
     Of solids it is the direction in which Q varies most.
     """
     contact, force = shown.tractions, shown.summary.shear_force[states]
-    if isinstance(shown.summary, ContactSummary):
+    if isinstance(shown, Shown):
         return np.ones((len(contact.weights), 1)), force, "Q"
     direction = shear_direction(force)
     name = f"Q along {direction_text(direction)}"

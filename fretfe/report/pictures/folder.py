@@ -126,7 +126,9 @@ def _draw_contacts(run: Result, wanted: Wanted) -> dict[str, Any]:
 def _write_list(
     directory: Path, wanted: Sequence[Wanted], reports: Mapping[str, Mapping[str, Any]]
 ) -> None:
-    pictures, files, missing = [], [], []
+    pictures: list[dict[str, Any]] = []
+    files: list[dict[str, Any]] = []
+    missing: list[dict[str, Any]] = []
     for each in wanted:
         report = dict(reports[each.file])
         if "reason" in report:

@@ -119,7 +119,7 @@ def lay_out(run: Result, name: str, states: Sequence[int]) -> Sheet:
     margin = BORDER * np.maximum(high - low, 0.05 * (high - low).max())
     facets = contact.facets
     parts = facets if facets.shape[1] == 3 else np.vstack([facets[:, :3], facets[:, [0, 2, 3]]])
-    triangles = Triangulation(*plane.places.T, parts)
+    triangles = Triangulation(plane.places[:, 0], plane.places[:, 1], parts)
     return Sheet(run, contact, plane, triangles, low - margin, high + margin, pressure, shear)
 
 
