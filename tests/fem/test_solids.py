@@ -176,18 +176,23 @@ SOLID_WEDGE = {
 }
 
 
-def test_the_command_mesh_writes_a_solid_and_others_refuse_it(tmp_path: Path) -> None:
+def test_commands_take_a_solid(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(
         pad_text(geometry=SOLID_WEDGE, loads={"press": press(steps=1)})
     )
-    case, target = tmp_path / "case.toml", tmp_path / "solid.msh"
+    case, target, results = tmp_path / "case.toml", tmp_path / "solid.msh", tmp_path / "results"
     done = fretfe("mesh", case, "-o", target)
     assert done.returncode == 0, done.stderr
     assert "tetrahedra" in done.stdout and target.stat().st_size > 0
-    commands: list[list[str | Path]] = [["check", case], ["run", case, "-o", tmp_path / "results"]]
-    for command in commands:
-        done = fretfe(*command)
-        assert done.returncode == 4
-        assert "geometry.solid: expected a plane case" in done.stderr
-        assert "contact in three dimensions is not solved yet" in done.stderr.replace("\n", " ")
-    assert not (tmp_path / "results").exists()
+    done = fretfe("check", case)
+    assert done.returncode == 0, done.stderr
+    assert "The case is valid." in done.stdout
+    done = fretfe("run", case, "-o", results, "--no-report")
+    assert done.returncode == 0, done.stderr
+    assert "Contacts: P, |Q| in N, areas" in done.stdout.replace("\n", " ")
+    assert {"results.json", "results.h5", "contacts.hdf"} <= {
+        each.name for each in results.iterdir()
+    }
+    done = fretfe("run", case, "-o", results, "--set", "model.thickness=2.0")
+    assert done.returncode == 2
+    assert "model.thickness: expected 1 on a mesh of solids, found 2" in done.stderr
