@@ -2,8 +2,8 @@
 """Spheres on flats, ν = 0, against Hertz, Mindlin and the torsion of a bonded circle.
 
 E* = E / 2 and the contact radius is a. The bodies are 20 a wide and high, which changes what far
-points do: by a share of their motion that goes with a over the size of the bodies. Elements of a/12;
-values found are with those of bodies of twice the size in brackets.
+points do: by a share of their motion that goes with a over the size of the bodies. Elements are
+of a/12; values found are with those of bodies of twice the size in brackets.
 """
 
 from __future__ import annotations
