@@ -131,8 +131,10 @@ def plot_tractions(result: Result) -> Figure:
     """Draw pressure and shear along every contact at the two load extremes.
 
     Raises:
-        OutputError: if the backend has no tractions, or this is not process 0.
+        OutputError: if the backend has no tractions, the bodies are solids, or this is not
+            process 0.
     """
+    _require_plane(result)
     if result.solution is None:
         raise OutputError(
             f"expected tractions, found none: {result.backend!r} has none, or this process is "
@@ -144,10 +146,23 @@ def plot_tractions(result: Result) -> Figure:
 
 
 def plot_factors(result: Result) -> Figure:
-    """Draw K_N and K_T of every edge over time."""
+    """Draw K_N and K_T of every edge over time.
+
+    Raises:
+        OutputError: if the bodies are solids, whose edges are not evaluated.
+    """
+    _require_plane(result)
     from fretfe.report.figures.history import draw_factors
 
     return draw_factors(result.case, result.loads, result.contacts)
+
+
+def _require_plane(result: Result) -> None:
+    if result.areas:
+        raise OutputError(
+            "expected plane bodies, found solids: `result.areas` has the histories of their "
+            "contacts, and the pictures of a run with an output folder show them"
+        )
 
 
 def plot_loads(result: Result) -> Figure:

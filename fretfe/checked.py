@@ -38,10 +38,8 @@ class Checked:
     restrained_modes: Mapping[str, str]
 
     @property
-    def cost(self) -> Cost | None:
-        """Estimate of memory and time, of the first mesh if it refines itself; None in space."""
-        if self.mesh.dimension != 2:
-            return None
+    def cost(self) -> Cost:
+        """Estimate of memory and time, of the first mesh if it refines itself."""
         nodes = sum(len(pair.coupling.weights) for pair in self.pairs)
         steps = len(self.history.times) - 1
         return estimate_cost(self.mesh, self.case.model.degree, nodes, steps)

@@ -112,6 +112,9 @@ For up In {1 : -1 : -2}
   Line(c + 3) = {p + 3, p + 4};
   Line(c + 4) = {p + 4, p + 5};
   Line(c + 5) = {p + 5, p};
+  // Even along the contact: with a node on the line where the bodies touch only in the upper one, as
+  // Gmsh makes one node of two that it sweeps to the same place.
+  Transfinite Curve {c + 1} = (up > 0) ? 2 * Ceil(zone / size) + 1 : 2 * Ceil(zone / size / coarser - 0.5) + 2;
   s = news;
   Curve Loop(s) = {c : c + 5};
   Plane Surface(s) = {s};

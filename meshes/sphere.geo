@@ -111,7 +111,8 @@ For up In {1 : -1 : -2}
       Dilate {{0, up * half, 0}, {ax / half, 1, az / half}} { Volume{ball}; }
     EndIf
     beyond = newv;
-    Box(beyond) = {-1.05 * width, Min(-0.1 * half, -0.1 * half + up * 1.1 * half) , -1.05 * width, 2.1 * width, 1.1 * half, 2.1 * width};
+    below = (up > 0) ? -0.1 * half : -half;
+    Box(beyond) = {-1.05 * width, below, -1.05 * width, 2.1 * width, 1.1 * half, 2.1 * width};
     rest[] = BooleanDifference{ Volume{beyond}; Delete; }{ Volume{ball}; Delete; };
     whole[] = BooleanDifference{ Volume{body}; Delete; }{ Volume{rest[]}; Delete; };
     body = whole[0];
@@ -122,8 +123,9 @@ For up In {1 : -1 : -2}
   both[] = BooleanFragments{ Volume{body}; Delete; }{ Volume{near[]}; Delete; };
 
   // Faces by their place: sides, end, and the two that are left, of which the candidate contact has
-  // four curves. No face of the upper body lies below y = tiny.
-  tiny = 1e-6 * width;
+  // four curves. OpenCASCADE's boxes around curved faces are wide, and not exact for plane ones next to
+  // them; cuts are a tenth of the width away from the sides. The upper body is not below y = tiny.
+  tiny = 0.01 * width;
   far = 4 * (width + height);
   top = (up > 0) ? far : tiny;
   left[] = Surface In BoundingBox {-width - tiny, -far, -far, -width + tiny, top, far};

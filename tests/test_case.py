@@ -266,7 +266,7 @@ SELECTORS: dict[str, tuple[dict[str, Any], str]] = {
         f"geometry.bodies.a: {ONE} 'point' and 'label'",
     ),
     "only-body": ({"boundaries": {"a": {"body": "b"}}}, f"geometry.boundaries.a: {ONE} none"),
-    "point": ({"bodies": {"a": {"point": [0, 1, 2]}}}, "bodies.a.point: expected at most 2"),
+    "point": ({"bodies": {"a": {"point": [0, 1, 2, 3]}}}, "bodies.a.point: expected at most 3"),
     "points": ({"bodies": {"a": {"points": []}}}, "bodies.a.points: expected at least 1 entry"),
     "color": (
         {"bodies": {"a": {"color": "red"}}},

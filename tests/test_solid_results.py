@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -12,8 +14,9 @@ import pytest
 from solid_runs import FRICTION, NORMAL, PEAK, SHEAR, solid_result, surface, write_solid
 from stored_runs import write_run
 
+import fretfe
 from fretfe.edges.area import AreaSummary
-from fretfe.errors import CaseError
+from fretfe.errors import CaseError, OutputError
 from fretfe.results.contact_file import SURFACES
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
@@ -73,7 +76,7 @@ def test_histories_of_long_runs_are_read_too(result: Result, tmp_path: Path) -> 
     count = 1500
     (area, *_), loads = result.areas, result.loads
     turning = np.random.default_rng(1).normal(size=(count, 3))
-    long = {
+    long: dict[str, Any] = {
         field.name: turning if np.ndim(getattr(area, field.name)) == 2 else turning[:, 0]
         for field in fields(AreaSummary)
         if isinstance(getattr(area, field.name), np.ndarray)
@@ -103,6 +106,12 @@ def test_records_are_those_of_contacts(result: Result) -> None:
 def test_an_edge_of_a_solid_has_no_history(result: Result) -> None:
     with pytest.raises(CaseError, match="found solids, whose edges are not evaluated"):
         result.history("main", "left")
+
+
+@pytest.mark.parametrize("plot", [fretfe.plot_tractions, fretfe.plot_factors])
+def test_plots_of_edges_want_plane_bodies(result: Result, plot: Callable[[Result], Any]) -> None:
+    with pytest.raises(OutputError, match="expected plane bodies, found solids"):
+        plot(result)
 
 
 def test_dataset_has_vectors_and_places(result: Result) -> None:

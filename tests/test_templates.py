@@ -17,7 +17,15 @@ from fretfe.geometry import templates
 from fretfe.geometry.templates import Parameter, check_parameters, find_template, template_names
 from fretfe.report.page.listings import parameter_rows
 
-NAMES = ("cylinder", "dovetail", "firtree", "flat_rounded", "wedge")
+NAMES = (
+    "cylinder",
+    "cylinder_finite",
+    "dovetail",
+    "firtree",
+    "flat_rounded",
+    "sphere",
+    "wedge",
+)
 
 
 def test_all_templates_are_found() -> None:

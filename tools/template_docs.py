@@ -13,10 +13,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
+from fretfe._typing import Indices
 from fretfe.geometry.templates import Template, find_template, template_names
-from fretfe.mesh.cell_geometry import directed_edges, exterior_edges
-from fretfe.mesh.mesh import mesh_template
+from fretfe.mesh.cell_geometry import directed_facets, exterior_facets
+from fretfe.mesh.make import mesh_template
+from fretfe.mesh.mesh import BodyMesh
 from fretfe.report.page.listings import parameter_rows
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -34,7 +37,11 @@ def with_tables(page: str) -> str:
 
 def draw(template: Template, path: Path) -> None:
     """The bodies of the meshed template with the names of their boundaries, contacts in red."""
-    bodies = mesh_template(template, {}, 2).bodies.values()
+    mesh = mesh_template(template, {}, 2)
+    bodies = list(mesh.bodies.values())
+    if mesh.dimension == 3:
+        draw_solid(bodies, path)
+        return
     points = np.vstack([body.points for body in bodies])
     low, high = points.min(axis=0), points.max(axis=0)
     scale = 5.0 / max(high - low)
@@ -43,7 +50,7 @@ def draw(template: Template, path: Path) -> None:
     for body, colour in zip(bodies, ("#c9dcee", "#f0dfc0"), strict=True):
         corners = body.points[body.cells[:, :3]]
         axes.add_collection(PolyCollection(list(corners), facecolors=colour, edgecolors=colour))
-        outline, _ = exterior_edges(directed_edges(body.cells, body.cell, body.order))
+        outline, _ = exterior_facets(directed_facets(body.cells, body.cell, body.order), "line")
         lines = list(body.points[outline[:, [0, 2, 1]]])
         axes.add_collection(LineCollection(lines, colors="0.4", linewidths=0.6))
         for name, facets in body.boundaries.items():
@@ -65,6 +72,42 @@ def draw(template: Template, path: Path) -> None:
     axes.axis("off")
     figure.savefig(path, dpi=90, bbox_inches="tight")
     plt.close(figure)
+
+
+def draw_solid(bodies: list[BodyMesh], path: Path) -> None:
+    """The outsides of the upper and the lower body, moved apart; the lower contact in red."""
+    figure = plt.figure(figsize=(7, 7))
+    axes = figure.add_subplot(projection="3d", computed_zorder=False)
+    upper, lower = bodies
+    apart = 0.4 * np.ptp(lower.points[:, 0])
+    layers = [
+        (lower, _outside(lower), 0.0, "#f0dfc0", 0.2),
+        (lower, lower.boundaries["lower_contact"], 0.0, "#b01030", 0.0),
+        (upper, _outside(upper), apart, "#c9dcee", 0.2),
+    ]
+    for place, (body, facets, shift, fill, width) in enumerate(layers):
+        # x to the right, y upwards, z to the viewer
+        corners = (body.points[facets[:, :3]] + [0, shift, 0])[:, :, [0, 2, 1]] * [1, -1, 1]
+        collection = Poly3DCollection(
+            corners, facecolors=fill, edgecolors="0.4", linewidths=width, zorder=place
+        )
+        axes.add_collection3d(collection)
+    extent = np.ptp(np.vstack([body.points for body in bodies]), axis=0)
+    axes.set(xlim=_around(extent[0]), ylim=_around(extent[2]))
+    axes.set(zlim=(lower.points[:, 1].min(), upper.points[:, 1].max() + apart))
+    axes.set_box_aspect((extent[0], extent[2], extent[1] + apart))
+    axes.view_init(elev=24, azim=-60)
+    axes.axis("off")
+    figure.savefig(path, dpi=90, bbox_inches="tight")
+    plt.close(figure)
+
+
+def _outside(body: BodyMesh) -> Indices:
+    return exterior_facets(directed_facets(body.cells, body.cell, body.order), "triangle")[0]
+
+
+def _around(extent: float) -> tuple[float, float]:
+    return -extent / 2, extent / 2
 
 
 def _label(

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "facet.hpp"
 #include "mortar.hpp"
+#include "polygon.hpp"
 
 namespace fretfe::space {
-
-using Vector = std::array<double, 3>;
-using Place = std::array<double, 2>; // reference coordinates on a facet
 
 /// Facets of one shape and order: coordinates of their nodes in Gmsh order, corners first and
 /// counter-clockwise seen from outside the body.
@@ -19,13 +17,6 @@ struct Facets {
   const double *nodes;         // (count, nodes_per_facet, 3), row-major
   std::size_t count;           // number of facets
   std::size_t nodes_per_facet; // 3, 6: triangle; 4, 9: quadrilateral
-};
-
-/// Quadrature rule on [0, 1]² or on the triangle with corners (0, 0), (1, 0) and (0, 1).
-struct Rule {
-  const double *points;  // (size, 2)
-  const double *weights; // (size,), sum 1 or 1/2
-  std::size_t size;
 };
 
 /// One integration point of the coupling: a point of the near side and its projection.

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, Field, StrictInt, model_validator
 
 from fretfe.case.base import Number, Table, Text
 
-Point = Annotated[tuple[Number, ...], Field(min_length=2, max_length=2)]
+Point = Annotated[tuple[Number, ...], Field(min_length=2, max_length=3)]
 
 
 def _colour(value: str) -> str:
@@ -29,10 +29,12 @@ class Selector(Table):
     """What a name of the case stands for in a geometry file."""
 
     point: Point | None = Field(
-        default=None, description="A point in a face, or nearest to it or to a curve."
+        default=None,
+        description="A point in a face, or nearest to it or to a curve; in a volume, or nearest to "
+        "it or to a face, with three coordinates, of solid bodies.",
     )
     points: tuple[Point, ...] | None = Field(
-        default=None, min_length=1, description="Several such points: one face or curve for each."
+        default=None, min_length=1, description="Several such points: one part for each."
     )
     label: Text | None = Field(default=None, description="Name in the file.")
     color: Colour | None = Field(default=None, description="Colour in the file, as '#ff0000'.")
@@ -69,7 +71,8 @@ class BoundarySelector(Selector):
 
     body: Text | None = Field(
         default=None,
-        description="Only curves of this body: where bodies touch, a point is as near to both.",
+        description="Only curves or faces of this body: where bodies touch, a point is as near to "
+        "both.",
     )
 
 

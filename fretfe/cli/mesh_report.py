@@ -28,11 +28,10 @@ def print_mesh(console: Console, case: Case, mesh: Mesh) -> None:
     bodies = mesh_summary(mesh)
     unit = case.units.length
     console.print(_body_table(bodies))
-    contacts: tuple[ContactQuality, ...] = ()
-    if mesh.dimension == 2:
-        contacts = contact_quality(initial_gaps(mesh, case))
-        console.print(_surface_table(contacts, unit))
-        console.print(_gap_table(contacts, unit))
+    contacts = contact_quality(initial_gaps(mesh, case))
+    measure = "length" if mesh.dimension == 2 else "area"
+    console.print(_surface_table(contacts, unit, measure))
+    console.print(_gap_table(contacts, unit, measure))
     for warning in mesh_warnings(bodies, contacts, unit):
         console.print(f"Warning: {warning}", highlight=False, markup=False)
 
@@ -60,9 +59,9 @@ def _body_table(bodies: Sequence[BodySummary]) -> Table:
     return table
 
 
-def _surface_table(contacts: Sequence[ContactQuality], unit: str) -> Table:
-    title = f"Contact surfaces: lengths, element sizes h and radii of curvature R in {unit}"
-    headers = ("contact", "surface", "length", "facing", "min h", "max h", "R", "R/h")
+def _surface_table(contacts: Sequence[ContactQuality], unit: str, measure: str) -> Table:
+    title = f"Contact surfaces: {measure}s, element sizes h and radii of curvature R in {unit}"
+    headers = ("contact", "surface", measure, "facing", "min h", "max h", "R", "R/h")
     table = _table(title, headers, text=2)
     for contact in contacts:
         for number, surface in enumerate(contact.surfaces):
@@ -73,7 +72,7 @@ def _surface_table(contacts: Sequence[ContactQuality], unit: str) -> Table:
 def _surface_cells(surface: SurfaceQuality) -> list[str]:
     straight = math.isinf(surface.radius)
     return [
-        f"{surface.length:.4g}",
+        f"{surface.measure:.4g}",
         f"{surface.opposite} of {surface.facets}",
         f"{surface.smallest:.3g}",
         f"{surface.largest:.3g}",
@@ -82,13 +81,13 @@ def _surface_cells(surface: SurfaceQuality) -> list[str]:
     ]
 
 
-def _gap_table(contacts: Sequence[ContactQuality], unit: str) -> Table:
-    headers = ("contact", "length", "gap", "overlap", "at", "size ratio")
+def _gap_table(contacts: Sequence[ContactQuality], unit: str, measure: str) -> Table:
+    headers = ("contact", measure, "gap", "overlap", "at", "size ratio")
     table = _table(f"Before any load: smallest gap or largest overlap in {unit}", headers, text=1)
     for contact in contacts:
         table.add_row(
             contact.name,
-            f"{contact.length:.4g}",
+            f"{contact.measure:.4g}",
             f"{contact.gap:.3g}",
             f"{contact.interpenetration:.3g}",
             place(contact.nearest, 4),

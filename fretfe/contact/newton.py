@@ -183,11 +183,14 @@ class Newton:
         """
         prescribed = self._operator.interface.prescribed
         t = guess.direction
-        across = np.eye(t.shape[1]) - t[:, :, None] * t[:, None, :]
+        turning = np.zeros((*t.shape, t.shape[1]))
+        if t.shape[1] > 1:  # in the plane a direction cannot turn
+            across = np.eye(t.shape[1]) - t[:, :, None] * t[:, None, :]
+            turning += guess.turning[:, None, None] * across
         return Conditions(
             status=guess.status,
             pull=loads.friction[:, None] * t,
-            turning=guess.turning[:, None, None] * across,
+            turning=turning,
             penalty=self._rules.penalty,
             known=prescribed,
             amplitudes=loads.values[prescribed, None],

@@ -40,7 +40,8 @@ class AreaSummary:
             them that stick. A node counts as a whole: both grow in steps of an element.
         largest_pressure: (T,) of the means around the nodes.
         work: (T,) friction work in the step to each state.
-        cycle_change: change of the shear over the evaluated cycle relative to f p_max.
+        cycle_change: change of the shear over the evaluated cycle, of the means around the nodes,
+            relative to f p_max.
         steady: whether that is below the limit; False without a cycle.
         dissipation: friction work in the evaluated cycle, or of all steps without one.
         warnings: what a reader must know, in words.
@@ -79,9 +80,12 @@ def shear_extremes(areas: Sequence[AreaSummary], cycle: tuple[int, int] | None) 
         cycle: its first and last state; None for the whole history without the unloaded state.
 
     Returns:
-        Two states in the order of time, or the last state alone if the load is constant.
+        Two states in the order of time, or the last state alone if the load is constant or no step
+        was solved.
     """
     first, last = cycle or (1, len(areas[0].normal_force) - 1)
+    if last < first:
+        return [last]
     states = slice(first, last + 1)
     shear = max((_principal(each.shear_force[states]) for each in areas), key=np.ptp)
     normal = max((each.normal_force[states] for each in areas), key=np.ptp)
@@ -92,8 +96,13 @@ def shear_extremes(areas: Sequence[AreaSummary], cycle: tuple[int, int] | None) 
 
 def _principal(force: Array) -> Array:
     """(n,) components of forces (n, 3) along the direction in which they vary most."""
+    return np.asarray(force @ shear_direction(force))
+
+
+def shear_direction(force: Array) -> Array:
+    """(3,) unit vector along which forces (n, 3) vary most, its largest component positive."""
     direction = np.linalg.svd(force - force.mean(axis=0), full_matrices=False)[2][0]
-    return np.asarray(force @ direction)
+    return np.asarray(direction * np.sign(direction[np.abs(direction).argmax()]))
 
 
 def _evaluate_area(solution: Solution, contact: ContactHistory) -> AreaSummary:
@@ -148,7 +157,7 @@ def _cycle_change(solution: Solution, contact: ContactHistory) -> float:
     """Largest change of the shear between the ends of the cycle, relative to f p_max."""
     if solution.cycle is None:
         return np.nan
-    begin, end = (contact.traction[state] for state in solution.cycle)
+    begin, end = (contact.mean_traction[state] for state in solution.cycle)
     friction, pressure = float(contact.friction[solution.cycle[1]]), float(end[:, 0].max())
     if friction == 0 or pressure <= 0:
         return np.nan

@@ -44,14 +44,18 @@ class BorderedFactor:
         matrix: K, assembled.
         border: (n, N) B, all of it on every rank; zero at unknowns that are fixed in K.
         dimension: of space, 2 or 3.
+        symmetric: store one half of the factor only, and take three times as long.
 
     Attributes:
         matrix: K.
         compliance: (n, n), on rank 0; None elsewhere.
     """
 
-    def __init__(self, matrix: PETSc.Mat, border: sparse.csr_matrix, dimension: int) -> None:
+    def __init__(
+        self, matrix: PETSc.Mat, border: sparse.csr_matrix, dimension: int, *, symmetric: bool
+    ) -> None:
         self.matrix = matrix
+        self._kind = "cholesky" if symmetric else "lu"
         self._ordering = MINIMUM_DEGREE if dimension == 2 else NESTED_DISSECTION
         comm, end = matrix.comm, matrix.getOwnershipRange()[1]
         # The multipliers follow the unknowns of the first rank.
@@ -105,13 +109,15 @@ class BorderedFactor:
     def _unfactored(self, matrix: PETSc.Mat) -> PETSc.PC:
         """A MUMPS factorisation that is not set up yet.
 
-        LU, although the matrix is symmetric: twice the operations, in a third less time. The update
-        of a symmetric front needs `dgemmt`, which OpenBLAS (0.3.32) does column by column at a
-        tenth of the speed of `dgemm` (https://github.com/OpenMathLib/OpenBLAS/issues/4921).
+        LU, although the matrix is symmetric, unless memory is short: twice the operations and the
+        memory, in a third less time, in space in a third of the time. The update of a symmetric
+        front needs `dgemmt`, which OpenBLAS (0.3.32) does column by column at a tenth of the speed
+        of `dgemm` (https://github.com/OpenMathLib/OpenBLAS/issues/4921).
         """
+        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         solver = PETSc.PC().create(matrix.comm)
         solver.setOperators(matrix)
-        solver.setType("lu")
+        solver.setType(self._kind)
         solver.setFactorSolverType("mumps")
         solver.setFactorSetUpSolverType()
         factor = solver.getFactorMatrix()

@@ -88,6 +88,7 @@ class Body:
         operator: (n, p*gdim) weighted relative displacements of the contact nodes by those of the
             points; the same on all ranks.
         clock: for timings.
+        symmetric: of the factor, as for `BorderedFactor`.
 
     Attributes:
         elastic: space and operators of the body.
@@ -103,6 +104,8 @@ class Body:
         surface_points: Array,
         operator: sparse.csr_matrix,
         clock: Clock,
+        *,
+        symmetric: bool = False,
     ) -> None:
         self.elastic = elastic
         self._index_map = elastic.space.dofmap.index_map
@@ -120,7 +123,7 @@ class Body:
             self._shape_forces = [elastic.forces(shape) for shape in shapes]
             self._loads = [elastic.load_vector(load) for load in loads]
         with clock("condensation"):
-            self._factor = BorderedFactor(matrix, self._border(), elastic.gdim)
+            self._factor = BorderedFactor(matrix, self._border(), elastic.gdim, symmetric=symmetric)
         with clock("load columns"):
             self.condensed = self._condense()
 

@@ -9,7 +9,7 @@ with its process, tells such leftovers from work in progress.
 from __future__ import annotations
 
 import fcntl
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO, TypeVar
@@ -26,16 +26,21 @@ FOLDER, LOCK = "fretfe", "lock"
 TIMEOUT = 120
 
 
-def compiled(comm: MPI.Comm, compiler: Callable[..., T], *arguments: Any) -> T:
+def compiled(
+    comm: MPI.Comm, compiler: Callable[..., T], *arguments: Any, flags: Sequence[str] = ()
+) -> T:
     """Call a function of DOLFINx that compiles. Collective.
 
     Args:
         comm: communicator of what is compiled.
         compiler: `dolfinx.fem.form`, `compile_form` or `Expression`.
         arguments: of the function.
+        flags: of the C compiler, in place of DOLFINx's.
     """
     folder = Path(get_options()["cache_dir"]) / FOLDER
-    options = {"cache_dir": str(folder), "timeout": TIMEOUT}
+    options: dict[str, Any] = {"cache_dir": str(folder), "timeout": TIMEOUT}
+    if flags:
+        options["cffi_extra_compile_args"] = list(flags)
     if comm.rank > 0:  # takes what the first process has compiled
         return compiler(*arguments, jit_options=options)
     folder.mkdir(parents=True, exist_ok=True)

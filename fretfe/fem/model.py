@@ -25,7 +25,7 @@ from fretfe.fem.parallel import on_root
 from fretfe.fem.reduction import ReducedBody, build_interface, weighted_operator
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
-from fretfe.mesh.cost import estimate_cost, require_memory
+from fretfe.mesh.cost import SLOW_FACTORS, estimate_cost, needs_symmetric_factors
 from fretfe.mesh.groups import body_unknowns
 from fretfe.mesh.mesh import BodyMesh, Mesh
 
@@ -78,6 +78,7 @@ class Model:
         surfaces: all contact surfaces, by name.
         bodies: those that the group of this rank has.
         reduction: on rank 0, None elsewhere.
+        notes: what a reader of the results should know, in words.
     """
 
     def __init__(self, comm: MPI.Comm, case: Case, mesh: Mesh | None, clock: Clock) -> None:
@@ -88,12 +89,13 @@ class Model:
             surfaces = on_root(comm, lambda: contact_surfaces(definition, mesh))  # type: ignore[arg-type]
             self.surfaces = surfaces
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
-            on_root(comm, lambda: _require_memory(case, mesh, pairs))
+            symmetric = on_root(comm, lambda: _symmetric_factors(case, mesh, pairs))  # type: ignore[arg-type]
+        self.notes: tuple[str, ...] = (SLOW_FACTORS,) if symmetric else ()
         self._definition = definition
         work = comm.bcast(_work(definition, mesh, case.model.degree) if mesh else None)
         self._group = find_group(comm, work)
         tasks = self._hand_out(mesh, pairs)
-        self.bodies = together(comm, lambda: self._condense(tasks, clock))
+        self.bodies = together(comm, lambda: self._condense(tasks, clock, symmetric))
         with clock("interface"):
             condensed = self._collect()
             self.reduction = on_root(
@@ -129,7 +131,7 @@ class Model:
         points = [self.surfaces[name].displacement_points(degree) for name in body.surfaces]
         return _Task(mesh.bodies[body.name], np.vstack(points), weighted_operator(body.name, pairs))
 
-    def _condense(self, tasks: dict[int, _Task], clock: Clock) -> dict[str, Body]:
+    def _condense(self, tasks: dict[int, _Task], clock: Clock, symmetric: bool) -> dict[str, Body]:
         """The bodies of this rank's group."""
         comm, bodies = self._group.comm, {}
         for number in self._group.bodies:
@@ -140,7 +142,13 @@ class Model:
             points, operator = comm.bcast((task.points, task.operator) if task else None)
             loads = list(self._definition.loads)
             bodies[body.name] = Body(
-                elastic, list(body.constraints), loads, points, operator, clock
+                elastic,
+                list(body.constraints),
+                loads,
+                points,
+                operator,
+                clock,
+                symmetric=symmetric,
             )
         return bodies
 
@@ -228,11 +236,10 @@ class Model:
         }
 
 
-def _require_memory(case: Case, mesh: Mesh | None, pairs: tuple[Pair, ...] | None) -> None:
-    """Refuse what cannot fit into memory; on rank 0."""
-    if mesh is not None and pairs is not None and mesh.dimension == 2:
-        nodes = sum(len(pair.coupling.weights) for pair in pairs)
-        require_memory(estimate_cost(mesh, case.model.degree, nodes, steps=0))
+def _symmetric_factors(case: Case, mesh: Mesh, pairs: tuple[Pair, ...]) -> bool:
+    """Tell whether memory is short; on rank 0. Refuses what cannot fit."""
+    nodes = sum(len(pair.coupling.weights) for pair in pairs)
+    return needs_symmetric_factors(estimate_cost(mesh, case.model.degree, nodes, steps=0))
 
 
 def _work(definition: ModelDefinition, mesh: Mesh, degree: int) -> list[float]:

@@ -147,7 +147,10 @@ def solve_prepared(
     with clock("evaluation"):
         found = _evaluate(model, recorder, solution)
         failure = failure or on_root(comm, lambda: imbalance(solution) if solution else None)
-    notes = on_root(comm, lambda: tuple(each.text for each in solution.repeats) if solution else ())
+    notes = model.notes
+    notes += on_root(
+        comm, lambda: tuple(each.text for each in solution.repeats) if solution else ()
+    )
     if options.fields is not None:
         with clock("fields"):
             chosen = _field_states(case, history, solution, found) if solution else None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""STEP and BREP files: faces and curves by the names of the case, in a Gmsh model to be meshed."""
+"""STEP and BREP files: their parts by the names of the case, in a Gmsh model to be meshed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from types import ModuleType
 from fretfe.case import BoundarySelector, Geometry, Selector
 from fretfe.errors import CaseError, MeshError
 from fretfe.geometry.gmsh_model import gmsh_model
-from fretfe.geometry.shapes import Shape, Shapes, shape_text
+from fretfe.geometry.shapes import KINDS, Shape, Shapes, dimension_of, shape_text
 
 # Labels of units of length, and what OpenCASCADE calls the units that it can convert STEP to.
 UNITS = {
@@ -43,7 +43,10 @@ TAILS = {
 
 @contextlib.contextmanager
 def cad_model(path: Path, geometry: Geometry, length: str) -> Iterator[ModuleType]:
-    """The plane faces of a file as a Gmsh model whose bodies and boundaries are named groups.
+    """The shapes of a file as a Gmsh model whose bodies and boundaries are named groups.
+
+    Where there are volumes, they are the bodies, and faces the boundaries; else plane faces and
+    curves.
 
     Args:
         path: STEP or BREP file.
@@ -53,23 +56,24 @@ def cad_model(path: Path, geometry: Geometry, length: str) -> Iterator[ModuleTyp
 
     Raises:
         CaseError: the unit is none that OpenCASCADE knows.
-        MeshError: the file cannot be read, has other shapes than plane faces, or the selectors do
-            not fit it.
+        MeshError: the file cannot be read, has neither volumes nor plane faces, or the selectors
+            do not fit it.
     """
     kind = ".brep" if path.suffix.lower() == ".brep" else ".step"
     _require_whole_file(path, kind)
     unit = "" if kind == ".brep" else _step_unit(path, length)
     with gmsh_model(path) as gmsh:
         _import(gmsh, path, unit)
-        _require_plane_faces(gmsh, path)
-        faces, curves = Shapes(gmsh, path, 2), Shapes(gmsh, path, 1)
-        bodies = _bodies(faces, geometry.bodies)
+        dim = dimension_of(gmsh)
+        if dim == 2:
+            _require_plane_faces(gmsh, path)
+        bodies = _bodies(Shapes(gmsh, path, dim), geometry.bodies)
         owners = _owners(gmsh, path, bodies)
-        boundaries = _boundaries(curves, geometry.boundaries, owners)
+        boundaries = _boundaries(Shapes(gmsh, path, dim - 1), geometry.boundaries, owners)
         # groups that the file brings along would give names of their own
         gmsh.model.removePhysicalGroups()
-        _name_groups(gmsh, 2, bodies)
-        _name_groups(gmsh, 1, boundaries)
+        _name_groups(gmsh, dim, bodies)
+        _name_groups(gmsh, dim - 1, boundaries)
         yield gmsh
 
 
@@ -127,13 +131,12 @@ def _set_option(gmsh: ModuleType, name: str, value: str | float) -> str | float:
 
 
 def _require_plane_faces(gmsh: ModuleType, path: Path) -> None:
-    advice = "give the plane section of the bodies as faces in the plane z = 0"
-    if solids := len(gmsh.model.getEntities(3)):
-        raise MeshError(f"{path}: volumes are not supported, found {solids}; {advice}")
+    advice = "give volumes, or the plane section of the bodies as faces in the plane z = 0"
     faces = gmsh.model.getEntities(2)
     if not faces:
         raise MeshError(
-            f"{path}: expected faces, found {len(gmsh.model.getEntities(1))} curves; {advice}"
+            f"{path}: expected volumes or faces, found {len(gmsh.model.getEntities(1))} curves; "
+            f"{advice}"
         )
     for _, tag in faces:
         low, high = _box(gmsh, 2, tag)
@@ -150,18 +153,18 @@ def _box(gmsh: ModuleType, dim: int, tag: int) -> tuple[tuple[float, ...], tuple
     return box[:3], box[3:]
 
 
-def _bodies(faces: Shapes, selectors: Mapping[str, Selector]) -> dict[str, list[Shape]]:
-    """The faces of each body: every face in one body."""
+def _bodies(parts: Shapes, selectors: Mapping[str, Selector]) -> dict[str, list[Shape]]:
+    """The faces or volumes of each body: every one in one body."""
     bodies = {
-        name: faces.select(f"geometry.bodies.{name}", selector, faces.shapes)
+        name: parts.select(f"geometry.bodies.{name}", selector, parts.shapes)
         for name, selector in selectors.items()
     }
-    _refuse_twice(faces.path, "bodies", bodies)
-    named = [face for chosen in bodies.values() for face in chosen]
-    if loose := [face for face in faces.shapes if face not in named]:
+    _refuse_twice(parts.path, "bodies", bodies)
+    named = [part for chosen in bodies.values() for part in chosen]
+    if loose := [part for part in parts.shapes if part not in named]:
         raise MeshError(
-            f"{faces.path}: expected every face in one of [geometry.bodies], but in none is "
-            + "; ".join(map(shape_text, loose))
+            f"{parts.path}: expected every {KINDS[loose[0].dim]} in one of [geometry.bodies], but "
+            f"in none is {'; '.join(map(shape_text, loose))}"
         )
     return bodies
 
@@ -180,42 +183,44 @@ def _refuse_twice(path: Path, table: str, chosen: Mapping[str, list[Shape]]) -> 
 
 
 def _owners(gmsh: ModuleType, path: Path, bodies: Mapping[str, list[Shape]]) -> dict[int, str]:
-    """The body of each curve.
+    """The body of each curve around plane bodies, or of each face around solid ones.
 
     Raises:
-        MeshError: two bodies have a curve in common: as one piece they could not slide.
+        MeshError: two bodies have one in common: as one piece they could not slide.
     """
     owners: dict[int, str] = {}
-    for name, faces in bodies.items():
-        for face in faces:
-            for curve in map(int, gmsh.model.getAdjacencies(2, face.tag)[1]):
-                if owners.setdefault(curve, name) != name:
+    for name, parts in bodies.items():
+        for part in parts:
+            for side in map(int, gmsh.model.getAdjacencies(part.dim, part.tag)[1]):
+                if owners.setdefault(side, name) != name:
                     raise MeshError(
-                        f"{path}: bodies '{owners[curve]}' and '{name}' have a curve in common "
-                        f"({shape_text(Shape.of(gmsh, 1, curve))}); keep them separate: export "
-                        "them as parts of their own, without fusing or fragmenting the faces"
+                        f"{path}: bodies '{owners[side]}' and '{name}' have a "
+                        f"{KINDS[part.dim - 1]} in common "
+                        f"({shape_text(Shape.of(gmsh, part.dim - 1, side))}); keep them separate: "
+                        "export them as parts of their own, without fusing or fragmenting the "
+                        f"{KINDS[part.dim]}s"
                     )
     return owners
 
 
 def _boundaries(
-    curves: Shapes, selectors: Mapping[str, BoundarySelector], owners: Mapping[int, str]
+    sides: Shapes, selectors: Mapping[str, BoundarySelector], owners: Mapping[int, str]
 ) -> dict[str, list[Shape]]:
     boundaries = {}
     for name, selector in selectors.items():
         key = f"geometry.boundaries.{name}"
         if selector.body is not None and selector.body not in owners.values():
             raise MeshError(
-                f"{curves.path}: {key}.body: expected one of "
+                f"{sides.path}: {key}.body: expected one of "
                 f"{', '.join(dict.fromkeys(owners.values()))}, found {selector.body!r}"
             )
         allowed = [
             shape
-            for shape in curves.shapes
+            for shape in sides.shapes
             if selector.body is None or owners.get(shape.tag) == selector.body
         ]
-        boundaries[name] = curves.select(key, selector, allowed)
-    _refuse_twice(curves.path, "boundaries", boundaries)
+        boundaries[name] = sides.select(key, selector, allowed)
+    _refuse_twice(sides.path, "boundaries", boundaries)
     return boundaries
 
 

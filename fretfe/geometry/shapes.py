@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Choosing faces and curves of a CAD file by point, label and colour."""
+"""Choosing curves, faces and volumes of a CAD file by point, label and colour."""
 
 from __future__ import annotations
 
@@ -20,18 +20,21 @@ REACH = 0.01
 TIE = 1e-6
 # Colours are fractions in a file and whole numbers from 0 to 255 here: they may be rounded.
 COLOUR_ROUNDING = 1
-KINDS = {1: "curve", 2: "face"}
+KINDS = {1: "curve", 2: "face", 3: "volume"}
 
 
 @dataclass(frozen=True)
 class Shape:
-    """A face (dim 2) or curve (dim 1) of the model; label and colour may be empty."""
+    """A curve (dim 1), face (2) or volume (3) of the model; label and colour may be empty.
+
+    Its centre has as many coordinates as the space of the model.
+    """
 
     dim: int
     tag: int
     label: str
     colour: str
-    centre: tuple[float, float]
+    centre: tuple[float, ...]
 
     @classmethod
     def of(cls, gmsh: ModuleType, dim: int, tag: int) -> Shape:
@@ -42,40 +45,41 @@ class Shape:
         return cls(dim, tag, gmsh.model.getEntityName(dim, tag), colour, _middle(gmsh, dim, tag))
 
 
-def _middle(gmsh: ModuleType, dim: int, tag: int) -> tuple[float, float]:
-    """A point on a curve half-way in its parameter; the middle of the box around a face."""
+def dimension_of(gmsh: ModuleType) -> int:
+    """Number of coordinates of the bodies of the model: 3 where there are volumes, else 2."""
+    return 3 if gmsh.model.getEntities(3) else 2
+
+
+def _middle(gmsh: ModuleType, dim: int, tag: int) -> tuple[float, ...]:
+    """A point on a curve half-way in its parameter; the middle of the box around anything else."""
     if dim == 1:
         (low,), (high,) = gmsh.model.getParametrizationBounds(1, tag)
-        x, y, _ = gmsh.model.getValue(1, tag, [(low + high) / 2])
+        place = gmsh.model.getValue(1, tag, [(low + high) / 2])
     else:
-        box = gmsh.model.getBoundingBox(dim, tag)
-        x, y = (box[0] + box[3]) / 2, (box[1] + box[4]) / 2
-    return float(x), float(y)
+        place = np.reshape(gmsh.model.getBoundingBox(dim, tag), (2, 3)).mean(axis=0)
+    return tuple(float(value) for value in place[: dimension_of(gmsh)])
 
 
 def shape_text(shape: Shape) -> str:
     """A shape in words, so that a user finds it."""
-    x, y = shape.centre
     # rounded as a coordinate is, so that zero is not shown as 1e-16
-    text = f"{KINDS[shape.dim]} {shape.tag} around ({_short(x)}, {_short(y)})"
+    place = ", ".join(f"{round(value, 9) + 0.0:.6g}" for value in shape.centre)
+    text = f"{KINDS[shape.dim]} {shape.tag} around ({place})"
     text += f", label '{shape.label}'" if shape.label else ""
     return text + (f", colour {shape.colour}" if shape.colour else "")
 
 
-def _short(value: float) -> str:
-    return f"{round(value, 9) + 0.0:.6g}"
-
-
 class Shapes:
-    """All faces or all curves of the model."""
+    """All curves, faces or volumes of the model."""
 
     def __init__(self, gmsh: ModuleType, path: Path, dim: int) -> None:
         self._gmsh = gmsh
         self.path = path
         self.shapes = [Shape.of(gmsh, dim, int(tag)) for _, tag in gmsh.model.getEntities(dim)]
         self._kind = KINDS[dim]
-        box = gmsh.model.getBoundingBox(-1, -1)
-        self._size = float(np.hypot(box[3] - box[0], box[4] - box[1]))
+        box = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
+        self._dimension = dimension_of(gmsh)
+        self._size = float(np.linalg.norm((box[1] - box[0])[: self._dimension]))
 
     def select(self, key: str, selector: Selector, allowed: Sequence[Shape]) -> list[Shape]:
         """The shapes among those allowed that a selector chooses, at least one.
@@ -107,9 +111,15 @@ class Shapes:
         return chosen
 
     def _nearest(self, key: str, point: tuple[float, ...], allowed: Sequence[Shape]) -> Shape:
-        distances = np.array([self._distance(shape, np.array([*point, 0.0])) for shape in allowed])
+        place = f"the point ({', '.join(f'{value:.6g}' for value in point)})"
+        if len(point) != self._dimension:
+            raise MeshError(
+                f"{self.path}: {key}: expected {self._dimension} coordinates, as the bodies are "
+                f"{'plane' if self._dimension == 2 else 'solid'}, found {place}"
+            )
+        at = np.array([*point, 0.0][:3])
+        distances = np.array([self._distance(shape, at) for shape in allowed])
         nearest = allowed[int(distances.argmin())]
-        place = f"the point ({point[0]:.6g}, {point[1]:.6g})"
         if distances.min() > REACH * self._size:
             raise MeshError(
                 f"{self.path}: {key}: {place} is {distances.min():.3g} away from the nearest "
@@ -122,7 +132,8 @@ class Shapes:
             if distance < distances.min() + TIE * self._size
         ]
         if len(equal) > 1:
-            advice = ", or say which with body = NAME" if nearest.dim == 1 else ""
+            named = nearest.dim == self._dimension
+            advice = "" if named else ", or say which with body = NAME"
             raise MeshError(
                 f"{self.path}: {key}: {place} does not tell between "
                 f"{' and '.join(map(shape_text, equal))}; take one in the middle of the "
@@ -131,13 +142,24 @@ class Shapes:
         return nearest
 
     def _distance(self, shape: Shape, point: Array) -> float:
-        """Distance of a point (3,) from a curve, or from a face, which is 0 inside it."""
+        """Distance of a point (3,) from a shape; 0 inside a volume or a plane face."""
         if shape.dim == 1:
             return _curve_distance(self._gmsh, shape.tag, point)
-        if self._gmsh.model.isInside(2, shape.tag, point):
+        if shape.dim == 2:
+            return _face_distance(self._gmsh, shape.tag, point)
+        if self._gmsh.model.isInside(3, shape.tag, point):
             return 0.0
-        border = self._gmsh.model.getAdjacencies(2, shape.tag)[1]
-        return min(_curve_distance(self._gmsh, int(curve), point) for curve in border)
+        border = self._gmsh.model.getAdjacencies(3, shape.tag)[1]
+        return min(_face_distance(self._gmsh, int(face), point) for face in border)
+
+
+def _face_distance(gmsh: ModuleType, face: int, point: Array) -> float:
+    """From the foot of the perpendicular, if it is in the face, or from the border."""
+    foot = gmsh.model.getClosestPoint(2, face, point)[0]
+    if gmsh.model.isInside(2, face, foot):
+        return float(np.linalg.norm(foot - point))
+    border = gmsh.model.getAdjacencies(2, face)[1]
+    return min(_curve_distance(gmsh, int(curve), point) for curve in border)
 
 
 def _curve_distance(gmsh: ModuleType, curve: int, point: Array) -> float:

@@ -81,11 +81,25 @@ def apply_sizes(gmsh: ModuleType, sizes: Sizes) -> None:
         tags = _add_points(gmsh, np.vstack([mirror(points) for mirror in mirrors]))
         distances.append((_distance(gmsh, "PointsList", tags), size))
     fields = [_graded(gmsh, distance, size, sizes.growth) for distance, size in distances]
-    smallest = int(gmsh.model.mesh.field.add("Min"))
-    gmsh.model.mesh.field.setNumbers(smallest, "FieldsList", fields)
-    gmsh.model.mesh.field.setAsBackgroundMesh(smallest)
-    for option, value in OPTIONS.items():
-        gmsh.option.setNumber(f"Mesh.{option}", value)
+    _use_smallest(gmsh, fields)
+
+
+def apply_sizes_on_faces(gmsh: ModuleType, sizes: Mapping[str, float], growth: float) -> None:
+    """Make the next mesh of the current solid model as fine as wanted.
+
+    Args:
+        gmsh: the library.
+        sizes: largest element size on whole boundaries, by physical surface group.
+        growth: of the element size per distance from them.
+    """
+    fields = []
+    for dim, group in gmsh.model.getPhysicalGroups(2):
+        size = sizes.get(gmsh.model.getPhysicalName(dim, group))
+        if size is not None:
+            faces = gmsh.model.getEntitiesForPhysicalGroup(dim, group)
+            fields.append(_graded(gmsh, _distance(gmsh, "SurfacesList", faces), size, growth))
+    _use_smallest(gmsh, fields)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", AROUND_CIRCLE)
 
 
 def curves_of_groups(gmsh: ModuleType) -> dict[str, list[int]]:
@@ -212,8 +226,17 @@ def _add_points(gmsh: ModuleType, points: Array) -> list[int]:
     return tags
 
 
-def _distance(gmsh: ModuleType, kind: str, tags: list[int]) -> int:
-    """A field: distance from curves or points."""
+def _use_smallest(gmsh: ModuleType, fields: Sequence[int]) -> None:
+    """Take element sizes from the smallest value of fields, and from nothing else."""
+    smallest = int(gmsh.model.mesh.field.add("Min"))
+    gmsh.model.mesh.field.setNumbers(smallest, "FieldsList", fields)
+    gmsh.model.mesh.field.setAsBackgroundMesh(smallest)
+    for option, value in OPTIONS.items():
+        gmsh.option.setNumber(f"Mesh.{option}", value)
+
+
+def _distance(gmsh: ModuleType, kind: str, tags: Sequence[int]) -> int:
+    """A field: distance from points, curves or surfaces."""
     field = int(gmsh.model.mesh.field.add("Distance"))
     gmsh.model.mesh.field.setNumbers(field, kind, tags)
     gmsh.model.mesh.field.setNumber(field, "Sampling", SAMPLING)

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Memory and time that a plane case takes, estimated from the sizes of its problems.
+"""Memory and time that a case takes, estimated from the sizes of its problems.
 
-Measured with one thread on a 2026 server processor (AVX-512, 25 GFlop/s in dense products), on
-meshes from 2 000 to 330 000 unknowns with 60 to 1 900 contact tractions: memory is right within a
-third, time within a factor of two on a quiet machine of that kind.
+Measured with one thread on a 2026 server processor (AVX-512, 25 GFlop/s in dense products). In the
+plane on meshes from 2 000 to 330 000 unknowns with 60 to 1 900 contact tractions: memory is right
+within a third, time within a factor of two on a quiet machine of that kind. In space on bodies of
+tetrahedra of order 2 with 23 000 to 285 000 unknowns and 760 to 4 000 contact tractions: memory is
+right within 15 %.
 """
 
 from __future__ import annotations
@@ -16,18 +18,35 @@ from fretfe.errors import ModelError
 from fretfe.mesh.groups import body_unknowns
 from fretfe.mesh.mesh import Mesh
 
-# Entries of a factor over the unknowns, by the binary logarithm of these.
+# Entries of a factor in the plane over the unknowns, by the binary logarithm of these.
 ENTRIES, FEWER, FEWEST = 24.5, 188.0, 40.0
+# Entries of a factor in space over the unknowns to the power of 4/3 (nested dissection).
+ENTRIES_IN_SPACE, POWER_IN_SPACE = 51.0, 4 / 3
 # Bytes for an entry of a factor; for an unknown's rows of the stiffness, mesh and spaces; for
 # everything that does not grow.
 PER_ENTRY, PER_UNKNOWN, ALWAYS = 10.0, 1200.0, 2.0e8
+# Memory of a symmetric factor over that of another one, which takes a third of the time in space.
+SYMMETRIC = 0.56
+SLOW_FACTORS = (
+    "memory is short: the factors of the bodies are symmetric ones, which take half the space and "
+    "about three times as long"
+)
 # Full matrices of the size of the interface that are held at the same time, of 8 bytes an entry.
 MATRICES = 6
-# Seconds: a factor by n^1.5, what is done cell by cell by n, start-up and what does not grow.
-FACTORISING, ASSEMBLING, STARTING = 3.0e-8, 1.2e-5, 3.0
+# Seconds: a factor by n^1.5 in the plane and n^2 in space, what is done cell by cell by n, start-up
+# and what does not grow.
+FACTORISING = {2: (3.0e-8, 1.5), 3: (1.7e-9, 2.0)}
+ASSEMBLING, STARTING = {2: 1.2e-5, 3: 2.5e-5}, 3.0
 # Seconds by powers of the number of contact tractions: a factorisation of the interface, of which a
 # history needs a few; a step, its evaluation included.
-INTERFACE, ORDERS, STEP_SQUARED, STEP = 3.0e-11, 3, 2.0e-9, 5.0e-3
+INTERFACE, ORDERS, STEP_SQUARED, STEP = 3.0e-11, 3, {2: 2.0e-9, 3: 1.5e-8}, 5.0e-3
+# What makes a model smaller, in the plane and in space.
+PROPOSALS = {
+    2: "make the elements larger away from the contact edges (growth, body_size), or use "
+    "model.degree = 1",
+    3: "take fewer, longer layers along the edge (layers, length_size), make the elements larger "
+    "away from the contact (growth), or use model.degree = 1",
+}
 
 
 @dataclass(frozen=True)
@@ -39,14 +58,23 @@ class Cost:
         tractions: unknown tractions at the contact nodes.
         steps: of the load history.
         memory: bytes.
+        factors: those of them that hold the factors of the bodies.
         seconds: with one thread, without pictures and report.
+        dimension: 2 of a plane case, 3 of a solid one.
     """
 
     unknowns: int
     tractions: int
     steps: int
     memory: float
+    factors: float
     seconds: float
+    dimension: int
+
+    @property
+    def halved(self) -> float:
+        """Bytes with symmetric factors, which take longer."""
+        return self.memory - (1 - SYMMETRIC) * self.factors
 
     @property
     def text(self) -> str:
@@ -58,7 +86,7 @@ class Cost:
 
 
 def estimate_cost(mesh: Mesh, degree: int, nodes: int, steps: int) -> Cost:
-    """Estimate memory and time of a plane case.
+    """Estimate memory and time of a case.
 
     Args:
         mesh: of all bodies.
@@ -67,33 +95,44 @@ def estimate_cost(mesh: Mesh, degree: int, nodes: int, steps: int) -> Cost:
         steps: of the load history; those of one mesh if it refines itself.
     """
     bodies = [body_unknowns(body, degree) for body in mesh.bodies.values()]
-    tractions = mesh.dimension * nodes
-    entries = sum(n * max(ENTRIES * math.log2(n) - FEWER, FEWEST) for n in bodies)
+    dimension = mesh.dimension
+    tractions = dimension * nodes
+    entries = sum(_factor_entries(n, dimension) for n in bodies)
     dense = 8.0 * MATRICES * tractions**2
-    memory = ALWAYS + PER_ENTRY * entries + PER_UNKNOWN * sum(bodies) + dense
-    preparation = sum(FACTORISING * n**1.5 + ASSEMBLING * n for n in bodies)
+    factors = PER_ENTRY * entries
+    memory = ALWAYS + factors + PER_UNKNOWN * sum(bodies) + dense
+    factor, power = FACTORISING[dimension]
+    preparation = sum(factor * n**power + ASSEMBLING[dimension] * n for n in bodies)
     interface = ORDERS * INTERFACE * tractions**3
-    march = steps * (STEP + STEP_SQUARED * tractions**2)
+    march = steps * (STEP + STEP_SQUARED[dimension] * tractions**2)
     seconds = STARTING + preparation + interface + march
-    return Cost(sum(bodies), tractions, steps, memory, seconds)
+    return Cost(sum(bodies), tractions, steps, memory, factors, seconds, dimension)
 
 
-def require_memory(cost: Cost) -> None:
-    """Check that the machine has the memory that a run takes.
+def _factor_entries(unknowns: int, dimension: int) -> float:
+    if dimension == 3:
+        return float(ENTRIES_IN_SPACE * unknowns**POWER_IN_SPACE)
+    return unknowns * max(ENTRIES * math.log2(unknowns) - FEWER, FEWEST)
+
+
+def needs_symmetric_factors(cost: Cost) -> bool:
+    """Tell whether a run fits into the memory of this machine with symmetric factors only.
 
     Raises:
-        ModelError: if not; says what would fit.
+        ModelError: if it does not fit with these either; says what would.
     """
     there = machine_memory()
     if there is None or cost.memory <= there:
-        return
-    fits = cost.unknowns * there / cost.memory
+        return False
+    if cost.halved <= there:
+        return True
+    power = 1.0 if cost.dimension == 2 else 1 / POWER_IN_SPACE
+    fits = cost.unknowns * (there / cost.halved) ** power
     raise ModelError(
         f"expected a model that fits into the memory of this machine ({_rounded(there / 2**30)} "
-        f"GB), found one that needs about {_rounded(cost.memory / 2**30)} GB ({cost.unknowns} "
+        f"GB), found one that needs about {_rounded(cost.halved / 2**30)} GB ({cost.unknowns} "
         f"unknowns, {cost.tractions} contact tractions). About {_rounded(fits)} unknowns would "
-        "fit: make the elements larger away from the contact edges (growth, body_size), or use "
-        "model.degree = 1"
+        f"fit: {PROPOSALS[cost.dimension]}"
     )
 
 

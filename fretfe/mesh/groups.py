@@ -107,7 +107,7 @@ def _shared_count(body: BodyMesh, size: int) -> int:
 
 def _distinct(numbers: Indices) -> int:
     """How many numbers differ; three times as fast as `np.unique`."""
-    return 1 + np.count_nonzero(np.diff(np.sort(numbers, axis=None)))
+    return 1 + int(np.count_nonzero(np.diff(np.sort(numbers, axis=None))))
 
 
 def _boundary_summary(name: str, body: BodyMesh, facets: Indices) -> BoundarySummary:

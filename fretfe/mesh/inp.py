@@ -237,8 +237,8 @@ def _surface(deck: Deck, card: Card) -> None:
     sides = deck.surfaces.setdefault(name, [])
     for row in card.rows:
         side = row[1].upper() if len(row) > 1 else ""
-        if side not in ("", "S1", "S2", "S3", "S4"):
-            raise ValueError(f"expected a side S1, S2, S3 or S4, found {row[1]!r}")
+        if side not in ("", "S1", "S2", "S3", "S4", "S5", "S6"):
+            raise ValueError(f"expected a side S1, S2, ... or S6, found {row[1]!r}")
         plain = Card(card.keyword, {}, [[row[0]]], card.place)
         members = _members(plain, deck.element_sets)
         sides += [(element, int(side[1:] or 0)) for element in members]

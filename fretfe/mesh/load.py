@@ -5,15 +5,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
+from types import ModuleType
 
 from fretfe.case import Case, check_dimension, complaint
 from fretfe.case.selectors import ABAQUS, CAD, GMSH_SCRIPT, XDMF, FileKind, Selector, file_kind
 from fretfe.errors import CaseError, MeshError
 from fretfe.geometry.cad import cad_model
 from fretfe.geometry.gmsh_model import RawMesh, script_model
-from fretfe.geometry.sizing import Sizes, apply_sizes
+from fretfe.geometry.sizing import Sizes, apply_sizes, apply_sizes_on_faces
 from fretfe.geometry.templates import Template, find_template, read_template
 from fretfe.mesh.extrude import BACK, FRONT, extrude
 from fretfe.mesh.groups import check_groups, named_boundaries
@@ -24,7 +24,7 @@ from fretfe.mesh.split import mesh_from_raw
 from fretfe.mesh.xdmf import read_xdmf
 
 # Growth of the element size per distance from the contact surfaces.
-GROWTH = 0.2
+GROWTH, GROWTH_IN_SPACE = 0.2, 0.35
 
 
 @contextmanager
@@ -51,12 +51,24 @@ def grouped_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
         MeshError: if there is no valid mesh with all the groups that the case names.
     """
     with naming_case(case):
-        mesh = _mesh_of_case(case, size)
+        mesh = _mesh_of_case(case, None if size is None else _in_the_plane(case, size))
         if case.geometry.solid is not None:
             mesh = _extruded(case, mesh)
         check_groups(mesh, case)
         check_dimension(case, mesh.dimension)
     return mesh
+
+
+def _in_the_plane(case: Case, size: SetSizes) -> SetSizes:
+    """The sizes of a mesh that refines itself, or an error where the bodies are solid."""
+
+    def checked(gmsh: ModuleType) -> None:
+        if gmsh.model.getDimension() == 3 or case.geometry.solid is not None:
+            text = "expected none, as the bodies are solid; only plane meshes refine themselves"
+            raise CaseError(complaint(case.source, ("edges", "tolerance"), text))
+        size(gmsh)
+
+    return checked
 
 
 def _extruded(case: Case, mesh: Mesh) -> Mesh:
@@ -149,10 +161,21 @@ def _mesh_of_cad_file(case: Case, path: Path, size: SetSizes | None) -> Mesh:
     if geometry.size is not None:
         contacts = case.contacts.values()
         surfaces = [name for each in contacts for name in (each.surface1, each.surface2)]
-        sizes = Sizes(dict.fromkeys(surfaces, geometry.size), GROWTH)
-        size = partial(apply_sizes, sizes=sizes)
+        size = _even_sizes(dict.fromkeys(surfaces, geometry.size))
     model = cad_model(path, geometry, case.units.length)
     return mesh_model(model, path, geometry.order, size, str(path))
+
+
+def _even_sizes(sizes: Mapping[str, float]) -> SetSizes:
+    """Sets sizes on whole contact surfaces, by their names."""
+
+    def apply(gmsh: ModuleType) -> None:
+        if gmsh.model.getDimension() == 3:
+            apply_sizes_on_faces(gmsh, sizes, GROWTH_IN_SPACE)
+        else:
+            apply_sizes(gmsh, Sizes(sizes, GROWTH))
+
+    return apply
 
 
 def _read_xdmf(case: Case, path: Path) -> RawMesh:

@@ -29,7 +29,6 @@ from fretfe.mesh.xdmf_data import (
 
 # Where a cell has several numbers, as in what meshio makes of a Gmsh file, this is its group.
 PHYSICAL = "gmsh:physical"
-GROUPS = {2: "cells", 1: "facets"}
 
 
 @dataclass(frozen=True)
@@ -70,12 +69,13 @@ def read_xdmf(
         more = _grids(facets)
         _common_points(facets, more, points)
         grids += more
-    cells, lines = (_by_tag(grids, dim) for dim in (2, 1))
-    surfaces = _named(path, 2, cells, bodies)
-    _require_all_cells(path, grids, cells, bodies)
-    curves = _named(facets or path, 1, lines, boundaries)
-    points, surfaces = complete(points, surfaces)
-    return RawMesh(points, 2, surfaces, curves)
+    blocks = [block for grid in grids for block in grid.blocks]
+    dimension = max(2, *(DIMENSIONS[block.gmsh_type] for block in blocks))
+    cells, parts = (_by_tag(grids, dim) for dim in (dimension, dimension - 1))
+    named = _named(path, "bodies", cells, bodies)
+    _require_all_cells(path, grids, dimension, cells, bodies)
+    sides = _named(facets or path, "boundaries", parts, boundaries)
+    return complete(RawMesh(points, dimension, named, sides))
 
 
 def _grids(path: Path) -> list[Grid]:
@@ -157,15 +157,15 @@ def _by_tag(grids: list[Grid], dim: int) -> dict[int, list[ElementBlock]]:
 
 
 def _named(
-    path: Path, dim: int, found: dict[int, list[ElementBlock]], selectors: Mapping[str, Selector]
+    path: Path, table: str, found: dict[int, list[ElementBlock]], selectors: Mapping[str, Selector]
 ) -> dict[str, list[ElementBlock]]:
-    table = {2: "bodies", 1: "boundaries"}[dim]
+    what = {"bodies": "cells", "boundaries": "facets"}[table]
     named = {}
     for name, selector in selectors.items():
         if missing := [tag for tag in selector.all_tags if tag not in found]:
             raise MeshError(
-                f"{path}: geometry.{table}.{name}: no {GROUPS[dim]} have the number {missing[0]}; "
-                f"numbers of {GROUPS[dim]} in the file: {_listed(found)}"
+                f"{path}: geometry.{table}.{name}: no {what} have the number {missing[0]}; "
+                f"numbers of {what} in the file: {_listed(found)}"
             )
         blocks = [block for tag in dict.fromkeys(selector.all_tags) for block in found[tag]]
         named[name] = stacked(blocks)
@@ -175,6 +175,7 @@ def _named(
 def _require_all_cells(
     path: Path,
     grids: list[Grid],
+    dimension: int,
     found: dict[int, list[ElementBlock]],
     bodies: Mapping[str, Selector],
 ) -> None:
@@ -187,7 +188,7 @@ def _require_all_cells(
         )
     tagged = sum(len(block.nodes) for blocks in found.values() for block in blocks)
     cells = max(
-        sum(len(block.nodes) for block in grid.blocks if DIMENSIONS[block.gmsh_type] == 2)
+        sum(len(block.nodes) for block in grid.blocks if DIMENSIONS[block.gmsh_type] == dimension)
         for grid in grids
     )
     if tagged < cells:

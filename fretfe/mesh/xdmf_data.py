@@ -11,11 +11,16 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import MeshError
-from fretfe.geometry.gmsh_elements import ELEMENTS, SHAPE_DIMENSIONS
+from fretfe.geometry.gmsh_elements import (
+    ELEMENTS,
+    SERENDIPITY_HEXAHEDRON,
+    SERENDIPITY_QUADRILATERAL,
+    SHAPE_DIMENSIONS,
+)
 from fretfe.geometry.gmsh_model import ElementBlock
+from fretfe.mesh.node_order import in_gmsh_order
 
-# Gmsh type and number of nodes, by the name of a topology and by its number among mixed cells. All
-# of them have their nodes in the same order as in Gmsh.
+# Gmsh type and number of nodes, by the name of a topology and by its number among mixed cells.
 NAMES = {
     "polyvertex": (15, 1),
     "polyline": (1, 2),
@@ -28,21 +33,34 @@ NAMES = {
     "quad_8": (16, 8),
     "quadrilateral_9": (10, 9),
     "quad_9": (10, 9),
+    "tetrahedron": (4, 4),
+    "tetrahedron_10": (11, 10),
+    "tet_10": (11, 10),
+    "hexahedron": (5, 8),
+    "hexahedron_20": (17, 20),
+    "hex_20": (17, 20),
+    "hexahedron_27": (12, 27),
+    "hex_27": (12, 27),
 }
 NUMBERS = {
     1: "polyvertex",
     2: "polyline",
     4: "triangle",
     5: "quadrilateral",
+    6: "tetrahedron",
+    9: "hexahedron",
     34: "edge_3",
     35: "quadrilateral_9",
     36: "triangle_6",
     37: "quadrilateral_8",
+    38: "tetrahedron_10",
+    48: "hexahedron_20",
+    50: "hexahedron_27",
 }
 # The number of nodes stands before the nodes of these.
 COUNTED = (1, 2)
-DIMENSIONS = {15: 0, 16: 2} | {
-    kind: SHAPE_DIMENSIONS[shape] for kind, (shape, _) in ELEMENTS.items()
+DIMENSIONS = {15: 0, SERENDIPITY_QUADRILATERAL: 2, SERENDIPITY_HEXAHEDRON: 3} | {
+    number: SHAPE_DIMENSIONS[shape] for number, (shape, _) in ELEMENTS.items()
 }
 
 
@@ -63,12 +81,17 @@ def cell_blocks(path: Path, topology: ET.Element) -> list[ElementBlock]:
     """The cells of a grid in their order; blocks of the same type may follow one another.
 
     Raises:
-        MeshError: volumes, or cells that are not known.
+        MeshError: cells that are not known.
     """
     name = topology_name(topology)
     data = data_item(path, topology).astype(np.int64)
-    if name == "mixed":
-        return _mixed(path, data.ravel())
+    blocks = _mixed(path, data.ravel()) if name == "mixed" else [_uniform(path, topology, data)]
+    return [ElementBlock(b.gmsh_type, in_gmsh_order(b.gmsh_type, b.nodes)) for b in blocks]
+
+
+def _uniform(path: Path, topology: ET.Element, data: Indices) -> ElementBlock:
+    """Cells of one type."""
+    name = topology_name(topology)
     kind, count = _type(path, name)
     number = int(topology.get("NumberOfElements", data.size // count))
     if data.size != number * count or (data.ndim == 2 and data.shape[1] != count):
@@ -76,14 +99,14 @@ def cell_blocks(path: Path, topology: ET.Element) -> list[ElementBlock]:
             f"{path}: expected {number} cells with {count} nodes for each {name}, found numbers of "
             f"shape {data.shape}"
         )
-    return [ElementBlock(kind, data.reshape(-1, count))]
+    return ElementBlock(kind, data.reshape(-1, count))
 
 
 def _type(path: Path, name: str) -> tuple[int, int]:
     if name not in NAMES:
         raise MeshError(
-            f"{path}: expected a plane mesh of triangles or quadrilaterals and lines of order 1 or"
-            f" 2, found cells of type {name!r}"
+            f"{path}: expected triangles or quadrilaterals and lines, or tetrahedra or hexahedra "
+            f"and their facets, of order 1 or 2, found cells of type {name!r}"
         )
     return NAMES[name]
 

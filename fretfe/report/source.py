@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fretfe.edges.area import AreaSummary, shear_extremes
 from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary, Station
 from fretfe.results.model import Result
@@ -32,8 +33,23 @@ def span(run: Result) -> tuple[int, int]:
 
 def extremes(run: Result) -> list[int]:
     """The load extremes of all contacts together."""
+    if run.areas:
+        return shear_extremes(run.areas, run.loads.cycle)
     edges = [edge for contact in run.contacts for edge in contact.stations]
     return load_extremes([e.k_t for e in edges], [e.k_i for e in edges], run.loads.cycle)
+
+
+def force_unit(run: Result) -> str:
+    """Unit of forces, in the plane per unit thickness."""
+    units = run.case.units
+    return units.force if run.areas else f"{units.force}/{units.length}"
+
+
+def work_unit(run: Result) -> str:
+    """Unit of work, in the plane per unit thickness."""
+    units = run.case.units
+    work = f"{units.force}·{units.length}"
+    return work if run.areas else f"{work}/{units.length}"
 
 
 def when(run: Result, state: int) -> str:
@@ -75,11 +91,28 @@ class Shown:
 
 
 def shown_contacts(run: Result) -> list[Shown]:
-    """The contacts whose tractions are known."""
+    """The contacts of plane bodies whose tractions are known."""
     if run.solution is None:
         return []
     pairs = zip(run.contacts, run.solution.contacts, strict=True)
     return [Shown(run, *pair, f"contact{number}") for number, pair in enumerate(pairs)]
+
+
+@dataclass(frozen=True)
+class ShownArea:
+    """A contact of solids to be drawn; attributes as of `Shown`."""
+
+    run: Result
+    summary: AreaSummary
+    tractions: ContactHistory
+    key: str
+
+
+def shown_areas(run: Result) -> list[ShownArea]:
+    """The contacts of solids."""
+    assert run.solution is not None
+    pairs = zip(run.areas, run.solution.contacts, strict=True)
+    return [ShownArea(run, *pair, f"contact{number}") for number, pair in enumerate(pairs)]
 
 
 def inward(edge: Station) -> float:

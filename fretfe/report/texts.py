@@ -5,6 +5,10 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
+from fretfe._typing import Array
+
 MISSING = "-"
 
 
@@ -38,3 +42,11 @@ def with_error(value: float, spread: float) -> str:
 def rounded(value: float) -> str:
     """A number with three digits; no exponent where it can do without."""
     return f"{float(f'{value:.3g}'):.6g}"
+
+
+def direction_text(direction: Array) -> str:
+    """A direction in words: an axis of the case, or its components."""
+    place = int(np.abs(direction).argmax())
+    if abs(direction[place]) > 1 - 1e-6:
+        return f"{'' if direction[place] > 0 else '−'}{'xyz'[place]}"
+    return "(" + ", ".join(f"{value + 0.0:.2f}" for value in direction.round(2)) + ")"

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from matplotlib.patheffects import withStroke
+
 BLUE, VERMILLION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
 SKY, PURPLE, GREY, PALE = "#56B4E9", "#CC79A7", "#555555", "#E4E4E4"
 # Of lines of equal rank; with more of them the colours begin again, with other markers.
@@ -27,6 +29,8 @@ SURFACES: tuple[dict[str, Any], ...] = (
     {"color": ORANGE, "linewidth": 1.7, "linestyle": (0, (3.0, 1.5))},
 )
 BOUNDARY: dict[str, Any] = {"color": "#202020", "linewidth": 1.4, "linestyle": (0, (1.0, 1.0))}
+# Light around dark lines and texts: they are seen on every colour.
+HALO: Any = [withStroke(linewidth=2.4, foreground="white")]
 
 # Inches. A plot of the page, of which two stand side by side (96 pixels an inch), and a picture.
 WIDTH, PICTURE_WIDTH, PICTURE_HEIGHT = 5.6, 10.4, 8.4

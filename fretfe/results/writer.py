@@ -41,6 +41,7 @@ SCHEMA = {"name": "fretfe-results", "version": 3}
 NUMBERS, ARRAYS, REPORT = "results.json", "results.h5", "report.html"
 # Where pictures are in a results folder, and what lists them there.
 PICTURES, PICTURE_LIST = "pictures", "pictures.json"
+PICTURE_FILES = ("*.png", "*.gif", "*.gltf")
 # In place of a list that is in `ARRAYS`: this, and the name of its data set there.
 ELSEWHERE = f"{ARRAYS}:"
 
@@ -77,7 +78,8 @@ def remove_fields(directory: Path) -> None:
 def remove_pictures(directory: Path) -> None:
     """Remove the pictures of an earlier run; other files stay."""
     folder = directory / PICTURES
-    for path in [*folder.glob("*.png"), folder / PICTURE_LIST]:
+    files = (path for kind in PICTURE_FILES for path in folder.glob(kind))
+    for path in [*files, folder / PICTURE_LIST]:
         path.unlink(missing_ok=True)
 
 

@@ -11,7 +11,7 @@ from itertools import combinations
 
 import numpy as np
 
-from fretfe._typing import Array, Bools
+from fretfe._typing import Array, Positions
 from fretfe.surface.chain import STRAIGHT, Chain
 from fretfe.surface.surface import Surface
 
@@ -68,32 +68,38 @@ def deviations(surface: Surface) -> Array:
     if surface.dimension == 2:
         return Chain(surface).deviations
     lengths, turns = _between_corners(surface)
+    if surface.degree == 1:
+        turns *= _missing_at_rim(surface)
     parts = lengths * (turns / 8 if surface.degree == 1 else turns**3 / 512)
     return MIDDLE_TO_EDGE[surface.shape] * parts.max(axis=1)
 
 
 def _between_corners(surface: Surface) -> tuple[Array, Array]:
-    """(f, p) distances of all pairs of corners of each facet, angles between the normals there.
-
-    At the rim of a surface of flat facets the normal is that of one side: a part of the turning is
-    missing, at most half.
-    """
-    first, second = np.array(list(combinations(range(surface.corners.shape[1]), 2))).T
+    """(f, p) distances of all pairs of corners of each facet, angles between the normals there."""
+    first, second = _pairs(surface)
     lengths = np.linalg.norm(surface.nodes[:, first] - surface.nodes[:, second], axis=2)
     turns = np.linalg.norm(_turns(surface.normals[:, first], surface.normals[:, second]), axis=2)
-    if surface.degree == 1:
-        at_rim = _rim(surface)[surface.corners]
-        turns *= 1 + (at_rim[:, first] != at_rim[:, second])
     return lengths, turns
 
 
-def _rim(surface: Surface) -> Bools:
-    """(v,) vertices on edges of one facet only."""
+def _pairs(surface: Surface) -> Positions:
+    """(2, p) all pairs of corners of a facet."""
+    return np.array(list(combinations(range(surface.corners.shape[1]), 2))).T
+
+
+def _missing_at_rim(surface: Surface) -> Array:
+    """(f, p) upper bound of the turning between pairs of corners over what the normals show.
+
+    At the rim of a surface of flat facets the normal is that of one side: of the turning between
+    there and a corner inside up to a half is missing.
+    """
     edges = np.stack([surface.corners, np.roll(surface.corners, -1, axis=1)], axis=2)
     found, count = np.unique(np.sort(edges.reshape(-1, 2), axis=1), axis=0, return_counts=True)
     rim = np.zeros(len(surface.vertices), dtype=bool)
     rim[found[count == 1]] = True
-    return rim
+    first, second = _pairs(surface)
+    at_rim = rim[surface.corners]
+    return np.where(at_rim[:, first] != at_rim[:, second], 2.0, 1.0)
 
 
 def _turns(before: Array, after: Array) -> Array:

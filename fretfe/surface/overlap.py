@@ -21,6 +21,8 @@ from fretfe.surface.reference import quadrature, seven_points
 from fretfe.surface.search import opposite_candidates
 from fretfe.surface.surface import Surface
 
+# Points and weights of a quadrature.
+Rule = tuple[Array, Array]
 # Exact for the products of hat, quadratic displacement and geometry on straight facets, and far
 # below the discretisation error on curved ones.
 GAUSS_POINTS = 5
@@ -60,14 +62,15 @@ def overlap_points(surface1: Surface, surface2: Surface) -> OverlapPoints:
     """
     normals = contact_normals(surface1, surface2)
     if surface1.dimension == 3:
-        return project_in_space(surface2, normals, surface1)
+        square = quadrature("quadrilateral", GAUSS_POINTS)
+        return project_in_space(
+            surface2, normals, surface1, square, _triangle_rule(surface1, surface2)
+        )
     at, weights = quadrature("interval", GAUSS_POINTS)
     return project(surface2, normals, surface1, (at[:, 0], weights))
 
 
-def project(
-    near: Surface, normals: Array, far: Surface, rule: tuple[Array, Array]
-) -> OverlapPoints:
+def project(near: Surface, normals: Array, far: Surface, rule: Rule) -> OverlapPoints:
     """Project points of one plane surface along normals onto another one.
 
     Args:
@@ -90,13 +93,17 @@ def project(
     return OverlapPoints(facet1, facet2, eta[:, None], xi[:, None], weights, gap, at_points)
 
 
-def project_in_space(near: Surface, normals: Array, far: Surface) -> OverlapPoints:
+def project_in_space(
+    near: Surface, normals: Array, far: Surface, square: Rule, triangle: Rule
+) -> OverlapPoints:
     """Project points of one surface in space along normals onto another one.
 
     Args:
         near: surface 2.
         normals: (f, k, 3) unit normals at the nodes of `near`.
         far: surface 1.
+        square: points (q, 2) in [0, 1]² and weights (q,) of the quadrature on quadrilaterals.
+        triangle: points and weights of the quadrature on triangles.
     """
     reach = search_reach(near, far)
     candidates = opposite_candidates(near, normals, far, reach)
@@ -106,14 +113,14 @@ def project_in_space(near: Surface, normals: Array, far: Surface) -> OverlapPoin
         np.ascontiguousarray(far.nodes),
         candidates.starts,
         candidates.facets,
-        *quadrature("quadrilateral", GAUSS_POINTS),
-        *_triangle_rule(near, far),
+        *square,
+        *triangle,
         reach,
     )
     return OverlapPoints(facet1, facet2, at1, at2, weights, gap, at_points)
 
 
-def _triangle_rule(*surfaces: Surface) -> tuple[Array, Array]:
+def _triangle_rule(*surfaces: Surface) -> Rule:
     """Points and weights in triangles: hat times displacement is of degree 3 or, on a square, 6."""
     if all(surface.shape == "triangle" for surface in surfaces):
         return seven_points()

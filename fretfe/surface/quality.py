@@ -11,15 +11,16 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.mesh.groups import BodySummary
-from fretfe.surface.chain import Chain
+from fretfe.surface.curvature import curvatures, deviations
 from fretfe.surface.gap import InitialGap
 from fretfe.surface.surface import Surface
 
-SMALLEST_ANGLE = 15.0  # degrees
-LARGEST_GAP = 0.01  # of the length of the overlap
+# Degrees. Tetrahedra that are long along a straight edge are flat but good; slivers are flatter.
+SMALLEST_ANGLES = {"triangle": 15.0, "quadrilateral": 15.0, "tetrahedron": 0.3, "hexahedron": 15.0}
+LARGEST_GAP = 0.01  # of the extent of the overlap
 ELEMENTS_PER_RADIUS = 10.0
 LARGEST_SIZE_RATIO = 3.0
-# Gaps that differ by less than this fraction of the length of a contact are equal.
+# Gaps that differ by less than this fraction of the extent of a contact are equal.
 ROUND_OFF = 1e-9
 LARGEST_DEVIATION = 0.1  # of the difference between the largest and the smallest gap
 
@@ -28,20 +29,22 @@ LARGEST_DEVIATION = 0.1  # of the difference between the largest and the smalles
 class SurfaceQuality:
     """The facets of one contact surface; lengths in the units of the mesh.
 
+    The size of a facet is its length or, in space, the root of its area.
+
     Attributes:
         name: of the surface.
-        length: of all facets.
+        measure: length or area of all facets.
         facets: number of them.
         opposite: number of those that lie opposite the other surface.
-        smallest: length of the shortest facet that lies opposite the other surface.
-        largest: length of the longest one.
-        radius: radius of curvature where a facet turns most; infinite for a straight surface.
-        radius_size: length of the facet there.
-        deviation: largest distance of a facet from the smooth curve through its nodes.
+        smallest: size of the smallest facet that lies opposite the other surface.
+        largest: size of the largest one.
+        radius: radius of curvature where a facet turns most; infinite for a flat surface.
+        radius_size: size of the facet there.
+        deviation: largest distance of a facet from the smooth surface through its nodes.
     """
 
     name: str
-    length: float
+    measure: float
     facets: int
     opposite: int
     smallest: float
@@ -63,23 +66,28 @@ class ContactQuality:
     Attributes:
         name: of the contact.
         surfaces: surface 1 and surface 2.
-        length: over which the surfaces lie opposite each other.
+        measure: length or area over which the surfaces lie opposite each other.
         gap: the smallest one, 0 if the bodies overlap.
         interpenetration: the largest one, 0 if the surfaces stand apart.
-        nearest: (2,) place of the smallest gap or largest interpenetration, in the middle if there
+        nearest: (d,) place of the smallest gap or largest interpenetration, in the middle if there
             are many.
         gap_range: difference between the largest and the smallest gap.
-        size_ratio: of the longer to the shorter facet, median over the places of the overlap.
+        size_ratio: of the larger to the smaller facet, median over the places of the overlap.
     """
 
     name: str
     surfaces: tuple[SurfaceQuality, SurfaceQuality]
-    length: float
+    measure: float
     gap: float
     interpenetration: float
     nearest: Array
     gap_range: float
     size_ratio: float
+
+    @property
+    def extent(self) -> float:
+        """Length of the overlap, or the root of its area."""
+        return float(self.measure ** (1 / (len(self.nearest) - 1)))
 
 
 def contact_quality(contacts: Mapping[str, InitialGap]) -> tuple[ContactQuality, ...]:
@@ -88,21 +96,22 @@ def contact_quality(contacts: Mapping[str, InitialGap]) -> tuple[ContactQuality,
 
 
 def _contact(name: str, initial: InitialGap) -> ContactQuality:
-    length = float(initial.weights.sum())
+    measure = float(initial.weights.sum())
+    round_off = ROUND_OFF * measure ** (1 / (initial.surface1.dimension - 1))
     smallest = float(initial.gap.min())
-    if abs(smallest) < ROUND_OFF * length:
+    if abs(smallest) < round_off:
         smallest = 0.0
-    nearest = np.flatnonzero(initial.gap <= smallest + ROUND_OFF * length)
-    lengths1 = initial.surface1.measures[initial.facet1]
-    lengths2 = initial.surface2.measures[initial.facet2]
-    ratios = np.maximum(lengths1, lengths2) / np.minimum(lengths1, lengths2)
+    nearest = np.flatnonzero(initial.gap <= smallest + round_off)
+    sizes1 = initial.surface1.sizes[initial.facet1]
+    sizes2 = initial.surface2.sizes[initial.facet2]
+    ratios = np.maximum(sizes1, sizes2) / np.minimum(sizes1, sizes2)
     return ContactQuality(
         name=name,
         surfaces=(
             _surface(initial.surface1, np.unique(initial.facet1)),
             _surface(initial.surface2, np.unique(initial.facet2)),
         ),
-        length=length,
+        measure=measure,
         gap=max(0.0, smallest),
         interpenetration=max(0.0, -smallest),
         nearest=initial.points[nearest[len(nearest) // 2]],
@@ -112,19 +121,18 @@ def _contact(name: str, initial: InitialGap) -> ContactQuality:
 
 
 def _surface(surface: Surface, opposite: Indices) -> SurfaceQuality:
-    chain, lengths = Chain(surface), surface.measures[opposite]
-    curvatures = chain.curvatures[opposite]
-    worst = int(np.argmax(curvatures * lengths))
+    sizes, curvature = surface.sizes[opposite], curvatures(surface)[opposite]
+    worst = int(np.argmax(curvature * sizes))
     return SurfaceQuality(
         name=surface.name,
-        length=float(surface.measures.sum()),
+        measure=float(surface.measures.sum()),
         facets=len(surface.facets),
         opposite=len(opposite),
-        smallest=float(lengths.min()),
-        largest=float(lengths.max()),
-        radius=float(1 / curvatures[worst]) if curvatures[worst] > 0 else math.inf,
-        radius_size=float(lengths[worst]),
-        deviation=float(chain.deviations[opposite].max()),
+        smallest=float(sizes.min()),
+        largest=float(sizes.max()),
+        radius=float(1 / curvature[worst]) if curvature[worst] > 0 else math.inf,
+        radius_size=float(sizes[worst]),
+        deviation=float(deviations(surface)[opposite].max()),
     )
 
 
@@ -134,9 +142,9 @@ def mesh_warnings(
     """Properties of the mesh that may spoil the results, in words; see docs/mesh.md."""
     found = [
         f"{body.name}: smallest angle {body.smallest_angle:.1f}°; expected at least"
-        f" {SMALLEST_ANGLE:g}°"
+        f" {SMALLEST_ANGLES[body.cell]:g}°"
         for body in bodies
-        if body.smallest_angle < SMALLEST_ANGLE
+        if body.smallest_angle < SMALLEST_ANGLES[body.cell]
     ]
     straight = all(body.order == 1 for body in bodies)
     for contact in contacts:
@@ -145,10 +153,10 @@ def mesh_warnings(
 
 
 def _contact_warnings(contact: ContactQuality, unit: str, straight: bool) -> Iterator[str]:
-    if contact.gap > LARGEST_GAP * contact.length:
+    if contact.gap > LARGEST_GAP * contact.extent:
         yield (
             f"the surfaces stand apart everywhere, by {contact.gap:.4g} {unit} or more"
-            f" ({100 * contact.gap / contact.length:.2g} % of the {contact.length:.4g} {unit} over"
+            f" ({100 * contact.gap / contact.extent:.2g} % of the {contact.extent:.4g} {unit} over"
             " which they face each other); is this the place where the load begins?"
         )
     if contact.size_ratio > LARGEST_SIZE_RATIO:

@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Positions
 
 Shape = Literal["interval", "triangle", "quadrilateral"]
 
@@ -42,12 +42,12 @@ BULGE: dict[Shape, float] = {"interval": 1.0, "triangle": 4 / 3, "quadrilateral"
 
 def shape_values(shape: Shape, degree: int, at: Array) -> Array:
     """(n, k) Lagrange functions of a degree, 1 or 2, at reference coordinates (n, d - 1)."""
-    return _FUNCTIONS[shape](degree, at)[0]
+    return _VALUES[shape](degree, at)
 
 
 def shape_slopes(shape: Shape, degree: int, at: Array) -> Array:
     """(n, d - 1, k) derivatives of `shape_values` along the reference coordinates."""
-    return _FUNCTIONS[shape](degree, at)[1]
+    return _SLOPES[shape](degree, at)
 
 
 def reference_nodes(shape: Shape, degree: int) -> Array:
@@ -94,41 +94,68 @@ def _grid(shape: Shape, line: Array) -> Array:
     return np.stack([axis.ravel() for axis in axes], axis=1)
 
 
-def _interval(degree: int, at: Array) -> tuple[Array, Array]:
+def _interval_values(degree: int, at: Array) -> Array:
     t = at[:, 0]
-    if degree == 1:
-        values, slopes = [1 - t, t], [-np.ones_like(t), np.ones_like(t)]
-    else:
-        values = [(1 - t) * (1 - 2 * t), t * (2 * t - 1), 4 * t * (1 - t)]
-        slopes = [4 * t - 3, 4 * t - 1, 4 - 8 * t]
-    return np.stack(values, axis=1), np.stack(slopes, axis=1)[:, None]
+    values = (
+        [1 - t, t] if degree == 1 else [(1 - t) * (1 - 2 * t), t * (2 * t - 1), 4 * t * (1 - t)]
+    )
+    return np.stack(values, axis=1)
 
 
-def _triangle(degree: int, at: Array) -> tuple[Array, Array]:
+def _interval_slopes(degree: int, at: Array) -> Array:
+    t = at[:, 0]
+    one = np.ones_like(t)
+    slopes = [-one, one] if degree == 1 else [4 * t - 3, 4 * t - 1, 4 - 8 * t]
+    return np.stack(slopes, axis=1)[:, None]
+
+
+def _triangle_values(degree: int, at: Array) -> Array:
     """Polynomials in the barycentric coordinates."""
     area = np.column_stack([1 - at.sum(axis=1), at])
+    if degree == 1:
+        return area
+    first, second = np.array(MIDDLES["triangle"]).T
+    return np.hstack([area * (2 * area - 1), 4 * area[:, first] * area[:, second]])
+
+
+def _triangle_slopes(degree: int, at: Array) -> Array:
     slope = np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])
     if degree == 1:
-        return area, np.broadcast_to(slope, (len(at), 2, 3))
+        return np.broadcast_to(slope, (len(at), 2, 3))
+    area = _triangle_values(1, at)
     first, second = np.array(MIDDLES["triangle"]).T
-    values = [area * (2 * area - 1), 4 * area[:, first] * area[:, second]]
     along_edges = area[:, None, first] * slope[:, second] + area[:, None, second] * slope[:, first]
-    slopes = [(4 * area[:, None] - 1) * slope, 4 * along_edges]
-    return np.concatenate(values, axis=1), np.concatenate(slopes, axis=2)
+    return np.concatenate([(4 * area[:, None] - 1) * slope, 4 * along_edges], axis=2)
 
 
-def _quadrilateral(degree: int, at: Array) -> tuple[Array, Array]:
+def _quadrilateral_values(degree: int, at: Array) -> Array:
     """Products of the functions of two intervals."""
+    i, j = _grid_nodes(degree)
+    x, y = (_interval_values(degree, at[:, [axis]]) for axis in (0, 1))
+    return np.asarray(x[:, i] * y[:, j])
+
+
+def _quadrilateral_slopes(degree: int, at: Array) -> Array:
+    i, j = _grid_nodes(degree)
+    x, y = (_interval_values(degree, at[:, [axis]]) for axis in (0, 1))
+    dx, dy = (_interval_slopes(degree, at[:, [axis]])[:, 0] for axis in (0, 1))
+    return np.stack([dx[:, i] * y[:, j], x[:, i] * dy[:, j]], axis=1)
+
+
+def _grid_nodes(degree: int) -> tuple[Positions, Positions]:
+    """Nodes of the intervals, at 0, 1 and 1/2, for each node of the quadrilateral."""
     nodes = reference_nodes("quadrilateral", degree)
-    # number of the interval's node at 0, 1 and 1/2
-    i, j = np.where(nodes == 0.5, 2, nodes).astype(int).T
-    (x, dx), (y, dy) = (_interval(degree, at[:, [axis]]) for axis in (0, 1))
-    slopes = [dx[:, 0, i] * y[:, j], x[:, i] * dy[:, 0, j]]
-    return x[:, i] * y[:, j], np.stack(slopes, axis=1)
+    i, j = np.where(nodes == 0.5, 2, nodes).astype(np.intp).T
+    return i, j
 
 
-_FUNCTIONS: dict[Shape, Callable[[int, Array], tuple[Array, Array]]] = {
-    "interval": _interval,
-    "triangle": _triangle,
-    "quadrilateral": _quadrilateral,
+_VALUES: dict[Shape, Callable[[int, Array], Array]] = {
+    "interval": _interval_values,
+    "triangle": _triangle_values,
+    "quadrilateral": _quadrilateral_values,
+}
+_SLOPES: dict[Shape, Callable[[int, Array], Array]] = {
+    "interval": _interval_slopes,
+    "triangle": _triangle_slopes,
+    "quadrilateral": _quadrilateral_slopes,
 }

@@ -106,15 +106,13 @@ class Surface:
         """Sampled places (m, d) of the surface nearest to points (m, d), and unit normals there."""
         at = lattice(self.shape, SAMPLES[self.shape])
         values = shape_values(self.shape, self.degree, at)
-        places, normals = (
-            np.einsum("qk,fkd->fqd", values, nodal).reshape(-1, self.dimension)
-            for nodal in (self.nodes, self.normals)
-        )
-        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        places = np.einsum("qk,fkd->fqd", values, self.nodes).reshape(-1, self.dimension)
         # Places on edges are there twice, which makes balanced trees slow.
         tree = cKDTree(places, balanced_tree=self.dimension == 2)
         found = tree.query(points)[1]
-        return places[found], normals[found]
+        facet, sample = np.divmod(found, len(at))
+        normals = np.einsum("mk,mkd->md", values[sample], self.normals[facet])
+        return places[found], normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
     def displacement_points(self, degree: int) -> Array:
         """(m, d) points of the trace of a Lagrange space of a degree, 1 or 2; vertices first."""

@@ -53,11 +53,12 @@ def border(size: int) -> sparse.csr_matrix:
     return sparse.random(size // 4, size, density=0.1, random_state=rng, format="csr")
 
 
-def test_compliance_is_that_of_dense_algebra(matrix: PETSc.Mat) -> None:
+@pytest.mark.parametrize("symmetric", [False, True])
+def test_compliance_is_that_of_dense_algebra(matrix: PETSc.Mat, symmetric: bool) -> None:
     full = dense(matrix)
     operator = border(len(full))
     expected = operator @ np.linalg.solve(full, operator.T.toarray())
-    compliance = BorderedFactor(matrix, operator, 2).compliance
+    compliance = BorderedFactor(matrix, operator, 2, symmetric=symmetric).compliance
     assert (compliance is None) == (matrix.comm.rank > 0)
     found = MPI.COMM_WORLD.bcast(compliance)
     # Direct solution of a well conditioned matrix.
@@ -65,11 +66,13 @@ def test_compliance_is_that_of_dense_algebra(matrix: PETSc.Mat) -> None:
     np.testing.assert_array_equal(found, found.T)
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_solution_is_that_of_dense_algebra(matrix: PETSc.Mat, dimension: int) -> None:
+@pytest.mark.parametrize(("dimension", "symmetric"), [(2, False), (3, False), (3, True)])
+def test_solution_is_that_of_dense_algebra(
+    matrix: PETSc.Mat, dimension: int, symmetric: bool
+) -> None:
     """With the ordering for either dimension; more than once, for several at once."""
     full = dense(matrix)
-    factor = BorderedFactor(matrix, border(len(full)), dimension)
+    factor = BorderedFactor(matrix, border(len(full)), dimension, symmetric=symmetric)
     for count in (0, 1, 3):
         loads = np.random.default_rng(count).standard_normal((count, len(full)))
         sides = [matrix.createVecRight() for _ in loads]
@@ -88,4 +91,4 @@ def test_a_singular_matrix_is_an_error_in_words() -> None:
     csr = full.indptr, full.indices, full.data
     singular = PETSc.Mat().createAIJ(full.shape, csr=csr, comm=MPI.COMM_SELF)
     with pytest.raises(ModelError, match="20 unknowns cannot be factorised: a pivot is zero"):
-        BorderedFactor(singular, border(20), 2)
+        BorderedFactor(singular, border(20), 2, symmetric=False)

@@ -129,9 +129,9 @@ def test_assemble_vector_adds_what_other_ranks_have() -> None:
 def test_form_on_some_cells_and_facets(name: str) -> None:
     space, area = mesh_of(name)
     mesh, test = space.mesh, ufl.TestFunction(space)
-    factor = fem.Constant(mesh, 1.0)
+    factor, pair = fem.Constant(mesh, 1.0), fem.Constant(mesh, np.array([0.0, 2.0]))
     compiled = fem.compile_form(
-        mesh.comm, factor * test * ufl.dx(1, domain=mesh) - 2 * test * ufl.ds(1, domain=mesh)
+        mesh.comm, factor * test * ufl.dx(1, domain=mesh) - pair[1] * test * ufl.ds(1, domain=mesh)
     )
     dim = mesh.topology.dim
     mesh.topology.create_connectivity(dim - 1, dim)
@@ -144,7 +144,7 @@ def test_form_on_some_cells_and_facets(name: str) -> None:
         (cells, none, 3 * area),
         (none, right, -2.0),
     ):
-        form = form_on(compiled, space, [factor], chosen, sides)
+        form = form_on(compiled, space, [factor, pair], chosen, sides)
         factor.value = 3.0  # is read when the form is assembled
         assert assemble_vector(form).sum() == pytest.approx(expected, rel=1e-12)
 

@@ -24,10 +24,10 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / FOLDER
 
 
-def area(factor: float = 1.0) -> Any:
+def area(factor: float = 1.0, flags: tuple[str, ...] = ()) -> Any:
     """The area of a square times a factor, which is a part of the form."""
     mesh = create_unit_square(MPI.COMM_SELF, 2, 2)
-    return compiled(MPI.COMM_SELF, fem.form, factor * ufl.dx(domain=mesh))
+    return compiled(MPI.COMM_SELF, fem.form, factor * ufl.dx(domain=mesh), flags=flags)
 
 
 def test_a_form_is_compiled_once(folder: Path) -> None:
@@ -37,6 +37,12 @@ def test_a_form_is_compiled_once(folder: Path) -> None:
     assert fem.assemble_scalar(area()) == pytest.approx(1.0)
     assert library.stat().st_mtime_ns == made
     assert len(list(folder.glob("*.c"))) == 1
+
+
+def test_other_flags_of_the_compiler_make_another_library(folder: Path) -> None:
+    assert fem.assemble_scalar(area()) == pytest.approx(1.0)
+    assert fem.assemble_scalar(area(flags=("-O3", "-g0"))) == pytest.approx(1.0)
+    assert len(list(folder.glob("*.so"))) == 2
 
 
 def test_what_a_killed_compilation_left_is_removed(folder: Path) -> None:

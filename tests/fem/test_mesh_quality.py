@@ -65,11 +65,11 @@ def test_numbers_of_a_pad_above_a_wider_block(order: int) -> None:
     # At the integration point next to the lowest node: h/21 away, on a facet of slope h/2R.
     assert found.gap == pytest.approx(0.03, abs=1.25e-4) and found.interpenetration == 0
     assert found.nearest == pytest.approx([0.5, 0.0], abs=0.05)  # half an element
-    assert found.length == pytest.approx(1.0, abs=1e-12)
+    assert found.measure == pytest.approx(1.0, abs=1e-12)
     assert (pad.facets, pad.opposite, flat.facets, flat.opposite) == (10, 10, 20, 10)
     # An arc of half-angle asin(1/4); polygons of 10 sides are shorter by 0.01 %.
-    assert pad.length == pytest.approx(4 * np.arcsin(0.25), rel=2e-4)
-    assert flat.length == pytest.approx(2.0, rel=1e-12)
+    assert pad.measure == pytest.approx(4 * np.arcsin(0.25), rel=2e-4)
+    assert flat.measure == pytest.approx(2.0, rel=1e-12)
     # The chord of a facet at the end has the slope of the arc at x = 0.45: 1.3 %.
     assert (flat.smallest, flat.largest) == pytest.approx((0.1, 0.1))
     assert pad.smallest == pytest.approx(0.1, rel=1e-3)

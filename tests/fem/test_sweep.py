@@ -51,9 +51,9 @@ def factorised(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     sizes: list[int] = []
     original = condensation.BorderedFactor
 
-    def counted(matrix: Any, border: Any, dimension: int) -> Any:
+    def counted(matrix: Any, border: Any, dimension: int, **options: Any) -> Any:
         sizes.append(border.shape[0])
-        return original(matrix, border, dimension)
+        return original(matrix, border, dimension, **options)
 
     monkeypatch.setattr(condensation, "BorderedFactor", counted)
     return sizes

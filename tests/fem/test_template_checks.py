@@ -223,6 +223,33 @@ BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
     ("cylinder", "lower height"): ({"lower_height": 4}, "lower_height: expected at least 4.8"),
     ("flat_rounded", "lower height"): ({"lower_height": 0.5}, "lower_height: expected at least 1 "),
     ("wedge", "lower height"): ({"lower_height": 0.5}, "lower_height: expected at least 1 "),
+    ("sphere", "upper corners"): ({"upper_width": 31}, "upper_width: expected at most 30.05"),
+    ("sphere", "upper corners of an ellipsoid"): (
+        {"upper_width": 20, "radius_z": 20},
+        "upper_width: expected at most 14.36",
+    ),
+    ("sphere", "lower corners"): ({"lower_radius": 30}, "lower_width: expected at most 18.03"),
+    ("sphere", "zone in x"): ({"contact_x": 12}, "contact_x: expected at most 11.25 "),
+    ("sphere", "zone in z"): ({"contact_z": 12}, "contact_z: expected at most 11.25 "),
+    ("sphere", "size"): ({"contact_z": 0.1}, "size: expected at most 0.05 "),
+    ("sphere", "upper height"): ({"upper_height": 10}, "upper_height: expected at least 10.76"),
+    ("sphere", "lower height"): ({"lower_height": 3}, "lower_height: expected at least 3.6 "),
+    ("cylinder_finite", "half cylinder"): (
+        {"upper_width": 28},
+        "upper_width: expected at most 27 ",
+    ),
+    ("cylinder_finite", "zone"): ({"zone": 9.5}, "zone: expected at most 9 "),
+    ("cylinder_finite", "height"): ({"upper_height": 2}, "upper_height: expected at least 2.71"),
+    ("cylinder_finite", "size"): ({"size": 0.8}, "size: expected at most 0.75 "),
+    ("cylinder_finite", "end size"): ({"length": 0.8}, "end_size: expected at most 0.2 "),
+    ("cylinder_finite", "length size"): (
+        {"length_size": 0.2},
+        "length_size: expected at least 0.25 ",
+    ),
+    ("cylinder_finite", "overhang"): (
+        {"overhang": 0.1},
+        "overhang: expected 0, or at least 0.25 ",
+    ),
     ("firtree", "disc depth"): ({"disc_depth": 15}, "disc_depth: expected at least "),
     ("firtree", "groove corners"): ({"groove_radius": 12}, "groove_radius: expected at most "),
     ("firtree", "clearance at teeth"): (

@@ -259,8 +259,8 @@ def test_sizes_come_from_the_case_or_from_refinement(folder: Path) -> None:
         load_mesh(case, lambda _: None)
 
 
-def drawn(path: Path, *, split: bool = True, three: bool = False) -> Path:
-    """Two squares side by side with an edge in common, or not; or a cube; as a CAD file."""
+def drawn(path: Path, *, split: bool = True) -> Path:
+    """Two squares side by side with an edge in common, or not, as a CAD file."""
     gmsh.initialize([], readConfigFiles=False, interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
@@ -269,8 +269,6 @@ def drawn(path: Path, *, split: bool = True, three: bool = False) -> Path:
         left, right = occ.addRectangle(-1, 0, 0, 1, 1), occ.addRectangle(0, 0, 0, 1, 1)
         if not split:
             occ.fragment([(2, left)], [(2, right)])
-        if three:
-            occ.extrude([(2, left), (2, right)], 0, 0, 1)
         occ.synchronize()
         gmsh.write(str(path))
     finally:
@@ -296,12 +294,6 @@ def test_a_face_without_a_name_is_refused(tmp_path: Path) -> None:
         pass
 
 
-def test_volumes_are_refused(tmp_path: Path) -> None:
-    path = drawn(tmp_path / "cubes.step", three=True)
-    message = refusal(cad_geometry(path, bodies=SQUARES))
-    assert "volumes are not supported, found 2; give the plane section" in message
-
-
 def test_faces_out_of_the_plane_are_refused(tmp_path: Path) -> None:
     path = drawn(tmp_path / "squares.brep")
     # the heights of all vertices, curves and faces are in the matrices and poles of the file
@@ -315,7 +307,7 @@ def test_faces_out_of_the_plane_are_refused(tmp_path: Path) -> None:
     finally:
         gmsh.finalize()
     message = refusal(cad_geometry(path, bodies=SQUARES))
-    assert "but face 1 reaches from z = 0.25 to 0.25; give the plane section" in message
+    assert "but face 1 reaches from z = 0.25 to 0.25; give volumes, or the plane" in message
 
 
 def cut(path: Path, content: bytes) -> Path:

@@ -291,12 +291,12 @@ def test_two_kinds_of_numbers(tmp_path: Path) -> None:
     assert "or one called 'gmsh:physical', found for the mixeds: tag, other" in message
 
 
-def test_volumes(tmp_path: Path) -> None:
-    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
-    meshio.Mesh(points, [("tetra", np.arange(4)[None])]).write(tmp_path / "m.xdmf")
+def test_prisms(tmp_path: Path) -> None:
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0], [1, 0, 1], [0, 1, 1]])
+    meshio.Mesh(points, [("wedge", np.arange(6)[None])]).write(tmp_path / "m.xdmf")
     message = xdmf_refusal(tmp_path / "m.xdmf")
-    assert "expected a plane mesh" in message
-    assert "'tetrahedron'" in message
+    assert "or tetrahedra or hexahedra and their facets" in message
+    assert "'wedge'" in message
 
 
 def replaced(old: str, new: str) -> Callable[[str], str]:
@@ -488,7 +488,7 @@ def test_corner_nodes_alone_are_no_facet_of_order_2(tmp_path: Path) -> None:
     ("change", "expected"),
     [
         (replaced("*ELEMENT, TYPE=CPS4I", "*ELEMENT, TYPE=CAX4"), "axisymmetric elements (CAX4)"),
-        (replaced("*ELEMENT, TYPE=CPS4I", "*ELEMENT, TYPE=C3D4"), "volume elements (C3D4)"),
+        (replaced("*ELEMENT, TYPE=CPS4I", "*ELEMENT, TYPE=C3D6"), "found prisms (C3D6)"),
         (replaced("*ELEMENT, TYPE=CPS4I", "*ELEMENT, TYPE=CPE6"), "expected 6 nodes, found 4"),
         (replaced("*ELEMENT, TYPE=CPS4I", "*ELEMENT, TYPE=XYZ4"), "found element 3 (XYZ4)"),
         (replaced("*NODE\n", "*PART, NAME=P\n*NODE\n"), "line 11: *PART is not supported; write"),
@@ -498,9 +498,9 @@ def test_corner_nodes_alone_are_no_facet_of_order_2(tmp_path: Path) -> None:
         (replaced("ELSET=LOWER,", "ELSET=ELOWER,"), "no element set LOWER for the body 'lower'"),
         (replaced("UPPER_CONTACT\n1, 2, 3", "UPPER_CONTACT\n1, 2, 3, 5"), "the first is 5 at (1"),
         (replaced("NSET=UPPER_CONTACT", "NSET=CONTACT"), "node sets: ALL, CONTACT, BOTTOM_LEFT"),
-        (replaced("EUPPER, S3", "EUPPER, SPOS"), "expected a side S1, S2, S3 or S4, found 'SPOS'"),
+        (replaced("EUPPER, S3", "EUPPER, SPOS"), "expected a side S1, S2, ... or S6, found 'SPOS'"),
         (replaced("EUPPER, S3", "NONE, S3"), "there is no set 'NONE'"),
-        (replaced("3, S4\n", "3, S4\n9, S4\n"), "element 9, side S4 is no side of a plane"),
+        (replaced("3, S4\n", "3, S4\n9, S4\n"), "element 9, side S4 is no side of an element"),
         (replaced("BOTTOM_LEFT, 16", "LEFT, 16"), "cannot read *NSET: there is no set 'LEFT'"),
         (replaced("*NODE\n11", "*NODE\n1, 1., 0.\n11"), "node 1 is defined twice"),
         (replaced("\n4, 12, 15", "\n3, 12, 15"), "element 3 is defined twice"),

@@ -24,8 +24,9 @@ from matplotlib.image import imread
 from fretfe.report.pictures import folder as folder_module
 from fretfe.report.pictures.child import _run
 from fretfe.report.pictures.fields import open_fields
-from fretfe.report.pictures.folder import MOST_EDGES, make_pictures, plan_pictures
+from fretfe.report.pictures.folder import make_pictures
 from fretfe.report.pictures.panels import Pixels
+from fretfe.report.pictures.plan import MOST_EDGES, plan_pictures
 from fretfe.report.pictures.status import STATUS
 from fretfe.report.pictures.stress import draw_bodies, find_look
 from fretfe.results.field_file import FIELDS

@@ -21,8 +21,8 @@ from fretfe.cli.pictures import scene as write_scene
 from fretfe.edges.extremes import load_extremes
 from fretfe.errors import CaseError, FretfeError, OutputError
 from fretfe.report.pictures.fields import BodyField, Grid, find_time, open_fields
-from fretfe.report.pictures.folder import EdgePlace
 from fretfe.report.pictures.panels import View
+from fretfe.report.pictures.plan import EdgePlace
 from fretfe.report.pictures.status import shares_text, visible_status
 from fretfe.report.pictures.stress import (
     colour_limit,

@@ -65,7 +65,7 @@ def draw_loads(case: Case, history: History) -> Figure:
 
 
 def _draw_loads(figure: Figure, case: Case, history: History) -> None:
-    panels = _panels(figure, len(history.channels), case, history)
+    panels = time_panels(figure, len(history.channels), case, history)
     for panel, name, values in zip(panels, history.channels, history.values.T, strict=True):
         shown = envelope(values)
         mark = ".-" if len(shown) == len(values) else "-"
@@ -99,7 +99,7 @@ def _draw_factors(
 ) -> None:
     """One panel for each factor, by the name of its attribute, with a line for each edge."""
     stress, root = case.units.stress, f"√{case.units.length}"
-    panels = _panels(figure, len(names), case, history)
+    panels = time_panels(figure, len(names), case, history)
     edges = [(contact.name, edge) for contact in contacts for edge in contact.stations]
     for panel, (name, label) in zip(panels, names.items(), strict=True):
         for number, (contact, edge) in enumerate(edges):
@@ -121,8 +121,8 @@ def _draw_factors(
     legend_above(panels[0], columns=2)
 
 
-def _panels(figure: Figure, count: int, case: Case, history: History) -> list[Axes]:
-    """Panels over time with the evaluated cycle shaded."""
+def time_panels(figure: Figure, count: int, case: Case, history: History) -> list[Axes]:
+    """Panels over time with the evaluated cycle shaded, below each other."""
     panels = list(figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0])
     for panel in panels:
         panel.set_xlim(0.0, history.times[-1] or 1.0)
@@ -140,6 +140,8 @@ def _unit(case: Case, name: str) -> str:
         return units.stress
     if load.type == "rotation":
         return f"1/{units.time}"
+    if load.type == "tilt":
+        return "rad" if load.control == "rotation" else f"{units.force}·{units.length}"
     prescribed = load.type == "displacement" or load.control == "displacement"
     return units.length if prescribed else units.force
 

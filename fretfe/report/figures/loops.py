@@ -7,9 +7,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fretfe._typing import Array
+from fretfe.edges.area import shear_direction
 from fretfe.report.figures.plot import Plot, envelope, make_plot, plain_axis
-from fretfe.report.source import Shown, span
-from fretfe.report.texts import number
+from fretfe.report.source import Shown, ShownArea, force_unit, span, work_unit
+from fretfe.report.texts import direction_text, number
 from fretfe.report.theme import BLUE, SINGLE
 from fretfe.results.model import Result
 from fretfe.results.solution import OPEN, Solution
@@ -22,12 +23,13 @@ INTRO = (
     "right the same without the part of the displacement that goes with the force; that leaves the "
     "area as it is, the work that is done in the cycle."
 )
+SOLID_INTRO = INTRO.replace(" per unit thickness", "").replace("the shear force", "Q")
 # A boundary whose force times displacement is below this fraction of the largest does no work.
 NO_WORK = 1e-6
 ROUND_OFF = 1e-9
 
 
-def slip_loop_plot(shown: Shown) -> Plot | None:
+def slip_loop_plot(shown: Shown | ShownArea) -> Plot | None:
     """Q over the mean slip of a contact; None if no node stays in contact."""
     first, last = span(shown.run)
     solution = shown.run.solution
@@ -35,35 +37,49 @@ def slip_loop_plot(shown: Shown) -> Plot | None:
     if last - first < 2 or not solution.keeps(first, last):
         return None
     states, tractions = slice(first, last + 1), shown.tractions
-    closed, means = np.ones(len(tractions.arc), dtype=bool), []
-    parts = [range(first, last + 1)[part] for part in blocks(last + 1 - first, len(tractions.arc))]
+    count = len(tractions.weights)
+    closed, means = np.ones(count, dtype=bool), []
+    parts = [range(first, last + 1)[part] for part in blocks(last + 1 - first, count)]
     for part in parts:
         touching = tractions.status[part[0] : part[-1] + 1] != OPEN
         # Nothing is in contact before the first step.
         closed &= touching[1 if part[0] == 0 else 0 :].all(axis=0)
     if not closed.any():
         return None
+    along, force, name = _shear(shown, states)
     for part in parts:
-        moved = tractions.slip[part[0] : part[-1] + 1, :, 0]
+        moved = np.einsum("tnc,nc->tn", tractions.slip[part[0] : part[-1] + 1], along)
         means.append(moved @ (tractions.weights * closed))
     slip = np.concatenate(means)
     slip = (slip - slip[0]) / shown.tractions.weights[closed].sum()
     cycle = shown.run.loads.cycle is not None
-    units = shown.run.case.units
-    work = f"{number(shown.summary.dissipation)} {units.force}·{units.length}/{units.length}"
+    work = f"{number(shown.summary.dissipation)} {work_unit(shown.run)}"
     when = "evaluated cycle" if cycle else "whole history, which is shown: there is no cycle"
     caption = f"Friction work of this contact in the {when}: {work}."
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots()
-        force = shown.summary.shear_force[states]
         seen = np.union1d(envelope(slip), envelope(force))
         axes.plot(slip[seen], force[seen], ".-", ms=4, lw=1.2, color=BLUE)
         plain_axis(axes, "x")
-        axes.set_xlabel(f"mean slip since the first of these states [{units.length}]")
-        axes.set_ylabel(f"Q [{units.force}/{units.length}]")
+        length = shown.run.case.units.length
+        axes.set_xlabel(f"mean slip since the first of these states [{length}]")
+        axes.set_ylabel(f"{name} [{force_unit(shown.run)}]")
 
     return make_plot(f"{shown.key}-loop", f"Contact {shown.summary.name}", caption, SINGLE, draw)
+
+
+def _shear(shown: Shown | ShownArea, states: slice) -> tuple[Array, Array, str]:
+    """Direction of the shear at the nodes (N, d - 1), the force along it in some states, its name.
+
+    Of solids it is the direction in which Q varies most.
+    """
+    contact, force = shown.tractions, shown.summary.shear_force[states]
+    if isinstance(shown, Shown):
+        return np.ones((len(contact.weights), 1)), force, "Q"
+    direction = shear_direction(force)
+    name = f"Q along {direction_text(direction)}"
+    return contact.frames[:, 1:] @ direction, force @ direction, name
 
 
 def work_loop_plots(run: Result) -> list[Plot]:
@@ -100,7 +116,7 @@ def without_slope(force: Array, displacement: Array) -> Array:
 def _balance(run: Result, solution: Solution, total: float) -> str:
     """Work of all boundaries next to the friction work of all contacts."""
     first, last = span(run)
-    friction = sum(contact.dissipation for contact in run.contacts)
+    friction = sum(contact.dissipation for contact in run.summaries)
     text = (
         f"All loops of boundaries together: {number(total)}; friction work of all contacts in the "
         f"cycle: {number(float(friction))}."
@@ -120,7 +136,11 @@ def _work_loop(run: Result, label: str, index: int, area: float, balance: str) -
     assert solution is not None and solution.cycle is not None
     states = slice(solution.cycle[0], solution.cycle[1] + 1)
     force, displacement = solution.forces[states, index], solution.amplitudes[states, index]
-    caption = f"Area: {number(area)} {units.force}·{units.length}/{units.length}. {balance}"
+    load = run.case.loads.get(label)
+    turns = load is not None and load.type == "tilt"
+    moved, force_label = ("rotation", "moment") if turns else ("displacement", "force")
+    moved_unit, unit = ("rad", work_unit(run)) if turns else (units.length, force_unit(run))
+    caption = f"Area: {number(area)} {work_unit(run)}. {balance}"
 
     def draw(figure: Figure) -> None:
         panels = figure.subplots(1, 2, sharey=True)
@@ -129,9 +149,11 @@ def _work_loop(run: Result, label: str, index: int, area: float, balance: str) -
             seen = np.union1d(envelope(values), envelope(force))
             axes.plot(values[seen], force[seen], ".-", ms=4, lw=1.2, color=BLUE)
             plain_axis(axes, "x")
-            axes.set_xlabel(f"displacement [{units.length}]")
+            axes.set_xlabel(f"{moved} [{moved_unit}]")
             axes.tick_params(axis="x", labelrotation=30)
-        panels[1].set_xlabel(f"the same less its slope [{units.length}]")
-        panels[0].set_ylabel(f"force [{units.force}/{units.length}]")
+        panels[1].set_xlabel(f"the same less its slope [{moved_unit}]")
+        panels[0].set_ylabel(f"{force_label} [{unit}]")
 
-    return make_plot(f"work{index}", f"Force and displacement: {label}", caption, SINGLE, draw)
+    return make_plot(
+        f"work{index}", f"{force_label.capitalize()} and {moved}: {label}", caption, SINGLE, draw
+    )

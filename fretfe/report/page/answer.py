@@ -94,8 +94,17 @@ def _zone_answer(
 
 
 def summary(run: Result, answers: tuple[EdgeAnswer, ...]) -> tuple[str, ...]:
-    """The answer in a few sentences: slip zones, solution, cycle."""
-    return tuple(text for text in (_zone_text(answers), _step_text(run), _cycle_text(run)) if text)
+    """The answer in a few sentences: slip zones, or contacts of solids, solution, cycle."""
+    first = _solid_text(run) if run.areas else _zone_text(answers)
+    return tuple(text for text in (first, _step_text(run), _cycle_text(run)) if text)
+
+
+def _solid_text(run: Result) -> str:
+    count = len(run.areas)
+    return (
+        f"{count} contact{'' if count == 1 else 's'} of solids. Edge factors of solids are not "
+        "evaluated yet: there is no verdict on slip zones."
+    )
 
 
 def _zone_text(answers: tuple[EdgeAnswer, ...]) -> str:
@@ -124,8 +133,9 @@ def _step_text(run: Result) -> str:
 
 def _cycle_text(run: Result) -> str:
     if run.loads.cycle is None:
-        return "There is no evaluated cycle: ranges over it are missing."
-    changing = [contact.name for contact in run.contacts if not contact.steady]
+        missing = "" if run.areas else ": ranges over it are missing"
+        return f"There is no evaluated cycle{missing}."
+    changing = [contact.name for contact in run.summaries if not contact.steady]
     if changing:
         return f"The evaluated cycle is not steady, or not known to be, at {', '.join(changing)}."
     return "The evaluated cycle is steady."

@@ -17,8 +17,15 @@ from fretfe.errors import OutputError
 from fretfe.quality.validate.single import own_rows
 from fretfe.report.page.answer import edge_answers, summary
 from fretfe.report.page.sections import Plots, draw_plots
-from fretfe.report.page.tables import contact_table, limit_table, mesh_table, timing_table
+from fretfe.report.page.tables import (
+    area_table,
+    contact_table,
+    limit_table,
+    mesh_table,
+    timing_table,
+)
 from fretfe.report.pictures.folder import read_pictures
+from fretfe.report.source import force_unit
 from fretfe.report.texts import number
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
@@ -79,10 +86,10 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         units=run.case.units,
         answers=answers,
         summary=summary(run, answers),
-        contacts=contact_table(run.case, run.loads.cycle, run.contacts),
+        contacts=_contacts(run),
         works=[
             f"{contact.name} {number(contact.dissipation)}"
-            for contact in run.contacts
+            for contact in run.summaries
             if math.isfinite(contact.dissipation)
         ],
         pictures=pictures,
@@ -93,6 +100,13 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         timings=timing_table(run.seconds),
         case_text=_case_text(run),
     )
+
+
+def _contacts(run: Result) -> Table:
+    """One row per contact, of plane bodies or of solids."""
+    if run.areas:
+        return area_table(run.case, run.loads.cycle, run.areas)
+    return contact_table(run.case, run.loads.cycle, run.contacts)
 
 
 def _solved(solution: Solution | None) -> bool:
@@ -108,7 +122,7 @@ def _certificate_rows(run: Result) -> list[tuple[str, str, str]]:
     labels = {
         "length": units.length,
         "stress": units.stress,
-        "force": f"{units.force}/{units.length}",
+        "force": force_unit(run),
     }
     parts = solution.certificates
     scales = {

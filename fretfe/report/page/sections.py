@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from fretfe.report.figures import edges, history, loops, slip, solver, tractions
+from fretfe.report.figures import areas, edges, history, loops, slip, solver, tractions
 from fretfe.report.figures.plot import Plot
-from fretfe.report.source import Shown, shown_contacts
+from fretfe.report.source import Shown, ShownArea, shown_areas, shown_contacts
 from fretfe.results.model import Result
 
 
@@ -50,6 +50,8 @@ def draw_plots(run: Result) -> Plots:
 def _sections(run: Result) -> tuple[Section, ...]:
     if len(run.loads.times) < 2:
         return ()
+    if run.areas:
+        return _solid_sections(run)
     shown = shown_contacts(run)
     histories = (
         _section("factors", "Edge factors", history.FACTORS_INTRO, _factors(run)),
@@ -69,6 +71,21 @@ def _sections(run: Result) -> tuple[Section, ...]:
         _section("loops", "Hysteresis", loops.INTRO, _loops(run, shown)),
     )
     return tuple(section for section in sections if section.plots)
+
+
+def _solid_sections(run: Result) -> tuple[Section, ...]:
+    sections = (
+        _section("areas", "Contacts over time", areas.INTRO, _areas(run)),
+        _section("loads", "Loads", "Shaded: the evaluated cycle.", [history.load_plot(run)]),
+        _section("loops", "Hysteresis", loops.SOLID_INTRO, _loops(run, shown_areas(run))),
+    )
+    return tuple(section for section in sections if section.plots)
+
+
+def _areas(run: Result) -> Iterable[Plot]:
+    for place, area in enumerate(run.areas):
+        yield areas.force_plot(run, area, f"contact{place}")
+        yield areas.area_plot(run, area, f"contact{place}")
 
 
 def _solver_plots(run: Result) -> tuple[Plot, ...]:
@@ -91,7 +108,7 @@ def _loads(run: Result) -> Iterable[Plot | None]:
         yield history.path_plot(run, contact, f"contact{place}")
 
 
-def _loops(run: Result, shown: list[Shown]) -> Iterable[Plot | None]:
+def _loops(run: Result, shown: Sequence[Shown | ShownArea]) -> Iterable[Plot | None]:
     yield from map(loops.slip_loop_plot, shown)
     yield from loops.work_loop_plots(run)
 

@@ -29,7 +29,18 @@ PIECES = {
     6: ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
     9: ((0, 4, 8, 7), (4, 1, 5, 8), (7, 8, 6, 3), (8, 5, 2, 6)),
 }
-# Number of corners of a cell, which come first among its nodes.
+# Nodes of the faces of a solid cell, in the order of the cells above, by its number of nodes.
+FACES = {
+    4: ((0, 1, 3), (1, 2, 3), (2, 0, 3), (0, 2, 1)),
+    8: ((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7)),
+    10: ((0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (2, 0, 3, 6, 7, 9), (0, 2, 1, 6, 5, 4)),
+    27: (
+        (0, 4, 7, 3, 16, 15, 19, 11, 20), (1, 2, 6, 5, 9, 18, 13, 17, 21),
+        (0, 1, 5, 4, 8, 17, 12, 16, 22), (3, 7, 6, 2, 19, 14, 18, 10, 23),
+        (0, 3, 2, 1, 11, 10, 9, 8, 24), (4, 5, 6, 7, 12, 13, 14, 15, 25),
+    ),
+}  # fmt: skip
+# Number of corners of a plane cell, which come first among its nodes.
 CORNERS = {3: 3, 4: 4, 6: 3, 9: 4}
 # Nodes along the edges of a cell, edge by edge.
 EDGES = {
@@ -46,16 +57,16 @@ class Grid:
     """The elements of a body before deformation; n nodes, of which each element has its own.
 
     Args:
-        nodes: (m, k, 2) places of the nodes of each element, in VTK's order.
+        nodes: (m, k, d) places of the nodes of each element, in VTK's order.
     """
 
     def __init__(self, nodes: Array) -> None:
-        self.points: Array = nodes.reshape(-1, 2)
+        self.points: Array = nodes.reshape(-1, nodes.shape[2])
         self.cells: Indices = np.arange(len(self.points)).reshape(nodes.shape[:2])
 
     @cached_property
     def outline(self) -> Indices:
-        """(f, 2 or 3) nodes along the edges that belong to one element only."""
+        """(f, 2 or 3) nodes along the edges that belong to one element only, in the plane."""
         pattern = np.array(EDGES[self.cells.shape[1]])
         edges = self.cells[:, pattern].reshape(-1, pattern.shape[1])
         middles = self.points[edges[:, 0]] + self.points[edges[:, -1]]
@@ -64,6 +75,20 @@ class Grid:
         _, numbers, counts = np.unique(places, return_inverse=True, return_counts=True)
         return edges[counts[numbers] == 1]
 
+    @cached_property
+    def faces(self) -> Indices:
+        """(f, k) nodes of the faces that are seen: elements in the plane, the skin of solids."""
+        if self.points.shape[1] == 2:
+            return self.cells
+        pattern = np.array(FACES[self.cells.shape[1]])
+        faces = self.cells[:, pattern].reshape(-1, pattern.shape[1])
+        corners = faces[:, : CORNERS[faces.shape[1]]]
+        # Nodes of neighbouring elements are at exactly the same place.
+        _, places = np.unique(self.points, axis=0, return_inverse=True)
+        same = np.sort(places.ravel()[corners], axis=1)
+        _, numbers, counts = np.unique(same, axis=0, return_inverse=True, return_counts=True)
+        return faces[counts[numbers.ravel()] == 1]
+
 
 @dataclass(frozen=True)
 class BodyField:
@@ -71,7 +96,7 @@ class BodyField:
 
     Attributes:
         grid: its elements.
-        displacement: (n, 2) at the nodes.
+        displacement: (n, d) at the nodes.
         stress: (n, 6) σx, σy, σz, τxy, τyz, τxz at the nodes.
     """
 
@@ -87,7 +112,7 @@ class BodyField:
         return np.sqrt(squares / 2 + 3 * (self.stress[:, 3:] ** 2).sum(axis=1))
 
     def deformed(self, scale: float) -> Array:
-        """(n, 2) places with the displacements drawn `scale` times."""
+        """(n, d) places with the displacements drawn `scale` times."""
         return self.grid.points + scale * self.displacement
 
 
@@ -111,6 +136,12 @@ class Fields:
         self._grids: dict[str, Grid] = {}
         self._read: dict[int, dict[str, BodyField]] = {}
 
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates of the bodies."""
+        assert self.run.solution is not None
+        return self.run.solution.dimension
+
     def available(self, states: Sequence[int]) -> list[int]:
         """Those of the states whose fields are there."""
         return [state for state in states if self._number(state) is not None]
@@ -120,13 +151,15 @@ class Fields:
         source, number = self._source, self._number(state)
         assert source is not None
         assert number is not None
+        dimension = self.dimension
         if not self._grids:
-            self._grids = {name: Grid(source.nodes(name)[..., :2]) for name in source.bodies}
+            nodes = {name: source.nodes(name)[..., :dimension] for name in source.bodies}
+            self._grids = {name: Grid(each) for name, each in nodes.items()}
         if state not in self._read:
             self._read[state] = {
                 name: BodyField(
                     grid,
-                    source.values("displacement", name, number).reshape(-1, 3)[:, :2],
+                    source.values("displacement", name, number).reshape(-1, 3)[:, :dimension],
                     source.values("stress", name, number).reshape(-1, 6),
                 )
                 for name, grid in self._grids.items()
@@ -190,6 +223,10 @@ class Scene:
         camera.up = (*view.normal, 0.0)
         camera.parallel_scale = float(view.half_size[1])
         camera.clipping_range = (0.5 * distance, 2.0 * distance)
+        return self._shot(pixels)
+
+    def _shot(self, pixels: tuple[int, int]) -> Pixels:
+        """What the camera sees."""
         # The plotter's own setter would draw once more.
         self._plotter.render_window.SetSize(*pixels)
         self._plotter.render()
@@ -224,12 +261,18 @@ class Scene:
 
 
 def surface(body: BodyField, scale: float) -> Any:
-    """A body as linear pieces with the point data `stress`; a `pyvista.PolyData`."""
+    """A plane body, or the skin of a solid, as linear pieces with the point data `stress`.
+
+    Returns:
+        A `pyvista.PolyData`.
+    """
     from pyvista import PolyData
 
-    pieces = body.grid.cells[:, PIECES[body.grid.cells.shape[1]]]
+    pieces = body.grid.faces[:, PIECES[body.grid.faces.shape[1]]]
     faces = pieces.reshape(-1, pieces.shape[-1])
-    points = np.column_stack([body.deformed(scale), np.zeros(len(body.displacement))])
+    places = body.deformed(scale)
+    points = np.zeros((len(places), 3))
+    points[:, : places.shape[1]] = places
     mesh: Any = PolyData(points, np.insert(faces, 0, faces.shape[1], axis=1).ravel())
     mesh.point_data["stress"] = body.von_mises
     return mesh

@@ -2,127 +2,46 @@
 """The pictures of a results folder: `pictures/*.png`, and `pictures/pictures.json` that lists them.
 
 Stress is drawn by another process, which may crash where OpenGL does not work: pictures that cannot
-be made are listed with the reason.
+be made are listed with the reason. Of solids there are files to open beside them: an animation of
+the contact where the shear varies most, and the bodies as a scene.
 """
 
 from __future__ import annotations
 
 import base64
-import itertools
 import json
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, TypeVar
-
-import numpy as np
+from typing import Any
 
 from fretfe.environment import idle_cores
 from fretfe.errors import OutputError
 from fretfe.report.pictures.child import draw_in_child
+from fretfe.report.pictures.cycle import cycle_frames, draw_cycle
 from fretfe.report.pictures.panels import save_png
+from fretfe.report.pictures.plan import Wanted, plan_pictures
 from fretfe.report.pictures.status import draw_status
-from fretfe.report.source import edge_title, extremes, folder_of
+from fretfe.report.pictures.surfaces import draw_surface
+from fretfe.report.source import folder_of
 from fretfe.results.field_file import FIELDS
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import PICTURE_LIST, PICTURES, remove_pictures
-
-T = TypeVar("T")
-
-# Panels in one picture.
-MOST_EDGES, MOST_CONTACTS = 4, 4
 
 NO_FIELDS = (
     f"there is no {FIELDS}: 'fields' in the table [output] of the case says which states a run "
     'writes; "extremes" suits pictures'
 )
 
-Kind = Literal["bodies", "edges", "status"]
+NOT_KEPT = (
+    "the tractions of some states of the cycle are not kept: 'tractions = \"cycle\"' in the table "
+    "[output] of the case keeps them"
+)
 
-
-@dataclass(frozen=True)
-class EdgePlace:
-    """An edge of a contact, at the last state.
-
-    Attributes:
-        contact: name.
-        title: of its panel.
-        position: along the arc.
-        slip: length of the longer one of its last two slip zones; 0 if there is none.
-        half_width: of the contact.
-    """
-
-    contact: str
-    title: str
-    position: float
-    slip: float
-    half_width: float
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """A picture to make.
-
-    Attributes:
-        file: its name.
-        title: what it shows.
-        kind: of picture.
-        states: that it shows.
-        edges: that it shows, one panel each.
-        contacts: that it shows, one row of panels each.
-    """
-
-    file: str
-    title: str
-    kind: Kind
-    states: tuple[int, ...]
-    edges: tuple[EdgePlace, ...] = ()
-    contacts: tuple[str, ...] = ()
-
-
-def plan_pictures(run: Result) -> list[Wanted]:
-    """The pictures that a run should have."""
-    states = tuple(extremes(run))
-    last = len(run.loads.times) - 1
-    bodies = Wanted("stress.png", "Stress in the bodies at the load extremes", "bodies", states)
-    edges = [
-        Wanted(f"edges{mark}.png", f"Stress at the contact edges{part}", "edges", (last,), chunk)
-        for mark, part, chunk in _chunks(_edge_places(run), MOST_EDGES) or [("", "", ())]
-    ]
-    status = [
-        Wanted(
-            f"status{mark}.png", f"Stick and slip at the load extremes{part}", "status", states,
-            contacts=chunk,
-        )
-        for mark, part, chunk in _chunks([each.name for each in run.contacts], MOST_CONTACTS)
-    ]  # fmt: skip
-    return [bodies, *edges, *status]
-
-
-def _chunks(items: Sequence[T], most: int) -> list[tuple[str, str, tuple[T, ...]]]:
-    """Parts of about equal size, with what to add to the name of a file and to a title."""
-    count = -(-len(items) // most)
-    limits = [round(number * len(items) / count) for number in range(count + 1)] if count else []
-    parts = [tuple(items[low:high]) for low, high in itertools.pairwise(limits)]
-    if count < 2:
-        return [("", "", part) for part in parts]
-    return [(f"_{number}", f" ({number} of {count})", part) for number, part in enumerate(parts, 1)]
-
-
-def _edge_places(run: Result) -> list[EdgePlace]:
-    """All edges that the last state has."""
-    places = []
-    for contact in run.contacts:
-        for edge in contact.stations:
-            position, half_width = float(edge.position[-1]), float(contact.half_width[-1])
-            if np.isfinite([position, half_width]).all():
-                lengths = [zone.length for zone in edge.slip_zones[-2:] if not zone.gross]
-                slip = float(max(lengths, default=0.0))
-                title = f"{contact.name}, {edge_title(edge)}"
-                places.append(EdgePlace(contact.name, title, position, slip, half_width))
-    return places
+# Kinds that need fields and are drawn by another process; kinds of files to open.
+BY_CHILD, FILES = ("bodies", "edges", "scene"), ("cycle", "scene")
 
 
 def make_pictures(directory: Path, meanwhile: Callable[[], None] = lambda: None) -> None:
@@ -154,6 +73,10 @@ def _lacks(run: Result, wanted: Wanted) -> str:
         return f"the backend {run.backend!r} has no bodies to draw"
     if wanted.kind == "edges" and not wanted.edges:
         return "the last state has no contact edges, or too few nodes in contact to find them"
+    if wanted.kind == "cycle" and len(run.loads.times) < 2:
+        return "no step was solved"
+    if wanted.kind == "cycle" and not cycle_frames(run):
+        return NOT_KEPT
     return ""
 
 
@@ -161,7 +84,7 @@ def _draw(
     run: Result, wanted: Sequence[Wanted], meanwhile: Callable[[], None]
 ) -> dict[str, dict[str, Any]]:
     """Caption and size of each picture, or the reason why there is none."""
-    files = [each.file for each in wanted if each.kind != "status"]
+    files = [each.file for each in wanted if each.kind in BY_CHILD]
     reports: dict[str, dict[str, Any]] = {}
     if not (folder_of(run) / FIELDS).exists():
         reports |= {file: {"reason": NO_FIELDS} for file in files}
@@ -177,29 +100,44 @@ def _draw(
         ]
         if idle:
             meanwhile()
-        reports |= {each.file: _draw_status(run, each) for each in wanted if each.kind == "status"}
+        reports |= {
+            each.file: _draw_contacts(run, each) for each in wanted if each.kind not in BY_CHILD
+        }
         for share in drawn:
             reports |= share.result()
     return reports
 
 
-def _draw_status(run: Result, wanted: Wanted) -> dict[str, Any]:
-    figure, caption = draw_status(run, wanted.contacts, wanted.states)
-    width, height = save_png(figure, folder_of(run) / PICTURES / wanted.file)
+def _draw_contacts(run: Result, wanted: Wanted) -> dict[str, Any]:
+    """Caption, and size of a picture, of what needs no fields."""
+    path = folder_of(run) / PICTURES / wanted.file
+    if wanted.kind == "cycle":
+        data, caption = draw_cycle(run, wanted.contacts[0])
+        path.write_bytes(data)
+        return {"caption": caption}
+    if wanted.kind == "surface":
+        figure, caption = draw_surface(run, wanted.contacts[0], wanted.states)
+    else:
+        figure, caption = draw_status(run, wanted.contacts, wanted.states)
+    width, height = save_png(figure, path)
     return {"caption": caption, "width": width, "height": height}
 
 
 def _write_list(
     directory: Path, wanted: Sequence[Wanted], reports: Mapping[str, Mapping[str, Any]]
 ) -> None:
-    pictures, missing = [], []
+    pictures: list[dict[str, Any]] = []
+    files: list[dict[str, Any]] = []
+    missing: list[dict[str, Any]] = []
     for each in wanted:
         report = dict(reports[each.file])
         if "reason" in report:
             missing.append({"title": each.title, "reason": report.pop("reason")})
         if report:
-            pictures.append({"file": each.file, "title": each.title, **report})
-    text = json.dumps({"pictures": pictures, "missing": missing}, indent=1, ensure_ascii=False)
+            shown = files if each.kind in FILES else pictures
+            shown.append({"file": each.file, "title": each.title, **report})
+    lists = {"pictures": pictures, **({"files": files} if files else {}), "missing": missing}
+    text = json.dumps(lists, indent=1, ensure_ascii=False)
     (directory / PICTURES / PICTURE_LIST).write_text(text + "\n", encoding="utf-8")
 
 
@@ -223,6 +161,21 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Linked:
+    """A file to open beside the page.
+
+    Attributes:
+        title: what it shows.
+        caption: how to read it.
+        source: its place, from the page.
+    """
+
+    title: str
+    caption: str
+    source: str
+
+
+@dataclass(frozen=True)
 class Missing:
     """Pictures that could not be made, and why."""
 
@@ -235,6 +188,7 @@ class Pictures:
     """All pictures in their order."""
 
     shown: tuple[Picture, ...] = ()
+    files: tuple[Linked, ...] = ()
     missing: tuple[Missing, ...] = ()
 
 
@@ -260,6 +214,10 @@ def read_pictures(directory: Path) -> Pictures:
             )
             for each in listed["pictures"]
         )
+        files = tuple(
+            Linked(each["title"], each["caption"], f"{PICTURES}/{Path(each['file']).name}")
+            for each in listed.get("files", ())
+        )
         reasons: dict[str, list[str]] = {}
         for each in listed["missing"]:
             reasons.setdefault(each["reason"], []).append(each["title"])
@@ -267,7 +225,7 @@ def read_pictures(directory: Path) -> Pictures:
     except (OSError, AttributeError, KeyError, TypeError, ValueError) as error:
         found = f"no key {error}" if isinstance(error, KeyError) else str(error)
         raise OutputError(f"{path}: expected a list of pictures, found: {found}") from error
-    return Pictures(shown, missing)
+    return Pictures(shown, files, missing)
 
 
 def _data_uri(path: Path) -> str:

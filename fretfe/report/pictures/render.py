@@ -11,12 +11,13 @@ import json
 import sys
 import warnings
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
+from fretfe.report.pictures import solids, stress
 from fretfe.report.pictures.fields import Fields, Scene, open_fields
-from fretfe.report.pictures.folder import Wanted, plan_pictures
 from fretfe.report.pictures.panels import pixels, save_png
-from fretfe.report.pictures.stress import bodies_caption, draw_bodies, draw_edges, find_look
+from fretfe.report.pictures.plan import Wanted, plan_pictures
 from fretfe.report.source import extremes, folder_of, span, when
 from fretfe.report.theme import COLOURS
 from fretfe.results.field_file import FIELDS
@@ -48,16 +49,33 @@ def _draw(source: Fields, wanted: Wanted) -> dict[str, Any]:
         report["reason"] = f"no fields of {' and '.join(absent)} in {FIELDS}"
     if not states:
         return report
+    path = folder_of(source.run) / PICTURES / wanted.file
+    if wanted.kind == "scene":
+        look = _export(source, states[-1], path)
+        unit = source.run.case.units.stress
+        caption = (
+            f"The bodies at {when(source.run, states[-1])} with von Mises stress from 0 to "
+            f"{look.limit:g} {unit}, displacements × {look.scale:g}: glTF, for ParaView, Blender "
+            "and viewers in a browser."
+        )
+        return {**report, "caption": caption}
     if wanted.kind == "bodies":
-        look = find_look(source, states)
-        scene = Scene(look.limit)
-        figure = draw_bodies(source, states, look, scene)
-        caption = bodies_caption(source, states, look)
+        style = _style(source)
+        look = style.find_look(source, states)
+        scene = style.Scene(look.limit)
+        figure = style.draw_bodies(source, states, look, scene)
+        caption = style.bodies_caption(source, states, look)
         scene.close()
     else:
-        figure, caption = draw_edges(source, states[-1], wanted.edges)
-    width, height = save_png(figure, folder_of(source.run) / PICTURES / wanted.file, COLOURS)
+        figure, caption = stress.draw_edges(source, states[-1], wanted.edges)
+    # Shades of solids have other colours too.
+    width, height = save_png(figure, path, COLOURS if source.dimension == 2 else None)
     return {**report, "caption": caption, "width": width, "height": height}
+
+
+def _style(source: Fields) -> ModuleType:
+    """What draws plane bodies, or solids."""
+    return solids if source.dimension == 3 else stress
 
 
 def draw_animation(directory: Path, files: list[str]) -> None:
@@ -79,11 +97,12 @@ def draw_animation(directory: Path, files: list[str]) -> None:
         )
         print(json.dumps({"file": files[0], "reason": reason}), flush=True)
         return
-    look = find_look(source, extremes(source.run))
-    scene = Scene(look.limit)
+    style = _style(source)
+    look = style.find_look(source, extremes(source.run))
+    scene = style.Scene(look.limit)
     frames = []
     for state in states:
-        frames.append(pixels(draw_bodies(source, [state], look, scene, FRAME_WIDTH), COLOURS))
+        frames.append(pixels(style.draw_bodies(source, [state], look, scene, FRAME_WIDTH), COLOURS))
         source.forget()
     scene.close()
     duration = round(DURATION / len(frames))
@@ -103,10 +122,18 @@ def export_scene(directory: Path, files: list[str]) -> None:
     if not states:
         print(json.dumps({"file": files[0], "reason": "there are no fields"}), flush=True)
         return
-    look = find_look(source, states[-1:])
-    scene = Scene(look.limit)
-    scene.export(list(source.bodies(states[-1]).values()), look.scale, Path(files[0]))
+    look = _export(source, states[-1], Path(files[0]))
     print(json.dumps({"file": files[0], "scale": look.scale, "limit": look.limit}), flush=True)
+
+
+def _export(source: Fields, state: int, path: Path) -> stress.Look | solids.Look:
+    """Write the bodies at a state as a glTF file, and return their look."""
+    style = _style(source)
+    look: stress.Look | solids.Look = style.find_look(source, [state])
+    scene = Scene(look.limit)
+    scene.export(list(source.bodies(state).values()), look.scale, path)
+    scene.close()
+    return look
 
 
 TASKS = {"pictures": draw_pictures, "animation": draw_animation, "scene": export_scene}

@@ -16,7 +16,6 @@ from matplotlib.figure import Figure
 
 from fretfe._typing import Array
 from fretfe.report.pictures.fields import CORNERS, EDGES, BodyField, Fields, Scene
-from fretfe.report.pictures.folder import EdgePlace
 from fretfe.report.pictures.panels import (
     View,
     draw_lines,
@@ -27,6 +26,7 @@ from fretfe.report.pictures.panels import (
     settle,
     show_image,
 )
+from fretfe.report.pictures.plan import EdgePlace
 from fretfe.report.source import loading, when
 from fretfe.report.texts import rounded
 from fretfe.report.theme import (
@@ -94,7 +94,7 @@ def draw_bodies(
         set_limits(panel, view)
         name_axes(panel, "x", "y", run.case.units.length)
         panel.set_title(f"{when(run, state)}\n{loading(run, state)}")
-    _add_bar(figure, axes, look.limit, run.case.units.stress)
+    add_bar(figure, axes, look.limit, run.case.units.stress)
     settle(figure, axes, view.aspect, f"Von Mises stress, displacements × {look.scale:g}")
     for panel, state in zip(axes, states, strict=True):
         bodies = list(source.bodies(state).values())
@@ -106,7 +106,7 @@ def draw_bodies(
     return figure
 
 
-def _add_bar(figure: Figure, axes: Sequence[Axes], limit: float, unit: str) -> None:
+def add_bar(figure: Figure, axes: Sequence[Axes], limit: float, unit: str) -> None:
     """The colour bar of all panels; colours end where stresses may go on."""
     colours = ScalarMappable(Normalize(0.0, limit), COLOURS)
     bar = figure.colorbar(colours, ax=axes, extend="max", aspect=BAR_ASPECT, pad=0.02)
@@ -139,7 +139,7 @@ def draw_edges(source: Fields, state: int, edges: Sequence[EdgePlace]) -> tuple[
         name_axes(panel, "distance from the edge along x", "along y", unit)
         slip = f"longest slip zone {rounded(edge.slip)} {unit}" if edge.slip > 0 else "no slip zone"
         panel.set_title(f"{edge.title}\n{slip}")
-    _add_bar(figure, axes, limit, run.case.units.stress)
+    add_bar(figure, axes, limit, run.case.units.stress)
     settle(figure, axes, EDGE_ASPECT, f"Von Mises stress at the contact edges, {when(run, state)}")
     scene = Scene(limit)
     for panel, (view, moved) in zip(axes, views, strict=True):
@@ -231,7 +231,11 @@ def colour_limit(
         seen = np.ones(len(corners), bool) if view is None else view.overlaps(corners)
         stresses.append(body.von_mises[body.grid.cells[seen]].max(axis=1))
         areas.append(polygon_areas(corners[seen]))
-    stress, area = np.concatenate(stresses), np.concatenate(areas)
+    return limit_of(np.concatenate(stresses), np.concatenate(areas), percentage)
+
+
+def limit_of(stress: Array, area: Array, percentage: float) -> tuple[float, float]:
+    """As `colour_limit`, for the stresses (m,) and areas, or volumes, of elements."""
     if not len(stress) or stress.max() <= 0:
         return 1.0, 0.0
     order = np.argsort(stress)

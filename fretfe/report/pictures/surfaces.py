@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Pictures of the contact surfaces of solids: pressure, shear, stick and slip."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import Triangulation
+from scipy.spatial import cKDTree
+
+from fretfe._typing import Array
+from fretfe.report.pictures.panels import name_axes, panel_inches, panels, settle
+from fretfe.report.pictures.status import NAMES, STATUS, shares_text, visible_status
+from fretfe.report.pictures.stress import BAR_ASPECT
+from fretfe.report.pictures.unroll import Unrolled, unroll
+from fretfe.report.source import loading, when
+from fretfe.report.texts import direction_text, number, rounded
+from fretfe.report.theme import COLOURS, FRAMED, HALO, PALE
+from fretfe.results.contact_file import in_space
+from fretfe.results.model import Result
+from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory
+
+# Around the part of the surface that is closed in any of the states, as a fraction of it.
+BORDER = 0.1
+# Height of a panel over its width, at least: a slender contact is drawn wider than it is.
+LOWEST = 0.3
+# Colours of the pressure. Places of arrows along the longer side, and along the shorter one.
+LEVELS, ARROWS = 12, (20, 12)
+# Arrows of less shear than this fraction of the largest are left out; length of the longest in
+# distances between arrows, and their width in inches.
+SHORTEST, LONGEST, ARROW_WIDTH = 0.03, 0.95, 0.014
+LINES: dict[str, dict[str, Any]] = {
+    "edge of the contact": {"colors": "black", "linewidths": 1.0, "linestyles": "-"},
+    "edge of stick": {"colors": "black", "linewidths": 1.2, "linestyles": "--"},
+}
+FILLS = {SLIP: STATUS[SLIP]["color"], STICK: STATUS[STICK]["color"], OPEN: PALE}
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A contact surface in the plane of a picture, with what is common to its panels.
+
+    Attributes:
+        run: the run.
+        contact: its arrays.
+        plane: the surface in the plane.
+        triangles: of the surface.
+        low, high: (2,) corners of what is shown.
+        pressure, shear: largest of all panels.
+    """
+
+    run: Result
+    contact: ContactHistory
+    plane: Unrolled
+    triangles: Triangulation
+    low: Array
+    high: Array
+    pressure: float
+    shear: float
+
+    @property
+    def aspect(self) -> float:
+        """Height of a panel over its width."""
+        return max(self.true_aspect, LOWEST)
+
+    @property
+    def true_aspect(self) -> float:
+        """Height over width of what is shown."""
+        width, height = self.high - self.low
+        return float(height / width)
+
+    @property
+    def levels(self) -> Array:
+        """Limits of the colours, round numbers."""
+        largest = self.pressure if self.pressure > 0 else 1.0
+        places = MaxNLocator(LEVELS, steps=[1, 2, 2.5, 5, 10])
+        return np.asarray(places.tick_values(0.0, largest))
+
+    @property
+    def norm(self) -> BoundaryNorm:
+        """Number of the colour of a pressure."""
+        return BoundaryNorm(self.levels, mpl.colormaps[COLOURS].N)
+
+    def shear_at(self, state: int) -> Array:
+        """(N, 2) shear along the axes of the plane."""
+        vectors = in_space(self.contact, self.contact.mean_traction[state][:, 1:])
+        return np.asarray(np.einsum("nad,nd->na", self.plane.axes, vectors))
+
+
+def lay_out(run: Result, name: str, states: Sequence[int]) -> Sheet:
+    """The contact `name` as it is shown in some states, the longer side of the contact across."""
+    contact = run.contact_history(name)
+    assert contact.facets is not None
+    closed = np.zeros(len(contact.points), dtype=bool)
+    pressure = shear = 0.0
+    for state in states:
+        closed |= contact.status[state] != OPEN
+        traction = contact.mean_traction[state]
+        pressure = max(pressure, float(traction[:, 0].max()))
+        shear = max(shear, float(np.linalg.norm(traction[:, 1:], axis=1).max()))
+    shown = closed if closed.any() else ~closed
+    plane = unroll(contact)
+    width, height = np.ptp(plane.places[shown], axis=0)
+    if height > width:
+        plane = plane.turned()
+    low, high = plane.places[shown].min(axis=0), plane.places[shown].max(axis=0)
+    # A single row of nodes has no height.
+    margin = BORDER * np.maximum(high - low, 0.05 * (high - low).max())
+    facets = contact.facets
+    parts = facets if facets.shape[1] == 3 else np.vstack([facets[:, :3], facets[:, [0, 2, 3]]])
+    triangles = Triangulation(plane.places[:, 0], plane.places[:, 1], parts)
+    return Sheet(run, contact, plane, triangles, low - margin, high + margin, pressure, shear)
+
+
+@mpl.rc_context(FRAMED)
+def draw_surface(run: Result, name: str, states: Sequence[int]) -> tuple[Figure, str]:
+    """Pressure above status, a column for each state, and the caption."""
+    sheet = lay_out(run, name, states)
+    columns = len(states)
+    figure, axes = panels(2 * columns, sheet.aspect, columns=columns)
+    for panel, state in zip(axes, states, strict=False):
+        frame(panel, sheet)
+        panel.set_title(frame_title(sheet, state))
+    for panel, state in zip(axes[columns:], states, strict=True):
+        frame(panel, sheet)
+        panel.set_title(shares_text(sheet.contact, state))
+    finish(figure, axes, sheet, [Patch(color=FILLS[kind], label=NAMES[kind]) for kind in NAMES])
+    for upper, lower, state in zip(axes, axes[columns:], states, strict=False):
+        draw_pressure(upper, sheet, state)
+        _draw_status(lower, sheet, state)
+    times = " and ".join(when(run, state) for state in states)
+    return figure, f"Pressure and shear, and below stick and slip, at {times}. {reading(sheet)}"
+
+
+def frame_title(sheet: Sheet, state: int) -> str:
+    """Time, loads and largest pressure of a state."""
+    loads = ": ".join(filter(None, [when(sheet.run, state), loading(sheet.run, state)]))
+    largest = float(sheet.contact.mean_traction[state][:, 0].max())
+    return f"{loads}\nlargest pressure {rounded(largest)} {sheet.run.case.units.stress}"
+
+
+def frame(panel: Axes, sheet: Sheet) -> None:
+    """Limits and names of the axes of a panel."""
+    panel.set_xlim(sheet.low[0], sheet.high[0])
+    panel.set_ylim(sheet.low[1], sheet.high[1])
+    first, second = (f"along {name}" for name in sheet.plane.names)
+    name_axes(panel, first, second, sheet.run.case.units.length)
+
+
+def finish(figure: Figure, axes: Sequence[Axes], sheet: Sheet, handles: list[Any]) -> None:
+    """Colour bar, legend and heading; then everything has its place."""
+    bar = figure.colorbar(ScalarMappable(sheet.norm, COLOURS), ax=axes, aspect=BAR_ASPECT, pad=0.02)
+    bar.set_label(f"pressure [{sheet.run.case.units.stress}]", labelpad=6)
+    lines = [
+        Line2D([], [], color=style["colors"], lw=style["linewidths"], ls=style["linestyles"],
+               label=label)
+        for label, style in LINES.items()
+    ]  # fmt: skip
+    every = [*handles, *lines]
+    figure.legend(handles=every, loc="outside lower center", ncols=len(every), handlelength=2.2)
+    contact = sheet.contact
+    settle(
+        figure, axes, sheet.aspect, f"Contact {contact.name} ({contact.body1} on {contact.body2})"
+    )
+
+
+def draw_pressure(panel: Axes, sheet: Sheet, state: int) -> None:
+    """Pressure, edges of contact and stick, and shear at a state, in a panel that has its place."""
+    levels = sheet.levels
+    _fill(panel, sheet, np.ones(len(sheet.plane.places)), FILLS[OPEN])
+    pressure = np.clip(sheet.contact.mean_traction[state][:, 0], 0.0, levels[-1])
+    panel.tricontourf(sheet.triangles, pressure, levels=levels, norm=sheet.norm, cmap=COLOURS)
+    # The interpolated pressure ends at the first open nodes, the contact half-way before them.
+    _fill(panel, sheet, sheet.contact.status[state] == OPEN, FILLS[OPEN])
+    _draw_edges(panel, sheet, state)
+    _draw_arrows(panel, sheet, state)
+
+
+def _draw_status(panel: Axes, sheet: Sheet, state: int) -> None:
+    status = visible_status(sheet.contact, state)
+    _fill(panel, sheet, np.ones(len(status)), FILLS[OPEN])
+    _fill(panel, sheet, status != OPEN, FILLS[SLIP])
+    _fill(panel, sheet, status == STICK, FILLS[STICK])
+    _draw_edges(panel, sheet, state)
+
+
+def _fill(panel: Axes, sheet: Sheet, nodes: Array, colour: str) -> None:
+    """Fill the surface up to half-way behind the nodes that are set."""
+    panel.tricontourf(sheet.triangles, nodes.astype(float), levels=[0.5, 1.5], colors=[colour])
+
+
+def _draw_edges(panel: Axes, sheet: Sheet, state: int) -> None:
+    """Edges of the contact and of its part that sticks, half-way between nodes."""
+    status = visible_status(sheet.contact, state)
+    for inside, style in zip((status != OPEN, status == STICK), LINES.values(), strict=True):
+        if inside.any() and not inside.all():
+            lines = panel.tricontour(sheet.triangles, inside.astype(float), levels=[0.5], **style)
+            lines.set_path_effects(HALO)
+
+
+def _draw_arrows(panel: Axes, sheet: Sheet, state: int) -> None:
+    """The shear on body 2 at places of a regular grid, from the nearest node in contact."""
+    closed = np.flatnonzero(sheet.contact.status[state] != OPEN)
+    if not len(closed) or sheet.shear <= 0:
+        return
+    size = sheet.high - sheet.low
+    counts = np.array([ARROWS[0], round(float(np.clip(ARROWS[0] * sheet.aspect, 6, ARROWS[1])))])
+    lines = [
+        low + (np.arange(count) + 0.5) * extent / count
+        for low, extent, count in zip(sheet.low, size, counts, strict=True)
+    ]
+    grid = np.stack([each.ravel() for each in np.meshgrid(*lines)], axis=1)
+    # Distances in cells of the grid: as they are seen where the axes differ.
+    cell = size / counts
+    distance, nearest = cKDTree(sheet.plane.places / cell).query(grid / cell)
+    shear = sheet.shear_at(state)[nearest]
+    length = np.linalg.norm(shear, axis=1)
+    chosen = (distance < 1) & np.isin(nearest, closed) & (length > SHORTEST * sheet.shear)
+    spacing = float((panel_inches(panel) / counts).min())
+    panel.quiver(
+        *grid[chosen].T, *shear[chosen].T, angles="uv", scale_units="inches",
+        scale=sheet.shear / (LONGEST * spacing), units="inches", width=ARROW_WIDTH, pivot="mid",
+        headwidth=4.0, headlength=4.5, headaxislength=4.0, minshaft=1.2,
+        facecolor="black", edgecolor="white", linewidth=0.5,
+    )  # fmt: skip
+
+
+def reading(sheet: Sheet) -> str:
+    """How to read the picture of a surface."""
+    plane, units = sheet.plane, sheet.run.case.units
+    axes = ", ".join(
+        f"{name} points along {direction_text(direction)}"
+        for name, direction in zip(plane.names, plane.directions, strict=True)
+    )
+    middle = ", ".join(number(float(value) if abs(value) > 1e-9 else 0.0) for value in plane.middle)
+    stretched = "" if sheet.true_aspect >= LOWEST else " The axes have different scales."
+    arrows = (
+        f" Arrows: shear that body 1 exerts on body 2, the longest {rounded(sheet.shear)} "
+        f"{units.stress}."
+        if sheet.shear > 0
+        else ""
+    )
+    return (
+        f"The surface is seen from outside body 2, {plane.how}; in its middle, at ({middle}) "
+        f"{units.length}, {axes}.{stretched}{arrows} Full line: edge of the contact; dashed: edge "
+        "of its part that sticks."
+    )

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The report of a run of solids, and the commands that make it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from solid_runs import FRICTION, NORMAL, SHEAR, solid_result, surface, write_solid
+from typer.testing import CliRunner
+
+from fretfe.cli.app import app
+from fretfe.edges.area import shear_direction
+from fretfe.report.figures.areas import area_plot, force_plot
+from fretfe.report.page.answer import summary
+from fretfe.report.page.html import render
+from fretfe.report.page.sections import draw_plots
+from fretfe.report.source import extremes
+from fretfe.results.reader import load_result
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    shapes = {"left": surface(bend=0.3), "right": surface()}
+    return write_solid(tmp_path_factory.mktemp("page") / "results", shapes=shapes)
+
+
+@pytest.fixture(scope="module")
+def text(folder: Path) -> str:
+    """The page without its drawings and its style."""
+    page = re.sub(r"<svg.*?</svg>|<style>.*?</style>", "", render(folder), flags=re.DOTALL)
+    return re.sub(r"\s+", " ", page)
+
+
+def test_answer_says_that_there_is_no_verdict(text: str) -> None:
+    assert "2 contacts of solids. Edge factors of solids are not evaluated yet" in text
+    assert "there is no verdict on slip zones" in text
+    assert "All 36 load steps are solved" in text and "The evaluated cycle is steady." in text
+
+
+def test_numbers_are_those_of_the_run(folder: Path, text: str) -> None:
+    left, right = load_result(folder).areas
+    for area in (left, right):
+        row = text[text.index(f"<td>{area.name}</td>") :]
+        cells = re.findall(r"<td[^>]*>(.*?)</td>", row)[:8]
+        force = np.linalg.norm(area.shear_force[20:], axis=1)
+        assert cells[2] == f"{force.min():.4g} … {force.max():.4g}"
+        assert cells[3] == f"{area.contact_area[-1]:.4g}"
+        assert float(cells[5]) == pytest.approx(300.0)
+    assert right.shear_force[:, 0].max() == pytest.approx(SHEAR * FRICTION * NORMAL, rel=0.02)
+
+
+def test_plane_sections_are_absent(text: str) -> None:
+    anchors = re.findall(r'<h2 id="(\w+)">', text)
+    assert anchors == ["answer", "areas", "loads", "loops", "solver", "case", "run"]
+    assert "per unit thickness" not in text and "Edge factors</" not in text
+    # Forces are whole forces.
+    assert "N/mm" not in text and "N·mm" in text
+
+
+def test_load_extremes_are_those_of_the_shear(folder: Path) -> None:
+    assert extremes(load_result(folder)) == [24, 32]
+
+
+def test_histories_have_a_line_for_each_component(folder: Path) -> None:
+    run = load_result(folder)
+    forces = force_plot(run, run.areas[0], "a")
+    areas = area_plot(run, run.areas[0], "b")
+    assert forces.svg.startswith("<svg") and areas.title.endswith("contact left")
+    sections = {section.anchor: section for section in draw_plots(run).sections}
+    assert [plot.title for plot in sections["loops"].plots] == [
+        "Contact left",
+        "Contact right",
+        "Force and displacement: shear",
+    ]
+
+
+def test_direction_of_a_force_that_turns_back_and_forth() -> None:
+    wave = np.sin(np.linspace(0, 6, 40))[:, None]
+    direction = np.array([-0.6, 0.0, 0.8])
+    found = shear_direction(5.0 + wave * direction)
+    np.testing.assert_allclose(found, direction, atol=1e-12)
+
+
+def test_no_cycle_is_said() -> None:
+    result = solid_result()
+    loads = replace(result.loads, cycle=None)
+    assert "There is no evaluated cycle." in summary(replace(result, loads=loads), ())
+
+
+def test_report_command(folder: Path) -> None:
+    done = CliRunner().invoke(app, ["report", str(folder)])
+    assert done.exit_code == 0
+    assert "Hysteresis" in (folder / "report.html").read_text("utf-8")
+
+
+def test_scene_command(folder: Path, tmp_path: Path) -> None:
+    pytest.importorskip("pyvista")
+    path = tmp_path / "bodies.gltf"
+    done = CliRunner().invoke(app, ["scene", str(folder), "-o", str(path)])
+    if done.exit_code and "OpenGL" in str(done.exception):
+        pytest.skip(str(done.exception))
+    assert done.exit_code == 0 and path.exists()
