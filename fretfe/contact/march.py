@@ -13,7 +13,7 @@ from fretfe._typing import Array, Bools
 from fretfe.contact.admm import status_by_fixed_point
 from fretfe.contact.certificate import Certificate, certify, dissipation
 from fretfe.contact.factored import FactoredOperator
-from fretfe.contact.interface import Interface, unresisted_motions
+from fretfe.contact.interface import Interface
 from fretfe.contact.newton import Newton, NotConverged
 from fretfe.contact.operator import InterfaceOperator
 from fretfe.contact.state import OPEN, STICK, ContactState, StepLoads, unloaded
@@ -153,25 +153,9 @@ class March:
         return status, np.zeros_like(state.direction)
 
     def _nearest(self, gap: Array) -> Bools:
-        """The nodes of each contact whose gap is smallest: enough of them to hold the bodies."""
-        share = FIRST_TOUCH_FRACTION
-        closed = self._nearest_share(gap, share)
-        # In space the first few may lie in line, and leave the rotation about it free.
-        while share < 1 and self._loose(closed) > self._loose(np.ones(len(gap), bool)):
-            share *= 2
-            closed = self._nearest_share(gap, share)
-        return closed
-
-    def _nearest_share(self, gap: Array, share: float) -> Bools:
-        """A share of the nodes of each contact, those whose gap is smallest."""
+        """The nodes of each contact whose gap is smallest."""
         closed = np.zeros(len(gap), bool)
         for nodes in self.interface.contacts.values():
-            count = max(FIRST_TOUCH_NODES, int(share * (nodes.stop - nodes.start)))
+            count = max(FIRST_TOUCH_NODES, int(FIRST_TOUCH_FRACTION * (nodes.stop - nodes.start)))
             closed[nodes.start + np.argsort(gap[nodes], kind="stable")[:count]] = True
         return closed
-
-    def _loose(self, closed: Bools) -> int:
-        """Number of motions of the bodies that these nodes, stuck, would not resist."""
-        stuck = np.repeat(closed, self.interface.components)
-        interface = self.interface
-        return int(unresisted_motions(interface, ~interface.prescribed, stuck).shape[1])
