@@ -10,7 +10,7 @@
 //     z         \_         |         _/  |          x and y and with radius_z in that of z and y;
 //                 \_       |       _/    | upper_height     the lower body likewise, with one radius.
 //                   \__    |    __/      |          With bodies 20 contacts wide and high half-
-//        ______________\___|___/______   v          spaces are about 1 % stiffer or softer.
+//        ______________\___|___/______   v          spaces are about 2 % stiffer or softer.
 //       |           <-zone->          |  ^
 //       |            |                |  |          Expected is contact on the ellipse with the half
 //       |          lower              |  |          axes contact_x and contact_z. Elements have
