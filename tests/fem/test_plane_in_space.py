@@ -65,7 +65,7 @@ def whole(patches: list[ContactHistory]) -> ContactHistory:
     """A pair of surfaces from its patches, each of which carries nothing outside its own part."""
     return replace(
         patches[0],
-        traction=sum(np.asarray(each.traction) for each in patches),
+        traction=np.sum([np.asarray(each.traction) for each in patches], axis=0),
         status=np.max([np.asarray(each.status) for each in patches], axis=0),
     )
 
