@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Cost of a whole run in units of one factorisation of the same stiffness, in processor time.
 
-A guard against what makes runs slow, on any machine: the limits are 1.5 times what is usual, 4.5
-and 1.8; docs/performance.md has measured numbers. Runs and factorisations take turns in one process
+A guard against what makes runs slow, on any machine: the limits are 1.8 times what is usual, 4.5
+and 1.8, since processors differ by a third; docs/performance.md has measured numbers. Runs and factorisations take turns in one process
 with one thread, and the shortest of each counts, so that the machine does not matter much. Only
 time outside the kernel counts: what the kernel takes to hand out memory depends on what ran on the
 machine before. Imports and the compilation of forms do not count either: a run comes first.
@@ -19,7 +19,7 @@ import pytest
 @pytest.mark.slow
 @pytest.mark.speed
 @pytest.mark.parametrize(
-    ("h", "growth", "limit"), [(0.02, 0.15, 6.7), (0.005, 0.05, 2.7)], ids=["h .02", "h .005"]
+    ("h", "growth", "limit"), [(0.02, 0.15, 8.0), (0.005, 0.05, 3.2)], ids=["h .02", "h .005"]
 )
 def test_cost_in_factorisations(tmp_path: Path, h: float, growth: float, limit: float) -> None:
     bench = runpy.run_path(str(Path(__file__).parents[2] / "tools" / "bench.py"))
