@@ -2,10 +2,11 @@
 """Cost of a whole run in units of one factorisation of the same stiffness, in processor time.
 
 A guard against what makes runs slow, on any machine: the limits are 1.8 times what is usual, 4.5
-and 1.8, since processors differ by a third; docs/performance.md has measured numbers. Runs and factorisations take turns in one process
-with one thread, and the shortest of each counts, so that the machine does not matter much. Only
-time outside the kernel counts: what the kernel takes to hand out memory depends on what ran on the
-machine before. Imports and the compilation of forms do not count either: a run comes first.
+and 1.8, since processors differ by a third; docs/performance.md has measured numbers. Runs and
+factorisations take turns in one process with one thread, and the shortest of each counts, so that
+the machine does not matter much. Only time outside the kernel counts: what the kernel takes to hand
+out memory depends on what ran on the machine before. Imports and the compilation of forms do not
+count either: a run comes first.
 """
 
 from __future__ import annotations
