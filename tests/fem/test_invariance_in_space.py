@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Solids turned as a whole, in other units, with their bodies exchanged."""
+"""Solids turned as a whole, mirrored, in other units, with their bodies exchanged."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import blocks
 import numpy as np
 import pytest
 from contact_runs import ramp
+from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from fretfe._typing import Array
@@ -138,6 +139,15 @@ def test_turned_as_a_whole(original: Result) -> None:
 def test_in_metres(original: Result) -> None:
     scaled = solved(case(length=1e-3), moved(pad_on_block(), lambda x: 1e-3 * x))
     assert_same(vectors(contact_of(scaled)) * 1e-6, vectors(contact_of(original)))
+
+
+def test_mirrored(original: Result) -> None:
+    """The bodies are their own image in z = 0.45; the loads along z are reversed."""
+    image = np.diag([1.0, 1.0, -1.0])
+    first, second = contact_of(original), contact_of(solved(case(image), pad_on_block()))
+    distance, rows = cKDTree(first.points @ image + [0.0, 0.0, 0.9]).query(second.points)
+    assert distance.max() < 1e-12
+    assert_same(vectors(second), (vectors(first) @ image)[:, rows])
 
 
 def test_exchanged_bodies_on_the_same_multipliers(original: Result) -> None:
