@@ -172,7 +172,7 @@ def test_displacement_is_that_of_mindlin(sheared: Solution) -> None:
 
 
 def test_dissipation_is_that_of_mindlin_and_deresiewicz(sheared: Solution) -> None:
-    """+2.3 % (+.7 %): the bodies bend under Q, and the pressure moves with it."""
+    """+2.3 % (+.7 %): probably since the bodies bend under Q."""
     (contact,) = sheared.contacts
     left = 1 - SHARE
     shape = 1 - left ** (5 / 3) - 5 * SHARE / 6 * (1 + left ** (2 / 3))
