@@ -142,9 +142,9 @@ class Restraints:
         nodes = np.concatenate([part[0] for part in parts])
         axes = np.concatenate([part[1] for part in parts])
         size = index_map.size_global * gdim
-        whole = sparse.eye(size, format="lil")
-        components = np.arange(gdim)
-        for node, each in zip(nodes.tolist(), axes, strict=True):
-            unknowns = node * gdim + components
-            whole[np.ix_(unknowns, unknowns)] = each.T
-        return whole.tocsr()
+        unknowns = nodes[:, None] * gdim + np.arange(gdim)
+        others = np.delete(np.arange(size), unknowns.ravel())
+        rows = np.concatenate([others, np.repeat(unknowns, gdim, axis=1).ravel()])
+        columns = np.concatenate([others, np.tile(unknowns, (1, gdim)).ravel()])
+        values = np.concatenate([np.ones(len(others)), axes.swapaxes(1, 2).ravel()])
+        return sparse.csr_matrix((values, (rows, columns)), shape=(size, size))
