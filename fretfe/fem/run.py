@@ -143,7 +143,7 @@ def solve_prepared(
     solution = _solution(model, history, marched.recorder) if marched else None
     if model.dimension == 2:
         with clock("edge integrals"):
-            solution = add_integrals(model, case, recorder, prepared.march, solution)
+            solution = add_integrals(model, recorder, prepared.march, solution)
     with clock("evaluation"):
         found = _evaluate(model, recorder, solution)
         failure = failure or on_root(comm, lambda: imbalance(solution) if solution else None)
