@@ -6,7 +6,7 @@ Lengths are in the units of the case.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import BSpline, make_lsq_spline
@@ -49,6 +49,27 @@ class Frames:
         if self.closed:
             return np.full(len(self.arc), np.inf)
         return np.minimum(self.arc, self.length - self.arc)
+
+    def moved(self, inward: Array) -> Frames:
+        """Stations of a front that runs at distances inward (n,) from this one."""
+        return replace(
+            self,
+            points=self.points + inward[:, None] * self.inward,
+            curvature=self.curvature / (1 - self.curvature * inward),
+        )
+
+    def only(self, station: int) -> Frames:
+        """One of the stations."""
+        row = slice(station, station + 1)
+        return replace(
+            self,
+            points=self.points[row],
+            inward=self.inward[row],
+            along=self.along[row],
+            across=self.across[row],
+            curvature=self.curvature[row],
+            arc=self.arc[row],
+        )
 
 
 class FrontCurve:

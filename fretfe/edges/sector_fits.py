@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """K_N and the place of a front at stations of a solid, from the pressures around them.
 
-p = sqrt(t) (K_N + c_1 t + c_2 t^2 + ...), t the distance from the front, is fitted to moments of the
-pressure: its integrals with smooth bumps, which have their places one after the other from the
+p = sqrt(t) (K_N + c_1 t + c_2 t^2 + ...), t the distance from the front, is fitted to moments of
+the pressure: its integrals with smooth bumps, which have their places one after the other from the
 front inward and fade out along it. Nodal values alternate about the truth next to a front, as the
-contact area ends at nodes; moments do not, but for that of second order of what the elements carry
-around the front: it is one unknown more, and goes with the curvature of the bumps there. Bumps of several widths and numbers, and several
-orders, are joined by ``average``.
+contact area ends at nodes. Moments see of it only that of second order of what elements carry about
+the front, one unknown more, which goes with the curvature of a bump there. Bumps of several widths
+and numbers, and several orders, are joined by ``average``.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ SAMPLED = 0.15
 
 @dataclass(frozen=True)
 class FrontFit:
-    """Fronts and K_N at n stations in T states, with error bars that are meant to hold the truth with 95 %.
+    """Fronts and K_N at n stations in T states; NaN, with infinite bars, where there is no fit.
 
-    NaN, with infinite bars, where there is no fit.
+    Error bars are half the width of an interval that is meant to hold the truth with 95 %.
 
     Attributes:
         place: (T, n) distance of the front from the reference front, inward.
@@ -116,20 +116,22 @@ def _window(
     sectors: Sequence[Sector], weights: Array, deepest: Array, distances: Array, count: int
 ) -> tuple[Indices, csr_array]:
     """(m,) stations that have room for some bumps, and what gives their moments (m count, N)."""
-    stations, parts, columns = [], [], []
-    for station in np.flatnonzero((count - 1 + REACH) * distances <= deepest):
-        sector = sectors[station]
+    stations: list[int] = []
+    parts, columns = [np.empty(0)], [np.empty(0, dtype=np.int64)]
+    lengths = [np.zeros(1, dtype=np.int64)]
+    for station, sector in enumerate(sectors):
+        if (count - 1 + REACH) * distances[station] > deepest[station]:
+            continue
         bumps = _moments(sector, weights[sector.nodes], float(distances[station]), count)
         if bumps is not None:
             stations.append(station)
-            parts.append(bumps)
+            parts.append(bumps.ravel())
             columns.append(np.tile(sector.nodes, count))
-    lengths = np.concatenate([np.full(count, part.shape[1]) for part in parts] or [[]])
-    rows = np.append(0, np.cumsum(lengths)).astype(np.int64)
-    data = np.concatenate([part.ravel() for part in parts] or [np.empty(0)])
-    nodes = np.concatenate(columns or [np.empty(0, dtype=np.int64)])
+            lengths.append(np.full(count, bumps.shape[1]))
+    rows = np.cumsum(np.concatenate(lengths))
     shape = len(stations) * count, len(weights)
-    return np.array(stations, dtype=np.int64), csr_array((data, nodes, rows), shape=shape)
+    matrix = csr_array((np.concatenate(parts), np.concatenate(columns), rows), shape=shape)
+    return np.array(stations, dtype=np.int64), matrix
 
 
 def _moments(sector: Sector, weights: Array, distance: float, count: int) -> Array | None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Indices
 from fretfe.edges.between import LoadPath, excess, load_path
 from fretfe.edges.factors import add_up, one_sided_share
 from fretfe.edges.front import Frame, RangeSpread, StationHistory
@@ -167,7 +167,7 @@ def _station(
     )
 
 
-def _direction(history: Array, cycle: Array) -> tuple[Array, float]:
+def _direction(history: Array, cycle: Indices) -> tuple[Array, float]:
     """(2,) unit vector along which (K_T, K_S) (T, 2) varies most, and how much it turns.
 
     Its first component is positive: K along it has the sign of K_T.
@@ -188,7 +188,7 @@ def _spread(
     fit: FrontFit,
     station: int,
     direction: Array,
-    cycle: Array,
+    cycle: Indices,
     path: LoadPath | None,
 ) -> RangeSpread:
     """Error bar of the range of (K_T, K_S) along a direction.
@@ -213,17 +213,17 @@ def _spread(
     )
 
 
-def _largest(history: Array, cycle: Array) -> float:
+def _largest(history: Array, cycle: Indices) -> float:
     """Size of the range of a vector (T, 2) over the cycle."""
     direction = _direction(history, cycle)[0]
     return _range(history @ direction, cycle)
 
 
-def _range(history: Array, cycle: Array) -> float:
+def _range(history: Array, cycle: Indices) -> float:
     return float(np.ptp(history[cycle])) if len(cycle) else np.nan
 
 
-def _last_known(values: Array, cycle: Array) -> float:
+def _last_known(values: Array, cycle: Indices) -> float:
     """The last of values (T,) that is known, up to the end of the cycle; NaN if none is."""
     values = values[: cycle[-1] + 1] if len(cycle) else values
     known = values[np.isfinite(values)]

@@ -11,9 +11,8 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.bodies.pairs import Pair
 from fretfe.contact.march import March
-from fretfe.contact.neighbours import FRACTION, neighbour_states
+from fretfe.contact.neighbours import neighbour_states
 from fretfe.contact.recorder import Recorder
-from fretfe.contact.state import ContactState
 from fretfe.edges.pressure import FEWEST_NODES, fit_edge
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront, plane_sections
 from fretfe.edges.separation import own_part
@@ -21,6 +20,7 @@ from fretfe.edges.slip_zones import cycle_states
 from fretfe.fem.interaction_integral import Tip, Tube
 from fretfe.fem.model import Model, Request
 from fretfe.fem.probes import Probe, measure
+from fretfe.fem.unit_fields import UnitFields
 from fretfe.results.solution import (
     ContactHistory,
     Factor,
@@ -63,11 +63,10 @@ class _Draft:
         assert model.reduction is not None
         self._solution = solution
         self._recorder = recorder
-        self.requests: list[Request] = []
-        self._area_fields: dict[int, tuple[int, ...]] = {}
+        self._fields = UnitFields(recorder)
         states = neighbour_states(march, recorder.last, recorder.last_loads)
         self._neighbours = states
-        self._difference = () if states is None else (self._request_difference(*states),)
+        self._difference = () if states is None else (self._fields.difference(*states),)
         self._contacts: dict[str, _Areas] = {}
         self._places: list[tuple[str, int]] = []
         probes: list[Probe] = []
@@ -80,6 +79,11 @@ class _Draft:
                 pair = pairs[contact.pair]
                 probes += [self._probe(model, pair, areas, front) for front in PLANE_FRONTS]
         self.probes = tuple(probes)
+
+    @property
+    def requests(self) -> list[Request]:
+        """The fields that the probes are multiplied with."""
+        return self._fields.requests
 
     def finish(self, values: list[list[Array]]) -> Solution:
         """The solution with the integrals, one list of values for each probe."""
@@ -111,33 +115,10 @@ class _Draft:
         normal = np.stack([values[-1][:, Factor.K_I, 0] for values in stations], axis=1)
         return Neighbours(tractions / np.sqrt(contact.weights), normal)
 
-    def _request_difference(self, low: ContactState, high: ContactState) -> int:
-        amplitudes = 2 * FRACTION * self._recorder.last_loads.amplitudes
-        traction = (high.traction - low.traction).ravel()
-        coordinates = high.coordinates - low.coordinates
-        self.requests.append(Request(traction, coordinates, amplitudes))
-        return len(self.requests) - 1
-
-    def _fields_of(self, area: int) -> tuple[int, ...]:
-        """Numbers of the fields of a contact area, one for each driver."""
-        if area not in self._area_fields:
-            increments, drivers = self._recorder.increments(area), self._recorder.drivers
-            first, count = len(self.requests), len(drivers.names)
-            loads = len(self._recorder.last_loads.amplitudes)
-            for j in range(count):
-                amplitudes = np.zeros(loads)
-                if drivers.loads[j] >= 0:
-                    amplitudes[drivers.loads[j]] = 1.0
-                traction = increments.traction[:, :, j].ravel()
-                request = Request(traction, increments.coordinates[:, j], amplitudes)
-                self.requests.append(request)
-            self._area_fields[area] = tuple(range(first, first + count))
-        return self._area_fields[area]
-
     def _probe(self, model: Model, pair: Pair, areas: _Areas, front: PlaneFront) -> Probe:
         last = [areas.last[front.number]] if self._difference else []
         edges = [*areas.positions[:, front.number], *last]
-        fields = [self._fields_of(int(area)) for area in areas.numbers]
+        fields = [self._fields.of_area(int(area)) for area in areas.numbers]
         fields += [self._difference] if self._difference else []
         return Probe(
             bodies=(pair.body1, pair.body2),
