@@ -90,11 +90,6 @@ class FrontCurve:
         pieces = max(1, min(pieces, len(points) - CUBIC))
         self._spline = _spline(place, rows, pieces, closed)
 
-    @property
-    def ends(self) -> Array:
-        """(2, 3) first and last point."""
-        return np.asarray(self._spline(np.array([0.0, self._period])))
-
     def at(self, count: int, normals: Normals) -> Frames:
         """Frames at stations at an even spacing, those of an open front half of it from its ends.
 

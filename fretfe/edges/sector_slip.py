@@ -48,18 +48,13 @@ def sector_border(
     """
     s, size = sector.s - place, sector.size
     inside = (s > 0) & (s <= depth)
-    weights = area * sector.fade
-    # Areas are those between curved lines; all of the sector is in contact behind the front.
-    width = weights / np.maximum(1 - sector.curvature * sector.s, 0.1)
-    total = float(width[inside].sum())
-    if not total > 0:
+    if not inside.any():
         return SlipBorder(np.nan, resolved=False, gross=False, spread=np.inf)
-    share = float(width[inside & moved].sum()) / total
-    if share > GROSS:
-        return SlipBorder(np.nan, resolved=True, gross=True, spread=np.inf)
     if not np.any(inside & moved):
         return SlipBorder(0.0, resolved=True, gross=False, spread=size)
-    by_area = share * depth
+    by_area = _by_area(sector, s, area, moved, depth)
+    if by_area > GROSS * depth:
+        return SlipBorder(np.nan, resolved=True, gross=True, spread=np.inf)
     fitted, guess = None, by_area
     for _ in range(PASSES):
         fitted = _border(sector, s, slip, moved & inside, guess)
@@ -74,6 +69,22 @@ def sector_border(
             by_area, resolved=False, gross=False, spread=BY_AREA * size + abs(length - by_area)
         )
     return SlipBorder(length, resolved=True, gross=False, spread=spread)
+
+
+def _by_area(sector: Sector, s: Array, area: Array, moved: Bools, depth: float) -> float:
+    """Length of the slip zone by the share of the area that slips within some depth.
+
+    All of the sector is in contact behind the front. The depth is halved as long as less than half
+    of it slips: sectors of round contacts are narrow far inside.
+    """
+    # Areas are those between curved lines.
+    weights = area * sector.fade / np.maximum(1 - sector.curvature * sector.s, 0.1)
+    while True:
+        inside = (s > 0) & (s <= depth)
+        share = float(weights[inside & moved].sum() / max(weights[inside].sum(), 1e-300))
+        if share > 0.4 or depth < 4 * sector.size:
+            return share * depth
+        depth /= 2
 
 
 def _border(

@@ -23,9 +23,9 @@ PIECE = 1.5
 FEWEST_PIECES = {True: 6, False: 2}
 # Share of the stations that must be known for a curve through them.
 KNOWN = 0.5
-# Fits look no farther than to the middle of the contact, and than this part of the radius of
+# Fits look no farther than this part of the way to the middle of the contact, and of the radius of
 # curvature.
-NO_FARTHER = 0.9
+FARTHEST, NO_FARTHER = 1.5, 1.0
 # Steps of the search for the other side of the contact, along `inward`.
 STEPS = 200
 
@@ -43,7 +43,8 @@ class SpaceFront:
         self, frames: Frames, sectors: tuple[Sector, ...], depth: Array, weights: Array
     ) -> None:
         self.frames, self.sectors, self.depth = frames, sectors, depth
-        deepest = np.minimum(depth, NO_FARTHER / np.maximum(frames.curvature, 1e-300))
+        radius = 1 / np.maximum(frames.curvature, 1e-300)
+        deepest = np.minimum(FARTHEST * depth, NO_FARTHER * radius)
         self.fits = FrontFitter(sectors, weights, deepest)
 
     @property
@@ -85,7 +86,8 @@ class FrontFinder:
 
     def _front(self, line: Outline, contact: Bools, pressure: Array) -> SpaceFront | None:
         closed, pieces = line.closed, FEWEST_PIECES[line.closed]
-        curve = FrontCurve(line.middles(self._points), closed, pieces)
+        middles = line.middles(self._points)
+        curve = FrontCurve(middles, closed, pieces)
         for _ in range(PASSES):
             front = self._at(curve.at(self._count, self._normals), contact)
             place = front.fits.fit(pressure[None]).place[0]
@@ -95,7 +97,7 @@ class FrontFinder:
             frames = front.frames
             points = (frames.points + place[:, None] * frames.inward)[known]
             if not closed:
-                points = _with_ends(points, curve.ends)
+                points = _with_ends(points, middles[[0, -1]])
             reach = np.median([sector.half_width for sector in front.sectors])
             pieces = max(FEWEST_PIECES[closed], round(frames.length / (PIECE * reach)))
             curve = FrontCurve(points, closed, pieces)
@@ -104,7 +106,7 @@ class FrontFinder:
     def _at(self, frames: Frames, contact: Bools) -> SpaceFront:
         depth = self._depths(frames, contact)
         sectors = tuple(
-            self._sectors.around(frames, station, float(depth[station]))
+            self._sectors.around(frames, station, FARTHEST * float(depth[station]))
             for station in range(self._count)
         )
         return SpaceFront(frames, sectors, depth, self._weights)

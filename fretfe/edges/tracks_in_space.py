@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.edges.curve import Frames
@@ -19,6 +20,8 @@ from fretfe.results.states import blocks
 NEAR = 0.75
 # Share of the stations that must be known.
 KNOWN = 0.5
+# Points of a curve between which it is straight, for each of its stations.
+FINER = 8
 # Curves found anew, at most, for a front that moves far.
 MOST_CURVES = 12
 
@@ -127,9 +130,7 @@ def at_stations(frames: Frames, fit: Array, stations: Frames) -> Array:
 
     NaN, with infinite bars, where the front does not cross the line along a station's `inward`.
     """
-    points, values = frames.points + fit[0][:, None] * frames.inward, fit.T
-    if frames.closed:
-        points, values = np.vstack([points, points[:1]]), np.vstack([values, values[:1]])
+    points, values = _finer(frames, fit)
     result = np.tile(np.array([np.nan, np.inf, np.nan, np.inf, np.nan]), (len(stations.arc), 1))
     for station in range(len(stations.arc)):
         place = points - stations.points[station]
@@ -145,3 +146,17 @@ def at_stations(frames: Frames, fit: Array, stations: Frames) -> Array:
         result[station] = (1 - part) * values[row] + part * values[row + 1]
         result[station, 0] = at[best]
     return result.T
+
+
+def _finer(frames: Frames, fit: Array) -> tuple[Array, Array]:
+    """(m, 3) many points of a front in order, and (m, 5) the attributes of its fit there."""
+    known = np.isfinite(fit[0])
+    points = (frames.points + fit[0][:, None] * frames.inward)[known]
+    values = fit.T[known]
+    if frames.closed:
+        points, values = np.vstack([points, points[:1]]), np.vstack([values, values[:1]])
+    place = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    curve = CubicSpline(place, points, bc_type="periodic" if frames.closed else "not-a-knot")
+    fine = np.unique(np.concatenate([place, np.linspace(0.0, place[-1], FINER * len(place))]))
+    columns = [np.interp(fine, place, column) for column in values.T]
+    return np.asarray(curve(fine)), np.array(columns).T

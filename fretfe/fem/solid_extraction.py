@@ -5,20 +5,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.bodies.pairs import Pair
 from fretfe.contact.recorder import Recorder
-from fretfe.edges.sectors import Sector
 from fretfe.edges.slip_zones import cycle_states
-from fretfe.edges.tracks_in_space import FrontTrack
 from fretfe.fem.interaction_integral import Tube
 from fretfe.fem.model import Model
 from fretfe.fem.probes import Probe, measure, probe_stations
 from fretfe.fem.unit_fields import UnitFields
 from fretfe.results.solution import ContactHistory, Solution, StationIntegrals
+
+if TYPE_CHECKING:
+    # Not loaded by whoever loads this module: SciPy's interpolation takes a second.
+    from fretfe.edges.sectors import Sector
+    from fretfe.edges.tracks_in_space import FrontTrack
 
 # Contact areas of the cycle at which the integrals are taken, smallest and largest; those that
 # differ by less than this fraction are one.
@@ -33,7 +37,7 @@ ROWS = 1.5
 WIDEST, NARROWEST, NEAREST_END = 0.4, 0.4, 0.95
 
 # The fronts of each contact, followed through the history.
-Tracks = Mapping[str, tuple[FrontTrack, ...]]
+type Tracks = Mapping[str, tuple[FrontTrack, ...]]
 
 
 def add_solid_integrals(

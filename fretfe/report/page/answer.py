@@ -116,7 +116,8 @@ def _solid_text(run: Result) -> str:
     others = ", ".join(f"{count} {word}" for word, count in words.items())
     return (
         f"{text}stations. At {agreeing} of {agreeing + all_words} the last slip zone that was "
-        f"found agrees with the one that the edge factors predict{f' ({others})' if others else ''}."
+        "found agrees with the one that the edge factors predict"
+        f"{f' ({others})' if others else ''}."
     )
 
 
