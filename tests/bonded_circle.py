@@ -14,8 +14,11 @@ functions of R = sqrt(r² + w²), w = z + i, z the depth: that of a charged disc
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fretfe._typing import Array
+
+Complex = NDArray[np.complex128]
 
 # Signs of the axes of a half-space, depth last, and the axes of the model that they lie along.
 AXES = np.array([0, 2, 1])
@@ -44,7 +47,7 @@ def displacements(points: Array, upper: bool, shear_modulus: float, poisson: flo
     return np.nan_to_num(found / shear_modulus)
 
 
-def potentials(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array, Array]:
+def potentials(x: Array, y: Array, z: Array) -> tuple[Complex, Complex, Complex, Complex]:
     """w, R, ln(R + w) and 1/(R + w)."""
     w = z + 1j
     root = np.sqrt(x**2 + y**2 + w**2)

@@ -36,11 +36,10 @@ from ufl.algorithms.analysis import extract_constants
 
 from fretfe._typing import Array
 from fretfe.fem._compat import form_on
-from fretfe.fem.elasticity import ElasticBody
+from fretfe.fem.elasticity import ElasticBody, Elasticity
 from fretfe.fem.form_cache import compiled
 from fretfe.fem.tip_field import (
     SMALLEST,
-    Elasticity,
     FrontPlace,
     TipField,
     front_place,
@@ -121,7 +120,7 @@ class _Places:
         """Entities that may have points in a tube, not nearer to the front than `inner`."""
         height, ahead, *sides = ((self._middles - tip.point) @ tip.frame.T).T
         near = np.ones(len(height), dtype=bool)
-        for side in sides:
+        for side in sides:  # in space
             turned, left = tip.curvature * side, 1 - tip.curvature * ahead
             squared = ahead**2 + side**2
             ahead = (2 * ahead - tip.curvature * squared) / (1 + np.hypot(turned, left))
@@ -200,12 +199,7 @@ class InteractionForm:
         nothing = SMALLEST * self._reach
         offset = ufl.SpatialCoordinate(mesh) - self._point
         place = front_place(offset, self._frame, self._curvature, nothing)
-        material = Elasticity(
-            *(
-                fem.Constant(mesh, getattr(elastic.material, name))
-                for name in ("kolosov", "shear_modulus", "first_lame")
-            )
-        )
+        material = Elasticity.of(mesh, elastic.material)
         weight, slopes = self._weight(place)
         normal = place.axes * ufl.FacetNormal(mesh)
         opened = ufl.conditional(ufl.lt(place.ahead, -BLUNT * self._reach), weight, 0.0)

@@ -14,7 +14,7 @@ import pytest
 from bonded import Increments, bonded
 from contact_runs import ramp
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Bools
 from fretfe.bodies.body import Material
 from fretfe.case import Solid, parse_case
 from fretfe.fem._compat import MPI
@@ -84,6 +84,7 @@ def errors(found: Array) -> Array:
     return np.asarray(np.abs(found - bonded_circle.factors(ANGLES)) / LARGEST)
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("cell", ["triangle", "quadrilateral"], ids=["tetrahedra", "hexahedra"])
 @pytest.mark.parametrize(("reach", "half_length"), [(0.3, 0.4), (0.4, 0.6)])
 def test_exact_fields_of_a_circle(cell: str, reach: float, half_length: float) -> None:
@@ -93,6 +94,7 @@ def test_exact_fields_of_a_circle(cell: str, reach: float, half_length: float) -
     assert found.mean(axis=0).max() < 0.008
 
 
+@pytest.mark.mpi
 def test_curvature_counts_where_the_front_leaves_the_tube() -> None:
     """A little of it makes no difference: the weight along the front has no second moment."""
     tube = Tube(0.2, 0.8)
@@ -103,6 +105,7 @@ def test_curvature_counts_where_the_front_leaves_the_tube() -> None:
     assert np.abs(straight - right).max() > 0.02  # 3.3 %
 
 
+@pytest.mark.mpi
 def test_model_turned_as_a_whole() -> None:
     tube = Tube(0.3, 0.4)
     before, after = (integrals(tube, "quadrilateral", turned=turned) for turned in (False, True))
@@ -184,12 +187,14 @@ def flat(probe: Probe) -> Probe:
     return replace(
         probe,
         tips=tuple(
-            tuple(Tip(tip.point[:2], tip.frame[:2, :2]) for tip in both) for both in probe.tips
+            (Tip(one.point[:2], one.frame[:2, :2]), Tip(two.point[:2], two.frame[:2, :2]))
+            for one, two in probe.tips
         ),
         frames=tuple(frame[:2, :2] for frame in probe.frames),
     )
 
 
+@pytest.mark.mpi
 def test_extruded_contact_has_the_factors_of_the_plane() -> None:
     """A tensor product has the plane's solution, and a weight of whole layers its integrals."""
     mesh, extrusion = pad_mesh(), Solid(length=LENGTH, layers=4)
@@ -204,3 +209,95 @@ def test_extruded_contact_has_the_factors_of_the_plane() -> None:
         largest = np.abs(flat_front).max()
         np.testing.assert_allclose(front[:, :, :2] * LENGTH, flat_front, atol=1e-8 * largest)
         assert np.abs(front[:, :, 2]).max() * LENGTH < 1e-8 * largest
+
+
+YOUNG, AREAS = 2e5, 6
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """A contact with half axes along x and z."""
+
+    a: float
+    b: float
+
+    def angles(self, count: int) -> Array:
+        return np.asarray(2 * np.pi * (np.arange(count) + 0.3) / count)
+
+    def stations(self, count: int) -> Stations:
+        """Right-handed about y: z runs against the angle."""
+        cosine, sine = np.cos(self.angles(count)), np.sin(self.angles(count))
+        none, across = 0 * cosine, np.tile([0.0, 1.0, 0.0], (count, 1))
+        tangent = np.column_stack([-self.a * sine, none, -self.b * cosine])
+        length = np.linalg.norm(tangent, axis=1)
+        along = -tangent / length[:, None]
+        return Stations(
+            points=np.column_stack([self.a * cosine, none, -self.b * sine]),
+            inward=np.cross(along, across),
+            along=along,
+            across=across,
+            curvature=self.a * self.b / length**3,
+        )
+
+    def factors(self, count: int) -> Array:
+        """(n, 3, 3) K_I, K_T, K_S by P, Q along x and M about y; that by M of a circle."""
+        angles, stations = self.angles(count), self.stations(count)
+        root = np.sqrt(2 * np.hypot(np.cos(angles) / self.a, np.sin(angles) / self.b))
+        size = 1 / (2 * np.pi * self.a * self.b * root)
+        found = np.zeros((count, 3, 3))
+        found[:, 0, 0] = size
+        found[:, 1, 1], found[:, 2, 1] = size * stations.inward[:, 0], size * stations.along[:, 0]
+        found[:, 2, 2] = -1.5 * size / self.a
+        return found
+
+    def areas(self, points: Array, step: float) -> list[Bools]:
+        """Areas whose borders pass the nodes next to the ellipse one after the other."""
+        level = np.hypot(points[:, 0] / self.a, points[:, 2] / self.b)
+        slope = np.hypot(points[:, 0] / self.a**2, points[:, 2] / self.b**2)
+        outside = (level - 1) * level / np.maximum(slope, 1e-9)
+        shifts = step * ((np.arange(AREAS) + 0.5) / AREAS - 0.5 + SHIFT)
+        return [outside < shift for shift in shifts]
+
+
+# What the front of an area lies outside its nodes, in elements.
+SHIFT = -0.13
+
+
+def ball_case(ellipse: Ellipse, size: float, poisson: float) -> dict[str, Any]:
+    def platen(direction: str) -> dict[str, Any]:
+        kind = {"type": "platen", "boundary": "upper_top", "control": "force"}
+        return {**kind, "direction": direction, "history": ramp(-1.0)}
+
+    twist = {"type": "tilt", "boundary": "upper_top", "axis": "y", "centre": [0, 0, 0]}
+    parameters = {"size": size, "contact_x": ellipse.a, "contact_z": ellipse.b}
+    return {
+        "geometry": {"template": "sphere", "parameters": parameters},
+        "bodies": {name: {"young": YOUNG, "poisson": poisson} for name in ("upper", "lower")},
+        "contacts": {
+            "main": {"surface1": "upper_contact", "surface2": "lower_contact", "friction": 1e4}
+        },
+        "supports": {"base": {"boundary": "lower_bottom", "fix": ["x", "y", "z"]}},
+        "loads": {
+            "press": platen("y"),
+            "shear": platen("x"),
+            "twist": {**twist, "control": "moment", "history": ramp(1.0)},
+        },
+    }
+
+
+def ball_errors(
+    ellipse: Ellipse, size: float, poisson: float, tubes: list[Tube], count: int = 24
+) -> Array:
+    """(R, n, 3, 3) errors by P, Q and M relative to the largest factor of the load, signed."""
+    found = bonded(
+        parse_case(ball_case(ellipse, size, poisson)),
+        areas=lambda points: ellipse.areas(points, size),
+    ).factors(
+        lambda model, root: [
+            probe_stations(model, root.pair, ellipse.stations(count), tubes, range(3))
+        ]
+    )
+    (values,) = MPI.COMM_WORLD.bcast(found)
+    values = values * [-1.0, 1.0, 1.0]  # a unit along y pulls
+    expected = ellipse.factors(count)
+    return np.asarray((values - expected) / np.abs(expected).max(axis=(0, 1)))
