@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -32,6 +33,26 @@ from fretfe.mesh.mesh import BodyMesh
 # Components of a stress that are written, those that do not follow from others.
 PLANE_COMPONENTS = ((0, 0), (1, 1), (0, 1))
 COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+
+
+@dataclass(frozen=True)
+class Elasticity:
+    """Constants of a material in UFL, as `Material` names them."""
+
+    kolosov: Any
+    shear_modulus: Any
+    first_lame: Any
+
+    @classmethod
+    def of(cls, mesh: Any, material: Material) -> Elasticity:
+        """The constants of a material on a mesh."""
+        names = (each.name for each in fields(cls))
+        return cls(*(fem.Constant(mesh, getattr(material, name)) for name in names))
+
+    def stress(self, strain: Any) -> Any:
+        """Stress (d, d) of a strain (d, d)."""
+        spread = self.first_lame * ufl.tr(strain) * ufl.Identity(strain.ufl_shape[0])
+        return 2 * self.shear_modulus * strain + spread
 
 
 class ElasticBody:
@@ -90,10 +111,8 @@ class ElasticBody:
 
     def stress(self, displacement: Any) -> Any:
         """Stress (UFL) of a displacement."""
-        mu = fem.Constant(self.mesh, self.material.shear_modulus)
-        lame = fem.Constant(self.mesh, self.material.first_lame)
         strain = ufl.sym(ufl.grad(displacement))
-        return 2 * mu * strain + lame * ufl.tr(strain) * ufl.Identity(self.gdim)
+        return Elasticity.of(self.mesh, self.material).stress(strain)
 
     def _energy(self, displacement: Any) -> Any:
         test = ufl.TestFunction(self.space)

@@ -22,6 +22,8 @@ from typing import Any
 
 import ufl
 
+from fretfe.fem.elasticity import Elasticity
+
 # Distances below this fraction of the reach are zero.
 SMALLEST = 1e-9
 # Angles below this are equal to their tangents to round-off.
@@ -101,22 +103,6 @@ class TipField:
     gradient: Any
     stress: Any
     divergence: Any
-
-
-@dataclass(frozen=True)
-class Elasticity:
-    """Constants of a material in UFL."""
-
-    kolosov: Any
-    shear_modulus: Any
-    first_lame: Any
-
-    def stress(self, strain: Any) -> Any:
-        """Stress of a strain (d, d)."""
-        size = strain.ufl_shape[0]
-        return 2 * self.shear_modulus * strain + self.first_lame * ufl.tr(strain) * ufl.Identity(
-            size
-        )
 
 
 def tip_fields(place: FrontPlace, side: Any, material: Elasticity, nothing: Any) -> list[TipField]:
