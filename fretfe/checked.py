@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from fretfe.bodies.definition import ModelDefinition, define_model
+from fretfe.bodies.definition import ModelDefinition
 from fretfe.bodies.pairs import Pair, contact_surfaces, couple_contacts
-from fretfe.bodies.rigid_modes import modes_restrained_by_contact
+from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import Case
 from fretfe.environment import rank_from_environment
 from fretfe.loads import History, build_history
@@ -54,7 +54,7 @@ def check(case: Case) -> Checked | None:
     if rank_from_environment() > 0:
         return None
     history, mesh = build_history(case), _first_mesh(case)
-    definition = define_model(case, mesh)
+    definition = held_model(case, mesh)
     pairs = couple_contacts(case, contact_surfaces(definition, mesh))
     restrained = modes_restrained_by_contact(definition, mesh)
     return Checked(case, history, mesh, definition, pairs, restrained)

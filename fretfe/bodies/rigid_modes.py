@@ -1,111 +1,140 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Rigid-body modes restrained only by contact, found from the geometry alone."""
+"""Rigid motions that no support prevents, found from the geometry alone."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+from scipy import linalg, sparse
+from scipy.sparse.csgraph import connected_components
 
-from fretfe._typing import Array
-from fretfe.bodies.definition import BodyDefinition, ModelDefinition
+from fretfe._typing import Array, Bools
+from fretfe.bodies.definition import BodyDefinition, ModelDefinition, define_model
+from fretfe.bodies.motion_words import RigidMotions, in_words
+from fretfe.case import Case
+from fretfe.errors import ModelError
 from fretfe.mesh.mesh import BodyMesh, Mesh
-from fretfe.surface.checks import place
 
 # Singular values below this fraction of the largest belong to modes that no constraint restrains: a
 # restrained one moves constrained nodes by about one.
 UNRESTRAINED = 1e-6
-# Components of a motion below this fraction of the largest are round-off.
-ROUND_OFF = 1e-9
+# A force drives a motion if that moves its platen by this fraction of the body's displacement.
+DRIVEN = 0.01
+
+
+def held_model(case: Case, mesh: Mesh) -> ModelDefinition:
+    """Definition of a model that cannot move as a whole.
+
+    Raises:
+        ModelError: if a body has no contact surface, or nothing holds the bodies.
+    """
+    definition = define_model(case, mesh)
+    _require_restraint(case, definition, mesh)
+    return definition
 
 
 def modes_restrained_by_contact(definition: ModelDefinition, mesh: Mesh) -> dict[str, str]:
     """Rigid-body modes restrained only by contact, in words, for each body that has some.
 
     Supports and prescribed displacements restrain their boundary. A platen restrains it too, but
-    for the directions in which a force acts on it. In space they are counted only.
+    for the directions in which a force acts on it.
     """
     found: dict[str, str] = {}
     for body in definition.bodies:
-        own = mesh.bodies[body.name]
-        motions = _modes(body, own)
-        if motions.shape[1]:
-            found[body.name] = _in_words(motions, own)
+        free, _ = _free_motions([body], mesh)
+        if free.count:
+            found[body.name] = in_words(free)
     return found
 
 
-def _centre_and_size(body: BodyMesh) -> tuple[Array, float]:
-    return body.points.mean(axis=0), float(np.ptp(body.points, axis=0).max())
+def _require_restraint(case: Case, definition: ModelDefinition, mesh: Mesh) -> None:
+    """Check that bodies whose contacts are stuck cannot move rigidly.
+
+    Raises:
+        ModelError: names the bodies that could still move, and how.
+    """
+    for bodies in _joined(case, definition):
+        free, pushed = _free_motions(bodies, mesh)
+        if not free.count:
+            continue
+        names = sorted(body.name for body in bodies)
+        hint = f" A force holds nothing: {', '.join(pushed)}." if pushed else ""
+        raise ModelError(
+            f"nothing holds {' and '.join(repr(name) for name in names)}: even if every contact "
+            f"were stuck, {'they' if names[1:] else 'it'} would be free {in_words(free)}. Expected "
+            "supports, or a platen under displacement control, that hold at least one body against "
+            f"every translation and rotation.{hint}"
+        )
 
 
-def _modes(definition: BodyDefinition, body: BodyMesh) -> Array:
-    """(3 or 6, k) modes in the order of `rigid_motions`, about the centre of the body."""
-    count = rigid_motions(body.points[:1]).shape[2]
-    driven = [i for i, c in enumerate(definition.coordinates) if c.control == "force"]
-    rows = list(_constraint_rows(definition, body, driven))
-    if not rows:
-        return np.eye(count)
-    _, values, directions = np.linalg.svd(np.array(rows))
+def _joined(case: Case, definition: ModelDefinition) -> list[list[BodyDefinition]]:
+    """Bodies that would move as one if every contact were stuck."""
+    bodies = definition.bodies
+    owner = {surface: number for number, body in enumerate(bodies) for surface in body.surfaces}
+    ends = np.array([[owner[c.surface1], owner[c.surface2]] for c in case.contacts.values()])
+    size = len(bodies)
+    graph = sparse.coo_matrix((np.ones(len(ends)), ends.T), shape=(size, size))
+    count, labels = connected_components(graph, directed=False)
+    return [[bodies[i] for i in np.flatnonzero(labels == part)] for part in range(count)]
+
+
+def _free_motions(bodies: Sequence[BodyDefinition], mesh: Mesh) -> tuple[RigidMotions, list[str]]:
+    """Unrestrained motions of bodies that move as one, and the forces that drive them."""
+    points = np.concatenate([mesh.bodies[body.name].points for body in bodies])
+    centre, size = points.mean(axis=0), float(np.ptp(points, axis=0).max())
+    count = rigid_motions(points[:1]).shape[2]
+    parts, labels = [], []
+    for body in bodies:
+        driven = [i for i, each in enumerate(body.coordinates) if each.control == "force"]
+        labels += [body.coordinates[i].label for i in driven]
+        rows = [np.zeros((0, count + len(driven)))]
+        rows += _constraint_rows(body, mesh.bodies[body.name], driven, centre, size)
+        parts.append(np.concatenate(rows))
+    held = np.concatenate([rows[:, :count] for rows in parts])
+    by_force = linalg.block_diag(*(rows[:, count:] for rows in parts))
+    # A unit of each coordinate moves its platen by one at most.
+    by_force /= np.maximum(np.abs(by_force).max(axis=0, initial=1e-300), 1e-300)
+    directions = _null_space(np.hstack([held, by_force]))
+    motions, amplitudes = directions[:count], directions[count:]
+    moving = np.abs(amplitudes).max(axis=1, initial=0.0) > DRIVEN
+    pushed = [label for label, moves in zip(labels, moving, strict=True) if moves]
+    return RigidMotions(motions, centre, size), pushed
+
+
+def _null_space(rows: Array) -> Array:
+    """(m, k) directions that rows (n, m) do not see."""
+    if not len(rows):
+        return np.eye(rows.shape[1])
+    # The triangular factor has the singular values and directions of the tall matrix.
+    _, values, directions = np.linalg.svd(np.linalg.qr(rows, mode="r"))
     values = np.concatenate([values, np.zeros(len(directions) - len(values))])
-    return directions[values < UNRESTRAINED * values[0], :count].T
+    return np.asarray(directions[values < UNRESTRAINED * values[0]].T)
 
 
 def _constraint_rows(
-    definition: BodyDefinition, body: BodyMesh, driven: list[int]
+    body: BodyDefinition, mesh: BodyMesh, driven: list[int], centre: Array, size: float
 ) -> Iterator[Array]:
-    """Constraints (3 or 6 + forces,) on the rigid motion and the amplitudes of driven platens."""
-    centre, size = _centre_and_size(body)
-    holder: dict[tuple[int, int], str] = {}
-    for constraint in definition.constraints:
-        for node in np.unique(body.boundaries[constraint.boundary]).tolist():
-            for component in constraint.components.tolist() if not constraint.roller else ():
-                holder.setdefault((node, component), constraint.boundary)
-    for (node, component), boundary in holder.items():
-        point = body.points[[node]]
-        motion = rigid_motions((point - centre) / size)[0, component]
-        platen = [
-            each.displacement(point)[0, component] if each.boundary == boundary else 0.0
-            for each in (definition.constraints[i] for i in driven)
-        ]
-        yield np.concatenate([motion, -np.array(platen)])
-    for constraint in definition.constraints:
+    """Constraints (n, 3 or 6 + forces) on the rigid motion and the amplitudes of driven platens."""
+    taken: Bools = np.zeros(mesh.points.shape, dtype=bool)
+    for constraint in body.constraints:
+        nodes = np.unique(mesh.boundaries[constraint.boundary])
+        points = mesh.points[nodes]
+        motions = rigid_motions((points - centre) / size)
         if constraint.roller:
-            nodes = np.unique(body.boundaries[constraint.boundary])
-            motions = rigid_motions((body.points[nodes] - centre) / size)
             along = np.einsum("d,ndk->nk", constraint.direction, motions)
-            yield from np.pad(along, ((0, 0), (0, len(driven))))
-
-
-def _in_words(motions: Array, body: BodyMesh) -> str:
-    count = motions.shape[1]
-    if count == len(motions):
-        return "to move in every direction and to turn"
-    if len(motions) == 6:
-        return f"in {count} of its 6 rigid motions"
-    turning = np.abs(motions[2]) > ROUND_OFF
-    if motions.shape[1] == 2:
-        return "to move in every direction" if not turning.any() else _two_motions(motions, body)
-    return _one_motion(motions[:, 0], body)
-
-
-def _two_motions(motions: Array, body: BodyMesh) -> str:
-    """A pure translation is left over from two motions that turn the body."""
-    mixed = motions @ np.array([motions[2, 1], -motions[2, 0]])
-    return f"{_one_motion(mixed, body)} and to turn"
-
-
-def _one_motion(motion: Array, body: BodyMesh) -> str:
-    """Along a direction, or about the point that stays in its place."""
-    if abs(motion[2]) <= ROUND_OFF * np.abs(motion).max():
-        direction = motion[:2] / motion[np.abs(motion[:2]).argmax()]
-        direction[np.abs(direction) < ROUND_OFF] = 0.0
-        if np.count_nonzero(direction) == 1:
-            return f"to move along {'xy'[int(np.flatnonzero(direction)[0])]}"
-        return f"to move along ({direction[0]:.3g}, {direction[1]:.3g})"
-    centre, size = _centre_and_size(body)
-    # u = (a - c y, b + c x) vanishes at x = -b/c, y = a/c
-    fixed = centre + size * np.array([-motion[1], motion[0]]) / motion[2]
-    return f"to turn about {place(fixed, 4)}"
+            yield np.pad(along, ((0, 0), (0, len(driven))))
+            continue
+        moved = [
+            each.displacement(points) if each.boundary == constraint.boundary else 0 * points
+            for each in (body.constraints[i] for i in driven)
+        ]
+        whole = np.concatenate([motions, -np.stack([*moved, 0 * points], axis=2)[..., :-1]], axis=2)
+        for component in constraint.components:
+            # The first constraint of a component at a node is the one that counts.
+            new = ~taken[nodes, component]
+            yield whole[new, component]
+            taken[nodes, component] = True
 
 
 def rigid_motions(points: Array) -> Array:

@@ -28,7 +28,6 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.contact.compliance import Compliance
-from fretfe.errors import ModelError
 
 # Relative size below which a motion is resisted by nothing but round-off.
 UNRESISTED = 1e-9
@@ -140,24 +139,3 @@ def coordinate_scale(interface: Interface) -> Array:
     """(m,) amplitudes by which each coordinate moves the contact by about one."""
     effect = np.linalg.norm(interface.motion, axis=0)
     return 1 / np.where(effect > 0, effect, 1.0)
-
-
-def require_restraint(interface: Interface) -> None:
-    """Check that bodies whose contacts are stuck cannot move rigidly.
-
-    Raises:
-        ModelError: names the bodies that could still move, and in which coordinates.
-    """
-    motions = unresisted_motions(interface, ~interface.prescribed)
-    if not motions.shape[1]:
-        return
-    moving = np.flatnonzero(np.any(np.abs(motions) > 0.01 * np.abs(motions).max(axis=0), axis=1))
-    names = sorted({interface.coordinates[j].body for j in moving})
-    pushed = [c.label for c in (interface.coordinates[j] for j in moving) if c.control == "force"]
-    hint = f" A force holds nothing: {', '.join(pushed)}." if pushed else ""
-    raise ModelError(
-        f"nothing holds {' and '.join(repr(name) for name in names)}: even if every contact were "
-        f"stuck, {'they' if names[1:] else 'it'} could move without deformation. Expected "
-        "supports, or a platen under displacement control, that hold at least one body against "
-        f"every translation and rotation.{hint}"
-    )

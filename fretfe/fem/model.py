@@ -12,8 +12,9 @@ from dolfinx import fem
 from scipy import sparse
 
 from fretfe._typing import Array
-from fretfe.bodies.definition import BodyDefinition, ModelDefinition, define_model
+from fretfe.bodies.definition import BodyDefinition, ModelDefinition
 from fretfe.bodies.pairs import Pair, contact_surfaces, couple_contacts
+from fretfe.bodies.rigid_modes import held_model
 from fretfe.case import Case
 from fretfe.contact.interface import Interface, coordinate_range
 from fretfe.contact.state import ContactState, StepLoads, StepTable
@@ -84,7 +85,7 @@ class Model:
     def __init__(self, comm: MPI.Comm, case: Case, mesh: Mesh | None, clock: Clock) -> None:
         self.comm = comm
         self.case = case
-        definition = on_root(comm, lambda: define_model(case, mesh))  # type: ignore[arg-type]
+        definition = on_root(comm, lambda: held_model(case, mesh))  # type: ignore[arg-type]
         with clock("surfaces"):
             surfaces = on_root(comm, lambda: contact_surfaces(definition, mesh))  # type: ignore[arg-type]
             self.surfaces = surfaces

@@ -12,7 +12,7 @@ from scipy.linalg.lapack import dpstrf
 from fretfe._typing import Array, Indices
 from fretfe.bodies.pairs import Pair
 from fretfe.contact.compliance import DenseCompliance
-from fretfe.contact.interface import Coordinate, Interface, coordinate_range, require_restraint
+from fretfe.contact.interface import Coordinate, Interface, coordinate_range
 from fretfe.fem.condensation import CondensedBody
 
 # Pivots of the compliance below this fraction of its largest entry are round-off.
@@ -115,7 +115,6 @@ def build_interface(
         compliance=DenseCompliance(system.pop("compliance")),
         **system,
     )
-    require_restraint(interface)
     return interface, reduced
 
 

@@ -177,10 +177,14 @@ def exterior_facets(facets: Indices, shape: str) -> tuple[Indices, Indices]:
 def row_keys(rows: Indices) -> Indices:
     """(n,) one number for each row of indices (n, k), the same for equal rows; sorted like them."""
     count = int(rows.max(initial=0)) + 1
-    keys = rows[:, 0]
+    keys = rows[:, 0].astype(np.int64)
+    most = count
     for column in rows.T[1:]:
-        # numbers of the rows so far, so that products stay far from the largest integer
-        keys = np.unique(keys, return_inverse=True)[1] * count + column
+        if most > np.iinfo(np.int64).max // count:
+            # numbers of the rows so far, so that products stay below the largest integer
+            keys, most = np.unique(keys, return_inverse=True)[1], len(keys)
+        keys = keys * count + column
+        most *= count
     return keys
 
 

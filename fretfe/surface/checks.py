@@ -24,8 +24,7 @@ def check_contacts(mesh: Mesh, case: Case) -> None:
     """Check that every contact can close and that no two bodies are in the same place.
 
     A gap is no problem: loads may close it. Nor is an overlap of the size of what straight facets
-    make of arcs that fit into each other. In space bodies are compared on their contact surfaces
-    only.
+    make of arcs that fit into each other.
 
     Args:
         mesh: bodies that have all the groups that the case names.
@@ -37,8 +36,7 @@ def check_contacts(mesh: Mesh, case: Case) -> None:
             found is in the message.
     """
     unit = case.units.length
-    found_overlaps = body_overlaps(mesh) if mesh.dimension == 2 else ()
-    overlaps = {frozenset((o.body1, o.body2)): o for o in found_overlaps}
+    overlaps = {frozenset((o.body1, o.body2)): o for o in body_overlaps(mesh)}
     problems = []
     for name, initial in initial_gaps(mesh, case).items():
         bodies = frozenset((initial.surface1.body, initial.surface2.body))
