@@ -25,7 +25,7 @@ FEWEST_PIECES = {True: 6, False: 2}
 KNOWN = 0.5
 # Fits look no farther than this part of the way to the middle of the contact, and of the radius of
 # curvature.
-FARTHEST, NO_FARTHER = 1.5, 1.0
+FARTHEST, NO_FARTHER = 1.5, 0.9
 # Steps of the search for the other side of the contact, along `inward`.
 STEPS = 200
 

@@ -37,7 +37,7 @@ ROWS = 1.5
 WIDEST, NARROWEST, NEAREST_END = 0.4, 0.4, 0.95
 
 # The fronts of each contact, followed through the history.
-type Tracks = Mapping[str, tuple[FrontTrack, ...]]
+Tracks = Mapping[str, "tuple[FrontTrack, ...]"]
 
 
 def add_solid_integrals(

@@ -18,7 +18,8 @@ from fretfe.report.texts import MISSING, number, with_error
 
 
 def front_table(case: Case, areas: tuple[AreaSummary, ...]) -> Table:
-    """Two rows per front of solids: the range along it, and the station of the largest |ΔK|.
+    """Two rows per front of solids: the range along it, and the station of the largest |ΔK|,
+    by its distance along the front.
 
     Stations too near an end are left out.
     """
@@ -27,19 +28,18 @@ def front_table(case: Case, areas: tuple[AreaSummary, ...]) -> Table:
         f"Fronts: lengths in {units.length}, K_N in {units.stress}/√{units.length}, |ΔK| of K_T "
         f"and K_S in {units.stress}·√{units.length}, slip zones of the last half cycle"
     )
-    headers = ("contact", "front", "stations", "K_N", "|ΔK|", "angle", "slip", "predicted", "")
-    table = plain_table(title, headers, text=3)
+    headers = ("front", "K_N", "|ΔK|", "slip", "predicted", "")
+    table = plain_table(title, headers, text=1)
     for area in areas:
         for front in area.fronts:
             judged = front.judged
             if not judged:
-                table.add_row(area.name, front.name, "all too near an end", *[MISSING] * 5, "")
+                table.add_row(f"{area.name} {front.name}", *[MISSING] * 4, "all too near an end")
                 continue
-            table.add_row(area.name, front.name, f"{len(judged)}", *_along(judged))
+            table.add_row(f"{area.name} {front.name}", *_along(judged))
             worst = _worst(judged)
             if worst is not None:
-                at = f"at {number(worst.arc, 3)} of {number(front.length, 3)}"
-                table.add_row("", "largest |ΔK|", at, *_at(worst))
+                table.add_row(f"  at {number(worst.arc, 3)}", *_at(worst))
     return table
 
 
@@ -50,7 +50,6 @@ def _along(stations: tuple[SolidStation, ...]) -> tuple[str, ...]:
     return (
         _known_range([each.told_k_n for each in stations]),
         _known_range([each.told_range for each in stations]),
-        _known_range([each.k_angle for each in stations], digits=2),
         _known_range([zone.told_length for _, zone in zones], digits=3),
         _known_range([zone.prediction for _, zone in zones], digits=3),
         ", ".join(f"{count} {word}" for word, count in words.items()),
@@ -63,7 +62,6 @@ def _at(station: SolidStation) -> tuple[str, ...]:
     return (
         with_error(station.told_k_n, float(station.k_n_spread[-1])),
         with_error(station.told_range, station.k_range_spread),
-        number(station.k_angle, 2),
         with_error(zone.told_length, zone.spread) if zone else MISSING,
         number(zone.prediction, 3) if zone else MISSING,
         judge(station, zone).word if zone else "",
