@@ -176,7 +176,8 @@ class InteractionForm:
         self._curvature.value = tip.curvature
         self._reach.value = tube.reach
         self._half_length.value = tube.half_length
-        # The weight is even next to a front: only if that is straight is there nothing to count.
+        # Where the weight is 1 there is nothing to count in the plane; in space it varies along the
+        # front.
         inner = INNER * tube.reach if self._size == 2 else 0.0
         cells = self._cells.within(tip, tube, inner)
         facets = self._facets.within(tip, tube, 0.0)
