@@ -202,7 +202,8 @@ def _spread(
     own = histories[:, station] @ direction
     ranges = [_range(way, cycle) for way in own]
     mean = histories.mean(axis=0)
-    largest = max((_largest(each, cycle) for each in mean), default=np.nan)
+    known = [size for each in mean if np.isfinite(size := _largest(each, cycle))]
+    largest = max(known, default=np.nan)
     place = fit.place_spread[cycle, station] if len(cycle) else np.array([np.nan])
     error = np.hypot(WITHIN_ELEMENT * front.sectors[station].size, place).max()
     misplaced = error / (2 * front.depth[station]) * largest
