@@ -260,7 +260,7 @@ class Ellipse:
 
 
 # What the front of an area lies outside its nodes, in elements.
-SHIFT = -0.2
+SHIFT = -0.13
 
 
 def ball_case(ellipse: Ellipse, size: float, poisson: float) -> dict[str, Any]:
