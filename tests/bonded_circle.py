@@ -13,12 +13,14 @@ functions of R = sqrt(r² + w²), w = z + i, z the depth: that of a charged disc
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from fretfe._typing import Array
 
-Complex = NDArray[np.complex128]
+Complex = NDArray[Any]
 
 # Signs of the axes of a half-space, depth last, and the axes of the model that they lie along.
 AXES = np.array([0, 2, 1])

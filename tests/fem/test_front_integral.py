@@ -30,6 +30,8 @@ POISSON = 0.3
 ANGLES = np.linspace(0.0, 2 * np.pi, 7)[:-1] + 0.1
 # (K_I, K_T, K_S) by P, Q, M are told relative to the largest of the load.
 LARGEST = np.abs(bonded_circle.factors(np.array([0.0]))[0]).max(axis=0)
+# About an axis that is none of the mesh's.
+TURN = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
 
 
 @dataclass(frozen=True)
@@ -57,10 +59,6 @@ def half(upper: bool, cell: str, turned: bool = False) -> Half:
     moved = bonded_circle.displacements(points, upper, material.shear_modulus, POISSON)
     form = InteractionForm(elastic, [f"{name}_{side}"], upper)
     return Half(form, np.einsum("ij,njk->nik", turn, moved))
-
-
-# About an axis that is none of the mesh's.
-TURN = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
 
 
 def integrals(tube: Tube, cell: str, *, turned: bool = False, curvature: float = 1.0) -> Array:
@@ -212,6 +210,8 @@ def test_extruded_contact_has_the_factors_of_the_plane() -> None:
 
 
 YOUNG, AREAS = 2e5, 6
+# What the front of an area lies outside its nodes, in elements.
+SHIFT = -0.13
 
 
 @dataclass(frozen=True)
@@ -257,10 +257,6 @@ class Ellipse:
         outside = (level - 1) * level / np.maximum(slope, 1e-9)
         shifts = step * ((np.arange(AREAS) + 0.5) / AREAS - 0.5 + SHIFT)
         return [outside < shift for shift in shifts]
-
-
-# What the front of an area lies outside its nodes, in elements.
-SHIFT = -0.2
 
 
 def ball_case(ellipse: Ellipse, size: float, poisson: float) -> dict[str, Any]:
