@@ -70,7 +70,7 @@ def make_mesh(case: Case) -> Mesh | None:
 
 
 def _first_mesh(case: Case) -> Mesh:
-    if case.edges is None:
+    if case.edges.tolerance is None:
         return load_mesh(case)
     # The first mesh of a refinement is a part of solving.
     from fretfe.fem.refine import starting_mesh

@@ -188,7 +188,7 @@ def solid_result(shapes: dict[str, Surface] | None = None, **output: object) -> 
         certificates=certificates,
     )  # fmt: skip
     return Result(
-        case=case, loads=loads, contacts=(), areas=evaluate_areas(solution), backend="fem",
+        case=case, loads=loads, contacts=(), areas=evaluate_areas(solution, {}), backend="fem",
         solution=solution, bodies=bodies(),
     )  # fmt: skip
 

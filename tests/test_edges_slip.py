@@ -71,6 +71,18 @@ def test_slip_border_of_the_exact_field(h: float, phase: float, noise: float, si
     assert border.length == pytest.approx(1 - np.sqrt(0.6), abs=0.1 * h)
 
 
+def test_round_off_of_sticking_nodes_is_no_noise() -> None:
+    problem = PartialSlip(HERTZ, HERTZ_LOAD, FRICTION)
+    x = uniform_nodes(0.02, 0.3)
+    x = x[np.abs(x) < 1.0]
+    slip = problem.slip(x, 0.4 * FRICTION * HERTZ_LOAD)
+    disturbed = np.where(slip > 0, slip, 1e-12 * slip.max())
+    exact = border_at(x, slip, slip > 0, -1.0, "left")
+    assert border_at(x, disturbed, slip > 0, -1.0, "left") == exact
+    coarse = border_at(x, np.where(slip > 0, slip, 1e-3 * slip.max()), slip > 0, -1.0, "left")
+    assert coarse != exact
+
+
 def test_slip_in_the_negative_direction() -> None:
     x = np.linspace(-0.99, 0.99, 100)
     slip = PartialSlip(HERTZ, HERTZ_LOAD, FRICTION).slip(x, 0.4 * FRICTION * HERTZ_LOAD)

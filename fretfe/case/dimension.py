@@ -59,11 +59,11 @@ def _plane_only(case: Case) -> Iterator[Problem]:
     if case.model.thickness != 1:
         found = f"{case.model.thickness:g}"
         yield Problem(("model", "thickness"), f"expected 1 on a mesh of solids, found {found}")
-    if case.edges is not None:
+    if case.edges.tolerance is not None:
         yield Problem(
-            ("edges",),
-            "expected a plane mesh: one of solids does not refine itself; leave the table [edges] "
-            "out and set the element sizes of the geometry",
+            ("edges", "tolerance"),
+            "expected a plane mesh: one of solids does not refine itself; leave the tolerance out "
+            "and set the element sizes of the geometry",
         )
 
 

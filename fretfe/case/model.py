@@ -44,9 +44,10 @@ class Case(Table):
         default=Cycle(),
         description="The cycle to evaluate; without it the last period of the slowest wave.",
     )
-    edges: Edges | None = Field(
-        default=None,
-        description="Accuracy of the edge factors; without it the mesh is that of the geometry.",
+    edges: Edges = Field(
+        default=Edges(),
+        description="Accuracy of the edge factors; without a tolerance the mesh is that of the "
+        "geometry.",
     )
     output: Output = Field(default=Output(), description="What is written besides the results.")
 

@@ -180,10 +180,15 @@ class Contact(Table):
     )
 
 
-class Edges(Table):
-    """How accurate the edge factors are to be: the mesh refines itself until they are."""
+# Stations of a front of solids: about ten on each quarter of an ellipse.
+STATIONS = 40
 
-    tolerance: Positive = Field(
+
+class Edges(Table):
+    """Accuracy of the edge factors, for which a plane mesh refines itself; stations of solids."""
+
+    tolerance: Positive | None = Field(
+        default=None,
         le=0.1,
         description="Relative change of K_N, ΔK_T and the slip-zone lengths from one mesh to the "
         "next, at every contact edge, below which the mesh is fine enough; 0 < tolerance <= 0.1.",
@@ -191,6 +196,12 @@ class Edges(Table):
     unknowns: Count = Field(
         default=200_000,
         description="Displacements of the largest mesh that is solved; refinement ends there.",
+    )
+    stations: int = Field(
+        default=STATIONS,
+        ge=8,
+        le=1000,
+        description="Stations of each contact front of solids, at an even spacing.",
     )
 
 

@@ -38,7 +38,7 @@ def _print(checked: Checked) -> None:
     case, history = checked.case, checked.history
     console = Console()
     print_mesh(console, case, checked.mesh)
-    if case.edges is None and checked.mesh.dimension == 2:
+    if case.edges.tolerance is None and checked.mesh.dimension == 2:
         for warning in coarse_contacts(case, checked.mesh, history):
             console.print(f"Warning: {warning}", highlight=False, markup=False)
     for body in checked.definition.bodies:
@@ -58,7 +58,7 @@ def _print(checked: Checked) -> None:
     if history.cycle is not None:
         first, last = (history.times[state] for state in history.cycle)
         cycle = f"evaluated cycle t = {first:g} to {last:g} {case.units.time}"
-    if case.edges is not None:
+    if case.edges.tolerance is not None:
         text = f"the mesh refines itself to a tolerance of {case.edges.tolerance:g}: first mesh"
         console.print(text, highlight=False)
     console.print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")

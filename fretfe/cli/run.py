@@ -102,6 +102,7 @@ def _finish(
 
 
 def _print_numbers(console: Console, result: Result) -> None:
+    from fretfe.report.page.front_table import front_table
     from fretfe.report.page.tables import (
         area_table,
         contact_table,
@@ -112,6 +113,8 @@ def _print_numbers(console: Console, result: Result) -> None:
 
     if result.areas:
         console.print(area_table(result.case, result.loads.cycle, result.areas))
+        if any(area.fronts for area in result.areas):
+            console.print(front_table(result.case, result.areas))
     else:
         console.print(contact_table(result.case, result.loads.cycle, result.contacts))
         console.print(edge_table(result.case, result.contacts))

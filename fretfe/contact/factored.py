@@ -26,6 +26,7 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface, coordinate_scale
 from fretfe.contact.nested import InverseRows, NestedInverse
 from fretfe.contact.operator import Conditions, Response
+from fretfe.contact.similar import SimilarSystems
 from fretfe.contact.sliding import solve_directly, unknown_tractions
 from fretfe.contact.state import OPEN, SLIP
 from fretfe.errors import ModelError
@@ -179,6 +180,7 @@ class StuckSolution:
         self._given = free, forces
         self._free = free.reshape(-1, free.shape[-1])
         self._forces = forces * order.scale[:, None] * order.level
+        self._systems = SimilarSystems()
         # Forces that the tractions leave over with all coordinates at rest.
         self._missing = (
             order.rows.vectors(size) @ self._free[order.components[:size]] - self._forces
@@ -210,16 +212,16 @@ class StuckSolution:
         plane = order.interface.components == 2
         if plane and not conditions.floating and unknown_tractions(conditions) < count:
             return solve_directly(order.interface, conditions, *self._given)
-        # Tractions by unit displacements of the released components, then by coordinates.
-        response = np.vstack(
-            [order.rows.units(area.size, released.all), -order.rows.vectors(area.size)]
-        )
-        matrix = np.empty((len(response), len(response)))
-        matrix[:count] = response[:, released.all].T
-        matrix[count:] = (response @ order.motion[: area.size]).T
-        matrix[count:, count:] -= order.stiffness
+        # Tractions by unit displacements of the released components, less those by coordinates.
+        units, vectors = order.rows.units(area.size, released.all), order.rows.vectors(area.size)
+        motion = order.motion[: area.size]
+        matrix = np.empty((count + len(vectors), count + len(vectors)))
+        matrix[:count, :count] = units[:, released.all]  # symmetric
+        matrix[:count, count:] = -vectors[:, released.all].T
+        matrix[count:, :count] = (units @ motion).T
+        matrix[count:, count:] = -(vectors @ motion).T - order.stiffness
         target = np.vstack([-self._traction[released.all], self._missing])
-        released.let_slip(conditions, matrix, target, response, self._traction)
+        released.let_slip(conditions, matrix, target, (units, vectors), self._traction)
         known = count + np.flatnonzero(conditions.known)
         matrix[known] = 0.0
         matrix[known, known] = 1.0
@@ -228,15 +230,15 @@ class StuckSolution:
         if conditions.floating:
             changes, residual = _least_motion(matrix, target, count)
         else:
-            changes = np.linalg.solve(matrix, target)
-        return self._response(response, released, changes, residual)
+            changes = self._systems.solve(released.all, matrix, target)
+        solved = self._traction + units.T @ changes[:count] - vectors.T @ changes[count:]
+        return self._response(solved, released, changes, residual)
 
     def _response(
-        self, response: Array, released: _Released, changes: Array, residual: float
+        self, solved: Array, released: _Released, changes: Array, residual: float
     ) -> Response:
         order, size = self._area.order, self._area.size
         count = len(released.all)
-        solved = self._traction + response.T @ changes
         traction, relative = np.zeros_like(self._free), np.zeros_like(self._free)
         traction[order.components[:size]] = solved / order.level
         relative[order.components[released.all]] = changes[:count]
@@ -277,7 +279,12 @@ class _Released:
         self.sliding = slice(len(opened), len(self.all))
 
     def let_slip(
-        self, conditions: Conditions, matrix: Array, target: Array, response: Array, stuck: Array
+        self,
+        conditions: Conditions,
+        matrix: Array,
+        target: Array,
+        tractions: tuple[Array, Array],
+        stuck: Array,
     ) -> None:
         """Replace "no shear" in the rows of slipping nodes by the conditions of slip.
 
@@ -285,23 +292,28 @@ class _Released:
             conditions: conditions.
             matrix: (k, k) changed in place: released tractions by all unknowns.
             target: (k, J) changed in place.
-            response: (k, n*d) all tractions by all unknowns.
+            tractions: all by the released components, (c, n*d), and less those by coordinates.
             stuck: (n*d, J) tractions in full stick.
         """
-        rows, nodes = self.sliding, self._slipping
-        per_node = conditions.pull.shape[1]
-        bound = np.repeat(self._normal, per_node)
-        pull = conditions.pull[nodes].ravel()[:, None]
-        if per_node > 1:
+        nodes, normal = self._slipping, self._normal
+        shape = len(nodes), conditions.pull.shape[1]
+        rows, targets = (
+            each[self.sliding].reshape(*shape, each.shape[1]) for each in (matrix, target)
+        )
+        if shape[1] > 1:
             turning = conditions.turning[nodes]
-            trial = matrix[rows].copy()  # of q − r Δ; Δ is an unknown itself
-            trial[np.arange(len(trial)), np.arange(rows.start, rows.stop)] -= np.repeat(
-                conditions.penalty[nodes] * self._level, per_node
-            )
-            matrix[rows] -= _by_node(turning, trial)
-            target[rows] -= _by_node(turning, target[rows])
-        matrix[rows] -= pull * response[:, bound].T
-        target[rows] += pull * stuck[bound]
+            for values in (rows, targets):
+                values -= turning @ values
+            # Of q − r Δ; Δ is an unknown itself.
+            own = self.sliding.start + np.arange(rows[..., 0].size).reshape(*shape, 1)
+            penalty = conditions.penalty[nodes, None, None] * self._level
+            matrix[own, own.swapaxes(1, 2)] += turning * penalty
+        count = len(self.all)
+        pressures = [part[:, normal].T for part in tractions]
+        for direction, pull in enumerate(conditions.pull[nodes].T[..., None]):
+            rows[:, direction, :count] -= pull * pressures[0]
+            rows[:, direction, count:] += pull * pressures[1]
+            targets[:, direction] += pull * stuck[normal]
 
 
 def _least_motion(matrix: Array, target: Array, count: int) -> tuple[Array, float]:
@@ -349,12 +361,6 @@ def _floating_solver(matrix: Array, count: int) -> Callable[[Array], Array]:
         return np.asarray(changes - free @ np.linalg.lstsq(free, changes, rcond=None)[0])
 
     return solve
-
-
-def _by_node(blocks: Array, values: Array) -> Array:
-    """Products of (n, k, k) blocks with values (n * k, J)."""
-    parts = values.reshape(*blocks.shape[:2], values.shape[1])
-    return np.einsum("nij,nj...->ni...", blocks, parts).reshape(values.shape)
 
 
 class RegularisedFactor:

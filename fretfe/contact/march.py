@@ -14,7 +14,7 @@ from fretfe.contact.admm import status_by_fixed_point
 from fretfe.contact.certificate import Certificate, certify, dissipation
 from fretfe.contact.factored import FactoredOperator
 from fretfe.contact.interface import Interface
-from fretfe.contact.newton import Newton, NotConverged
+from fretfe.contact.newton import NO_RESISTANCE, Newton, NotConverged
 from fretfe.contact.operator import InterfaceOperator
 from fretfe.contact.state import OPEN, STICK, ContactState, StepLoads, unloaded
 from fretfe.errors import ConvergenceError
@@ -98,21 +98,37 @@ class March:
             state = result.state
 
     def advance(
-        self, state: ContactState, start: StepLoads, end: StepLoads, cuts_left: int = MAX_CUTS
+        self,
+        state: ContactState,
+        start: StepLoads,
+        end: StepLoads,
+        cuts_left: int = MAX_CUTS,
+        slow: bool = True,
     ) -> StepResult:
         """Go from one load to the next, in two halves if that is necessary.
+
+        Args:
+            state: at the start.
+            start: loads.
+            end: loads.
+            cuts_left: how often the step may be halved.
+            slow: whether the slow method is tried where Newton's fails.
 
         Raises:
             NotConverged: if that fails however often the step is cut.
         """
         try:
-            return self._attempt(state, end)
-        except NotConverged:
+            return self._attempt(state, end, slow)
+        except NotConverged as failure:
             if not cuts_left:
                 raise
+            # Loads that found no resistance hardly find one from nearer by: not before the last
+            # cut is it worth the slow method's thousands of iterations.
+            resisted = failure.reason != NO_RESISTANCE
         middle = start.between(end, 0.5)
         first = self.advance(state, start, middle, cuts_left - 1)
-        second = self.advance(first.state, middle, end, cuts_left - 1)
+        slow = resisted or cuts_left == 1
+        second = self.advance(first.state, middle, end, cuts_left - 1, slow)
         return replace(
             second,
             dissipation=first.dissipation + second.dissipation,
@@ -121,13 +137,15 @@ class March:
             fallbacks=first.fallbacks + second.fallbacks,
         )
 
-    def _attempt(self, state: ContactState, loads: StepLoads) -> StepResult:
+    def _attempt(self, state: ContactState, loads: StepLoads, slow: bool) -> StepResult:
         reference = state.relative[:, 1:]
         status, direction = self._start(state)
         fallbacks = 0
         try:
             solved, iterations = self._newton.solve(loads, reference, status, direction)
         except NotConverged as failure:
+            if not slow:
+                raise
             fallbacks, spent = 1, failure.iterations
             status, direction = status_by_fixed_point(
                 self.operator, loads, reference, state.traction

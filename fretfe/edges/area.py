@@ -7,7 +7,7 @@ the axes of the case.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy as np
 from fretfe._typing import Array, Bools
 from fretfe.edges.extremes import SMALLEST_SHEAR
 from fretfe.edges.slip import cycle_change
+from fretfe.edges.solid_fronts import SolidFront
 from fretfe.edges.warnings import STEADY_CHANGE
 from fretfe.results.solution import OPEN, STICK, ContactHistory, Solution
 from fretfe.results.states import blocks
@@ -44,6 +45,7 @@ class AreaSummary:
             relative to f p_max.
         steady: whether that is below the limit; False without a cycle.
         dissipation: friction work in the evaluated cycle, or of all steps without one.
+        fronts: the boundary curves of the contact area; empty where they cannot be told.
         warnings: what a reader must know, in words.
     """
 
@@ -61,12 +63,23 @@ class AreaSummary:
     cycle_change: float
     steady: bool
     dissipation: float
+    fronts: tuple[SolidFront, ...]
     warnings: tuple[str, ...]
 
 
-def evaluate_areas(solution: Solution) -> tuple[AreaSummary, ...]:
-    """Evaluate every contact of a solution in space."""
-    return tuple(_evaluate_area(solution, contact) for contact in solution.contacts)
+def evaluate_areas(
+    solution: Solution, fronts: Mapping[str, tuple[SolidFront, ...]]
+) -> tuple[AreaSummary, ...]:
+    """Evaluate every contact of a solution in space.
+
+    Args:
+        solution: the solved history.
+        fronts: those of the contacts, by name; none where there is no entry.
+    """
+    return tuple(
+        _evaluate_area(solution, contact, fronts.get(contact.name, ()))
+        for contact in solution.contacts
+    )
 
 
 def shear_extremes(areas: Sequence[AreaSummary], cycle: tuple[int, int] | None) -> list[int]:
@@ -105,7 +118,9 @@ def shear_direction(force: Array) -> Array:
     return np.asarray(direction * np.sign(direction[np.abs(direction).argmax()]))
 
 
-def _evaluate_area(solution: Solution, contact: ContactHistory) -> AreaSummary:
+def _evaluate_area(
+    solution: Solution, contact: ContactHistory, fronts: tuple[SolidFront, ...]
+) -> AreaSummary:
     parts = [_in_block(contact, states) for states in blocks(*_size(contact))]
     histories = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     change = _cycle_change(solution, contact)
@@ -118,6 +133,7 @@ def _evaluate_area(solution: Solution, contact: ContactHistory) -> AreaSummary:
         cycle_change=change,
         steady=bool(change < STEADY_CHANGE),
         dissipation=float(work[first + 1 : last + 1].sum()),
+        fronts=fronts,
         warnings=tuple(_warnings(contact, change)),
     )
 

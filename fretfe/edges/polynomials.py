@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Positions
 
 # Order of the highest polynomial: one more than the highest that is used, to compare with.
 HIGHEST = 5
@@ -54,14 +54,16 @@ def _triangles(parts: list[Array], m: Array, errors: Array) -> Array:
     return np.asarray(np.linalg.qr(columns, mode="r"))
 
 
-def edge_terms(triangles: Array, order: int, length: int, scale: Array, bounds: Array) -> Array:
+def edge_terms(
+    triangles: Array, order: int, length: Positions, scale: Array, bounds: Array
+) -> Array:
     """Return (7, T) edge, K_N, their standard errors, their systematic errors, and chi^2/nu.
 
     Args:
         triangles: (T, 8, 8) from ``weighted_triangles``.
         order: of the polynomial, 2 to 5.
-        length: number of nodes in the window, at least order + 3.
-        scale: (T,) length s_last of the window.
+        length: (T,) numbers of nodes in the windows, at least order + 3.
+        scale: (T,) lengths s_last of the windows.
         bounds: (2, T) smallest and largest edge; NaN is returned for others.
     """
     size = order + 1

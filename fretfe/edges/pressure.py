@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Positions
 from fretfe.edges.average import average
 from fretfe.edges.polynomials import FARTHEST, HIGHEST, edge_terms, weighted_triangles
 from fretfe.edges.sampling import sampling
@@ -64,21 +64,30 @@ def fit_edge(section: Section) -> EdgeFit:
 
 def _fit(section: Section) -> Array:
     """Return (4, T): edge, inward from the outermost node, K_N and their error bars."""
-    samples, nodes = sampling(section), section.nodes
-    reach = np.maximum(nodes // 2, np.minimum(nodes - FAR, SHORTEST + 1))
+    samples = sampling(section)
+    reach = np.maximum(section.nodes // 2, np.minimum(section.nodes - FAR, SHORTEST + 1))
     lengths = _lengths(int(reach.max()) - 1)
     # Edge and K_N, their standard errors, their systematic errors, chi^2/nu.
     fits = np.full((7, len(reach), len(lengths), HIGHEST - 1), np.nan)
-    for number, length in enumerate(lengths):
-        some, window = np.flatnonzero(length < reach), slice(1, 1 + length)
-        parts = (section.s, section.values, samples.errors, samples.tails)
-        triangles = weighted_triangles(*(part[some, window] for part in parts))
-        scale = section.s[some, length]
-        bounds = np.array([-FARTHEST * samples.size[some], section.s[some, 1]])
-        for order in range(2, min(HIGHEST, length - 3) + 1):
-            fits[:, some, number, order - 2] = edge_terms(triangles, order, length, scale, bounds)
+    windows, states = np.nonzero(lengths[:, None] < reach)
+    parts = (section.s, section.values, samples.errors, samples.tails)
+    triangles = np.concatenate(
+        [
+            weighted_triangles(*(part[states[windows == number], 1 : 1 + nodes] for part in parts))
+            for number, nodes in enumerate(lengths)
+        ]
+    )
+    length = lengths[windows]
+    scale = section.s[states, length]
+    bounds = np.array([-FARTHEST * samples.size, section.s[:, 1]])[:, states]
+    for order in range(2, HIGHEST + 1):
+        enough = np.flatnonzero(length >= order + 3)
+        terms = edge_terms(
+            triangles[enough], order, length[enough], scale[enough], bounds[:, enough]
+        )
+        fits[:, states[enough], windows[enough], order - 2] = terms
     means, bars, weights = average(fits[:2], fits[2:4], fits[4:6], fits[6], INTERVALS)
-    used = np.sum(weights * np.array(lengths, dtype=np.float64)[:, None], axis=(-2, -1))
+    used = np.sum(weights * lengths[:, None], axis=(-2, -1))
     used = np.maximum(used, 1.0)  # 0 without a fit
     coarse = np.array([COARSE_POSITION * samples.size, COARSE_K_N * means[1]]) / used**2
     results = np.concatenate([means, np.hypot(bars, coarse)])
@@ -99,9 +108,9 @@ def _without_comparison(fits: Array, size: float) -> Array:
     return np.array([position, k_n, FARTHEST * size, k_n])
 
 
-def _lengths(longest: int) -> list[int]:
+def _lengths(longest: int) -> Positions:
     """Return the numbers of nodes of all windows, growing by a quarter."""
     lengths = [SHORTEST]
     while (length := int(np.ceil(1.25 * lengths[-1]))) <= longest:
         lengths.append(length)
-    return lengths
+    return np.array(lengths)

@@ -19,6 +19,8 @@ NODAL_ERROR = 0.05
 INTERVAL = 2.0
 # Slip of less than so many standard deviations of the noise takes no part.
 HIDDEN = 5.0
+# Slip of sticking nodes below this fraction of the largest slip is round-off, no noise.
+ROUND_OFF = 1e-9
 # Numbers of nodes in the windows, next to the border, and then all.
 COUNTS = (4, 6, 9, 13, 19, 28, 42, 63, 94)
 # A line through so many nodes takes no part: slip^(2/3) is curved.
@@ -79,6 +81,7 @@ def slip_border(s: Array, slip: Array, slipping: Bools) -> SlipBorder:
     zone = np.arange(0, count - 1 if count > 2 else count)[::-1]
     zone = zone[trusted[zone]]
     noise = float(np.sqrt(np.mean(amount[~slips] ** 2)))
+    noise = noise if noise > ROUND_OFF * amount.max() else 0.0
     if zone.size > 1:
         border, spread, hidden = _border(s[zone] - low, amount[zone], noise, size)
         if abs(border - (high - low) / 2) < 1.5 * size + hidden:

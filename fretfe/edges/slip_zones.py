@@ -54,6 +54,7 @@ def slip_zones(
     station: StationHistory,
     find_border: FindBorder,
     path: LoadPath | None = None,
+    place: Callable[[float, float], float] | None = None,
 ) -> tuple[SlipZone, ...]:
     """Slip zones of a station in time order.
 
@@ -63,7 +64,10 @@ def slip_zones(
         station: position and factors.
         find_border: gives the slip zone of a half cycle.
         path: loads of the cycle between its steps, unless they are straight lines.
+        place: gives the position that is some length inward from a position of the station; None
+            for a station of a plane front.
     """
+    place = place or plane_front(station.front).place
     frictional = np.flatnonzero((friction > 0) & np.isfinite(station.position))
     if not len(frictional):
         return ()
@@ -89,7 +93,7 @@ def slip_zones(
             start=start,
             end=end,
             length=border.length,
-            border=plane_front(station.front).place(float(station.position[end]), border.length),
+            border=place(float(station.position[end]), border.length),
             spread=math.hypot(spread, missed),
             resolved=border.resolved and _told(border, spread),
             gross=border.gross,

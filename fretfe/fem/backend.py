@@ -86,7 +86,7 @@ class FemSession:
 
 def _solve(case: Case, options: RunOptions, solve_case: SolveCase) -> Result:
     """Solve and evaluate a case, on one mesh by `solve_case`. Collective."""
-    if case.edges is not None:
+    if case.edges.tolerance is not None:
         return refine(MPI.COMM_WORLD, case, options)
     return solve_case(case, options, partial(_load, case, options))
 

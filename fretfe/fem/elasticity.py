@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -34,6 +35,26 @@ PLANE_COMPONENTS = ((0, 0), (1, 1), (0, 1))
 COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
+@dataclass(frozen=True)
+class Elasticity:
+    """Constants of a material in UFL, as `Material` names them."""
+
+    kolosov: Any
+    shear_modulus: Any
+    first_lame: Any
+
+    @classmethod
+    def of(cls, mesh: Any, material: Material) -> Elasticity:
+        """The constants of a material on a mesh."""
+        names = (each.name for each in fields(cls))
+        return cls(*(fem.Constant(mesh, getattr(material, name)) for name in names))
+
+    def stress(self, strain: Any) -> Any:
+        """Stress (d, d) of a strain (d, d)."""
+        spread = self.first_lame * ufl.tr(strain) * ufl.Identity(strain.ufl_shape[0])
+        return 2 * self.shear_modulus * strain + spread
+
+
 class ElasticBody:
     """Displacement space, stiffness and load vectors of one body, distributed over all ranks.
 
@@ -56,7 +77,7 @@ class ElasticBody:
         points = mesh.points if mesh else np.empty((0, gdim))
         self.name: str = name
         self.gdim: int = gdim
-        self._degree, self._order = degree, order
+        self.degree, self._order = degree, order
         self.mesh = create_mesh(comm, cells, points, cell, order)
         self.space = fem.functionspace(self.mesh, ("Lagrange", degree, (gdim,)))
         self.groups, self.facet_tags = self._tag_boundaries(mesh, cell, order)
@@ -90,17 +111,15 @@ class ElasticBody:
 
     def stress(self, displacement: Any) -> Any:
         """Stress (UFL) of a displacement."""
-        mu = fem.Constant(self.mesh, self.material.shear_modulus)
-        lame = fem.Constant(self.mesh, self.material.first_lame)
         strain = ufl.sym(ufl.grad(displacement))
-        return 2 * mu * strain + lame * ufl.tr(strain) * ufl.Identity(self.gdim)
+        return Elasticity.of(self.mesh, self.material).stress(strain)
 
     def _energy(self, displacement: Any) -> Any:
         test = ufl.TestFunction(self.space)
         measure = ufl.dx
         if self.mesh.topology.cell_name() == "hexahedron":
             # As many points in each direction as in a quadrilateral that it may be extruded from.
-            measure = ufl.dx(metadata={"quadrature_degree": 2 * (self._degree + self._order)})
+            measure = ufl.dx(metadata={"quadrature_degree": 2 * (self.degree + self._order)})
         return ufl.inner(self.stress(displacement), ufl.sym(ufl.grad(test))) * measure
 
     def stiffness(self, constrained: npt.NDArray[np.int32]) -> PETSc.Mat:

@@ -120,11 +120,11 @@ class _Passes:
     """The meshes of a case one after the other, and what they gave; rank 0 only."""
 
     def __init__(self, case: Case, announce: Callable[[str], None]) -> None:
-        assert case.edges is not None
+        assert case.edges.tolerance is not None
         self._case = case
         self._announce = announce
-        self._edges = case.edges
-        self._growth = growth_for(case.edges.tolerance, case.model.degree)
+        self._edges, self._tolerance = case.edges, case.edges.tolerance
+        self._growth = growth_for(self._tolerance, case.model.degree)
         self._sources: tuple[Source, ...] = ()
         self._level = 0
         self._passes: tuple[Pass, ...] = ()
@@ -186,10 +186,10 @@ class _Passes:
         )
 
     def _fine_enough(self, last: Pass) -> bool:
-        return last.resolved and last.change <= self._edges.tolerance
+        return last.resolved and last.change <= self._tolerance
 
     def _refinement(self, reason: str, *, converged: bool = False) -> Refinement:
-        return Refinement(self._edges.tolerance, self._passes, converged, reason)
+        return Refinement(self._tolerance, self._passes, converged, reason)
 
 
 def _change_text(before: Pass | None, last: Pass) -> str:

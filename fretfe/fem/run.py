@@ -34,6 +34,7 @@ from fretfe.fem.limits import imbalance, model_limits, solid_limits, without_mov
 from fretfe.fem.model import Model, Request, step_loads
 from fretfe.fem.parallel import on_root, release
 from fretfe.fem.penetration import farthest_states, unpaired_penetration
+from fretfe.fem.solid_extraction import Tracks, add_solid_integrals
 from fretfe.fem.timing import Clock
 from fretfe.loads import History, build_history
 from fretfe.mesh.mesh import Mesh
@@ -141,11 +142,15 @@ def solve_prepared(
     failure = comm.bcast(marched.failure if marched else None)
     recorder = marched.recorder if marched else None
     solution = _solution(model, history, marched.recorder) if marched else None
-    if model.dimension == 2:
-        with clock("edge integrals"):
-            solution = add_integrals(model, case, recorder, prepared.march, solution)
+    with clock("edge integrals"):
+        if model.dimension == 2:
+            tracks = None
+            solution = add_integrals(model, recorder, prepared.march, solution)
+        else:
+            tracks = on_root(comm, lambda: _fronts(case, solution), share=False)
+            solution = add_solid_integrals(model, recorder, solution, tracks)
     with clock("evaluation"):
-        found = _evaluate(model, recorder, solution)
+        found = _evaluate(model, recorder, solution, tracks)
         failure = failure or on_root(comm, lambda: imbalance(solution) if solution else None)
     notes = model.notes
     notes += on_root(
@@ -180,15 +185,29 @@ class _Evaluation:
     limits: tuple[ModelLimit, ...] = ()
 
 
-def _evaluate(model: Model, recorder: Recorder | None, solution: Solution | None) -> _Evaluation:
+def _fronts(case: Case, solution: Solution | None) -> Tracks | None:
+    """The fronts of all contacts of solids through the history."""
+    if solution is None:
+        return None
+    # Imported where it is needed: SciPy's interpolation takes a second.
+    from fretfe.edges.tracks_in_space import follow_fronts
+
+    return {
+        each.name: follow_fronts(solution, each, case.edges.stations) for each in solution.contacts
+    }
+
+
+def _evaluate(
+    model: Model, recorder: Recorder | None, solution: Solution | None, tracks: Tracks | None
+) -> _Evaluation:
     """Evaluate a solved history, which rank 0 has. Collective."""
     depths = _penetration(model, recorder) if model.dimension == 2 else {}
 
     def work() -> _Evaluation:
         if recorder is None or solution is None:
             return _Evaluation()
-        if model.dimension == 3:
-            return _evaluate_solids(model, solution)
+        if tracks is not None:
+            return _evaluate_solids(model, solution, tracks)
         return _evaluate_plane(model, recorder, solution, depths)
 
     return on_root(model.comm, work)
@@ -203,9 +222,15 @@ def _evaluate_plane(
     return _Evaluation(contacts=with_limit_warnings(contacts, limits), limits=limits)
 
 
-def _evaluate_solids(model: Model, solution: Solution) -> _Evaluation:
+def _evaluate_solids(model: Model, solution: Solution, tracks: Tracks) -> _Evaluation:
+    from fretfe.edges.solid_evaluation import evaluate_fronts
+
     limits = solid_limits(model.case, solution)
-    areas = with_limit_warnings(evaluate_areas(solution), limits)
+    fronts = {
+        contact.name: evaluate_fronts(solution, contact, tracks[contact.name])
+        for contact in solution.contacts
+    }
+    areas = with_limit_warnings(evaluate_areas(solution, fronts), limits)
     return _Evaluation(areas=areas, limits=limits)
 
 

@@ -34,8 +34,8 @@ HALO: Any = [withStroke(linewidth=2.4, foreground="white")]
 
 # Inches. A plot of the page, of which two stand side by side (96 pixels an inch), and a picture.
 WIDTH, PICTURE_WIDTH, PICTURE_HEIGHT = 5.6, 10.4, 8.4
-# Height of a plot with little in it, of one panel, of each load, and of two panels.
-LOW, SINGLE, LOAD, DOUBLE = 2.8, 3.6, 1.5, 5.4
+# Height of a plot with little in it, of one panel, of each load, of two and of three panels.
+LOW, SINGLE, LOAD, DOUBLE, TRIPLE = 2.8, 3.6, 1.5, 5.4, 7.0
 # Dots per inch of maps within plots, of pictures, and of figures that are files of their own.
 MAP_DPI, PICTURE_DPI, FILE_DPI = 200, 150, 150
 # Points: headings, and texts that come second.

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """What a run leaves on disk: `results.json` for numbers and histories, `results.h5` for arrays.
 
-Contact surfaces of solids are in `contacts.hdf` too, for ParaView.
+Contact surfaces of solids are in `contacts.hdf` too, for ParaView, and the stations of their
+fronts in `stations.csv`.
 
 Lists of more than `LONG` numbers, the histories of a long run, go to `results.h5` too.
 
@@ -35,6 +36,7 @@ from fretfe.results.kept import LONG, kept_states
 from fretfe.results.model import BodyArrays, Result
 from fretfe.results.solution import ContactHistory, Solution
 from fretfe.results.states import StateArray, blocks
+from fretfe.results.station_file import STATIONS, write_stations
 from fretfe.results.stream import STREAM
 
 SCHEMA = {"name": "fretfe-results", "version": 3}
@@ -84,7 +86,7 @@ def remove_pictures(directory: Path) -> None:
 
 
 def write_results(directory: Path, result: Result) -> None:
-    """Write `results.json`; `results.h5` if there are tractions, of solids `contacts.hdf` too.
+    """Write `results.json`; `results.h5` if there are tractions, of solids more.
 
     Args:
         directory: existing folder.
@@ -98,6 +100,7 @@ def write_results(directory: Path, result: Result) -> None:
         text = json.dumps(as_numbers(result, lists), indent=1, allow_nan=False)
         (directory / NUMBERS).write_text(text + "\n", encoding="utf-8")
         _write_surfaces(directory / SURFACES, result)
+        write_stations(directory / STATIONS, result)
         new = directory / f"{ARRAYS}.new"
         if result.solution is not None or lists:
             # The result may have been read from the file that is replaced.

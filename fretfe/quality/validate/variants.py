@@ -54,7 +54,7 @@ def make_variants(case: Case, result: Result) -> tuple[list[Variant], dict[str, 
             reasons[MEAN] = "the normal load varies: another mean is another cycle"
         variants.append(Variant(START, case, overloaded(result.loads)))
     coarse = coarser(case)
-    if case.edges is not None:
+    if case.edges.tolerance is not None:
         reasons[MESH] = "the mesh refined itself: see the changes from mesh to mesh"
     elif coarse is not None:
         variants.append(Variant(MESH, coarse, None))

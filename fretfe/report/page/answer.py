@@ -8,6 +8,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 from fretfe.edges.front import ContactSummary, SlipZone, Station
+from fretfe.edges.solid_verdicts import AGREES, judge
 from fretfe.quality.validate.single import asymptote_row, element_size
 from fretfe.report.texts import number, with_error
 from fretfe.results.model import Result
@@ -100,10 +101,23 @@ def summary(run: Result, answers: tuple[EdgeAnswer, ...]) -> tuple[str, ...]:
 
 
 def _solid_text(run: Result) -> str:
-    count = len(run.areas)
+    """Fronts and the verdicts on the last slip zones of their stations."""
+    fronts = [front for area in run.areas for front in area.fronts]
+    if not fronts:
+        return "No boundary of a contact area could be told: there are no edge factors."
+    stations = [station for front in fronts for station in front.stations]
+    words = Counter(
+        judge(station, station.slip_zones[-1]).word for station in stations if station.slip_zones
+    )
+    text = f"{len(fronts)} contact front{'' if len(fronts) == 1 else 's'} with {len(stations)} "
+    if not words:
+        return f"{text}stations, no slip zones."
+    agreeing, all_words = words.pop(AGREES, 0), words.total()
+    others = ", ".join(f"{count} {word}" for word, count in words.items())
     return (
-        f"{count} contact{'' if count == 1 else 's'} of solids. Edge factors of solids are not "
-        "evaluated yet: there is no verdict on slip zones."
+        f"{text}stations. At {agreeing} of {agreeing + all_words} the last slip zone that was "
+        "found agrees with the one that the edge factors predict"
+        f"{f' ({others})' if others else ''}."
     )
 
 

@@ -16,6 +16,7 @@ from rich.table import Table
 from fretfe.errors import OutputError
 from fretfe.quality.validate.single import own_rows
 from fretfe.report.page.answer import edge_answers, summary
+from fretfe.report.page.front_table import front_table
 from fretfe.report.page.sections import Plots, draw_plots
 from fretfe.report.page.tables import (
     area_table,
@@ -87,6 +88,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         answers=answers,
         summary=summary(run, answers),
         contacts=_contacts(run),
+        fronts=front_table(run.case, run.areas) if _has_fronts(run) else None,
         works=[
             f"{contact.name} {number(contact.dissipation)}"
             for contact in run.summaries
@@ -107,6 +109,10 @@ def _contacts(run: Result) -> Table:
     if run.areas:
         return area_table(run.case, run.loads.cycle, run.areas)
     return contact_table(run.case, run.loads.cycle, run.contacts)
+
+
+def _has_fronts(run: Result) -> bool:
+    return any(area.fronts for area in run.areas)
 
 
 def _solved(solution: Solution | None) -> bool:

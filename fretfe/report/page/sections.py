@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from fretfe.report.figures import areas, edges, history, loops, slip, solver, tractions
+from fretfe.report.figures import areas, edges, fronts, history, loops, slip, solver, tractions
 from fretfe.report.figures.plot import Plot
 from fretfe.report.source import Shown, ShownArea, shown_areas, shown_contacts
 from fretfe.results.model import Result
@@ -75,11 +75,18 @@ def _sections(run: Result) -> tuple[Section, ...]:
 
 def _solid_sections(run: Result) -> tuple[Section, ...]:
     sections = (
+        _section("fronts", "Along the fronts", fronts.INTRO, _fronts(run)),
         _section("areas", "Contacts over time", areas.INTRO, _areas(run)),
         _section("loads", "Loads", "Shaded: the evaluated cycle.", [history.load_plot(run)]),
         _section("loops", "Hysteresis", loops.SOLID_INTRO, _loops(run, shown_areas(run))),
     )
     return tuple(section for section in sections if section.plots)
+
+
+def _fronts(run: Result) -> Iterable[Plot]:
+    for place, area in enumerate(run.areas):
+        for number, front in enumerate(area.fronts):
+            yield fronts.front_plot(run, area, front, f"contact{place}-{number}")
 
 
 def _areas(run: Result) -> Iterable[Plot]:

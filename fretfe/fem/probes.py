@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Singular edge factors at stations of contact fronts, from displacements of both bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from dolfinx import fem
+
+from fretfe._typing import Array
+from fretfe.bodies.pairs import Pair
+from fretfe.case import Case, contact_modulus, plane_modulus
+from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
+from fretfe.fem.model import Model, Request
+
+# Whether bodies 1 and 2 are above the interface.
+UPPER = (True, False)
+# By body and whether it is body 1: it may be body 1 of one contact and body 2 of another one.
+Forms = dict[tuple[str, bool], InteractionForm]
+
+
+class Stations(Protocol):
+    """Stations of the fronts of a solid contact, with their frames."""
+
+    @property
+    def points(self) -> Array:
+        """(n, 3)."""
+
+    @property
+    def inward(self) -> Array:
+        """(n, 3) unit vectors normal to the front in the tangent plane, into the contact."""
+
+    @property
+    def along(self) -> Array:
+        """(n, 3) unit tangents of the front, `across` x `inward`."""
+
+    @property
+    def across(self) -> Array:
+        """(n, 3) outward unit normals of body 2."""
+
+    @property
+    def curvature(self) -> Array:
+        """(n,) of the front in the tangent plane, positive where the contact is convex."""
+
+
+@dataclass(frozen=True)
+class Probe:
+    """What to integrate at some places of a contact: at one or more stations, in one or more areas.
+
+    Attributes:
+        bodies: body 1 and body 2.
+        tips: for each place: the station as body 1 and body 2 see it.
+        frames: for each place: (d, d) frame of the contact, along which tractions are counted, in
+            the order of `Factor`.
+        fields: for each place: numbers of the fields it is to be multiplied with.
+        tubes: R of them, each used at all places.
+    """
+
+    bodies: tuple[str, str]
+    tips: tuple[tuple[Tip, Tip], ...]
+    frames: tuple[Array, ...]
+    fields: tuple[tuple[int, ...], ...]
+    tubes: tuple[Tube, ...]
+
+
+def probe_stations(
+    model: Model,
+    pair: Pair,
+    stations: Stations,
+    tubes: Sequence[Tube],
+    fields: Sequence[int],
+) -> Probe:
+    """The probe of stations of a solid contact, each of them multiplied with the same fields.
+
+    Each body sees a station on its own surface: next to the contact the two are not parallel. The
+    curvature of the front is taken for the same on both. A tube must not reach another front, the
+    centre of curvature, or a boundary of a body that is not one of its contact surfaces.
+
+    Args:
+        model: the bodies.
+        pair: the contact.
+        stations: n of them.
+        tubes: R of them.
+        fields: numbers of J of the requests that `measure` is called with.
+    """
+    contact = model.case.contacts[pair.name]
+    frames = np.stack([stations.across, stations.inward, stations.along], axis=1)
+    seen = [
+        _seen_from(model, name, outward, stations, frames)
+        for name, outward in ((contact.surface1, -1.0), (contact.surface2, 1.0))
+    ]
+    return Probe(
+        bodies=(pair.body1, pair.body2),
+        tips=tuple(zip(*seen, strict=True)),
+        frames=tuple(frames),
+        fields=(tuple(fields),) * len(frames),
+        tubes=tuple(tubes),
+    )
+
+
+def _seen_from(
+    model: Model, surface: str, outward: float, stations: Stations, frames: Array
+) -> list[Tip]:
+    """Stations on the surface of one body."""
+    places, normals = model.surfaces[surface].nearest(stations.points)
+    tips = []
+    for point, place, normal, frame, curvature in zip(
+        stations.points, places, outward * normals, frames, stations.curvature, strict=True
+    ):
+        # Places are samples: the surface is their tangent plane.
+        point = point + normal * (normal @ (place - point))
+        inward = frame[1] - normal * (normal @ frame[1])
+        inward /= np.linalg.norm(inward)
+        tips.append(Tip(point, np.array([normal, inward, np.cross(normal, inward)]), curvature))
+    return tips
+
+
+def measure(
+    model: Model, probes: Sequence[Probe] | None, requests: Sequence[Request] | None
+) -> list[list[Array]] | None:
+    """Singular edge factors of displacement fields. Collective.
+
+    Args:
+        model: the bodies.
+        probes: what to integrate; on rank 0, None elsewhere.
+        requests: the fields; on rank 0, None elsewhere.
+
+    Returns:
+        For each place of each probe (R, d, J) factors of its J fields, in the order of `Factor`; on
+        rank 0, None elsewhere. Per unit of the fields, as K in pressure or shear ~ K/sqrt(s).
+    """
+    wanted = model.comm.bcast(probes)
+    assert wanted is not None
+    fields = _displacements(model, model.recover_fields(requests))
+    forms = _forms(model, wanted)
+    gathered = model.comm.gather([_integrate(probe, forms, fields) for probe in wanted])
+    if gathered is None:
+        return None
+    return [
+        _whole(model.case, probe, [sum(place) for place in zip(*of_probe, strict=True)])
+        for probe, of_probe in zip(wanted, zip(*gathered, strict=True), strict=True)
+    ]
+
+
+def _displacements(model: Model, fields: list[dict[str, fem.Function]]) -> dict[str, Array]:
+    """(m, d, n) displacements by n fields of this rank's nodes of each body."""
+    size = model.dimension
+    return {
+        name: np.stack([field[name].x.array.reshape(-1, size) for field in fields], axis=2)
+        for name in (fields[0] if fields else {})
+    }
+
+
+def _forms(model: Model, probes: Sequence[Probe]) -> Forms:
+    """The forms that probes need, of the bodies of this rank's group."""
+    forms = {}
+    for probe in probes:
+        for name, upper in zip(probe.bodies, UPPER, strict=True):
+            if name in model.bodies and (name, upper) not in forms:
+                surfaces = list(model.body_definition(name).surfaces)
+                forms[name, upper] = InteractionForm(model.bodies[name].elastic, surfaces, upper)
+    return forms
+
+
+def _integrate(probe: Probe, forms: Forms, fields: dict[str, Array]) -> list[Array]:
+    """For each place of a probe: (R, d, J) what this rank adds to its integrals."""
+    results = []
+    for tips, frame, numbers in zip(probe.tips, probe.frames, probe.fields, strict=True):
+        integrals = np.zeros((len(probe.tubes), len(frame), len(numbers)))
+        for upper, name, tip in zip(UPPER, probe.bodies, tips, strict=True):
+            if (name, upper) not in forms:
+                continue
+            displacements = fields[name][..., list(numbers)]
+            for r, tube in enumerate(probe.tubes):
+                integrals[r] += forms[name, upper].products(tip, tube, displacements)
+        results.append(integrals)
+    return results
+
+
+def _whole(case: Case, probe: Probe, sums: list[Array]) -> list[Array]:
+    """For each place of a probe: (R, d, J) factors from integrals over both bodies."""
+    moduli, shares = _moduli(case, probe)
+    signs = _signs(len(probe.frames[0]))
+    results = []
+    for integrals, tips, frame in zip(sums, probe.tips, probe.frames, strict=True):
+        factors = (signs * moduli[: len(signs)] / np.sqrt(2 * np.pi))[:, None] * integrals
+        results.append(_turned(factors, tips, frame, shares[: len(signs)]))
+    return results
+
+
+def _moduli(case: Case, probe: Probe) -> tuple[Array, Array]:
+    """(3,) stress intensity factor of each mode by its integral, and the share (3, 2) of each body.
+
+    E* of modes I and II, 2/(1/G1 + 1/G2) of mode III.
+    """
+    bodies = [case.bodies[name] for name in probe.bodies]
+    plane = contact_modulus(bodies[0], bodies[1], case.model.plane)
+    shares = plane / np.array([plane_modulus(body, case.model.plane) for body in bodies])
+    softness = np.array([1 / body.shear_modulus for body in bodies])
+    moduli = np.array([plane, plane, 2 / softness.sum()])
+    return moduli, np.array([shares, shares, softness / softness.sum()])
+
+
+def _signs(size: int) -> Array:
+    """(d,) signs by which factors are the components of a traction on body 2.
+
+    Contact pressure is positive, stress that opens a crack is tension.
+    """
+    return np.array([-1.0, 1.0, 1.0])[:size]
+
+
+def _turned(factors: Array, tips: tuple[Tip, Tip], frame: Array, shares: Array) -> Array:
+    """Factors (R, d, J) in the frame of the contact instead of those of the two surfaces.
+
+    Each body measures the traction of the ligament along its own surface; the two surfaces are not
+    parallel before they are pressed together. Pressure and friction are counted along one normal.
+
+    Args:
+        factors: sums over both bodies.
+        tips: the station as body 1 and body 2 see it.
+        frame: (d, d) of the contact.
+        shares: (d, 2) share of each body in the sum, E*/E' of modes I and II.
+    """
+    signs = _signs(len(frame))
+    turn = sum(
+        share[:, None] * (tip.frame @ frame.T) for share, tip in zip(shares.T, tips, strict=True)
+    )
+    return np.linalg.solve(signs[:, None] * turn * signs, factors)

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Full-stick increments of a contact, and the factors along its fronts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fretfe._typing import Array, Bools
+from fretfe.backends.protocol import DEFAULTS
+from fretfe.bodies.pairs import Pair
+from fretfe.case import Case
+from fretfe.contact.full_stick import FullStickSolver, find_drivers
+from fretfe.contact.recorder import Place, Recorder
+from fretfe.contact.solve import solve_history
+from fretfe.contact.state import OPEN, STICK, unloaded
+from fretfe.fem._compat import MPI
+from fretfe.fem.model import Model, Request, step_loads
+from fretfe.fem.probes import Probe, measure
+from fretfe.fem.run import LoadMesh, build_model, load_history
+from fretfe.fem.timing import Clock
+
+Areas = Callable[[Array], list[Bools]]
+
+
+@dataclass(frozen=True)
+class Increments:
+    """Fields of full stick in the contact area of a state, or in those given; on rank 0.
+
+    Attributes:
+        pair: the contact.
+        requests: a field for a unit of each driver.
+        drivers: their names.
+    """
+
+    pair: Pair
+    requests: tuple[Request, ...]
+    drivers: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Bonded:
+    """A solved model, and what rank 0 alone has."""
+
+    model: Model
+    seconds: dict[str, float]
+    root: Increments | None
+
+    def factors(self, probes: Callable[[Model, Increments], list[Probe]]) -> list[Array] | None:
+        """For each probe (R, n, d, J) factors by all drivers, on rank 0. Collective."""
+        wanted = probes(self.model, self.root) if self.root else None
+        found = measure(self.model, wanted, self.root.requests if self.root else None)
+        return None if found is None else [np.stack(each, axis=1) for each in found]
+
+
+def bonded(case: Case, load: LoadMesh | None = None, areas: Areas | None = None) -> Bonded:
+    """Solve a case of one contact, and its full-stick increments. Collective.
+
+    Args:
+        case: the case.
+        load: gives the mesh.
+        areas: gives the nodes of contact areas from the points of all nodes, instead of solving the
+            case: the increments are means over these areas.
+    """
+    clock = Clock()
+    history = load_history(MPI.COMM_WORLD, case, DEFAULTS)
+    prepared = build_model(MPI.COMM_WORLD, case, clock, load)
+    model, reduction, march = prepared.model, prepared.model.reduction, prepared.march
+    if reduction is None or march is None:
+        return Bonded(model, clock.seconds, None)
+    (pair,) = reduction.pairs
+    loads = [load.channel for load in reduction.definition.loads]
+    drivers = find_drivers(reduction.interface, loads)
+    if areas is None:
+        place = Place(pair.name, pair.body1, pair.body2, pair.coupling, pair.coupling.facets)
+        steps = step_loads(case, history, reduction.interface, reduction.definition)
+        recorder = Recorder(march, [place], steps, loads, case.model.degree)
+        solve_history(march, recorder, steps, False, DEFAULTS.progress)
+        found = [recorder.increments(0)]
+    else:
+        solver, free = FullStickSolver(march.operator, drivers), unloaded(reduction.interface)
+        found = [
+            solver.increments(replace(free, status=np.where(area, STICK, OPEN).astype(np.int8)))
+            for area in areas(pair.coupling.points)
+        ]
+    traction = np.mean([each.traction for each in found], axis=0)
+    coordinates = np.mean([each.coordinates for each in found], axis=0)
+    requests = tuple(
+        Request(traction[:, :, j].ravel(), coordinates[:, j], np.zeros(len(loads)))
+        for j in range(len(drivers.names))
+    )
+    return Bonded(model, clock.seconds, Increments(pair, requests, drivers.names))

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Edge factors and slip zones along the front of the sphere of `test_sphere`, against closed forms.
+
+ν = 0, elements of a/12. The case and its cycle are those of `test_sphere`, which is solved once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from fem.test_sphere import FRICTION, LIMIT, PEAK, SHARE, STICK, cycles, tables
+
+from fretfe._typing import Array
+from fretfe.edges.solid_fronts import SolidFront, SolidStation
+from fretfe.results.model import Result
+
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
+
+K_N = PEAK * np.sqrt(2)
+# ΔK of a bonded circle under the range of Q.
+RANGE = 2 * SHARE * LIMIT / (2 * np.pi * np.sqrt(2))
+
+
+@pytest.fixture(scope="module")
+def front(solved: Callable[[dict[str, Any]], Result]) -> SolidFront:
+    (area,) = solved(tables(FRICTION, shear=cycles())).areas
+    (front,) = area.fronts
+    return front
+
+
+def of_stations(front: SolidFront, number: Callable[[SolidStation], float]) -> Array:
+    return np.array([number(station) for station in front.stations])
+
+
+def angles(front: SolidFront) -> Array:
+    points = np.array([station.point for station in front.stations])
+    return np.arctan2(points[:, 2], points[:, 0])
+
+
+def test_front_is_the_circle_of_hertz(front: SolidFront) -> None:
+    assert front.closed and len(front.judged) == 40
+    points = np.array([station.point for station in front.stations])
+    radii = np.linalg.norm(points[:, [0, 2]], axis=1)
+    assert np.abs(radii - 1).max() < 0.004
+    assert abs(radii.mean() - 1) < 0.001
+
+
+def test_k_n(front: SolidFront) -> None:
+    found = of_stations(front, lambda station: station.k_n[-1]) / K_N - 1
+    spread = of_stations(front, lambda station: station.k_n_spread[-1]) / K_N
+    assert np.abs(found).max() < 0.015
+    assert abs(found.mean()) < 0.004
+    assert np.mean(np.abs(found) < spread) > 0.95
+
+
+def test_factors_of_full_stick(front: SolidFront) -> None:
+    """K_T = -K cos θ, K_S = K sin θ for a force along +x on body 2.
+
+    The platen pulls body 1 along x with the force of the case, and body 1 body 2.
+    """
+    theta = angles(front)
+    states = [station.k_t for station in front.stations][0].size
+    first = states - 13  # the last cycle begins with the largest Q, the state in its middle has -Q
+    for name, exact in (("k_t", -np.cos(theta)), ("k_s", np.sin(theta))):
+        change = of_stations(
+            front, lambda station, name=name: np.diff(getattr(station, name)[[first, first + 6]])[0]
+        )
+        assert np.abs(-change / RANGE - exact).max() < 0.06
+        slope = float(-change @ exact / (exact @ exact)) / RANGE
+        assert slope == pytest.approx(1.0, abs=0.015)
+
+
+def test_range_of_the_vector(front: SolidFront) -> None:
+    found = front.along("k_range") / RANGE - 1
+    assert abs(found.mean()) < 0.015
+    assert np.abs(found).max() < 0.07
+    spread = front.along("k_range_spread") / RANGE
+    assert np.mean(np.abs(found) < 2 * spread) > 0.9
+    assert front.along("turning").max() < 1e-6
+
+
+def test_slip_zones(front: SolidFront) -> None:
+    """Widths within .01 a of Cattaneo's and Mindlin's; too wide for a verdict on the formulas."""
+    zones = [station.slip_zones[-1] for station in front.stations]
+    length = np.array([zone.length for zone in zones])
+    assert all(zone.resolved and not zone.gross for zone in zones)
+    assert np.abs(length - (1 - STICK)).max() < 0.012
+    predicted = np.array([zone.prediction for zone in zones])
+    first_order = RANGE / (FRICTION * K_N)
+    assert np.abs(predicted / first_order - 1).max() < 0.08
