@@ -14,10 +14,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import RegularGridInterpolator
 
 from fretfe._typing import Array
 from fretfe.contact.compliance import DenseCompliance
 from fretfe.contact.interface import Coordinate, Interface
+from fretfe.contact.march import March
 from fretfe.contact.state import StepLoads
 
 
@@ -126,3 +128,38 @@ def build(
 def loads(interface: Interface, values: Sequence[float] | Array, friction: float) -> StepLoads:
     """Force or displacement of the sphere along n, x, y."""
     return StepLoads(np.empty(0), np.asarray(values, float), np.full(interface.size, friction))
+
+
+@dataclass(frozen=True)
+class HalfSpaceRun:
+    """A load history of a sphere on a flat.
+
+    Attributes:
+        problem: sphere and grid.
+        tractions: (T, N, 3) on the squares.
+        motion: (T, 3) of the sphere along n, x, y.
+    """
+
+    problem: SphereOnFlat
+    tractions: Array
+    motion: Array
+
+    def field(self, state: int) -> RegularGridInterpolator:
+        """Tractions (..., 3) at places (..., 2), linear between the centres of the squares."""
+        problem = self.problem
+        count = problem.cells
+        x = (np.arange(-1, count + 1) - (count - 1) / 2) * problem.size
+        squares = np.zeros((count + 2, count + 2, 3))
+        column, row = np.round((problem.centres - x[0]) / problem.size).astype(int).T
+        squares[column, row] = self.tractions[state]
+        return RegularGridInterpolator((x, x), squares, bounds_error=False, fill_value=0.0)
+
+
+def run_forces(problem: SphereOnFlat, forces: Array, friction: float) -> HalfSpaceRun:
+    """Solve for forces (T, 3) along n, x, y, one after the other."""
+    interface = build(problem)
+    steps = [loads(interface, force, friction) for force in (np.zeros(3), *forces)]
+    results = list(March(interface).run(steps))
+    root = interface.roots[:, None]
+    tractions = np.array([result.state.traction / root for result in results])
+    return HalfSpaceRun(problem, tractions, np.array([r.state.coordinates for r in results]))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Edge factors and slip zones along the front of the sphere of `test_sphere`, against closed forms.
 
-ν = 0, elements of a/12. The case and its cycle are those of `test_sphere`, which is solved once.
+ν = 0, elements of a/16. The case and its cycle are those of `test_sphere`, which is solved once.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def test_factors_of_full_stick(front: SolidFront) -> None:
     for name, exact in (("k_t", -np.cos(theta)), ("k_s", np.sin(theta))):
         histories = np.array([getattr(station, name) for station in front.stations])
         change = (histories[:, first + 6] - histories[:, first]) / -RANGE
-        assert np.abs(change - exact).max() < 0.06
+        assert np.abs(change - exact).max() < 0.08
         assert float(change @ exact / (exact @ exact)) == pytest.approx(1.0, abs=0.015)
 
 
