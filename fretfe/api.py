@@ -149,7 +149,7 @@ def plot_factors(result: Result) -> Figure:
     """Draw K_N and K_T of every edge over time.
 
     Raises:
-        OutputError: if the bodies are solids, whose edges are not evaluated.
+        OutputError: if the bodies are solids, whose fronts have many stations.
     """
     _require_plane(result)
     from fretfe.report.figures.history import draw_factors

@@ -24,15 +24,16 @@ from fretfe.edges.average import average
 from fretfe.edges.sectors import Sector
 
 # Distances between bumps, in elements, and numbers of bumps: the windows of the fits.
-SPACINGS = (1.0, 1.5, 2.2)
+SPACINGS = (1.0, 1.5, 2.0, 3.0)
 COUNTS = (4, 5, 7, 10)
 WINDOWS = tuple((spacing, count) for spacing in SPACINGS for count in COUNTS)
 # Numbers of terms of the series.
 TERMS = (2, 3, 4)
 # A bump reaches over so many spacings to either side.
 REACH = 2
-# Scatter of a moment relative to it; more of the first two, which hold the front.
-SCATTER, FIRST = 0.0025, 0.006
+# Scatter of a moment relative to it, times the distance of bumps in elements; more of the first
+# two, which hold the front.
+SCATTER, FIRST = 0.004, 0.01
 # Half-width of the 95 % interval over the estimated error, of the place and of K_N.
 INTERVALS = np.array([1.5, 1.7])
 # Places of the front that moments are tabulated for, in spacings from the reference front.
@@ -99,7 +100,7 @@ class FrontFitter:
             scale = np.array([distances, distances**-0.5])
             for column, terms in enumerate(TERMS):
                 if count >= terms + 2:  # the place and the spread are unknown too
-                    found = _fit(moments[states, rows], self._bends[at] * distances, terms)
+                    found = _fit(moments[states, rows], self._bends[at] * distances, terms, spacing)
                     fits[:, states, at, number, column] = found.values * scale
                     errors[:, states, at, number, column] = found.errors * scale
                     misfits[:, states, at, number, column] = found.misfit
@@ -179,10 +180,10 @@ class _Fits:
     misfit: Array
 
 
-def _fit(moments: Array, curvature: Array, terms: int) -> _Fits:
+def _fit(moments: Array, curvature: Array, terms: int, spacing: float) -> _Fits:
     """Fit a series to moments (m, count), the curvature of the front given (m,)."""
     count, place = moments.shape[1], np.zeros(len(moments))
-    sigma = SCATTER * moments
+    sigma = SCATTER / spacing * moments
     sigma[:, :2] *= FIRST / SCATTER
     target = moments / sigma
     columns = [*range(terms), -1]

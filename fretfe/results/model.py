@@ -122,8 +122,8 @@ class Result:
         """
         if self.areas:
             raise CaseError(
-                f"{self.case.source}: expected a contact of plane bodies, found solids, whose "
-                "edges are not evaluated; `areas` has the histories of their contacts"
+                f"{self.case.source}: expected a contact of plane bodies, found solids; `areas` "
+                "has the histories of their contacts, their `fronts` those of stations"
             )
         edges = {f"{each.name} {one.front}": one for each in self.contacts for one in each.stations}
         wanted = f"{contact} {edge}"

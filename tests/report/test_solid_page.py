@@ -14,12 +14,15 @@ from typer.testing import CliRunner
 
 from fretfe.cli.app import app
 from fretfe.edges.area import shear_direction
+from fretfe.edges.solid_evaluation import evaluate_fronts
+from fretfe.edges.tracks_in_space import follow_fronts
 from fretfe.report.figures.areas import area_plot, force_plot
 from fretfe.report.page.answer import summary
 from fretfe.report.page.html import render
 from fretfe.report.page.sections import draw_plots
 from fretfe.report.source import extremes
 from fretfe.results.reader import load_result
+from fretfe.results.writer import write_results
 
 
 @pytest.fixture(scope="module")
@@ -35,9 +38,8 @@ def text(folder: Path) -> str:
     return re.sub(r"\s+", " ", page)
 
 
-def test_answer_says_that_there_is_no_verdict(text: str) -> None:
-    assert "2 contacts of solids. Edge factors of solids are not evaluated yet" in text
-    assert "there is no verdict on slip zones" in text
+def test_answer_says_what_there_is(text: str) -> None:
+    assert "No boundary of a contact area could be told: there are no edge factors." in text
     assert "All 36 load steps are solved" in text and "The evaluated cycle is steady." in text
 
 
@@ -104,3 +106,30 @@ def test_scene_command(folder: Path, tmp_path: Path) -> None:
     if done.exit_code and "OpenGL" in str(done.exception):
         pytest.skip(str(done.exception))
     assert done.exit_code == 0 and path.exists()
+
+
+def test_fronts_are_shown_with_their_verdicts(tmp_path: Path) -> None:
+    """Fronts of the synthetic contact, whose ranges of factors are made up."""
+    result = solid_result({"main": surface()})
+    assert result.solution is not None
+    (contact,) = result.solution.contacts
+    tracks = follow_fronts(result.solution, contact, 12)
+    (front,) = evaluate_fronts(result.solution, contact, tracks)
+    stations = tuple(
+        replace(each, k_range=10.0 + each.number, k_range_spread=0.1, k_t_range=9.0, k_s_range=4.0)
+        for each in front.stations
+    )
+    (area,) = result.areas
+    shown = replace(result, areas=(replace(area, fronts=(replace(front, stations=stations),)),))
+    write_results(tmp_path, shown)
+    page = render(tmp_path)
+    assert "1 contact front with 12 stations, no slip zones." in page
+    assert "Front 1 of contact main" in page
+    row = re.search(r"<td>main front 1</td>(.*?)</tr>", page, flags=re.DOTALL)
+    assert row is not None and "10 … 21" in row[1]
+    assert re.search(r"<td>\s*at [\d.]+</td>", page)
+    rows = (tmp_path / "stations.csv").read_text(encoding="utf-8").splitlines()
+    assert len(rows) == 13 and rows[0].startswith("contact,front,station,arc,x,y,z,inward_x")
+    again = load_result(tmp_path).areas[0].fronts[0]
+    np.testing.assert_array_equal(again.stations[3].k_n, stations[3].k_n)
+    assert again.stations[3].frame.inward.tolist() == stations[3].frame.inward.tolist()

@@ -18,10 +18,9 @@ from fretfe.report.texts import MISSING, number, with_error
 
 
 def front_table(case: Case, areas: tuple[AreaSummary, ...]) -> Table:
-    """Two rows per front of solids: the range along it, and the station of the largest |ΔK|,
-    by its distance along the front.
+    """Two rows per front of solids: the range along it, and the station of the largest |ΔK|.
 
-    Stations too near an end are left out.
+    Stations are told by their distance along the front; those too near an end are left out.
     """
     units = case.units
     title = (
