@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""A sphere on a flat under cycles of Q, ν = 0, elements of a/12; E* = E / 2, contact radius a = 1."""
+"""A sphere on a flat under cycles of Q; ν = 0, E* = E / 2, contact radius 1, elements of 1/12."""
 
 from __future__ import annotations
 
