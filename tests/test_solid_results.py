@@ -104,7 +104,7 @@ def test_records_are_those_of_contacts(result: Result) -> None:
 
 
 def test_an_edge_of_a_solid_has_no_history(result: Result) -> None:
-    with pytest.raises(CaseError, match="found solids; `areas` has"):
+    with pytest.raises(CaseError, match="found solids; `areas`"):
         result.history("main", "left")
 
 

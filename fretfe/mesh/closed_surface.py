@@ -60,8 +60,8 @@ class ClosedSurface:
             ]
         )
         self.walls: Array = body.points[corners]
-        edges = np.roll(self.walls, -1, axis=1) - self.walls
-        self.sizes: Array = np.linalg.norm(edges, axis=2).max(axis=1)
+        edges = np.linalg.norm(np.roll(self.walls, -1, axis=1) - self.walls, axis=2)
+        self.sizes: Array = np.maximum(np.maximum(*edges.T[:2]), edges[:, 2])
         nodes, number = np.unique(corners, return_inverse=True)
         self.points: Array = body.points[nodes]
         self.point_sizes: Array = np.zeros(len(nodes))
@@ -89,8 +89,9 @@ class ClosedSurface:
 
     def _ray(self) -> list[int]:
         """The axes, that of the rays last: seen along it, the triangles have small boxes."""
-        extents = np.ptp(self.walls, axis=1)
-        sizes = [np.delete(extents, axis, axis=1).max(axis=1).sum() for axis in range(3)]
+        low, high = _boxes(self.walls)
+        x, y, z = (high - low).T
+        sizes = [np.maximum(*each).sum() for each in ((y, z), (z, x), (x, y))]
         last = int(np.argmin(sizes))
         return [axis for axis in range(3) if axis != last] + [last]
 
@@ -118,13 +119,21 @@ class ClosedSurface:
         return distances[first], wall[first]
 
 
+def _boxes(walls: Array) -> tuple[Array, Array]:
+    """Smallest and largest coordinates (m, d) of triangles (m, 3, d)."""
+    first, second, third = np.moveaxis(walls, 1, 0)
+    # Faster than the least along an axis of three.
+    low = np.minimum(np.minimum(first, second), third)
+    return low, np.maximum(np.maximum(first, second), third)
+
+
 def _under(points: Array, walls: Array) -> Iterator[tuple[Indices, Indices]]:
     """Triangles (m, 3, 2) and points (n, 2) that may be in them, as pairs of numbers.
 
     Triangles of about one size are looked up at a time, in squares into which each of them fits: it
     meets four of these at most.
     """
-    low, high = walls.min(axis=1), walls.max(axis=1)
+    low, high = _boxes(walls)
     level = np.ceil(np.log2(np.maximum((high - low).max(axis=1), np.finfo(float).tiny)))
     for each in np.unique(level):
         rows = np.flatnonzero(level == each)
