@@ -63,19 +63,10 @@ def test_factors_of_full_stick(front: SolidFront) -> None:
     count = len(front.stations[0].k_t)
     first = count - 13  # with the largest Q; six steps later it is the smallest one
     for name, exact in (("k_t", -np.cos(theta)), ("k_s", np.sin(theta))):
-<<<<<<< HEAD
         histories = np.array([getattr(station, name) for station in front.stations])
         change = (histories[:, first + 6] - histories[:, first]) / -RANGE
         assert np.abs(change - exact).max() < 0.08
         assert float(change @ exact / (exact @ exact)) == pytest.approx(1.0, abs=0.015)
-=======
-        change = of_stations(
-            front, lambda station, name=name: np.diff(getattr(station, name)[[first, first + 6]])[0]
-        )
-        assert np.abs(-change / RANGE - exact).max() < 0.06
-        slope = float(-change @ exact / (exact @ exact)) / RANGE
-        assert slope == pytest.approx(1.0, abs=0.015)
->>>>>>> 0000d0facebe2892a76598aef2d913a848f27b96
 
 
 def test_range_of_the_vector(front: SolidFront) -> None:
