@@ -194,9 +194,10 @@ def _spread(
     """Error bar of the range of (K_T, K_S) along a direction.
 
     The parts are those of the plane: what the ways to integrate differ by; that a discrete contact
-    area ends somewhere within an element, which changes factors as roots of its half-width do, by
-    the largest range along the front, since that of one station may be a small difference; extremes
-    between steps.
+    area ends somewhere within an element, by the largest range along the front, since that of one
+    station may be a small difference; extremes between steps. A ragged border changes factors twice
+    as much as one that is misplaced as a whole, which they follow as roots of the half-width:
+    bonded spheres with elements of a/12 and a/20 are off by up to 5 and 2.5 %.
     """
     histories = factors.ways[..., Factor.K_T :]
     own = histories[:, station] @ direction
@@ -206,7 +207,7 @@ def _spread(
     largest = max(known, default=np.nan)
     place = fit.place_spread[cycle, station] if len(cycle) else np.array([np.nan])
     error = np.hypot(WITHIN_ELEMENT * front.sectors[station].size, place).max()
-    misplaced = error / (2 * front.depth[station]) * largest
+    misplaced = error / front.depth[station] * largest
     return RangeSpread(
         extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else np.nan,
         discretisation=float(np.hypot(misplaced, factors.one_sided[station])),
