@@ -74,11 +74,10 @@ def evaluate_areas(
 
     Args:
         solution: the solved history.
-        fronts: those of the contacts, by name; none where there is no entry.
+        fronts: those of the contacts, by name; no entry if nobody looked for them.
     """
     return tuple(
-        _evaluate_area(solution, contact, fronts.get(contact.name, ()))
-        for contact in solution.contacts
+        _evaluate_area(solution, contact, fronts.get(contact.name)) for contact in solution.contacts
     )
 
 
@@ -119,7 +118,7 @@ def shear_direction(force: Array) -> Array:
 
 
 def _evaluate_area(
-    solution: Solution, contact: ContactHistory, fronts: tuple[SolidFront, ...]
+    solution: Solution, contact: ContactHistory, fronts: tuple[SolidFront, ...] | None
 ) -> AreaSummary:
     parts = [_in_block(contact, states) for states in blocks(*_size(contact))]
     histories = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
@@ -133,8 +132,8 @@ def _evaluate_area(
         cycle_change=change,
         steady=bool(change < STEADY_CHANGE),
         dissipation=float(work[first + 1 : last + 1].sum()),
-        fronts=fronts,
-        warnings=tuple(_warnings(contact, change)),
+        fronts=fronts or (),
+        warnings=tuple(_warnings(contact, change, fronts)),
     )
 
 
@@ -180,8 +179,10 @@ def _cycle_change(solution: Solution, contact: ContactHistory) -> float:
     return cycle_change(end[:, 1:], begin[:, 1:], friction, pressure)
 
 
-def _warnings(contact: ContactHistory, change: float) -> Iterator[str]:
-    """Warnings about a contact, most serious first."""
+def _warnings(
+    contact: ContactHistory, change: float, fronts: tuple[SolidFront, ...] | None
+) -> Iterator[str]:
+    """Warnings about a contact, most serious first; fronts are None if nobody looked for them."""
     closed, smallest = np.zeros(len(contact.weights), dtype=bool), np.inf
     for states in blocks(len(contact.status), len(contact.weights)):
         closed |= np.any(contact.status[states] != OPEN, axis=0)
@@ -195,6 +196,11 @@ def _warnings(contact: ContactHistory, change: float) -> Iterator[str]:
             f"{nodes} nodes are in contact in the last state, {FEWEST_NODES} are wanted at least "
             f"for pressures and areas: make the elements {np.sqrt(FEWEST_NODES / nodes):.1f} times "
             "smaller there"
+        )
+    if fronts is not None and not fronts:
+        yield (
+            "the boundary of the contact area cannot be told at the end of the cycle: K_N, K_T, "
+            "K_S and slip zones are unknown; they take ten elements over the width of the contact"
         )
     at_border = np.flatnonzero(closed & _border(contact))
     if len(at_border):

@@ -78,7 +78,7 @@ class Sectors:
         self._edges = np.unique(np.sort(edges, axis=1), axis=0)
         self._middles = cKDTree(points[self._edges].mean(axis=1))
 
-    def sizes(self, frames: Frames, station: int) -> tuple[float, float]:
+    def sizes(self, frames: Frames, station: int) -> tuple[float, ...]:
         """Length of the elements at a station across the front and along it.
 
         Each is the median of the nearest edges that run more in this direction.
@@ -86,7 +86,9 @@ class Sectors:
         _, found = self._middles.query(frames.points[station], k=min(AROUND, len(self._edges)))
         vectors = np.diff(self._points[self._edges[found]], axis=1)[:, 0]
         across, along = (np.abs(vectors @ each[station]) for each in (frames.inward, frames.along))
-        return _median(across[across >= along]), _median(along[along > across])
+        # Of very long elements all edges around may run the same way.
+        sizes = _median(across[across >= along]), _median(along[along > across])
+        return tuple(np.where(np.isfinite(sizes), sizes, np.nanmax(sizes)).tolist())
 
     def around(self, frames: Frames, station: int, depth: float) -> Sector:
         """The sector of a station.

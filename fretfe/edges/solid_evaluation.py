@@ -161,8 +161,6 @@ def _station(
         k_range_spread=spread.total,
         k_range_parts=spread,
         k_i_range=_range(history.k_i, cycle),
-        k_n_moved=np.nan,
-        k_n_moved_spread=np.nan,
         slip_zones=zones,
     )
 

@@ -42,9 +42,6 @@ class SolidStation(StationHistory):
         k_range_spread: half the width of an interval that is meant to hold `k_range` with 95 %.
         k_range_parts: what that is made of.
         k_i_range: range of K_I.
-        k_n_moved: K_N in the last state from the movement of the front between two load levels,
-            2 dK_I/da; NaN without them.
-        k_n_moved_spread: its error bar.
         slip_zones: one for each half cycle, in time order.
     """
 
@@ -65,8 +62,6 @@ class SolidStation(StationHistory):
     k_range_spread: float
     k_range_parts: RangeSpread
     k_i_range: float
-    k_n_moved: float
-    k_n_moved_spread: float
     slip_zones: tuple[SlipZone, ...]
 
     @property

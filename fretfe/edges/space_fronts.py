@@ -87,8 +87,10 @@ class FrontFinder:
     def _front(self, line: Outline, contact: Bools, pressure: Array) -> SpaceFront | None:
         closed, pieces = line.closed, FEWEST_PIECES[line.closed]
         middles = line.middles(self._points)
-        curve = FrontCurve(middles, closed, pieces)
+        curve = _curve(middles, closed, pieces)
         for _ in range(PASSES):
+            if curve is None:
+                return None
             front = self._at(curve.at(self._count, self._normals), contact)
             place = front.fits.fit(pressure[None]).place[0]
             known = np.isfinite(place)
@@ -100,8 +102,8 @@ class FrontFinder:
                 points = _with_ends(points, middles[[0, -1]])
             reach = np.median([sector.half_width for sector in front.sectors])
             pieces = max(FEWEST_PIECES[closed], round(frames.length / (PIECE * reach)))
-            curve = FrontCurve(points, closed, pieces)
-        return self._at(curve.at(self._count, self._normals), contact)
+            curve = _curve(points, closed, pieces)
+        return None if curve is None else self._at(curve.at(self._count, self._normals), contact)
 
     def _at(self, frames: Frames, contact: Bools) -> SpaceFront:
         depth = self._depths(frames, contact)
@@ -124,6 +126,14 @@ class FrontFinder:
         ended = begun & ~inside
         last = np.where(ended.any(axis=1), ended.argmax(axis=1), STEPS - 1)
         return np.asarray(s[last] / 2)
+
+
+def _curve(points: Array, closed: bool, pieces: int) -> FrontCurve | None:
+    """A curve through points; None where they are missing over several of its pieces."""
+    try:
+        return FrontCurve(points, closed, pieces)
+    except (np.linalg.LinAlgError, ValueError):
+        return None
 
 
 def _with_ends(points: Array, ends: Array) -> Array:

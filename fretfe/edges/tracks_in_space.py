@@ -22,6 +22,10 @@ NEAR = 0.75
 KNOWN = 0.5
 # Points of a curve between which it is straight, for each of its stations.
 FINER = 8
+# Points that a curve takes.
+FEWEST = 4
+# Attributes of a fit that there is none of.
+UNKNOWN = np.array([np.nan, np.inf, np.nan, np.inf, np.nan])
 # Curves found anew, at most, for a front that moves far.
 MOST_CURVES = 12
 
@@ -83,7 +87,7 @@ def _follow(
 ) -> FrontFit:
     """Fits in some states (n,), and a last row of unknown ones."""
     shape = len(states) + 1, len(front.sectors)
-    values = np.tile(np.reshape([np.nan, np.inf, np.nan, np.inf, np.nan], (5, 1, 1)), shape)
+    values = np.tile(UNKNOWN[:, None, None], shape)
     todo, own, curve = np.arange(len(states)), -1, front
     for _ in range(MOST_CURVES):
         fits = _fit(contact, curve, states[todo])
@@ -130,8 +134,10 @@ def at_stations(frames: Frames, fit: Array, stations: Frames) -> Array:
 
     NaN, with infinite bars, where the front does not cross the line along a station's `inward`.
     """
+    if np.count_nonzero(np.isfinite(fit[0])) < FEWEST:
+        return np.tile(UNKNOWN[:, None], len(stations.arc))
     points, values = _finer(frames, fit)
-    result = np.tile(np.array([np.nan, np.inf, np.nan, np.inf, np.nan]), (len(stations.arc), 1))
+    result = np.tile(UNKNOWN, (len(stations.arc), 1))
     for station in range(len(stations.arc)):
         place = points - stations.points[station]
         x, y = place @ stations.along[station], place @ stations.inward[station]
