@@ -200,7 +200,9 @@ def _spread(
     histories = factors.ways[..., Factor.K_T :]
     own = histories[:, station] @ direction
     ranges = [_range(way, cycle) for way in own]
-    mean = histories.mean(axis=0)
+    # At the ends of an open front factors grow out of all proportion.
+    inner = front.frames.to_end > front.depth
+    mean = histories.mean(axis=0)[inner if inner.any() else slice(None)]
     known = [size for each in mean if np.isfinite(size := _largest(each, cycle))]
     largest = max(known, default=np.nan)
     place = fit.place_spread[cycle, station] if len(cycle) else np.array([np.nan])

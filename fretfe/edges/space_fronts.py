@@ -13,9 +13,9 @@ from fretfe.edges.sector_fits import FrontFitter
 from fretfe.edges.sectors import Sector, Sectors
 from fretfe.results.solution import ContactHistory
 
-# Edges between nodes in contact and nodes outside that an outline has, to be a front and not a
-# node that happens to be open.
-FEWEST_CROSSED = 12
+# Edges between nodes in contact and nodes outside that an outline has at least: a closed one might
+# go round a node that happens to be open.
+FEWEST_CROSSED = {True: 12, False: 4}
 # Passes: each measures distances from the curve through the points that the one before found.
 PASSES = 3
 # Length of a piece of the curve, in half-widths of the sectors.
@@ -80,7 +80,7 @@ class FrontFinder:
         found = (
             self._front(line, contact, pressure)
             for line in outlines(self._facets, contact)
-            if len(line.inside) >= FEWEST_CROSSED
+            if len(line.inside) >= FEWEST_CROSSED[line.closed]
         )
         return tuple(front for front in found if front is not None)
 

@@ -27,31 +27,37 @@ def front_table(case: Case, areas: tuple[AreaSummary, ...]) -> Table:
         f"Fronts: lengths in {units.length}, K_N in {units.stress}/√{units.length}, |ΔK| of K_T "
         f"and K_S in {units.stress}·√{units.length}, slip zones of the last half cycle"
     )
-    headers = ("front", "K_N", "|ΔK|", "slip", "predicted", "")
+    headers = ("front", "K_N", "|ΔK|", "slip", "predicted")
     table = plain_table(title, headers, text=1)
     for area in areas:
         for front in area.fronts:
             judged = front.judged
             if not judged:
-                table.add_row(f"{area.name} {front.name}", *[MISSING] * 4, "all too near an end")
+                table.add_row(f"{area.name} {front.name}", *[MISSING] * 4)
+                table.add_row("  all too near an end")
                 continue
             table.add_row(f"{area.name} {front.name}", *_along(judged))
+            for word, count in _verdicts(judged).items():
+                table.add_row(f"  {count} {word}")
             worst = _worst(judged)
             if worst is not None:
                 table.add_row(f"  at {number(worst.arc, 3)}", *_at(worst))
     return table
 
 
+def _verdicts(stations: tuple[SolidStation, ...]) -> Counter[str]:
+    """How many of the last slip zones have each verdict."""
+    return Counter(judge(each, each.slip_zones[-1]).word for each in stations if each.slip_zones)
+
+
 def _along(stations: tuple[SolidStation, ...]) -> tuple[str, ...]:
-    """Cells of the range of the numbers of all stations, and counts of verdicts."""
-    zones = [(each, each.slip_zones[-1]) for each in stations if each.slip_zones]
-    words = Counter(judge(each, zone).word for each, zone in zones)
+    """Cells of the range of the numbers of all stations."""
+    zones = [each.slip_zones[-1] for each in stations if each.slip_zones]
     return (
-        _known_range([each.told_k_n for each in stations]),
-        _known_range([each.told_range for each in stations]),
-        _known_range([zone.told_length for _, zone in zones], digits=3),
-        _known_range([zone.prediction for _, zone in zones], digits=3),
-        ", ".join(f"{count} {word}" for word, count in words.items()),
+        _known_range([each.told_k_n for each in stations], digits=4),
+        _known_range([each.told_range for each in stations], digits=3),
+        _known_range([zone.told_length for zone in zones], digits=2),
+        _known_range([zone.prediction for zone in zones], digits=2),
     )
 
 
@@ -63,7 +69,6 @@ def _at(station: SolidStation) -> tuple[str, ...]:
         with_error(station.told_range, station.k_range_spread),
         with_error(zone.told_length, zone.spread) if zone else MISSING,
         number(zone.prediction, 3) if zone else MISSING,
-        judge(station, zone).word if zone else "",
     )
 
 
@@ -73,10 +78,10 @@ def _worst(stations: tuple[SolidStation, ...]) -> SolidStation | None:
     return max(known, key=lambda each: each.told_range, default=None)
 
 
-def _known_range(values: Sequence[float], digits: int = 4) -> str:
+def _known_range(values: Sequence[float], digits: int) -> str:
     """Smallest and largest of the numbers that are known."""
     known = [value for value in values if math.isfinite(value)]
     if not known:
         return MISSING
     ends = [number(end, digits) for end in (min(known), max(known))]
-    return ends[0] if ends[0] == ends[1] else " … ".join(ends)
+    return ends[0] if ends[0] == ends[1] else "…".join(ends)
