@@ -84,8 +84,9 @@ class StationIntegrals:
 
     Attributes:
         areas: (S,) contact areas, as counted in `FullStickUnits`.
-        positions: (S, stations) along the arc, at these areas.
-        reaches: (R,) radii of the circles.
+        positions: (S, stations) along the arc, at these areas; of solids, whose stations are those
+            of all fronts in a row, inward from the front of the reference state.
+        reaches: (R,) radii of the circles; of solids numbers of the tubes.
         factors: (S, R, stations, d, J) in the order of `Factor`, for a unit of each driver.
     """
 
