@@ -31,7 +31,7 @@ from fretfe.edges.front import (
 from fretfe.edges.lives import by_life, in_evaluated_life
 from fretfe.edges.patches import pressure_moments
 from fretfe.edges.pressure import EdgeFit
-from fretfe.edges.range_spread import FactorHistories, range_spreads
+from fretfe.edges.range_spread import FactorHistories, cycle_range, range_spreads
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront, nearest_front
 from fretfe.edges.slip import cycle_change
 from fretfe.edges.slip_zones import States, cycle_states, slip_border_of, slip_zones
@@ -168,7 +168,7 @@ def _evaluate_station(
         fit.position, fit.spread_position, fit.k_n, k_n_spread, by_way.mean(axis=0)
     )
     fitted = histories.fitted
-    here = nearest_front(contact.arc, _last_known(centre, cycle)) == front.number
+    here = nearest_front(contact.arc, last_known(centre, cycle)) == front.number
     border = slip_border_of(contact, front, fit.position)
     return Station(
         **vars(history),
@@ -176,13 +176,15 @@ def _evaluate_station(
         k_n_moved=movement.k_n,
         k_n_moved_spread=movement.k_n_spread,
         stiffening=movement.stiffening,
-        k_t_range=_range(history.k_t, cycle),
+        k_t_range=cycle_range(history.k_t, cycle),
         k_t_range_spread=spread.total,
         k_t_range_parts=spread,
         k_t_range_fitted=(
-            _range(fitted[front.number, :, Factor.K_T], cycle) if fitted is not None else np.nan
+            cycle_range(fitted[front.number, :, Factor.K_T], cycle)
+            if fitted is not None
+            else np.nan
         ),
-        k_i_range=_range(history.k_i, cycle),
+        k_i_range=cycle_range(history.k_i, cycle),
         slip_zones=slip_zones(
             cycle,
             contact.friction,
@@ -208,7 +210,7 @@ def _k_n_spread(solution: Solution, fit: EdgeFit, moved: float, exact: bool) -> 
     return spread
 
 
-def _last_known(values: Array, cycle: States) -> float:
+def last_known(values: Array, cycle: States) -> float:
     """The last of values (T,) that is known, up to the end of the cycle; NaN if none is."""
     values = values[: cycle[-1] + 1] if len(cycle) else values
     known = values[np.isfinite(values)]
@@ -217,14 +219,10 @@ def _last_known(values: Array, cycle: States) -> float:
 
 def _frame(contact: ContactHistory, front: PlaneFront, position: Array) -> Frame:
     """Frame in the last state in which the position (T,) is known."""
-    place = _last_known(position, np.array([], dtype=np.int64))
+    place = last_known(position, np.array([], dtype=np.int64))
     rows = contact.frames.reshape(len(contact.arc), -1).T
     across, tangent = np.reshape([np.interp(place, contact.arc, row) for row in rows], (2, 2))
     return front.frame(across, tangent)
-
-
-def _range(history: Array, cycle: States) -> float:
-    return float(np.ptp(history[cycle])) if len(cycle) else np.nan
 
 
 @dataclass(frozen=True)

@@ -59,18 +59,18 @@ def range_spreads(
         path: loads of the cycle between its steps, unless they are straight lines.
     """
     k_t = histories.ways.mean(axis=0)[..., Factor.K_T]
-    largest = max((_range(each, cycle) for each in k_t), default=np.nan)
+    largest = max((cycle_range(each, cycle) for each in k_t), default=np.nan)
     misplaced = _misplaced(fits, arc, cycle, 0.0 if histories.exact else WITHIN_ELEMENT)
     spreads = []
     for station, history in enumerate(k_t):
-        ranges = [_range(way[station, :, Factor.K_T], cycle) for way in histories.ways]
+        ranges = [cycle_range(way[station, :, Factor.K_T], cycle) for way in histories.ways]
         # One way alone has no spread unless it is exact.
         alone = 0.0 if histories.exact else np.nan
         parts = [histories.one_sided[station], misplaced[station] * largest]
         if histories.fitted is not None:
-            fitted = _range(histories.fitted[station, :, Factor.K_T], cycle)
+            fitted = cycle_range(histories.fitted[station, :, Factor.K_T], cycle)
             # Where there are too few nodes for fits, integrals stand alone.
-            parts.append(fitted - _range(history, cycle) if np.isfinite(fitted) else 0.0)
+            parts.append(fitted - cycle_range(history, cycle) if np.isfinite(fitted) else 0.0)
         spreads.append(
             RangeSpread(
                 extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else alone,
@@ -95,5 +95,6 @@ def _misplaced(fits: Sequence[EdgeFit], arc: Array, cycle: Indices, elements: fl
     return shares
 
 
-def _range(history: Array, cycle: Indices) -> float:
+def cycle_range(history: Array, cycle: Indices) -> float:
+    """Largest less smallest of a history (T,) over the states of a cycle; NaN without one."""
     return float(np.ptp(history[cycle])) if len(cycle) else np.nan

@@ -9,9 +9,10 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.edges.between import LoadPath, excess, load_path
+from fretfe.edges.evaluate import last_known
 from fretfe.edges.factors import add_up, one_sided_share
 from fretfe.edges.front import Frame, RangeSpread, StationHistory
-from fretfe.edges.range_spread import WITHIN_ELEMENT
+from fretfe.edges.range_spread import WITHIN_ELEMENT, cycle_range
 from fretfe.edges.sector_fits import FrontFit
 from fretfe.edges.slip_zones import cycle_states, slip_zones
 from fretfe.edges.solid_fronts import SolidFront, SolidStation
@@ -131,7 +132,7 @@ def _station(
     direction, turning = _direction(mean[:, Factor.K_T :], cycle)
     along = replace(history, k_t=mean[:, Factor.K_T :] @ direction)
     spread = _spread(factors, front, fit, station, direction, cycle, path)
-    length = float(_last_known(fit.length[:, station], cycle))
+    length = float(last_known(fit.length[:, station], cycle))
     depth, to_end = float(front.depth[station]), float(frames.to_end[station])
     zones = slip_zones(
         cycle,
@@ -153,14 +154,14 @@ def _station(
         length=length,
         # Within a local length of a free end fields are those of a vertex.
         end=not to_end > max(min(depth, length), sector.along_size),
-        k_t_range=_range(history.k_t, cycle),
-        k_s_range=_range(history.k_s, cycle),
-        k_range=_range(along.k_t, cycle),
+        k_t_range=cycle_range(history.k_t, cycle),
+        k_s_range=cycle_range(history.k_s, cycle),
+        k_range=cycle_range(along.k_t, cycle),
         k_angle=float(np.degrees(np.arctan2(direction[1], direction[0]))),
         turning=turning,
         k_range_spread=spread.total,
         k_range_parts=spread,
-        k_i_range=_range(history.k_i, cycle),
+        k_i_range=cycle_range(history.k_i, cycle),
         slip_zones=zones,
     )
 
@@ -199,7 +200,7 @@ def _spread(
     """
     histories = factors.ways[..., Factor.K_T :]
     own = histories[:, station] @ direction
-    ranges = [_range(way, cycle) for way in own]
+    ranges = [cycle_range(way, cycle) for way in own]
     # At the ends of an open front factors grow out of all proportion.
     inner = front.frames.to_end > front.depth
     mean = histories.mean(axis=0)[inner if inner.any() else slice(None)]
@@ -218,15 +219,4 @@ def _spread(
 def _largest(history: Array, cycle: Indices) -> float:
     """Size of the range of a vector (T, 2) over the cycle."""
     direction = _direction(history, cycle)[0]
-    return _range(history @ direction, cycle)
-
-
-def _range(history: Array, cycle: Indices) -> float:
-    return float(np.ptp(history[cycle])) if len(cycle) else np.nan
-
-
-def _last_known(values: Array, cycle: Indices) -> float:
-    """The last of values (T,) that is known, up to the end of the cycle; NaN if none is."""
-    values = values[: cycle[-1] + 1] if len(cycle) else values
-    known = values[np.isfinite(values)]
-    return float(known[-1]) if len(known) else np.nan
+    return cycle_range(history @ direction, cycle)
