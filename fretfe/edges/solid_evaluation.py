@@ -61,6 +61,8 @@ class _Factors:
         integrals = contact.integrals
         if integrals is None:
             return cls(np.full((1, count, states, 3), np.nan), np.full(count, np.nan))
+        touching = contact.pressed_nodes > 0
+        drivers, friction = solution.driver_values, contact.friction
         ways = []
         one_sided = np.zeros(count)
         for way in range(len(integrals.reaches)):
@@ -69,8 +71,6 @@ class _Factors:
                 integrals.positions[:, stations],
                 integrals.factors[:, way, stations],
             )
-            touching = contact.pressed_nodes > 0
-            drivers, friction = solution.driver_values, contact.friction
             # Each station by itself: where one is unknown others are not.
             ways.append(
                 [

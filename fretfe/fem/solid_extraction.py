@@ -83,12 +83,12 @@ class _Draft:
             for track in tracks:
                 frames, count = track.front.frames, len(track.front.sectors)
                 own = np.where(np.isfinite(places), places, 0.0)[first : first + count]
+                moved = frames.moved(own)
                 for station, sector in enumerate(track.front.sectors):
                     tubes = _tubes(
                         sector, track.front.depth[station], float(frames.to_end[station])
                     )
-                    at = frames.moved(own).only(station)
-                    probes.append(probe_stations(model, pair, at, tubes, fields))
+                    probes.append(probe_stations(model, pair, moved.only(station), tubes, fields))
                 first += count
         return probes
 
