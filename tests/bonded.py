@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,10 +12,10 @@ from fretfe._typing import Array, Bools
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.bodies.pairs import Pair
 from fretfe.case import Case
-from fretfe.contact.full_stick import FullStickSolver, find_drivers
+from fretfe.contact.full_stick import FullStickSolver, Increments, find_drivers
 from fretfe.contact.recorder import Place, Recorder
 from fretfe.contact.solve import solve_history
-from fretfe.contact.state import OPEN, STICK, unloaded
+from fretfe.contact.state import unloaded
 from fretfe.fem._compat import MPI
 from fretfe.fem.model import Model, Request, step_loads
 from fretfe.fem.probes import Probe, measure
@@ -26,7 +26,7 @@ Areas = Callable[[Array], list[Bools]]
 
 
 @dataclass(frozen=True)
-class Increments:
+class Fields:
     """Fields of full stick in the contact area of a state, or in those given; on rank 0.
 
     Attributes:
@@ -46,9 +46,9 @@ class Bonded:
 
     model: Model
     seconds: dict[str, float]
-    root: Increments | None
+    root: Fields | None
 
-    def factors(self, probes: Callable[[Model, Increments], list[Probe]]) -> list[Array] | None:
+    def factors(self, probes: Callable[[Model, Fields], list[Probe]]) -> list[Array] | None:
         """For each probe (R, n, d, J) factors by all drivers, on rank 0. Collective."""
         wanted = probes(self.model, self.root) if self.root else None
         found = measure(self.model, wanted, self.root.requests if self.root else None)
@@ -82,13 +82,11 @@ def bonded(case: Case, load: LoadMesh | None = None, areas: Areas | None = None)
     else:
         solver, free = FullStickSolver(march.operator, drivers), unloaded(reduction.interface)
         found = [
-            solver.increments(replace(free, status=np.where(area, STICK, OPEN).astype(np.int8)))
-            for area in areas(pair.coupling.points)
+            solver.increments(area, free.relative[:, 0]) for area in areas(pair.coupling.points)
         ]
-    traction = np.mean([each.traction for each in found], axis=0)
-    coordinates = np.mean([each.coordinates for each in found], axis=0)
+    mean = Increments.mean(found)
     requests = tuple(
-        Request(traction[:, :, j].ravel(), coordinates[:, j], np.zeros(len(loads)))
+        Request(mean.traction[:, :, j].ravel(), mean.coordinates[:, j], np.zeros(len(loads)))
         for j in range(len(drivers.names))
     )
-    return Bonded(model, clock.seconds, Increments(pair, requests, drivers.names))
+    return Bonded(model, clock.seconds, Fields(pair, requests, drivers.names))

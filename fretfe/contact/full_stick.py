@@ -9,14 +9,15 @@ compliant, so the force on it, not its displacement, is what the edge feels.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface, unresisted_motions
 from fretfe.contact.operator import Conditions, InterfaceOperator
-from fretfe.contact.state import OPEN, STICK, ContactState
+from fretfe.contact.state import OPEN, STICK
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,14 @@ class Increments:
     traction: Array
     coordinates: Array
 
+    @classmethod
+    def mean(cls, increments: Sequence[Increments]) -> Increments:
+        """Mean of some increments for the same drivers."""
+        return cls(
+            np.mean([each.traction for each in increments], axis=0),
+            np.mean([each.coordinates for each in increments], axis=0),
+        )
+
 
 class FullStickSolver:
     """Solver of full-stick increments for any contact area.
@@ -89,9 +98,14 @@ class FullStickSolver:
         self._free, self._forces = _unit_loads(interface, drivers)
         self._forces[self._fixed] = 0.0
 
-    def increments(self, state: ContactState) -> Increments:
-        """Increments for a unit of each driver in the contact area of a state."""
-        interface, closed = self._operator.interface, state.closed
+    def increments(self, closed: Bools, gap: Array) -> Increments:
+        """Increments for a unit of each driver in a contact area.
+
+        Args:
+            closed: (N,) nodes in contact.
+            gap: (N,) weighted gaps, which tell what may come into contact next.
+        """
+        interface = self._operator.interface
         count, tangents = len(closed), interface.components - 1
         conditions = Conditions(
             status=np.where(closed, STICK, OPEN).astype(np.int8),
@@ -102,7 +116,7 @@ class FullStickSolver:
             amplitudes=np.zeros((self._fixed.sum(), self._forces.shape[1])),
             floating=self._floating,
         )
-        area = self._operator.area(closed, state.relative[:, 0])
+        area = self._operator.area(closed, gap)
         # Displacements where the bodies are apart make no difference, but for round-off.
         free = np.where(closed[:, None, None], self._free, 0.0)
         response = area.stuck(free, self._forces).release(conditions)

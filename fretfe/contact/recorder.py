@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.certificate import Certificate
 from fretfe.contact.full_stick import FullStickSolver, Increments, find_drivers
 from fretfe.contact.interface import Interface
@@ -184,7 +184,7 @@ class Recorder:
         key = np.packbits(state.closed).tobytes()
         if key not in self._areas:
             self._areas[key] = len(self._areas)
-            increments = self._full_stick.increments(state)
+            increments = self._full_stick.increments(state.closed, state.relative[:, 0])
             self._stream.append(
                 {"increments": increments.traction, "increment_motions": increments.coordinates}
             )
@@ -236,6 +236,16 @@ class Recorder:
             self._stream.read(name, row)[0] for name in ("increments", "increment_motions")
         )
         return Increments(traction, motions)
+
+    def mean_increments(self, number: int, areas: Sequence[Bools]) -> Increments:
+        """Mean of the full-stick increments in contact areas that resemble that of a state.
+
+        Args:
+            number: of the state.
+            areas: for each area the nodes in contact (N,), of all contacts.
+        """
+        gap = self.state(number).relative[:, 0]
+        return Increments.mean([self._full_stick.increments(area, gap) for area in areas])
 
     def requests(self, states: list[int]) -> list[tuple[ContactState, StepLoads]]:
         """Some of the states with their loads, to recover displacement fields from."""

@@ -22,7 +22,7 @@ NEAR = 0.75
 KNOWN = 0.5
 # Points of a curve between which it is straight, for each of its stations.
 FINER = 8
-# Points that a curve takes.
+# Known stations that a curve through them takes.
 FEWEST = 4
 # Attributes of a fit that there is none of.
 UNKNOWN = np.array([np.nan, np.inf, np.nan, np.inf, np.nan])
@@ -136,7 +136,7 @@ def at_stations(frames: Frames, fit: Array, stations: Frames) -> Array:
     """
     if np.count_nonzero(np.isfinite(fit[0])) < FEWEST:
         return np.tile(UNKNOWN[:, None], len(stations.arc))
-    points, values = _finer(frames, fit)
+    points, values = finer(frames, fit[0], fit.T)
     result = np.tile(UNKNOWN, (len(stations.arc), 1))
     for station in range(len(stations.arc)):
         place = points - stations.points[station]
@@ -154,15 +154,24 @@ def at_stations(frames: Frames, fit: Array, stations: Frames) -> Array:
     return result.T
 
 
-def _finer(frames: Frames, fit: Array) -> tuple[Array, Array]:
-    """(m, 3) many points of a front in order, and (m, 5) the attributes of its fit there."""
-    known = np.isfinite(fit[0])
-    points = (frames.points + fit[0][:, None] * frames.inward)[known]
-    values = fit.T[known]
+def finer(frames: Frames, place: Array, values: Array) -> tuple[Array, Array]:
+    """Many points of a front, in order.
+
+    Args:
+        frames: n stations of a reference front.
+        place: (n,) distances of the front inward from there, NaN where it is not known.
+        values: (n, k) of the stations.
+
+    Returns:
+        (m, 3) points, and (m, k) values between those of the stations.
+    """
+    known = np.isfinite(place)
+    points = (frames.points + place[:, None] * frames.inward)[known]
+    values = values[known]
     if frames.closed:
         points, values = np.vstack([points, points[:1]]), np.vstack([values, values[:1]])
-    place = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
-    curve = CubicSpline(place, points, bc_type="periodic" if frames.closed else "not-a-knot")
-    fine = np.unique(np.concatenate([place, np.linspace(0.0, place[-1], FINER * len(place))]))
-    columns = [np.interp(fine, place, column) for column in values.T]
+    arc = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    curve = CubicSpline(arc, points, bc_type="periodic" if frames.closed else "not-a-knot")
+    fine = np.unique(np.concatenate([arc, np.linspace(0.0, arc[-1], FINER * len(arc))]))
+    columns = [np.interp(fine, arc, column) for column in values.T]
     return np.asarray(curve(fine)), np.array(columns).T

@@ -120,6 +120,7 @@ class _Draft:
         edges = [*areas.positions[:, front.number], *last]
         fields = [self._fields.of_area(int(area)) for area in areas.numbers]
         fields += [self._difference] if self._difference else []
+        tubes = tuple(Tube(float(reach)) for reach in areas.reaches)
         return Probe(
             bodies=(pair.body1, pair.body2),
             tips=tuple(_tips(model, pair, float(edge), front) for edge in edges),
@@ -127,7 +128,7 @@ class _Draft:
                 _frame(_at(pair, float(edge), pair.coupling.frames[:, 0]), front) for edge in edges
             ),
             fields=tuple(fields),
-            tubes=tuple(Tube(float(reach)) for reach in areas.reaches),
+            tubes=(tubes,) * len(edges),
         )
 
 

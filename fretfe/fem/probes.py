@@ -56,21 +56,21 @@ class Probe:
         frames: for each place: (d, d) frame of the contact, along which tractions are counted, in
             the order of `Factor`.
         fields: for each place: numbers of the fields it is to be multiplied with.
-        tubes: R of them, each used at all places.
+        tubes: for each place: R of them.
     """
 
     bodies: tuple[str, str]
     tips: tuple[tuple[Tip, Tip], ...]
     frames: tuple[Array, ...]
     fields: tuple[tuple[int, ...], ...]
-    tubes: tuple[Tube, ...]
+    tubes: tuple[tuple[Tube, ...], ...]
 
 
 def probe_stations(
     model: Model,
     pair: Pair,
     stations: Stations,
-    tubes: Sequence[Tube],
+    tubes: Sequence[Sequence[Tube]],
     fields: Sequence[int],
 ) -> Probe:
     """The probe of stations of a solid contact, each of them multiplied with the same fields.
@@ -83,7 +83,7 @@ def probe_stations(
         model: the bodies.
         pair: the contact.
         stations: n of them.
-        tubes: R of them.
+        tubes: for each station R of them.
         fields: numbers of J of the requests that `measure` is called with.
     """
     contact = model.case.contacts[pair.name]
@@ -97,7 +97,7 @@ def probe_stations(
         tips=tuple(zip(*seen, strict=True)),
         frames=tuple(frames),
         fields=(tuple(fields),) * len(frames),
-        tubes=tuple(tubes),
+        tubes=tuple(tuple(each) for each in tubes),
     )
 
 
@@ -168,13 +168,15 @@ def _forms(model: Model, probes: Sequence[Probe]) -> Forms:
 def _integrate(probe: Probe, forms: Forms, fields: dict[str, Array]) -> list[Array]:
     """For each place of a probe: (R, d, J) what this rank adds to its integrals."""
     results = []
-    for tips, frame, numbers in zip(probe.tips, probe.frames, probe.fields, strict=True):
-        integrals = np.zeros((len(probe.tubes), len(frame), len(numbers)))
+    for tips, frame, numbers, tubes in zip(
+        probe.tips, probe.frames, probe.fields, probe.tubes, strict=True
+    ):
+        integrals = np.zeros((len(tubes), len(frame), len(numbers)))
         for upper, name, tip in zip(UPPER, probe.bodies, tips, strict=True):
             if (name, upper) not in forms:
                 continue
             displacements = fields[name][..., list(numbers)]
-            for r, tube in enumerate(probe.tubes):
+            for r, tube in enumerate(tubes):
                 integrals[r] += forms[name, upper].products(tip, tube, displacements)
         results.append(integrals)
     return results

@@ -21,7 +21,7 @@ from fretfe.results.solution import ContactHistory, Solution, StationIntegrals
 
 if TYPE_CHECKING:
     # Not loaded by whoever loads this module: SciPy's interpolation takes a second.
-    from fretfe.edges.sectors import Sector
+    from fretfe.edges.space_fronts import SpaceFront
     from fretfe.edges.tracks_in_space import FrontTrack
 
 # Contact areas of the cycle at which the integrals are taken, smallest and largest; those that
@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 SAME_AREA = 0.02
 # Distances from the front, in elements across it, as far as which is integrated, and half-lengths
 # along it in elements across it or along it, whichever is longer. The last way tells how much the
-# half-length matters.
+# half-length matters. They are told apart in the largest area; elsewhere one is enough.
 TUBES = ((4.0, 8.0), (6.0, 8.0), (9.0, 8.0), (6.0, 5.0))
+USUAL = 1
 ROWS = 1.5
 # No farther than these parts of the half of the width of the contact, of the radius of curvature of
 # the front, and along it of the way to its end.
@@ -62,9 +63,10 @@ class _Draft:
         self, model: Model, recorder: Recorder, solution: Solution, tracks: Tracks
     ) -> None:
         assert model.reduction is not None
+        self._solution, self._tracks, self._recorder = solution, tracks, recorder
         self.fields = UnitFields(recorder)
-        self._solution = solution
         self._plans: dict[str, _Plan] = {}
+        self._fields_of: dict[int, tuple[int, ...]] = {}
         self.probes: list[Probe] = []
         pairs = {pair.name: pair for pair in model.reduction.pairs}
         for contact in solution.contacts:
@@ -73,85 +75,119 @@ class _Draft:
                 self._plans[contact.name] = plan
                 self.probes += self._probes(model, pairs[contact.pair], plan, tracks[contact.name])
 
+    def _of_state(self, state: int) -> tuple[int, ...]:
+        """Numbers of the mean fields of areas around that of a state, one for each driver."""
+        # Imported where it is needed: SciPy's interpolation takes a second.
+        from fretfe.edges.nested_areas import AREAS, nested_areas
+
+        if state not in self._fields_of:
+            closed = self._recorder.state(state).closed
+            areas = np.tile(closed, (AREAS, 1))
+            for contact in self._solution.contacts:
+                nodes, tracks = self._recorder.nodes_of(contact.pair), self._tracks[contact.name]
+                places = [track.fit.place[state] for track in tracks]
+                areas[:, nodes] = nested_areas(contact.points, closed[nodes], tracks, places)
+            self._fields_of[state] = self.fields.of_areas(state, list(areas))
+        return self._fields_of[state]
+
     def _probes(
         self, model: Model, pair: Pair, plan: _Plan, tracks: Sequence[FrontTrack]
     ) -> list[Probe]:
-        """A probe for each station in each area, stations of all fronts in a row."""
-        probes = []
-        for number, places in zip(plan.numbers, plan.positions, strict=True):
-            fields, first = self.fields.of_area(int(number)), 0
-            for track in tracks:
-                frames, count = track.front.frames, len(track.front.sectors)
-                own = np.where(np.isfinite(places), places, 0.0)[first : first + count]
-                moved = frames.moved(own)
-                for station, sector in enumerate(track.front.sectors):
-                    tubes = _tubes(
-                        sector, track.front.depth[station], float(frames.to_end[station])
-                    )
-                    probes.append(probe_stations(model, pair, moved.only(station), tubes, fields))
-                first += count
+        """A probe for each front in each state."""
+        probes, first = [], 0
+        for track in tracks:
+            stations = slice(first, first + len(track.front.sectors))
+            first = stations.stop
+            tubes = _tubes(track.front)
+            for state, places in zip(plan.states, plan.positions[:, stations], strict=True):
+                frames = track.front.frames.moved(np.where(np.isfinite(places), places, 0.0))
+                ways = tubes if state == plan.states[-1] else [[row[USUAL]] for row in tubes]
+                fields = self._of_state(int(state))
+                probes.append(probe_stations(model, pair, frames, ways, fields))
         return probes
 
     def finish(self, values: list[list[Array]]) -> Solution:
-        """The solution with the integrals, a list of one value for each probe."""
+        """The solution with the integrals, a list of values of all stations for each probe."""
         rest = iter(values)
         contacts = []
         for contact in self._solution.contacts:
             plan = self._plans.get(contact.name)
             if plan is not None:
-                areas = [np.stack([next(rest)[0] for _ in row], axis=1) for row in plan.positions]
-                factors = np.where(
-                    np.isfinite(plan.positions)[:, None, :, None, None], areas, np.nan
-                )
+                fronts = [
+                    _factors([np.stack(next(rest), axis=1) for _ in plan.states])
+                    for _ in self._tracks[contact.name]
+                ]
+                known = np.isfinite(plan.positions)[:, None, :, None, None]
+                factors = np.where(known, np.concatenate(fronts, axis=2), np.nan)
                 reaches = np.arange(len(TUBES), dtype=np.float64)
-                integrals = StationIntegrals(plan.numbers, plan.positions, reaches, factors)
+                integrals = StationIntegrals(plan.areas, plan.positions, reaches, factors)
                 contact = replace(contact, integrals=integrals)
             contacts.append(contact)
         return replace(self._solution, contacts=tuple(contacts))
 
 
+def _factors(states: list[Array]) -> Array:
+    """(S, R, n, d, J) factors of a front in S states, the last one with the largest area.
+
+    Args:
+        states: (R, n, d, J) of the last state, (1, n, d, J) in the usual way of the others.
+    """
+    *others, last = states
+    return np.array([*(usual + (last - last[USUAL]) for usual in others), last])
+
+
 @dataclass(frozen=True)
 class _Plan:
-    """Areas of one contact and its stations there.
+    """States of one contact and its stations there.
 
     Attributes:
-        numbers: (S,) the areas.
+        states: (S,) their numbers.
+        areas: (S,) numbers of their contact areas.
         positions: (S, n) of all stations, inward from the reference.
     """
 
-    numbers: Indices
+    states: Indices
+    areas: Indices
     positions: Array
 
 
 def _plan(
     solution: Solution, contact: ContactHistory, tracks: Sequence[FrontTrack]
 ) -> _Plan | None:
-    """Smallest and largest contact area of the cycle in which fronts are known; None without."""
+    """States of the cycle with the smallest and largest area whose fronts are known, if any."""
     if not tracks:
         return None
     cycle = cycle_states(solution.cycle)
     states = cycle if len(cycle) else np.array([len(solution.times) - 1])
+    # One state for each area, the same for all contacts.
+    areas, first = np.unique(contact.full_stick.area[states], return_index=True)
+    states = states[first]
     places = np.concatenate([track.fit.place[states] for track in tracks], axis=1)
-    known = np.isfinite(places).any(axis=1) & (contact.full_stick.area[states] >= 0)
+    known = np.isfinite(places).any(axis=1) & (areas >= 0)
     if not known.any():
         return None
-    states, places = states[known], places[known]
+    states, areas, places = states[known], areas[known], places[known]
     sizes = contact.nodes_pressed_in(states)
     chosen = [int(np.argmin(sizes)), int(np.argmax(sizes))]
     if np.ptp(sizes) <= SAME_AREA * sizes.max():
         chosen = chosen[1:]
-    return _Plan(contact.full_stick.area[states[chosen]], places[chosen])
+    return _Plan(states[chosen], areas[chosen], places[chosen])
 
 
-def _tubes(sector: Sector, depth: float, to_end: float) -> list[Tube]:
-    radius = 1 / max(abs(sector.curvature), 1e-300)
+def _tubes(front: SpaceFront) -> list[list[Tube]]:
+    """For each station of a front its tubes."""
     tubes = []
-    for reach, along in TUBES:
-        half_length = max(along * sector.size, ROWS * sector.along_size)
+    for sector, depth, to_end in zip(front.sectors, front.depth, front.frames.to_end, strict=True):
+        radius = 1 / max(abs(sector.curvature), 1e-300)
+        farthest = min(WIDEST * depth, NARROWEST * radius)
+        longest = min(radius, NEAREST_END * to_end)
         tubes.append(
-            Tube(
-                reach=min(reach * sector.size, WIDEST * depth, NARROWEST * radius),
-                half_length=min(half_length, radius, NEAREST_END * to_end),
-            )
+            [
+                Tube(
+                    reach=min(reach * sector.size, farthest),
+                    half_length=min(max(along * sector.size, ROWS * sector.along_size), longest),
+                )
+                for reach, along in TUBES
+            ]
         )
     return tubes

@@ -3,8 +3,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from fretfe._typing import Bools
+from fretfe.contact.full_stick import Increments
 from fretfe.contact.neighbours import FRACTION
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
@@ -24,7 +28,7 @@ class UnitFields:
     def __init__(self, recorder: Recorder) -> None:
         self._recorder = recorder
         self.requests: list[Request] = []
-        self._areas: dict[int, tuple[int, ...]] = {}
+        self._known: dict[int, tuple[int, ...]] = {}
 
     def difference(self, low: ContactState, high: ContactState) -> int:
         """Number of the field by which two neighbours of the last state differ."""
@@ -36,16 +40,25 @@ class UnitFields:
 
     def of_area(self, area: int) -> tuple[int, ...]:
         """Numbers of the fields of a contact area, one for each driver."""
-        if area not in self._areas:
-            increments, drivers = self._recorder.increments(area), self._recorder.drivers
-            first, count = len(self.requests), len(drivers.names)
-            loads = len(self._recorder.last_loads.amplitudes)
-            for j in range(count):
-                amplitudes = np.zeros(loads)
-                if drivers.loads[j] >= 0:
-                    amplitudes[drivers.loads[j]] = 1.0
-                traction = increments.traction[:, :, j].ravel()
-                request = Request(traction, increments.coordinates[:, j], amplitudes)
-                self.requests.append(request)
-            self._areas[area] = tuple(range(first, first + count))
-        return self._areas[area]
+        if area not in self._known:
+            self._known[area] = self._add(self._recorder.increments(area))
+        return self._known[area]
+
+    def of_areas(self, state: int, areas: Sequence[Bools]) -> tuple[int, ...]:
+        """Numbers of the mean fields of contact areas around that of a state, one per driver.
+
+        Args:
+            state: number of the state.
+            areas: for each area the nodes in contact (N,), of all contacts.
+        """
+        return self._add(self._recorder.mean_increments(state, areas))
+
+    def _add(self, increments: Increments) -> tuple[int, ...]:
+        drivers, first = self._recorder.drivers, len(self.requests)
+        for j, load in enumerate(drivers.loads):
+            amplitudes = np.zeros(len(self._recorder.last_loads.amplitudes))
+            if load >= 0:
+                amplitudes[load] = 1.0
+            traction = increments.traction[:, :, j].ravel()
+            self.requests.append(Request(traction, increments.coordinates[:, j], amplitudes))
+        return tuple(range(first, len(self.requests)))

@@ -11,12 +11,13 @@ import blocks
 import bonded_circle
 import numpy as np
 import pytest
-from bonded import Increments, bonded
+from bonded import Fields, bonded
 from contact_runs import ramp
 
 from fretfe._typing import Array, Bools
 from fretfe.bodies.body import Material
 from fretfe.case import Solid, parse_case
+from fretfe.edges.nested_areas import AREAS, OUTSIDE
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
@@ -164,7 +165,7 @@ class Stations:
 EDGE = 0.2  # about where the contact ends
 
 
-def straight_probes(model: Model, root: Increments) -> list[Probe]:
+def straight_probes(model: Model, root: Fields) -> list[Probe]:
     """Both fronts of the solid at mid-length."""
     probes = []
     for inward in (1.0, -1.0):
@@ -176,7 +177,7 @@ def straight_probes(model: Model, root: Increments) -> list[Probe]:
             curvature=np.zeros(1),
         )
         tubes = [Tube(reach, LENGTH / 2) for reach in (0.15, 0.18)]
-        probes.append(probe_stations(model, root.pair, station, tubes, range(2)))
+        probes.append(probe_stations(model, root.pair, station, [tubes], range(2)))
     return probes
 
 
@@ -209,9 +210,7 @@ def test_extruded_contact_has_the_factors_of_the_plane() -> None:
         assert np.abs(front[:, :, 2]).max() * LENGTH < 1e-8 * largest
 
 
-YOUNG, AREAS = 2e5, 6
-# What the front of an area lies outside its nodes, in elements.
-SHIFT = -0.13
+YOUNG = 2e5
 
 
 @dataclass(frozen=True)
@@ -255,7 +254,7 @@ class Ellipse:
         level = np.hypot(points[:, 0] / self.a, points[:, 2] / self.b)
         slope = np.hypot(points[:, 0] / self.a**2, points[:, 2] / self.b**2)
         outside = (level - 1) * level / np.maximum(slope, 1e-9)
-        shifts = step * ((np.arange(AREAS) + 0.5) / AREAS - 0.5 + SHIFT)
+        shifts = step * ((np.arange(AREAS) + 0.5) / AREAS - 0.5 - OUTSIDE)
         return [outside < shift for shift in shifts]
 
 
@@ -290,7 +289,7 @@ def ball_errors(
         areas=lambda points: ellipse.areas(points, size),
     ).factors(
         lambda model, root: [
-            probe_stations(model, root.pair, ellipse.stations(count), tubes, range(3))
+            probe_stations(model, root.pair, ellipse.stations(count), [tubes] * count, range(3))
         ]
     )
     (values,) = MPI.COMM_WORLD.bcast(found)
