@@ -7,6 +7,8 @@ import importlib.metadata
 import os
 import platform
 import re
+import resource
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -65,6 +67,12 @@ def idle_cores() -> int:
     """Cores that this process may use besides the one it has."""
     allowed = getattr(os, "sched_getaffinity", None)  # Linux
     return (len(allowed(0)) if allowed else os.cpu_count() or 1) - 1
+
+
+def peak_memory() -> float:
+    """Bytes of memory that this process has had at most."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return float(peak) * (1 if sys.platform == "darwin" else 1024)
 
 
 def machine_memory() -> float | None:

@@ -7,7 +7,8 @@ A backend is an object with this module's `Backend` interface, named by an entry
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, TypeVar, runtime_checkable
@@ -122,3 +123,29 @@ class SharingBackend(Backend, Protocol):
 
     def session(self) -> Session:
         """A session that has nothing yet."""
+
+
+@dataclass(frozen=True)
+class _Separate:
+    """Cases that share nothing."""
+
+    backend: Backend
+
+    def group(self, case: Case) -> str:
+        return ""
+
+    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
+        return self.backend.solve(case, options)
+
+    def close(self) -> None:
+        """Nothing is kept."""
+
+
+@contextmanager
+def session_of(backend: Backend) -> Iterator[Session]:
+    """A session for cases in a row, which share what the backend lets them. Collective if it is."""
+    session = backend.session() if isinstance(backend, SharingBackend) else _Separate(backend)
+    try:
+        yield session
+    finally:
+        session.close()

@@ -90,6 +90,11 @@ class FrontCurve:
         pieces = max(1, min(pieces, len(points) - CUBIC))
         self._spline = _spline(place, rows, pieces, closed)
 
+    @property
+    def known(self) -> bool:
+        """True if there were enough points everywhere."""
+        return bool(np.isfinite(self._spline.c).all())
+
     def at(self, count: int, normals: Normals) -> Frames:
         """Frames at stations at an even spacing, those of an open front half of it from its ends.
 

@@ -4,6 +4,8 @@
 As in the plane |slip|^(2/3) is a smooth function that falls to zero along a line at the border of
 the slip zone. The area that slips within the sector tells where that is to a fraction of an
 element; polynomials through the slip of the nodes that are clear of the border tell it better.
+Where the contact area varies, nodes behind the zone that come and go with its ragged border slip by
+some per cent of the largest slip: only larger slip counts for the area.
 """
 
 from __future__ import annotations
@@ -19,6 +21,10 @@ from fretfe.edges.slip import INTERVAL, NODAL_ERROR, SlipBorder
 CLEAR = 0.7
 # Variance of the place in a node's mean, along `inward`, over the square of an element's size.
 VARIANCE = 0.14
+# Part of the largest slip from which nodes count for the area that slips, and what they miss of the
+# length of the zone.
+FIRM = 0.03
+MISSED = FIRM ** (2 / 3)
 # Times that the border is found with the means of the time before.
 PASSES = 3
 # Lengths of the windows from there outward, in elements.
@@ -26,8 +32,9 @@ WINDOWS = (2.5, 3.5, 5.0, 7.0, 10.0, 14.0)
 ORDERS = (1, 2, 3)
 # Nodes more than terms that a fit needs.
 SPARE = 3
-# Error bar of a border by the area, in elements.
-BY_AREA = 1.0
+# Error bar of a border by the area, in elements, and the least one of a border by fits: nodes slip or
+# stick as a whole, and a border need not run along the front.
+BY_AREA, BY_FIT = 1.0, 0.15
 # Part of the way to the middle of the contact that slips, from which all of it does.
 GROSS = 0.98
 FARTHEST = 3.0
@@ -52,7 +59,8 @@ def sector_border(
         return SlipBorder(np.nan, resolved=False, gross=False, spread=np.inf)
     if not np.any(inside & moved):
         return SlipBorder(0.0, resolved=True, gross=False, spread=size)
-    by_area = _by_area(sector, s, area, moved, depth)
+    firm = moved & (slip > FIRM * slip[inside & moved].max())
+    by_area = _by_area(sector, s, area, firm, depth) / (1 - MISSED)
     if by_area > GROSS * depth:
         return SlipBorder(np.nan, resolved=True, gross=True, spread=np.inf)
     fitted, guess = None, by_area
@@ -106,7 +114,7 @@ def _border(
     place, bar, _ = average(fits[0], fits[1], np.zeros_like(fits[0]), misfits, INTERVAL)
     if not np.isfinite(place):
         return None
-    return guess - float(place) * size, float(bar) * size
+    return guess - float(place) * size, float(np.hypot(bar, BY_FIT)) * size
 
 
 def _zero(

@@ -210,7 +210,8 @@ def _spread(
     largest = max(known, default=np.nan)
     place = fit.place_spread[cycle, station] if len(cycle) else np.array([np.nan])
     error = np.hypot(WITHIN_ELEMENT * front.sectors[station].size, place).max()
-    misplaced = error / front.depth[station] * largest
+    # Where a contact is long the rest of its border counts too.
+    misplaced = error / min(front.depth[station], np.median(front.depth)) * largest
     return RangeSpread(
         extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else np.nan,
         discretisation=float(np.hypot(misplaced, factors.one_sided[station])),

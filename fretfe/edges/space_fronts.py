@@ -19,9 +19,12 @@ FEWEST_CROSSED = {True: 12, False: 4}
 # Passes: each measures distances from the curve through the points that the one before found.
 PASSES = 3
 # Length of a piece of the curve, in half-widths of the sectors.
-PIECE = 1.5
-FEWEST_PIECES = {True: 6, False: 2}
-# Share of the stations that must be known for a curve through them.
+PIECE = {True: 1.2, False: 1.5}
+FEWEST_PIECES = {True: 8, False: 2}
+# Points that the curve of a closed front follows at least, whatever the number of stations. Those
+# of an open one come too near to its ends.
+POINTS = {True: 40, False: 0}
+# Share of the points that must be known for a curve through them.
 KNOWN = 0.5
 # Fits look no farther than this part of the way to the middle of the contact, and of the radius of
 # curvature.
@@ -45,7 +48,7 @@ class SpaceFront:
         self.frames, self.sectors, self.depth = frames, sectors, depth
         radius = 1 / np.maximum(frames.curvature, 1e-300)
         deepest = np.minimum(FARTHEST * depth, NO_FARTHER * radius)
-        self.fits = FrontFitter(sectors, weights, deepest)
+        self.fits = FrontFitter(sectors, weights, deepest, depth)
 
     @property
     def sizes(self) -> Array:
@@ -91,7 +94,7 @@ class FrontFinder:
         for _ in range(PASSES):
             if curve is None:
                 return None
-            front = self._at(curve.at(self._count, self._normals), contact)
+            front = self._at(curve.at(max(self._count, POINTS[closed]), self._normals), contact)
             place = front.fits.fit(pressure[None]).place[0]
             known = np.isfinite(place)
             if np.count_nonzero(known) < max(KNOWN * len(known), 4):
@@ -101,7 +104,7 @@ class FrontFinder:
             if not closed:
                 points = _with_ends(points, middles[[0, -1]])
             reach = np.median([sector.half_width for sector in front.sectors])
-            pieces = max(FEWEST_PIECES[closed], round(frames.length / (PIECE * reach)))
+            pieces = max(FEWEST_PIECES[closed], round(frames.length / (PIECE[closed] * reach)))
             curve = _curve(points, closed, pieces)
         return None if curve is None else self._at(curve.at(self._count, self._normals), contact)
 
@@ -109,7 +112,7 @@ class FrontFinder:
         depth = self._depths(frames, contact)
         sectors = tuple(
             self._sectors.around(frames, station, FARTHEST * float(depth[station]))
-            for station in range(self._count)
+            for station in range(len(frames.arc))
         )
         return SpaceFront(frames, sectors, depth, self._weights)
 
@@ -129,11 +132,15 @@ class FrontFinder:
 
 
 def _curve(points: Array, closed: bool, pieces: int) -> FrontCurve | None:
-    """A curve through points; None where they are missing over several of its pieces."""
-    try:
-        return FrontCurve(points, closed, pieces)
-    except (np.linalg.LinAlgError, ValueError):
-        return None
+    """A curve through points, of fewer pieces where points are missing; None if none of them do."""
+    for fewer in range(pieces, FEWEST_PIECES[closed] - 1, -1):
+        try:
+            curve = FrontCurve(points, closed, fewer)
+        except (np.linalg.LinAlgError, ValueError):
+            continue
+        if curve.known:
+            return curve
+    return None
 
 
 def _with_ends(points: Array, ends: Array) -> Array:

@@ -4,19 +4,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fretfe.backends import Backend, RunOptions, SharingBackend
-from fretfe.case import Case, Units
+from fretfe.backends import Backend, RunOptions
+from fretfe.backends.protocol import Session, session_of
+from fretfe.case import Units
 from fretfe.errors import FretfeError, StoppedError
-from fretfe.results.model import Result
 from fretfe.sweeps.variants import Variant
-
-Solve = Callable[[Case, RunOptions], Result]
-Group = Callable[[Case], str]
 
 
 @dataclass(frozen=True)
@@ -84,12 +80,12 @@ def run_sweep(variants: Sequence[Variant], backend: Backend, options: RunOptions
         options: observer of the steps of each case; each case is announced when it is solved.
     """
     solved: dict[int, Solved] = {}
-    with _session(backend) as (solve, group):
+    with session_of(backend) as session:
         stopped = ""
-        for number in _in_groups([group(variant.case) for variant in variants]):
+        for number in _in_groups([session.group(variant.case) for variant in variants]):
             if not stopped:
                 try:
-                    solved[number] = _solve(variants[number], backend, solve, options)
+                    solved[number] = _solve(variants[number], backend, session, options)
                 except StoppedError as error:
                     stopped = str(error)
             if stopped:
@@ -100,32 +96,20 @@ def run_sweep(variants: Sequence[Variant], backend: Backend, options: RunOptions
     return Sweep(tuple(first.values), first.case.units, in_order)
 
 
-@contextmanager
-def _session(backend: Backend) -> Iterator[tuple[Solve, Group]]:
-    if not isinstance(backend, SharingBackend):
-        yield backend.solve, lambda _: ""
-        return
-    session = backend.session()
-    try:
-        yield session.solve, session.group
-    finally:
-        session.close()
-
-
 def _in_groups(groups: Sequence[str]) -> list[int]:
     """Numbers of all entries: equal ones in a row, in the order of their first ones."""
     place = {group: number for number, group in reversed(list(enumerate(groups)))}
     return sorted(range(len(groups)), key=lambda number: place[groups[number]])
 
 
-def _solve(variant: Variant, backend: Backend, solve: Solve, options: RunOptions) -> Solved:
+def _solve(variant: Variant, backend: Backend, session: Session, options: RunOptions) -> Solved:
     start = time.perf_counter()
     edges: tuple[Mapping[str, Any], ...] = ()
     notes: tuple[str, ...] = ()
     try:
         failure = "; ".join(backend.supports(variant.case))
         if not failure:
-            result = solve(variant.case, options)
+            result = session.solve(variant.case, options)
             if isinstance(result.failure, StoppedError):
                 raise result.failure
             failure, notes = str(result.failure or ""), result.notes

@@ -94,8 +94,9 @@ def case_of(one: Draw, steps: int | None = None) -> dict[str, Any]:
     """The case that a draw makes, with another number of steps in a cycle if wanted."""
     peak = peak_load(one)
     mean = peak / (1 + one.normal_range)
-    normal = _wave(-mean, -one.normal_range * mean, one.normal_phase, steps or one.steps)
-    shear = _wave(0.0, shear_amplitude(one, mean), 0.0, steps or one.steps)
+    amplitude = one.level * one.friction * largest_shear(mean, one.normal_range, one.normal_phase)
+    normal = wave(-mean, -one.normal_range * mean, one.normal_phase, steps or one.steps)
+    shear = wave(0.0, amplitude, 0.0, steps or one.steps)
     loads: dict[str, Any] = {
         "press": {**TOP, "direction": "y", "history": normal},
         "shear": {**TOP, "direction": "x", "history": shear},
@@ -103,7 +104,7 @@ def case_of(one: Draw, steps: int | None = None) -> dict[str, Any]:
     supports: dict[str, Any] = {"base": {"boundary": "lower_bottom", "fix": ["x", "y"]}}
     if one.tension:
         amplitude = one.tension * one.friction * peak / (2 * one.a)
-        history = _wave(0.0, amplitude, one.tension_phase, steps or one.steps)
+        history = wave(0.0, amplitude, one.tension_phase, steps or one.steps)
         side = {"type": "traction", "boundary": "lower_right", "direction": "normal"}
         loads["tension"] = {**side, "history": history}
         supports["base"]["fix"] = ["y"]
@@ -140,14 +141,14 @@ def with_quadrilaterals(case: dict[str, Any], folder: Path) -> dict[str, Any]:
     return {**case, "geometry": {"file": str(script), **order}}
 
 
-def contact_modulus(one: Draw) -> float:
+def contact_modulus_of(young: float, poisson: float) -> float:
     """E* of two equal bodies in plane strain."""
-    return one.young / (2 * (1 - POISSON**2))
+    return young / (2 * (1 - poisson**2))
 
 
 def peak_load(one: Draw) -> float:
     """Normal load that gives the half-width a (theory guide, normal contact)."""
-    a, e_star = one.a, contact_modulus(one)
+    a, e_star = one.a, contact_modulus_of(one.young, POISSON)
     if one.profile == "cylinder":
         return math.pi * e_star * a * one.shape / 4
     if one.profile == "wedge":
@@ -156,14 +157,11 @@ def peak_load(one: Draw) -> float:
     return e_star * a**2 / (4 * _rounding(one)) * (math.pi - 2 * angle - math.sin(2 * angle))
 
 
-def shear_amplitude(one: Draw, mean: float) -> float:
-    """Amplitude of Q for which |Q|/(f P) is at most `level` in the cycle."""
+def largest_shear(mean: float, normal_range: float, phase: float) -> float:
+    """Amplitude of Q = P somewhere in a cycle of P about a mean, its phase in degrees."""
     angle = np.linspace(0.0, 2 * np.pi, 721)
-    phase = math.radians(one.normal_phase)
-    normal = mean * (1 + one.normal_range * np.sin(angle + phase))
-    return float(
-        one.level * one.friction * np.min(normal / np.maximum(np.abs(np.sin(angle)), 1e-9))
-    )
+    normal = mean * (1 + normal_range * np.sin(angle + math.radians(phase)))
+    return float(np.min(normal / np.maximum(np.abs(np.sin(angle)), 1e-9)))
 
 
 def element_size(one: Draw) -> float:
@@ -202,9 +200,11 @@ def _parameters(one: Draw) -> dict[str, float]:
     return {**body, **own}
 
 
-def _wave(mean: float, amplitude: float, phase: float, steps: int) -> list[dict[str, Any]]:
-    """A ramp until time 1 to where a wave of two cycles starts, then that wave."""
+def wave(
+    mean: float, amplitude: float, phase: float, steps: int, cycles: int = 2
+) -> list[dict[str, Any]]:
+    """A ramp until time 1 to where a wave starts, then that wave."""
     start = mean + amplitude * math.sin(math.radians(phase))
     ramp: dict[str, Any] = {"ramp": start, "until": 1.0, "steps": 4}
     wave = {"wave": "sine", "mean": mean, "amplitude": amplitude, "phase": phase}
-    return [ramp, {**wave, "period": 1.0, "cycles": 2, "steps_per_cycle": steps}]
+    return [ramp, {**wave, "period": 1.0, "cycles": cycles, "steps_per_cycle": steps}]

@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 from campaign.draw import BODY, Draw, case_of, draw, with_quadrilaterals
+from campaign.solids import SolidDraw
 
 import fretfe
 from fretfe.case import parse_case
@@ -37,16 +38,17 @@ class Judged:
 
     Attributes:
         draw: its case.
-        edge: "left" or "right".
-        quantity: "K_N", "ΔK_T" or "d".
+        edge: "left" or "right"; of solids front and station.
+        quantity: "K_N", "ΔK_T", of solids also "ΔK_S", or "d".
         value: what was computed, NaN if unknown.
         bar: its error bar.
         truth: what it should be.
         allowance: error of the truth itself.
         remark: the warnings about it.
+        whole: what errors are relative to where that is not the number itself.
     """
 
-    draw: Draw
+    draw: Draw | SolidDraw
     edge: str
     quantity: str
     value: float
@@ -54,6 +56,12 @@ class Judged:
     truth: float
     allowance: float
     remark: str
+    whole: float | None = None
+
+    @property
+    def size(self) -> float:
+        """What errors are relative to."""
+        return abs(self.truth if self.whole is None else self.whole)
 
     @property
     def error(self) -> float:
@@ -71,7 +79,7 @@ class Judged:
     def text(self) -> str:
         """The number and what it should be, in one line."""
         return (
-            f"{self.verdict}: case {self.draw.number}, {self.edge} edge, {self.quantity} = "
+            f"{self.verdict}: case {self.draw.number}, {self.edge}, {self.quantity} = "
             f"{self.value:.5g} ± {self.bar:.2g}, should be {self.truth:.5g} ± {self.allowance:.2g}"
         )
 

@@ -3,26 +3,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from campaign.judge import QUANTITIES, Judged
 
 # Elements over the half-width, or over the rounded part in contact, that the guide advises: with
 # them a contact counts as resolved.
-RESOLVED = 25
+RESOLVED, RESOLVED_SOLIDS = 25, 10
 
 
-def tables(judged: Iterable[Judged]) -> str:
-    """A table of all numbers, and one of those on meshes as they are advised."""
+def tables(
+    judged: Iterable[Judged], quantities: Sequence[str] = QUANTITIES, elements: int = RESOLVED
+) -> str:
+    """A table of all numbers, and one of those on meshes with enough elements."""
     everything = list(judged)
-    resolved = [each for each in everything if each.draw.per_half_width >= RESOLVED]
+    resolved = [each for each in everything if each.draw.per_half_width >= elements]
     return "\n\n".join(
         [
             f"All {_count(everything)} cases:",
-            table(everything),
-            f"The {_count(resolved)} cases with {RESOLVED} elements or more:",
-            table(resolved),
+            table(everything, quantities),
+            f"The {_count(resolved)} cases with {elements} elements or more:",
+            table(resolved, quantities),
         ]
     )
 
@@ -31,21 +33,21 @@ def _count(judged: list[Judged]) -> int:
     return len({each.draw.number for each in judged})
 
 
-def table(judged: list[Judged]) -> str:
+def table(judged: list[Judged], quantities: Sequence[str] = QUANTITIES) -> str:
     """A row for each quantity."""
     rows = [
         "| number | given | right | flagged | silently wrong | bars hold | median bar | "
         "median error |",
         "|---|---|---|---|---|---|---|---|",
     ]
-    for quantity in QUANTITIES:
+    for quantity in quantities:
         own = [each for each in judged if each.quantity == quantity]
         given = [each for each in own if np.isfinite(each.value)]
         counts = [sum(e.verdict == v for e in own) for v in ("right", "flagged", "wrong")]
         hold = np.mean([each.error <= each.bar for each in given])
-        sized = [each for each in given if each.truth]
-        bar = np.median([each.bar / abs(each.truth) for each in sized])
-        error = np.median([abs(each.value - each.truth) / abs(each.truth) for each in sized])
+        sized = [each for each in given if each.size]
+        bar = np.median([each.bar / each.size for each in sized])
+        error = np.median([abs(each.value - each.truth) / each.size for each in sized])
         cells = [f"{len(given)} of {len(own)}", *map(str, counts), f"{hold:.1%}"]
         rows.append("| " + " | ".join([quantity, *cells, f"{bar:.2%}", f"{error:.2%}"]) + " |")
     return "\n".join(rows)

@@ -15,6 +15,10 @@ from fretfe.results.model import Result
 # Halving the elements would change a first-order quantity by this many times the difference.
 EXTRAPOLATION = 1 / (COARSER - 1)
 MESH_TOLERANCE = 0.02
+STEADY_REASONS = {
+    MEAN: "the mean of K_T does not count in a steady cycle",
+    START: "the steady cycle forgets how it was reached, unless the whole contact slid",
+}
 SLIP_TOLERANCE = 0.05
 
 
@@ -54,14 +58,17 @@ def _slip_rows(
 ) -> Iterator[Row]:
     """The same steady slip zone, whatever the mean and the way to it."""
     otherwise: Verdict = "depends" if name == START else "FAIL"
-    reason = {
-        MEAN: "the mean of K_T does not count in a steady cycle",
-        START: "the steady cycle forgets how it was reached, unless the whole contact slid",
-    }[name]
     length, reference = _length(station), _length(other)
     tolerance = BORDER_ELEMENTS * size + BORDER_FRACTION * (length if length > 0 else 0.0)
     yield compared(
-        contact, station.front, f"d {name}", length, reference, tolerance, reason, otherwise
+        contact,
+        station.front,
+        f"d {name}",
+        length,
+        reference,
+        tolerance,
+        STEADY_REASONS[name],
+        otherwise,
     )
 
 

@@ -16,7 +16,7 @@ class Row:
 
     Attributes:
         contact: name of the contact.
-        edge: "left", "right", or "" for the contact as a whole.
+        edge: "left", "right", of solids a front; "" for the contact as a whole.
         quantity: what is compared.
         value: the number.
         reference: what it should be.
@@ -38,8 +38,9 @@ class Row:
 
     @property
     def where(self) -> str:
-        """Contact and edge, for people."""
-        return f"{self.contact}, {self.edge} edge" if self.edge else self.contact
+        """Contact and edge or front, for people."""
+        edge = f"{self.edge} edge" if self.edge in ("left", "right") else self.edge
+        return f"{self.contact}, {edge}" if edge else self.contact
 
     @property
     def difference(self) -> float:

@@ -6,16 +6,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from fretfe.backends import Backend, RunOptions
-from fretfe.backends.protocol import DEFAULTS
+from fretfe.backends.protocol import DEFAULTS, Session, session_of
 from fretfe.case import Case
 from fretfe.errors import FretfeError
 from fretfe.quality.validate.compare import companion_rows
+from fretfe.quality.validate.plan import plan
 from fretfe.quality.validate.rows import Row, missing
 from fretfe.quality.validate.single import limit_rows, own_rows
+from fretfe.quality.validate.solids import solid_companion_rows, solid_rows
 from fretfe.quality.validate.variants import Variant, make_variants
 from fretfe.results.model import Result
-
-SOLIDS = "there are no companions of solids yet: meshes, means and starts are not varied"
 
 
 @dataclass(frozen=True)
@@ -34,32 +34,37 @@ class Validation:
 def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Validation:
     """Solve a case and its companions, each a phase. Collective if the backend is.
 
+    What the companions will take is told before they begin; those on the mesh of the case share its
+    condensed bodies.
+
     Raises:
         FretfeError: if the case itself cannot be solved.
     """
-    options.observer.phase("the case itself")
-    result = backend.solve(case, options)
-    if result.failure is not None:
-        raise result.failure
-    rows = [*own_rows(result), *limit_rows(result)]
-    if result.areas:
-        return Validation(result, (*rows, missing("all", "", "companions", SOLIDS, "unknown")))
-    variants, reasons = make_variants(case, result)
-    rows += [missing("all", "", name, reason) for name, reason in reasons.items()]
-    for variant in variants:
-        options.observer.phase(variant.name)
-        rows += _companion(variant, backend, result, options)
+    with session_of(backend) as session:
+        options.observer.phase("the case itself")
+        result = session.solve(case, options)
+        if result.failure is not None:
+            raise result.failure
+        own = solid_rows(result) if result.areas else ()
+        rows = [*own_rows(result), *own, *limit_rows(result)]
+        variants, reasons = make_variants(case, result)
+        rows += [missing("all", "", name, reason) for name, reason in reasons.items()]
+        options.observer.phase(plan(variants, result))
+        for variant in variants:
+            options.observer.phase(variant.name)
+            rows += _companion(variant, session, result, options)
     return Validation(result, tuple(rows))
 
 
 def _companion(
-    variant: Variant, backend: Backend, result: Result, options: RunOptions
+    variant: Variant, session: Session, result: Result, options: RunOptions
 ) -> list[Row]:
     """Rows of one companion; one that has no solution says so in a row of its own."""
     try:
-        other = backend.solve(variant.case, replace(options, history=variant.history))
+        other = session.solve(variant.case, replace(options, history=variant.history))
     except FretfeError as error:
         return [missing("all", "", variant.name, f"no solution: {error}")]
     if other.failure is not None:
         return [missing("all", "", variant.name, f"no solution: {other.failure}")]
-    return list(companion_rows(variant.name, result, other))
+    rows = solid_companion_rows if result.areas else companion_rows
+    return list(rows(variant.name, result, other))

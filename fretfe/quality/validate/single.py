@@ -78,12 +78,17 @@ def _contact_rows(contact: ContactSummary) -> Iterator[Row]:
             "no free parameter, but bodies are no half-planes: outside, use K_T as computed",
             "outside",
         )
-    if math.isnan(contact.cycle_change):
+    yield steady_row(contact.name, contact.cycle_change)
+
+
+def steady_row(name: str, change: float) -> Row:
+    """Change of the shear of a contact over the evaluated cycle."""
+    quantity = "change of q"
+    if math.isnan(change):
         reason = "no cycle, no friction, or a backend that gives the steady cycle itself"
-        yield missing(contact.name, "", "change of q", reason)
-    else:
-        reason = "relative to f p_max: the cycle is steady"
-        yield compared(contact.name, "", "change of q", contact.cycle_change, 0.0, 1e-3, reason)
+        return missing(name, "", quantity, reason)
+    reason = "relative to f p_max: the cycle is steady"
+    return compared(name, "", quantity, change, 0.0, 1e-3, reason)
 
 
 def _existence_rows(result: Result, contact: ContactSummary) -> Iterator[Row]:

@@ -67,10 +67,16 @@ def make_variants(case: Case, result: Result) -> tuple[list[Variant], dict[str, 
 
 
 def _constant_normal(result: Result) -> bool:
-    return all(
+    plane = all(
         float(station.k_i_range) <= CONSTANT_NORMAL * float(station.k_t_range)
         for contact in result.contacts
         for station in contact.stations
+    )
+    # Factors at single stations of solids scatter by about as much as the limit.
+    return plane and all(
+        np.median(front.along("k_i_range")) <= CONSTANT_NORMAL * np.median(front.along("k_range"))
+        for area in result.areas
+        for front in area.fronts
     )
 
 
@@ -113,6 +119,9 @@ def _continued(history: History, loads: Array, before: Array | None = None) -> H
 def coarser(case: Case) -> Case | None:
     """The same case with larger elements; None where the case does not give their sizes."""
     data = case.model_dump(mode="json", exclude_unset=True)
+    if case.geometry.solid is not None:
+        layers = max(1, round(case.geometry.solid.layers / COARSER))
+        data["geometry"]["solid"]["layers"] = layers
     if case.geometry.size is not None:
         data["geometry"]["size"] = COARSER * case.geometry.size
     elif case.geometry.template is not None:
