@@ -101,6 +101,12 @@ class SolidFront:
         """Stations that are not marked as too near an end."""
         return tuple(station for station in self.stations if not station.end)
 
+    @property
+    def worst(self) -> SolidStation | None:
+        """Of the stations not too near an end that of the largest |ΔK| known; None without any."""
+        known = [each for each in self.judged if np.isfinite(each.told_range)]
+        return max(known, key=lambda each: each.told_range, default=None)
+
     def along(self, attribute: str) -> Array:
         """(n,) a number of all stations, by the name of the attribute."""
         return np.array([getattr(station, attribute) for station in self.stations])
