@@ -33,6 +33,10 @@ class SolidStation(StationHistory):
             falls behind K_N sqrt(s) as fast.
         end: whether the station is so close to an end of its front that the fields are not those of
             an edge.
+        k_n_moved: K_N in the last state from the movement of the front between two loads,
+            2 dK_I/da; NaN where it is not known.
+        k_n_moved_spread: its error bar.
+        k_n_moved_reason: why it is not known; empty where it is.
         k_t_range: range of K_T.
         k_s_range: range of K_S.
         k_range: range of the vector (K_T, K_S) along `k_angle`.
@@ -54,6 +58,9 @@ class SolidStation(StationHistory):
     depth: float
     length: float
     end: bool
+    k_n_moved: float
+    k_n_moved_spread: float
+    k_n_moved_reason: str
     k_t_range: float
     k_s_range: float
     k_range: float

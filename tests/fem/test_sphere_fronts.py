@@ -54,6 +54,16 @@ def test_k_n(front: SolidFront) -> None:
     assert np.mean(np.abs(found) < spread) > 0.95
 
 
+def test_k_n_by_the_movement_of_the_front(front: SolidFront) -> None:
+    """Loads 5 % apart to either side move the front by .4 of an element; no fit to the pressure."""
+    found = front.along("k_n_moved") / K_N - 1
+    spread = front.along("k_n_moved_spread") / K_N
+    assert abs(found.mean()) < 0.015
+    assert np.abs(found).max() < 0.07
+    assert np.mean(np.abs(found) < spread) > 0.95
+    assert spread.max() < 0.09
+
+
 def test_factors_of_full_stick(front: SolidFront) -> None:
     """K_T = -K cos θ, K_S = K sin θ for a force along +x on body 2, θ about y from x.
 
