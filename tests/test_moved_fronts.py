@@ -46,8 +46,8 @@ def test_sphere(case: Case) -> None:
     errors = np.array([each.k_n for each in moved]) / np.sqrt(2) - 1
     spreads = np.array([each.spread for each in moved]) / np.sqrt(2)
     assert {each.reason for each in moved} == {""}
-    assert np.abs(errors).max() < 0.03 and abs(errors.mean()) < 0.01
-    assert np.all(np.abs(errors) < spreads) and spreads.max() < 0.08
+    assert np.abs(errors).max() < 0.04 and abs(errors.mean()) < 0.01
+    assert np.all(np.abs(errors) < spreads) and spreads.max() < 0.25
     # The two ways to find K_I, and the ragged border of the nodes, at least.
     assert spreads.min() > np.hypot(0.01, 0.6 / 14)
 

@@ -50,22 +50,13 @@ def moved_stations(
     neighbours, count = contact.neighbours, len(front.sectors)
     if neighbours is None:
         return (MovedStation(np.nan, np.nan, NO_LOADS),) * count
-    place = front.fits.fit(neighbours.pressure).place
-    inward, spread = front.fits.movement(neighbours.pressure)
+    fit = front.fits.fit(neighbours.pressure)
+    outward, spread = fit.place[0] - fit.place[1], np.linalg.norm(fit.place_spread, axis=0)
+    near = np.abs(fit.place).max(axis=0) <= NEAR * front.sizes
     k_i = neighbours.k_i[:, stations]
     # The border of the nodes in contact is ragged at both loads; see `range_spread`.
     ragged = WITHIN_ELEMENT * front.sizes / front.depth
-    return tuple(
-        _moved(*each)
-        for each in zip(
-            np.abs(place).max(axis=0) <= NEAR * front.sizes,
-            -inward,
-            spread,
-            k_i.T,
-            ragged,
-            strict=True,
-        )
-    )
+    return tuple(_moved(*each) for each in zip(near, outward, spread, k_i.T, ragged, strict=True))
 
 
 def _moved(near: bool, outward: float, spread: float, k_i: Array, ragged: float) -> MovedStation:
@@ -74,7 +65,7 @@ def _moved(near: bool, outward: float, spread: float, k_i: Array, ragged: float)
     Args:
         near: whether its front is close to it at both loads.
         outward: how far it moves from the lower to the higher load.
-        spread: error bar of that.
+        spread: error bar of that, as if those of both places had nothing to do with each other.
         k_i: (R,) of the difference of the loads, determined in R ways.
         ragged: error of K_I over it by the border of the nodes in contact.
     """

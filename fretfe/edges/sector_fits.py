@@ -39,8 +39,6 @@ INTERVALS = np.array([1.5, 1.7])
 # Places of the front that moments are tabulated for, in spacings from the reference front.
 FARTHEST = 1.5
 ITERATIONS = 3
-# Least part of an element that the scatter of a movement is taken for.
-SMALLEST_MOVE = 1e-3
 # Nodes sample a bump well enough if they give its integral to so much.
 SAMPLED = 0.15
 
@@ -87,39 +85,6 @@ class FrontFitter:
 
     def fit(self, pressure: Array) -> FrontFit:
         """Fronts and K_N, (T, n) each, from the means around the nodes (T, N) in T states."""
-        fits, errors, misfits, slopes = self._by_window(pressure)
-        shifts, intervals = np.zeros_like(fits), INTERVALS[:, None, None]
-        means, bars, shares = average(fits, errors, shifts, misfits, intervals)
-        # p = K_N sqrt(t) (1 - t/(4 a)) next to the edge of a Hertzian contact.
-        slope = np.abs(np.nansum(shares[1] * slopes[..., :-1], axis=(-2, -1)))
-        length = np.divide(0.25, slope, out=np.full_like(slope, np.inf), where=slope > 0)
-        return FrontFit(means[0], bars[0], means[1], bars[1], length)
-
-    def movement(self, pressure: Array) -> tuple[Array, Array]:
-        """(n,) distances by which fronts move inward between two states, and their error bars.
-
-        Each window and order by itself: what they do wrong in both states cancels. That holds for
-        the scatter of the moments too, as far as the front stays in the same elements.
-
-        Args:
-            pressure: (2, N) means around the nodes.
-        """
-        fits, errors, misfits, _ = self._by_window(pressure)
-        moved = fits[0, 1] - fits[0, 0]
-        elements = np.clip(np.abs(moved) / self._sizes[:, None, None], SMALLEST_MOVE, 1.0)
-        error = elements * np.linalg.norm(errors[0], axis=0)
-        means, bars, _ = average(
-            moved, error, np.zeros_like(moved), misfits[0].max(axis=0), INTERVALS[0]
-        )
-        return means, bars
-
-    def _by_window(self, pressure: Array) -> tuple[Array, Array, Array, Array]:
-        """Fits over all windows and of all orders.
-
-        Returns:
-            (2, T, n, windows, orders) places and K_N, their standard errors, chi^2 over degrees of
-            freedom, and (T, n, windows, orders) c_1/K_N; NaN where there is no fit.
-        """
         shape = len(pressure), self._count
         fits = np.full((2, *shape, len(WINDOWS), len(TERMS)), np.nan)
         errors, misfits = np.full_like(fits, np.nan), np.ones_like(fits)
@@ -140,7 +105,12 @@ class FrontFitter:
                     errors[:, states, at, number, column] = found.errors * scale
                     misfits[:, states, at, number, column] = found.misfit
                     slopes[states, at, number, column] = found.slope / distances
-        return fits, errors, misfits, slopes
+        shifts, intervals = np.zeros_like(fits), INTERVALS[:, None, None]
+        means, bars, shares = average(fits, errors, shifts, misfits, intervals)
+        # p = K_N sqrt(t) (1 - t/(4 a)) next to the edge of a Hertzian contact.
+        slope = np.abs(np.nansum(shares[1] * slopes[..., :-1], axis=(-2, -1)))
+        length = np.divide(0.25, slope, out=np.full_like(slope, np.inf), where=slope > 0)
+        return FrontFit(means[0], bars[0], means[1], bars[1], length)
 
 
 def _window(

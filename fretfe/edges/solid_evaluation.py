@@ -9,6 +9,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.edges.between import LoadPath, excess, load_path
+from fretfe.edges.closure import closure
 from fretfe.edges.evaluate import last_known
 from fretfe.edges.factors import add_up, one_sided_share
 from fretfe.edges.front import LARGEST_SPREAD, Frame, RangeSpread, StationHistory
@@ -41,7 +42,8 @@ def evaluate_fronts(
             for station in range(count)
         )
         frames = track.front.frames
-        fronts.append(SolidFront(name, frames.closed, frames.length, stations))
+        sums = closure(solution, contact, track, alone=len(tracks) == 1)
+        fronts.append(SolidFront(name, frames.closed, frames.length, sums, stations))
     return tuple(fronts)
 
 

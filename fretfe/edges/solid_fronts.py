@@ -88,6 +88,29 @@ class SolidStation(StationHistory):
 
 
 @dataclass(frozen=True)
+class Closure:
+    """Ratios of the factors found around a front to those of half-spaces under the same forces.
+
+    NaN where there is no such force. Means over the stations, by least squares.
+
+    Attributes:
+        half_axes: (2,) of the ellipse, the longer one first.
+        shear: of (K_T, K_S) to those of the shear force.
+        twist: of K_S to that of the moment about the normal; circles only.
+        normal: of K_I to that of P.
+        pressure: of K_N to that of dP/da, between two loads.
+        reason: why there are no ratios, in words; empty if there are.
+    """
+
+    half_axes: Array
+    shear: float
+    twist: float
+    normal: float
+    pressure: float
+    reason: str
+
+
+@dataclass(frozen=True)
 class SolidFront:
     """A boundary curve of the contact area of two solids.
 
@@ -95,12 +118,14 @@ class SolidFront:
         name: "front 1" and so on, the longest first.
         closed: whether it runs into itself.
         length: of it in the reference state, the last one of the evaluated cycle.
+        closure: its factors against those of half-spaces under the same forces.
         stations: along it at an even spacing.
     """
 
     name: str
     closed: bool
     length: float
+    closure: Closure
     stations: tuple[SolidStation, ...]
 
     @property

@@ -61,7 +61,18 @@ def test_k_n_by_the_movement_of_the_front(front: SolidFront) -> None:
     assert abs(found.mean()) < 0.015
     assert np.abs(found).max() < 0.07
     assert np.mean(np.abs(found) < spread) > 0.95
-    assert spread.max() < 0.09
+    assert spread.max() < 0.17
+
+
+def test_closure(front: SolidFront) -> None:
+    """The forces that factors and front need are those of the contact, but for finite bodies."""
+    found = front.closure
+    assert found.reason == ""
+    assert found.half_axes == pytest.approx([1.0, 1.0], abs=0.004)
+    assert found.shear == pytest.approx(1.0, abs=0.02)
+    assert found.normal == pytest.approx(1.0, abs=0.02)
+    assert found.pressure == pytest.approx(1.0, abs=0.02)
+    assert np.isnan(found.twist)
 
 
 def test_factors_of_full_stick(front: SolidFront) -> None:
