@@ -9,9 +9,11 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.edges.between import LoadPath, excess, load_path
+from fretfe.edges.closure import closure
 from fretfe.edges.evaluate import last_known
 from fretfe.edges.factors import add_up, one_sided_share
-from fretfe.edges.front import Frame, RangeSpread, StationHistory
+from fretfe.edges.front import LARGEST_SPREAD, Frame, RangeSpread, StationHistory
+from fretfe.edges.moved_fronts import MovedStation, moved_stations
 from fretfe.edges.range_spread import cycle_range
 from fretfe.edges.sector_fits import FrontFit
 from fretfe.edges.slip_zones import cycle_states, slip_zones
@@ -34,15 +36,18 @@ def evaluate_fronts(
     fronts, first = [], 0
     for number, track in enumerate(tracks):
         count = len(track.front.sectors)
-        factors = _Factors.of(solution, contact, track, slice(first, first + count))
+        own = slice(first, first + count)
+        factors = _Factors.of(solution, contact, track, own)
+        moved = moved_stations(contact, track.front, own)
         first += count
         name = f"front {number + 1}"
         stations = tuple(
-            _station(solution, contact, track, factors, station, name, slip, path)
+            _station(solution, contact, track, factors, moved[station], station, name, slip, path)
             for station in range(count)
         )
         frames = track.front.frames
-        fronts.append(SolidFront(name, frames.closed, frames.length, stations))
+        sums = closure(solution, contact, track, alone=len(tracks) == 1)
+        fronts.append(SolidFront(name, frames.closed, frames.length, sums, stations))
     return tuple(fronts)
 
 
@@ -113,6 +118,7 @@ def _station(
     contact: ContactHistory,
     track: FrontTrack,
     factors: _Factors,
+    moved: MovedStation,
     station: int,
     name: str,
     slip: SlipBetween,
@@ -128,7 +134,7 @@ def _station(
         position=fit.place[:, station],
         position_spread=fit.place_spread[:, station],
         k_n=fit.k_n[:, station],
-        k_n_spread=fit.k_n_spread[:, station],
+        k_n_spread=_k_n_spread(fit, station, moved),
         k_t=mean[:, Factor.K_T],
         k_s=mean[:, Factor.K_S],
         k_i=mean[:, Factor.K_I],
@@ -158,6 +164,9 @@ def _station(
         length=length,
         # Within a local length of a free end fields are those of a vertex.
         end=not to_end > max(min(depth, length), sector.along_size),
+        k_n_moved=moved.k_n,
+        k_n_moved_spread=moved.spread,
+        k_n_moved_reason=moved.reason,
         k_t_range=cycle_range(history.k_t, cycle),
         k_s_range=cycle_range(history.k_s, cycle),
         k_range=cycle_range(along.k_t, cycle),
@@ -168,6 +177,17 @@ def _station(
         k_i_range=cycle_range(history.k_i, cycle),
         slip_zones=zones,
     )
+
+
+def _k_n_spread(fit: FrontFit, station: int, moved: MovedStation) -> Array:
+    """(T,) error bars of K_N: where the fits of the last state disagree, so may all of them.
+
+    K_N by the movement of the front does not depend on them.
+    """
+    spread, k_n = fit.k_n_spread[:, station].copy(), fit.k_n[-1, station]
+    if spread[-1] > LARGEST_SPREAD * k_n and np.isfinite(moved.k_n):
+        spread[-1] = max(spread[-1], abs(k_n - moved.k_n))
+    return spread
 
 
 def _direction(history: Array, cycle: Indices) -> tuple[Array, float]:

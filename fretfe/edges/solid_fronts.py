@@ -33,6 +33,10 @@ class SolidStation(StationHistory):
             falls behind K_N sqrt(s) as fast.
         end: whether the station is so close to an end of its front that the fields are not those of
             an edge.
+        k_n_moved: K_N in the last state from the movement of the front between two loads,
+            2 dK_I/da; NaN where it is not known.
+        k_n_moved_spread: its error bar.
+        k_n_moved_reason: why it is not known; empty where it is.
         k_t_range: range of K_T.
         k_s_range: range of K_S.
         k_range: range of the vector (K_T, K_S) along `k_angle`.
@@ -54,6 +58,9 @@ class SolidStation(StationHistory):
     depth: float
     length: float
     end: bool
+    k_n_moved: float
+    k_n_moved_spread: float
+    k_n_moved_reason: str
     k_t_range: float
     k_s_range: float
     k_range: float
@@ -81,6 +88,29 @@ class SolidStation(StationHistory):
 
 
 @dataclass(frozen=True)
+class Closure:
+    """Ratios of the factors found around a front to those of half-spaces under the same forces.
+
+    NaN where there is no such force. Means over the stations, by least squares.
+
+    Attributes:
+        half_axes: (2,) of the ellipse, the longer one first.
+        shear: of (K_T, K_S) to those of the shear force.
+        twist: of K_S to that of the moment about the normal; circles only.
+        normal: of K_I to that of P.
+        pressure: of K_N to that of dP/da, between two loads.
+        reason: why there are no ratios, in words; empty if there are.
+    """
+
+    half_axes: Array
+    shear: float
+    twist: float
+    normal: float
+    pressure: float
+    reason: str
+
+
+@dataclass(frozen=True)
 class SolidFront:
     """A boundary curve of the contact area of two solids.
 
@@ -88,18 +118,26 @@ class SolidFront:
         name: "front 1" and so on, the longest first.
         closed: whether it runs into itself.
         length: of it in the reference state, the last one of the evaluated cycle.
+        closure: its factors against those of half-spaces under the same forces.
         stations: along it at an even spacing.
     """
 
     name: str
     closed: bool
     length: float
+    closure: Closure
     stations: tuple[SolidStation, ...]
 
     @property
     def judged(self) -> tuple[SolidStation, ...]:
         """Stations that are not marked as too near an end."""
         return tuple(station for station in self.stations if not station.end)
+
+    @property
+    def worst(self) -> SolidStation | None:
+        """Of the stations not too near an end that of the largest |ΔK| known; None without any."""
+        known = [each for each in self.judged if np.isfinite(each.told_range)]
+        return max(known, key=lambda each: each.told_range, default=None)
 
     def along(self, attribute: str) -> Array:
         """(n,) a number of all stations, by the name of the attribute."""

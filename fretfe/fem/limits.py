@@ -152,11 +152,7 @@ def without_moved(
     Between dissimilar bodies with friction the integral, which assumes beta = 0, makes it 50 %
     wrong.
     """
-    wrong = {
-        history.name
-        for history in solution.contacts
-        if any(limit.exceeded for limit in _dissimilar(case, history))
-    }
+    wrong = {history.name for history in solution.contacts if oscillates(case, history)}
     return tuple(_without_moved(each) if each.name in wrong else each for each in contacts)
 
 
@@ -165,6 +161,11 @@ def _without_moved(contact: ContactSummary) -> ContactSummary:
         replace(each, k_n_moved=np.nan, k_n_moved_spread=np.nan) for each in contact.stations
     )
     return replace(contact, fronts=fronts_of(stations))
+
+
+def oscillates(case: Case, history: ContactHistory) -> bool:
+    """Whether full stick oscillates next to the edges of a contact: K_I is not defined there."""
+    return any(limit.exceeded for limit in _dissimilar(case, history))
 
 
 def _dissimilar(case: Case, history: ContactHistory) -> Iterator[ModelLimit]:

@@ -148,7 +148,7 @@ def solve_prepared(
             solution = add_integrals(model, recorder, prepared.march, solution)
         else:
             tracks = on_root(comm, lambda: _fronts(case, solution), share=False)
-            solution = add_solid_integrals(model, recorder, solution, tracks)
+            solution = add_solid_integrals(model, recorder, prepared.march, solution, tracks)
     with clock("evaluation"):
         found = _evaluate(model, recorder, solution, tracks)
         failure = failure or on_root(comm, lambda: imbalance(solution) if solution else None)

@@ -11,13 +11,17 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.bodies.pairs import Pair
+from fretfe.contact.march import March
+from fretfe.contact.neighbours import neighbour_states
 from fretfe.contact.recorder import Recorder
+from fretfe.contact.state import ContactState
 from fretfe.edges.slip_zones import cycle_states
 from fretfe.fem.interaction_integral import Tube
+from fretfe.fem.limits import oscillates
 from fretfe.fem.model import Model
 from fretfe.fem.probes import Probe, measure, probe_stations
 from fretfe.fem.unit_fields import UnitFields
-from fretfe.results.solution import ContactHistory, Solution, StationIntegrals
+from fretfe.results.solution import ContactHistory, Factor, Neighbours, Solution, StationIntegrals
 
 if TYPE_CHECKING:
     # Not loaded by whoever loads this module: SciPy's interpolation takes a second.
@@ -29,7 +33,7 @@ if TYPE_CHECKING:
 SAME_AREA = 0.02
 # Distances from the front, in elements across it, as far as which is integrated, and half-lengths
 # along it in elements across it or along it, whichever is longer. The last way tells how much the
-# half-length matters. They are told apart in the largest area; elsewhere one is enough.
+# half-length matters. They are compared in one area; elsewhere the usual one does.
 TUBES = ((4.0, 8.0), (6.0, 8.0), (9.0, 8.0), (6.0, 5.0))
 USUAL = 1
 ROWS = 1.5
@@ -42,15 +46,19 @@ Tracks = Mapping[str, "tuple[FrontTrack, ...]"]
 
 
 def add_solid_integrals(
-    model: Model, recorder: Recorder | None, solution: Solution | None, tracks: Tracks | None
+    model: Model,
+    recorder: Recorder | None,
+    march: March | None,
+    solution: Solution | None,
+    tracks: Tracks | None,
 ) -> Solution | None:
     """The solution of solids with the interaction integrals at their stations. Collective.
 
-    Recorder, solution and tracks are those of rank 0, None elsewhere, like what is returned.
+    Recorder, march, solution and tracks are those of rank 0, None elsewhere, like what is returned.
     """
     draft = None
-    if recorder is not None and solution is not None and tracks is not None:
-        draft = _Draft(model, recorder, solution, tracks)
+    if recorder and march and solution is not None and tracks is not None:
+        draft = _Draft(model, recorder, march, solution, tracks)
     probes, requests = (draft.probes, draft.fields.requests) if draft else (None, None)
     values = measure(model, probes, requests)
     return draft.finish(values) if draft and values is not None else None
@@ -60,20 +68,24 @@ class _Draft:
     """Plans the integrals and gives the results their place; rank 0 only."""
 
     def __init__(
-        self, model: Model, recorder: Recorder, solution: Solution, tracks: Tracks
+        self, model: Model, recorder: Recorder, march: March, solution: Solution, tracks: Tracks
     ) -> None:
         assert model.reduction is not None
         self._solution, self._tracks, self._recorder = solution, tracks, recorder
         self.fields = UnitFields(recorder)
+        self._case = model.case
+        self._neighbours = neighbour_states(march, recorder.last, recorder.last_loads)
+        self._difference = self.fields.difference(*self._neighbours) if self._neighbours else None
         self._plans: dict[str, _Plan] = {}
         self._fields_of: dict[int, tuple[int, ...]] = {}
         self.probes: list[Probe] = []
-        pairs = {pair.name: pair for pair in model.reduction.pairs}
+        self._pairs = {pair.name: pair for pair in model.reduction.pairs}
         for contact in solution.contacts:
             plan = _plan(solution, contact, tracks[contact.name])
             if plan is not None:
                 self._plans[contact.name] = plan
-                self.probes += self._probes(model, pairs[contact.pair], plan, tracks[contact.name])
+                pair = self._pairs[contact.pair]
+                self.probes += self._probes(model, pair, plan, tracks[contact.name])
 
     def _of_state(self, state: int) -> tuple[int, ...]:
         """Numbers of the mean fields of areas around that of a state, one for each driver."""
@@ -99,10 +111,14 @@ class _Draft:
             stations = slice(first, first + len(track.front.sectors))
             first = stations.stop
             tubes = _tubes(track.front)
-            for state, places in zip(plan.states, plan.positions[:, stations], strict=True):
-                frames = track.front.frames.moved(np.where(np.isfinite(places), places, 0.0))
-                ways = tubes if state == plan.states[-1] else [[row[USUAL]] for row in tubes]
-                fields = self._of_state(int(state))
+            for row, (state, places) in enumerate(zip(plan.states, plan.positions, strict=True)):
+                own = np.where(np.isfinite(places), places, 0.0)[stations]
+                fields, ways = self._of_state(int(state)), tubes
+                if row != plan.last:
+                    ways = [[each[USUAL]] for each in tubes]
+                elif self._difference is not None:
+                    fields = (*fields, self._difference)
+                frames = track.front.frames.moved(own)
                 probes.append(probe_stations(model, pair, frames, ways, fields))
         return probes
 
@@ -114,26 +130,53 @@ class _Draft:
             plan = self._plans.get(contact.name)
             if plan is not None:
                 fronts = [
-                    _factors([np.stack(next(rest), axis=1) for _ in plan.states])
+                    [np.stack(next(rest), axis=1) for _ in plan.states]
                     for _ in self._tracks[contact.name]
                 ]
-                known = np.isfinite(plan.positions)[:, None, :, None, None]
-                factors = np.where(known, np.concatenate(fronts, axis=2), np.nan)
-                reaches = np.arange(len(TUBES), dtype=np.float64)
-                integrals = StationIntegrals(plan.areas, plan.positions, reaches, factors)
-                contact = replace(contact, integrals=integrals)
+                states = [np.concatenate(each, axis=1) for each in zip(*fronts, strict=True)]
+                contact = self._with_integrals(contact, plan, states)
             contacts.append(contact)
         return replace(self._solution, contacts=tuple(contacts))
 
+    def _with_integrals(
+        self, contact: ContactHistory, plan: _Plan, states: Sequence[Array]
+    ) -> ContactHistory:
+        """A contact with its factors, those of the difference of the neighbours behind them.
 
-def _factors(states: list[Array]) -> Array:
-    """(S, R, n, d, J) factors of a front in S states, the last one with the largest area.
+        Args:
+            contact: the contact.
+            plan: S states and n stations.
+            states: (R, n, d, J) of the state nearest to the last one, (1, n, d, J) of the others.
+        """
+        drivers, whole = self._solution.driver_values.shape[1], states[plan.last]
+        # The ways differ by the same everywhere.
+        ways = (whole - whole[USUAL])[..., :drivers]
+        factors = np.array(
+            [
+                whole[..., :drivers] if each is whole else each[..., :drivers] + ways
+                for each in states
+            ]
+        )
+        known = np.isfinite(plan.positions)[:, None, :, None, None]
+        integrals = StationIntegrals(
+            plan.areas,
+            plan.positions,
+            np.arange(len(TUBES), dtype=np.float64),
+            np.where(known, factors, np.nan),
+        )
+        neighbours = None
+        if self._neighbours is not None and not oscillates(self._case, contact):
+            k_i = whole[..., Factor.K_I, drivers]
+            k_i = np.where(np.isfinite(plan.positions[plan.last]), k_i, np.nan)
+            pressure = np.array([self._mean_pressure(contact, each) for each in self._neighbours])
+            neighbours = Neighbours(pressure, k_i)
+        return replace(contact, integrals=integrals, neighbours=neighbours)
 
-    Args:
-        states: (R, n, d, J) of the last state, (1, n, d, J) in the usual way of the others.
-    """
-    *others, last = states
-    return np.array([*(usual + (last - last[USUAL]) for usual in others), last])
+    def _mean_pressure(self, contact: ContactHistory, state: ContactState) -> Array:
+        """(N,) means around the nodes of a contact."""
+        nodes = self._recorder.nodes_of(contact.pair)
+        averaging = self._pairs[contact.pair].coupling.averaging
+        return np.asarray(averaging @ (state.traction[nodes, 0] / np.sqrt(contact.weights)))
 
 
 @dataclass(frozen=True)
@@ -144,11 +187,13 @@ class _Plan:
         states: (S,) their numbers.
         areas: (S,) numbers of their contact areas.
         positions: (S, n) of all stations, inward from the reference.
+        last: which of the areas is nearest to that of the last state.
     """
 
     states: Indices
     areas: Indices
     positions: Array
+    last: int
 
 
 def _plan(
@@ -171,7 +216,9 @@ def _plan(
     chosen = [int(np.argmin(sizes)), int(np.argmax(sizes))]
     if np.ptp(sizes) <= SAME_AREA * sizes.max():
         chosen = chosen[1:]
-    return _Plan(states[chosen], areas[chosen], places[chosen])
+    size = contact.nodes_pressed_in(np.array([len(solution.times) - 1]))
+    last = int(np.argmin(np.abs(sizes[chosen] - size)))
+    return _Plan(states[chosen], areas[chosen], places[chosen], last)
 
 
 def _tubes(front: SpaceFront) -> list[list[Tube]]:

@@ -101,7 +101,7 @@ class Neighbours:
     """A lower and a higher load than that of the last state.
 
     Attributes:
-        pressure: (2, N) at these loads.
+        pressure: (2, N) at these loads; of solids means around the nodes.
         k_i: (R, stations) K_I of the difference between them, determined in R ways.
     """
 

@@ -54,6 +54,27 @@ def test_k_n(front: SolidFront) -> None:
     assert np.mean(np.abs(found) < spread) > 0.95
 
 
+def test_k_n_by_the_movement_of_the_front(front: SolidFront) -> None:
+    """Loads 5 % apart to either side move the front by .4 of an element; no fit to the pressure."""
+    found = front.along("k_n_moved") / K_N - 1
+    spread = front.along("k_n_moved_spread") / K_N
+    assert abs(found.mean()) < 0.015
+    assert np.abs(found).max() < 0.07
+    assert np.mean(np.abs(found) < spread) > 0.95
+    assert spread.max() < 0.17
+
+
+def test_closure(front: SolidFront) -> None:
+    """The forces that factors and front need are those of the contact, but for finite bodies."""
+    found = front.closure
+    assert found.reason == ""
+    assert found.half_axes == pytest.approx([1.0, 1.0], abs=0.004)
+    assert found.shear == pytest.approx(1.0, abs=0.02)
+    assert found.normal == pytest.approx(1.0, abs=0.02)
+    assert found.pressure == pytest.approx(1.0, abs=0.02)
+    assert np.isnan(found.twist)
+
+
 def test_factors_of_full_stick(front: SolidFront) -> None:
     """K_T = -K cos θ, K_S = K sin θ for a force along +x on body 2, θ about y from x.
 

@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 
 from fretfe._typing import Array
 from fretfe.edges.area import AreaSummary
-from fretfe.edges.solid_fronts import SolidFront
+from fretfe.edges.solid_fronts import Closure, SolidFront
 from fretfe.report.figures.plot import Plot, legend_above, make_plot, plain_axis
+from fretfe.report.texts import number
 from fretfe.report.theme import BLUE, GREEN, GREY, ORANGE, TRIPLE, VERMILLION
 from fretfe.results.model import Result
 
@@ -50,7 +51,26 @@ def front_plot(run: Result, area: AreaSummary, front: SolidFront, key: str) -> P
         figure.align_ylabels()
 
     title = f"{front.name.capitalize()} of contact {area.name}"
-    return make_plot(f"{key}-front", title, "", TRIPLE, draw)
+    return make_plot(f"{key}-front", title, _closure(front.closure), TRIPLE, draw)
+
+
+def _closure(found: Closure) -> str:
+    """The factors against those of half-spaces, in words; empty if there is nothing to tell."""
+    ratios = {
+        "K_T and K_S by Q": found.shear,
+        "K_S by torsion": found.twist,
+        "K_I by P": found.normal,
+        "K_N by dP/da": found.pressure,
+    }
+    told = [f"{name} {ratio:.3f}" for name, ratio in ratios.items() if np.isfinite(ratio)]
+    if not told:
+        return ""
+    axes = " and ".join(number(float(each)) for each in found.half_axes)
+    return (
+        f"Factors over those of half-spaces with an elliptic contact, half axes {axes}, under the "
+        f"forces of this one, on average along the front: {', '.join(told)}. Bodies of finite size "
+        "differ from 1 by some per cent."
+    )
 
 
 def _ranges(axes: Axes, front: SolidFront) -> None:

@@ -20,7 +20,8 @@ from fretfe.report.texts import MISSING, number, with_error
 def front_table(case: Case, areas: tuple[AreaSummary, ...]) -> Table:
     """Two rows per front of solids: the range along it, and the station of the largest |ΔK|.
 
-    Stations are told by their distance along the front; those too near an end are left out.
+    A station is told by its number and its distance along the front; those too near an end are
+    left out.
     """
     units = case.units
     title = (
@@ -39,9 +40,9 @@ def front_table(case: Case, areas: tuple[AreaSummary, ...]) -> Table:
             table.add_row(f"{area.name} {front.name}", *_along(judged))
             for word, count in _verdicts(judged).items():
                 table.add_row(f"  {count} {word}")
-            worst = _worst(judged)
+            worst = front.worst
             if worst is not None:
-                table.add_row(f"  at {number(worst.arc, 3)}", *_at(worst))
+                table.add_row(f"  {worst.number} at {number(worst.arc, 3)}", *_at(worst))
     return table
 
 
@@ -70,12 +71,6 @@ def _at(station: SolidStation) -> tuple[str, ...]:
         with_error(zone.told_length, zone.spread) if zone else MISSING,
         number(zone.prediction, 3) if zone else MISSING,
     )
-
-
-def _worst(stations: tuple[SolidStation, ...]) -> SolidStation | None:
-    """The station of the largest |ΔK| that is known; None without any."""
-    known = [each for each in stations if math.isfinite(each.told_range)]
-    return max(known, key=lambda each: each.told_range, default=None)
 
 
 def _known_range(values: Sequence[float], digits: int) -> str:

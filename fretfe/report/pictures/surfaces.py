@@ -20,6 +20,7 @@ from matplotlib.tri import Triangulation
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
+from fretfe.report.pictures.front_lines import draw_fronts, front_handles, fronts_reading
 from fretfe.report.pictures.panels import name_axes, panel_inches, panels, settle
 from fretfe.report.pictures.status import NAMES, STATUS, shares_text, visible_status
 from fretfe.report.pictures.stress import BAR_ASPECT
@@ -35,6 +36,7 @@ from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory
 BORDER = 0.1
 # Height of a panel over its width, at least: a slender contact is drawn wider than it is.
 LOWEST = 0.3
+LEGEND_COLUMNS = 5
 # Colours of the pressure. Places of arrows along the longer side, and along the shorter one.
 LEVELS, ARROWS = 12, (20, 12)
 # Arrows of less shear than this fraction of the largest are left out; length of the longest in
@@ -135,12 +137,20 @@ def draw_surface(run: Result, name: str, states: Sequence[int]) -> tuple[Figure,
     for panel, state in zip(axes[columns:], states, strict=True):
         frame(panel, sheet)
         panel.set_title(shares_text(sheet.contact, state))
-    finish(figure, axes, sheet, [Patch(color=FILLS[kind], label=NAMES[kind]) for kind in NAMES])
+    fronts = next(area.fronts for area in run.areas if area.name == name)
+    fills = [Patch(color=FILLS[kind], label=NAMES[kind]) for kind in NAMES]
+    finish(figure, axes, sheet, [*fills, *front_handles(fronts)])
     for upper, lower, state in zip(axes, axes[columns:], states, strict=False):
         draw_pressure(upper, sheet, state)
         _draw_status(lower, sheet, state)
+        for panel in (upper, lower):
+            draw_fronts(panel, sheet.contact, sheet.plane, fronts, state)
     times = " and ".join(when(run, state) for state in states)
-    return figure, f"Pressure and shear, and below stick and slip, at {times}. {reading(sheet)}"
+    return (
+        figure,
+        f"Pressure and shear, and below stick and slip, at {times}. {reading(sheet)}"
+        + fronts_reading(fronts),
+    )
 
 
 def frame_title(sheet: Sheet, state: int) -> str:
@@ -168,7 +178,8 @@ def finish(figure: Figure, axes: Sequence[Axes], sheet: Sheet, handles: list[Any
         for label, style in LINES.items()
     ]  # fmt: skip
     every = [*handles, *lines]
-    figure.legend(handles=every, loc="outside lower center", ncols=len(every), handlelength=2.2)
+    columns = min(len(every), LEGEND_COLUMNS)
+    figure.legend(handles=every, loc="outside lower center", ncols=columns, handlelength=2.2)
     contact = sheet.contact
     settle(
         figure, axes, sheet.aspect, f"Contact {contact.name} ({contact.body1} on {contact.body2})"

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
 from fretfe.report.texts import direction_text
@@ -41,6 +42,19 @@ class Unrolled:
     directions: Array
     middle: Array
     how: str
+
+    def at(self, contact: ContactHistory, points: Array) -> Array:
+        """(n, 2) where points (n, 3) on the surface, or close to it, lie in the plane.
+
+        NaN where they are. Measured from the nearest node of the contact, along the surface there.
+        """
+        places = np.full((len(points), 2), np.nan)
+        known = np.isfinite(points).all(axis=1)
+        nearest = cKDTree(contact.points).query(points[known])[1]
+        offsets = points[known] - contact.points[nearest]
+        moved = np.einsum("nad,nd->na", self.axes[nearest], offsets)
+        places[known] = self.places[nearest] + moved
+        return places
 
     def turned(self) -> Unrolled:
         """The same, turned by a quarter so that the second axis points to the right."""
