@@ -230,8 +230,9 @@ def _spread(
     largest = max(known, default=np.nan)
     place = fit.place_spread[cycle, station] if len(cycle) else np.array([np.nan])
     error = np.hypot(WITHIN_ELEMENT * front.sectors[station].size, place).max()
-    # Where a contact is long the rest of its border counts too.
-    misplaced = error / min(front.depth[station], np.median(front.depth)) * largest
+    # Where a contact is long the rest of its border counts too; elements are coarse for a sharp end.
+    radius = 1 / max(abs(float(front.frames.curvature[station])), 1e-300)
+    misplaced = error / min(front.depth[station], np.median(front.depth), radius) * largest
     return RangeSpread(
         extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else np.nan,
         discretisation=float(np.hypot(misplaced, factors.one_sided[station])),
