@@ -123,6 +123,9 @@ def test_what_is_refused(solid: Result, tmp_path: Path) -> None:
         run_station(changed(solid, k_n=unknown), "main", 1, 0, None)
     with pytest.raises(ModelError, match="found K_T, K_S or K_I unknown"):
         run_station(changed(solid, k_t=unknown), "main", 1, 0, None)
+    zero = np.zeros(len(unknown))
+    with pytest.raises(ModelError, match="expected friction, and K_T or K_S that vary"):
+        run_station(changed(solid, k_t=zero, k_s=zero), "main", 1, 0, None)
     with pytest.raises(ModelError, match=r"(?s)station 0 of front 1.*the contact slides"):
         run_station(changed(solid, depth=0.1), "main", 1, 0, None)
     with pytest.raises(CaseError, match="expected one of the contacts main, found 'none'"):

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case, contact_modulus
 from fretfe.edges.front import told
 from fretfe.edges.solid_fronts import SolidStation
@@ -131,20 +131,12 @@ def equivalent(result: Result, contact: ContactHistory, station: SolidStation) -
     # K_I = E*/(3 sqrt(2) R) a^(3/2) of a cylinder.
     powers = half_width**1.5 + 3 * np.sqrt(2) * radius / e_star * (station.k_i - station.k_i[last])
     usable = np.isfinite(k) & (powers >= (NARROWEST * half_width) ** 1.5)
-    first = int(np.flatnonzero(~usable[: last + 1])[-1]) + 1
-    first = max(first, int(np.argmax(contact.friction > 0)) - 1, 1)
-    if first >= last or (result.loads.cycle and first > result.loads.cycle[0]):
-        raise ModelError(
-            f"{_name(station)}: expected a history that a cylinder on a half-plane can follow, "
-            "found K_T, K_S or K_I unknown, or a contact that nearly opens, up to state "
-            f"{first - 1} of {last}"
-        )
-    states = np.arange(first, last + 1)
+    states = _states(result, contact, station, usable[: last + 1])
     widths = powers[states] ** (2 / 3)
     # As K is added up: by the mean of the factors before and after each step.
     units = 1 / (np.pi * np.sqrt(2 * widths))
     shear = np.append(0.0, np.cumsum(np.diff(k[states]) / ((units[1:] + units[:-1]) / 2)))
-    shear[1:] += k[first] / units[0]
+    shear[1:] += k[states[0]] / units[0]
     return Equivalent(
         states=states,
         radius=radius,
@@ -155,6 +147,31 @@ def equivalent(result: Result, contact: ContactHistory, station: SolidStation) -
         shear_force=shear,
         friction=float(contact.friction[last]),
     )
+
+
+def _states(
+    result: Result, contact: ContactHistory, station: SolidStation, usable: Bools
+) -> Indices:
+    """The states to take over, up to the last one; of a cycle all.
+
+    Raises:
+        ModelError: if there are too few that can be used.
+    """
+    last, cycle = len(usable) - 1, result.loads.cycle
+    # Nothing touches in state 0; friction acts after the first state that is taken over.
+    first = max(1, int(np.argmax(contact.friction > 0)) - 1, *(np.flatnonzero(~usable) + 1))
+    if first >= last or (cycle is not None and first > cycle[0]):
+        raise ModelError(
+            f"{_name(station)}: expected a history that a cylinder on a half-plane can follow, "
+            f"found K_T, K_S or K_I unknown, or a contact that nearly opens, up to state "
+            f"{first - 1} of {last}"
+        )
+    k = along_direction(station)[first:]
+    if not (contact.friction[last] > 0 and np.ptp(k[1 : last + 1 - first]) > 0):
+        raise ModelError(
+            f"{_name(station)}: expected friction, and K_T or K_S that vary, found none of it"
+        )
+    return np.arange(first, last + 1)
 
 
 def along_direction(station: SolidStation) -> Array:
