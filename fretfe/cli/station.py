@@ -38,7 +38,10 @@ def station(
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the results.")],
 ) -> None:
-    """Solve the plane problem that has the edge factors of a station of solids."""
+    """Solve the plane problem of a station of solids.
+
+    It has the edge factors of the station; slip zones and tractions are compared.
+    """
     if rank_from_environment() > 0:
         return
     from rich.console import Console

@@ -175,9 +175,16 @@ def _solid_tractions(
 def _frames(front: SolidFront, station: SolidStation) -> Frames:
     """The frame of a station as that of a front."""
     frame = station.frame
-    vectors = (each[None] for each in (station.point, frame.inward, frame.along, frame.across))
-    curvature, arc = np.array([station.curvature]), np.array([station.arc])
-    return Frames(*vectors, curvature, arc, front.length, front.closed)
+    return Frames(
+        points=station.point[None],
+        inward=frame.inward[None],
+        along=frame.along[None],
+        across=frame.across[None],
+        curvature=np.array([station.curvature]),
+        arc=np.array([station.arc]),
+        length=front.length,
+        closed=front.closed,
+    )
 
 
 def _plane_tractions(
