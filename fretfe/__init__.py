@@ -21,6 +21,7 @@ API = (
     "plot_loads",
     "plot_tractions",
     "run",
+    "run_station",
     "sweep",
     "validate",
     "verify",

@@ -27,10 +27,13 @@ from fretfe.sweeps import Sweep
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from fretfe.submodel.comparison import StationModel
+
 __all__ = [
     "Checked",
     "Observer",
     "Result",
+    "StationModel",
     "Sweep",
     "Validation",
     "Verification",
@@ -42,6 +45,7 @@ __all__ = [
     "plot_loads",
     "plot_tractions",
     "run",
+    "run_station",
     "sweep",
     "validate",
     "verify",
@@ -101,6 +105,34 @@ def sweep(
         FretfeError: before any work, if a combination is not a valid case.
     """
     return Runner.find(backend).sweep(case, vary, _folder(output), observer)
+
+
+def run_station(
+    result: Result, contact: str, station: int, front: int = 1, output: Path | str | None = None
+) -> StationModel:
+    """Solve the plane problem that has the edge factors of a station of solids.
+
+    A cylinder on a half-plane, solved by the backend `halfplane`: a quick check of the slip zones
+    and tractions that a mesh of solids can hardly resolve. On process 0 only.
+
+    Args:
+        result: of solids, with all of its steps.
+        contact: name.
+        station: number along the front, from 0.
+        front: number of the front, from 1.
+        output: folder for what `fretfe station` writes; None writes nothing.
+
+    Raises:
+        FretfeError: if there is no such station, or no plane problem for it.
+    """
+    from fretfe.submodel.run import run_station as run_plane
+
+    folder = _folder(output)
+    model = run_plane(result, contact, front, station, folder)
+    if folder is not None:
+        for problem in draw_report(folder).problems:
+            warnings.warn(problem, stacklevel=2)
+    return model
 
 
 def validate(

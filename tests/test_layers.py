@@ -48,6 +48,7 @@ LAYERS = (
     "fretfe.sweeps.*",
     "fretfe.runner",
     "fretfe.checked",
+    "fretfe.submodel.*",
     "fretfe.api",
     "fretfe.cli.*",
     "fretfe.__main__",

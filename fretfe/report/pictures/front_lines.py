@@ -74,9 +74,9 @@ def _name(
     """Write the number of a station next to it, inside the contact."""
     ahead = station.point + 1e-3 * station.depth * station.frame.inward
     inward = np.diff(plane.at(contact, np.array([station.point, ahead])), axis=0)[0]
-    offset = ASIDE * inward / np.linalg.norm(inward)
+    x, y = (float(each) for each in ASIDE * inward / np.linalg.norm(inward))
     panel.annotate(
-        str(station.number), place, offset, textcoords="offset points",
+        str(station.number), (float(place[0]), float(place[1])), (x, y), textcoords="offset points",
         ha="center", va="center", path_effects=HALO, zorder=4, fontweight="bold",
     )  # fmt: skip
 

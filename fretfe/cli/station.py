@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The command `fretfe station`; the first process works."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fretfe.cli.options import Results, examples
+from fretfe.environment import rank_from_environment
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from fretfe.case import Units
+    from fretfe.submodel.comparison import StationModel
+
+EXAMPLES = examples(
+    "fretfe station sphere main --station 12 -o sphere_12",
+    "fretfe station dovetail left:2 --station 20 -o left_20",
+)
+
+
+def station(
+    directory: Results,
+    contact: Annotated[
+        str,
+        typer.Argument(
+            metavar="CONTACT[:FRONT]",
+            help="Contact, and number of its front from 1.",
+            show_default=False,
+        ),
+    ],
+    number: Annotated[
+        int, typer.Option("--station", help="Number of the station along the front, from 0.")
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the results.")],
+) -> None:
+    """Solve the plane problem of a station of solids.
+
+    It has the edge factors of the station; slip zones and tractions are compared.
+    """
+    if rank_from_environment() > 0:
+        return
+    from rich.console import Console
+
+    from fretfe.api import load_result, run_station
+
+    result = load_result(directory)
+    name, front = _front(contact)
+    model = run_station(result, name, number, front, output)
+    console = Console()
+    console.print(_table(result.case.units, model))
+    console.print(
+        f"Cylinder of radius {model.radius:.4g} on a half-plane, half-width {model.half_width:.4g} "
+        f"at the end; K_N and the histories of K and K_I are met to "
+        f"{abs(model.plane_k_n / model.k_n - 1):.1g}, {model.k_mismatch:.1g} and "
+        f"{model.k_i_mismatch:.1g}\nResults in {output}",
+        highlight=False,
+        soft_wrap=True,
+    )
+
+
+def _front(text: str) -> tuple[str, int]:
+    """The name of a contact and the number of its front."""
+    name, _, number = text.rpartition(":")
+    return (name, int(number)) if name and number.isdigit() else (text, 1)
+
+
+def _table(units: Units, model: StationModel) -> Table:
+    from fretfe.report.page.listings import plain_table
+    from fretfe.report.texts import number, with_error
+
+    title = (
+        f"Slip zones at station {model.station} of {model.front} of contact {model.contact}, "
+        f"lengths in {units.length}"
+    )
+    table = plain_table(title, ("half cycle", "in solids", "predicted", "in the plane"), text=1)
+    for zone in model.zones:
+        table.add_row(
+            f"{zone.start:g} to {zone.end:g}",
+            with_error(zone.solid, zone.solid_spread),
+            number(zone.predicted, 3),
+            number(zone.plane, 3),
+        )
+    return table

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Slip zones and tractions at a station of solids beside those of the plane problem."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.edges.curve import Frames
+from fretfe.edges.front import SlipZone, Station
+from fretfe.edges.sectors import coordinates
+from fretfe.edges.solid_fronts import SolidFront, SolidStation
+from fretfe.errors import OutputError
+from fretfe.results.model import Result
+from fretfe.results.solution import ContactHistory
+from fretfe.submodel.equivalent import Equivalent
+
+# Nodes are taken from half of the way to the next stations, and half-widths deep.
+DEPTH = 1.0
+
+
+@dataclass(frozen=True)
+class ZonePair:
+    """A slip zone of a half cycle, in solids and in the plane.
+
+    Attributes:
+        start, end: times.
+        solid, solid_spread: length found in solids, and error bar; NaN where not known.
+        predicted: by the factors of the station.
+        plane: length found in the plane; NaN where there is none.
+    """
+
+    start: float
+    end: float
+    solid: float
+    solid_spread: float
+    predicted: float
+    plane: float
+
+
+@dataclass(frozen=True)
+class Tractions:
+    """Pressure and shear over the distance s inward from the edge, (m,) each."""
+
+    s: Array
+    pressure: Array
+    shear: Array
+
+
+@dataclass(frozen=True)
+class StationModel:
+    """A station of solids and its plane problem.
+
+    Attributes:
+        contact, front, station: which it is.
+        half_width, radius: of the plane contact in the last state, and of its cylinder.
+        k_angle: direction of (K_T, K_S) that stands for K_T, in degrees from `inward`.
+        turning: range across it over that along it, which the plane leaves out.
+        k_n, plane_k_n: K_N in the last state.
+        k_mismatch: largest difference of the histories of K over its range.
+        k_i_mismatch: the same of K_I over the larger one of both ranges.
+        times: (n,) states taken over.
+        k, plane_k: (n,) histories of K, from the last state.
+        zones: half cycles, in time order.
+        time: of the tractions.
+        solid_tractions: around the station, shear along the direction of K; empty if not kept.
+        plane_tractions: at the edge of the plane problem.
+        plane: the results of the plane problem.
+    """
+
+    contact: str
+    front: str
+    station: int
+    half_width: float
+    radius: float
+    k_angle: float
+    turning: float
+    k_n: float
+    plane_k_n: float
+    k_mismatch: float
+    k_i_mismatch: float
+    times: Array
+    k: Array
+    plane_k: Array
+    zones: tuple[ZonePair, ...]
+    time: float
+    solid_tractions: Tractions
+    plane_tractions: Tractions
+    plane: Result
+
+
+def compare(
+    solid: Result, front: SolidFront, station: SolidStation, given: Equivalent, plane: Result,
+    name: str,
+) -> StationModel:  # fmt: skip
+    """Compare a station of the contact `name` with its plane problem."""
+    edge = plane.contacts[0].stations[0]
+    here, there = given.states, given.plane_states
+    k, plane_k = (each - each[-1] for each in (given.k, edge.k_t[there]))
+    k_i, plane_k_i = (each - each[-1] for each in (given.k_i, edge.k_i[there]))
+    size = float(np.ptp(k[1:]))
+    last = int(here[-1])
+    return StationModel(
+        contact=name,
+        front=front.name,
+        station=station.number,
+        half_width=given.half_width,
+        radius=given.radius,
+        k_angle=station.k_angle,
+        turning=station.turning,
+        k_n=float(station.k_n[last]),
+        plane_k_n=float(edge.k_n[there[-1]]),
+        k_mismatch=float(np.abs(k - plane_k)[1:].max() / size),
+        k_i_mismatch=float(np.abs(k_i - plane_k_i)[1:].max() / max(size, float(np.ptp(k_i[1:])))),
+        times=solid.loads.times[here],
+        k=k,
+        plane_k=plane_k,
+        zones=_zones(solid, station, edge, given),
+        time=float(solid.loads.times[last]),
+        solid_tractions=_solid_tractions(solid, name, front, station, given),
+        plane_tractions=_plane_tractions(plane.contact_history(name), edge, int(there[-1]), given),
+        plane=plane,
+    )
+
+
+def _zones(
+    solid: Result, station: SolidStation, edge: Station, given: Equivalent
+) -> tuple[ZonePair, ...]:
+    """Half cycles between the same states."""
+    shift = int(given.states[0] - given.plane_states[0])
+    first = int(given.states[0])
+    plane = {(max(zone.start + shift, first), zone.end + shift): zone for zone in edge.slip_zones}
+    times = solid.loads.times
+    return tuple(
+        ZonePair(
+            start=float(times[zone.start]),
+            end=float(times[zone.end]),
+            solid=zone.told_length,
+            solid_spread=zone.spread,
+            predicted=zone.prediction,
+            plane=_plane_length(plane.get((max(zone.start, first), zone.end))),
+        )
+        for zone in station.slip_zones
+        if zone.end > first
+    )
+
+
+def _plane_length(zone: SlipZone | None) -> float:
+    return zone.told_length if zone else np.nan
+
+
+def _solid_tractions(
+    solid: Result, name: str, front: SolidFront, station: SolidStation, given: Equivalent
+) -> Tractions:
+    """Means around the nodes next to a station in the last state."""
+    contact, state = solid.contact_history(name), int(given.states[-1])
+    s, along, across = coordinates(contact.points, _frames(front, station), 0)
+    s = s - station.position[state]
+    spacing = front.length / len(front.stations)
+    near = (np.abs(along) <= max(spacing / 2, station.size)) & (np.abs(across) <= station.depth)
+    near &= (s > -station.size) & (s <= DEPTH * given.half_width)
+    try:
+        traction = contact.mean_traction[state][near]
+    except OutputError:  # only some states are kept
+        return Tractions(*np.empty((3, 0)))
+    angle = np.radians(station.k_angle)
+    direction = np.cos(angle) * station.frame.inward + np.sin(angle) * station.frame.along
+    shear = np.einsum("nt,ntd,d->n", traction[:, 1:], contact.frames[near, 1:], direction)
+    order = np.argsort(s[near])
+    return Tractions(s[near][order], traction[order, 0], shear[order])
+
+
+def _frames(front: SolidFront, station: SolidStation) -> Frames:
+    """The frame of a station as that of a front."""
+    frame = station.frame
+    return Frames(
+        points=station.point[None],
+        inward=frame.inward[None],
+        along=frame.along[None],
+        across=frame.across[None],
+        curvature=np.array([station.curvature]),
+        arc=np.array([station.arc]),
+        length=front.length,
+        closed=front.closed,
+    )
+
+
+def _plane_tractions(
+    contact: ContactHistory, edge: Station, state: int, given: Equivalent
+) -> Tractions:
+    """Next to the left edge."""
+    s = contact.arc - edge.position[state]
+    near = (s > -0.02 * given.half_width) & (s <= DEPTH * given.half_width)
+    pressure, shear = contact.mean_traction[state][near].T
+    return Tractions(s[near], pressure, shear)
