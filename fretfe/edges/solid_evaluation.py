@@ -230,7 +230,7 @@ def _spread(
     largest = max(known, default=np.nan)
     place = fit.place_spread[cycle, station] if len(cycle) else np.array([np.nan])
     error = np.hypot(WITHIN_ELEMENT * front.sectors[station].size, place).max()
-    # Where a contact is long the rest of its border counts too; elements are coarse for a sharp end.
+    # Where a contact is long the rest of its border counts too; elements are coarse at sharp ends.
     radius = 1 / max(abs(float(front.frames.curvature[station])), 1e-300)
     misplaced = error / min(front.depth[station], np.median(front.depth), radius) * largest
     return RangeSpread(
