@@ -32,8 +32,8 @@ WINDOWS = (2.5, 3.5, 5.0, 7.0, 10.0, 14.0)
 ORDERS = (1, 2, 3)
 # Nodes more than terms that a fit needs.
 SPARE = 3
-# Error bar of a border by the area, in elements, and the least one of a border by fits: nodes slip or
-# stick as a whole, and a border need not run along the front.
+# Error bar of a border by the area, in elements, and the least one of a border by fits: nodes slip
+# or stick as a whole, and a border need not run along the front.
 BY_AREA, BY_FIT = 1.0, 0.15
 # Part of the way to the middle of the contact that slips, from which all of it does.
 GROSS = 0.98
