@@ -185,13 +185,14 @@ STATIONS = 40
 
 
 class Edges(Table):
-    """Accuracy of the edge factors, for which a plane mesh refines itself; stations of solids."""
+    """Accuracy of the edge factors, for which a mesh refines itself; stations of solids."""
 
     tolerance: Positive | None = Field(
         default=None,
         le=0.1,
         description="Relative change of K_N, ΔK_T and the slip-zone lengths from one mesh to the "
-        "next, at every contact edge, below which the mesh is fine enough; 0 < tolerance <= 0.1.",
+        "next, at every contact edge, of solids of their means along each front, below which the "
+        "mesh is fine enough; 0 < tolerance <= 0.1.",
     )
     unknowns: Count = Field(
         default=200_000,

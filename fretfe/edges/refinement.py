@@ -137,7 +137,7 @@ def changes_by_kind(
     before: Sequence[StationValues], after: Sequence[StationValues]
 ) -> tuple[float, float, float]:
     """Largest relative change of K_N, of K_T and of slip lengths; infinite if one is unknown."""
-    if [each.key for each in before] != [each.key for each in after]:
+    if not after or [each.key for each in before] != [each.key for each in after]:
         return math.inf, math.inf, math.inf
     changes = [0.0, 0.0, 0.0]
     for old, new in zip(before, after, strict=True):

@@ -14,15 +14,15 @@ import numpy as np
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
-from fretfe.edges.front import ContactSummary
-from fretfe.edges.refinement import Pass, Refinement, changes_by_kind
+from fretfe.edges.refinement import Pass, changes_by_kind
 from fretfe.edges.sizes import Interval, needed_sizes, resolves, station_values
-from fretfe.errors import FretfeError, MeshError
+from fretfe.errors import FretfeError
 from fretfe.fem._compat import MPI
 from fretfe.fem.parallel import on_root
+from fretfe.fem.passes import Passes
+from fretfe.fem.refine_solids import SolidPasses, is_solid
 from fretfe.fem.run import solve
 from fretfe.geometry.sizing import Sizes, Source, apply_sizes, curves_of_groups, length_of
-from fretfe.mesh.groups import count_unknowns
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
 from fretfe.results.solution import Solution
@@ -31,8 +31,6 @@ from fretfe.surface.surface import build_surface
 
 # Elements along the shorter surface of a contact in the first mesh.
 FIRST_ELEMENTS = 40
-# More passes than this do not help: the element size at the edges has been halved eight times.
-MOST_PASSES = 12
 # Passes that may be needed to find the edges and to resolve their slip zones.
 UNRESOLVED_PASSES = 3
 # Largest growth of the element size per distance from the edges.
@@ -65,7 +63,12 @@ def starting_mesh(case: Case) -> Mesh:
     Raises:
         FretfeError: as for `load_mesh`.
     """
-    return _Passes(case, DEFAULTS.announce).load()
+    return _passes_of(case, DEFAULTS).load()
+
+
+def _passes_of(case: Case, options: RunOptions) -> Passes:
+    kind = SolidPasses if is_solid(case) else _PlanePasses
+    return kind(case, options.announce)
 
 
 def refine(comm: MPI.Comm, case: Case, options: RunOptions) -> Result:
@@ -84,7 +87,7 @@ def refine(comm: MPI.Comm, case: Case, options: RunOptions) -> Result:
         FretfeError: for whatever keeps the first pass from being started. A later pass that fails
             ends the refinement, and the one before counts.
     """
-    passes, fields = _Passes(case, options.announce), options.fields
+    passes, fields = _passes_of(case, options), options.fields
     last: Result | None = None
     # Fields of a pass take the place of those of the one before only when it counts.
     staged = fields.with_name(f"{fields.name}-of-next-mesh") if fields is not None else None
@@ -116,68 +119,29 @@ def _keep(staged: Path | None, fields: Path | None) -> None:
         staged.replace(fields)
 
 
-class _Passes:
-    """The meshes of a case one after the other, and what they gave; rank 0 only."""
+class _PlanePasses(Passes):
+    """Meshes that are finer where the one before showed contact edges and slip zones."""
 
     def __init__(self, case: Case, announce: Callable[[str], None]) -> None:
-        assert case.edges.tolerance is not None
-        self._case = case
-        self._announce = announce
-        self._edges, self._tolerance = case.edges, case.edges.tolerance
+        super().__init__(case, announce)
         self._growth = growth_for(self._tolerance, case.model.degree)
         self._sources: tuple[Source, ...] = ()
         self._level = 0
-        self._passes: tuple[Pass, ...] = ()
-        self._mesh: Mesh | None = None
 
-    def load(self) -> Mesh:
-        """The next mesh.
-
-        Raises:
-            MeshError: if it is larger than the case allows, or as for `load_mesh`.
-        """
-        mesh = load_mesh(self._case, self._set_sizes)
-        unknowns = count_unknowns(mesh, self._case.model.degree)
-        if unknowns > self._edges.unknowns:
-            raise MeshError(
-                f"{self._case.source}: edges.unknowns: mesh {len(self._passes) + 1} would have "
-                f"{unknowns} unknowns, expected at most {self._edges.unknowns}"
-            )
-        self._announce(f"mesh {len(self._passes) + 1}: {unknowns} unknowns")
-        self._mesh = mesh
-        return mesh
+    def _make_mesh(self) -> Mesh:
+        return load_mesh(self._case, self._set_sizes)
 
     def _set_sizes(self, gmsh: ModuleType) -> None:
         even = first_sizes(self._case, self._growth, gmsh)
         apply_sizes(gmsh, replace(even, sources=self._sources))
 
-    def judge(self, result: Result) -> Refinement:
-        """All passes so far, this one included; without a reason to end there is another."""
-        solution, mesh = result.solution, self._mesh
+    def _pass(self, result: Result, mesh: Mesh) -> Pass:
+        solution, contacts = result.solution, result.contacts
         assert solution is not None
-        assert mesh is not None
-        contacts = result.contacts
-        if result.failure is not None:
-            return self._refinement(reason=str(result.failure))
-        before = self._passes[-1] if self._passes else None
-        self._passes += (self._pass(solution, mesh, contacts),)
-        last = self._passes[-1]
-        self._announce(f"mesh {len(self._passes)}: {_change_text(before, last)}")
-        if before is not None and before.resolved and self._fine_enough(last):
-            return self._refinement("the results no longer change", converged=True)
-        if len(self._passes) == MOST_PASSES:
-            return self._refinement(f"{MOST_PASSES} meshes were not enough")
-        # A mesh that still does not show all of a slip zone must not keep the others waiting.
-        self._level += last.resolved or len(self._passes) > UNRESOLVED_PASSES
-        intervals = needed_sizes(solution, contacts, self._level)
-        self._sources = tuple(_sources(self._case, mesh, solution, intervals))
-        return self._refinement("")
-
-    def _pass(self, solution: Solution, mesh: Mesh, contacts: tuple[ContactSummary, ...]) -> Pass:
         values = station_values(solution, contacts)
-        before = self._passes[-1] if self._passes else None
+        before = self._done[-1] if self._done else None
         return Pass(
-            unknowns=count_unknowns(mesh, self._case.model.degree),
+            unknowns=self._unknowns(mesh),
             smallest_element=min(float(np.diff(c.arc).min()) for c in solution.contacts),
             stations=values,
             resolved=all(math.isfinite(each.k_n) for each in values)
@@ -185,17 +149,13 @@ class _Passes:
             change=max(changes_by_kind(before.stations if before else (), values)),
         )
 
-    def _fine_enough(self, last: Pass) -> bool:
-        return last.resolved and last.change <= self._tolerance
-
-    def _refinement(self, reason: str, *, converged: bool = False) -> Refinement:
-        return Refinement(self._tolerance, self._passes, converged, reason)
-
-
-def _change_text(before: Pass | None, last: Pass) -> str:
-    if before is None or not math.isfinite(last.change):
-        return "shows where the contact edges are" if before is None else "no edge factors yet"
-    return f"edge factors and slip zones changed by up to {last.change:.2%}"
+    def _make_finer(self, result: Result, mesh: Mesh) -> None:
+        solution = result.solution
+        assert solution is not None
+        # A mesh that still does not show all of a slip zone must not keep the others waiting.
+        self._level += self._done[-1].resolved or len(self._done) > UNRESOLVED_PASSES
+        intervals = needed_sizes(solution, result.contacts, self._level)
+        self._sources = tuple(_sources(self._case, mesh, solution, intervals))
 
 
 def _sources(

@@ -59,6 +59,7 @@ class Template:
     path: Path
     summary: str
     parameters: tuple[Parameter, ...]
+    solid: bool
 
 
 def template_directory() -> Path:
@@ -109,7 +110,7 @@ def read_template(path: Path) -> Template:
     except ValueError:
         # numbers written as formulas: the script knows its defaults, nobody else does
         parameters = ()
-    return Template(str(path), path, _read_summary(text), parameters)
+    return Template(str(path), path, _read_summary(text), parameters, "Physical Volume" in text)
 
 
 def check_parameters(template: Template, values: Mapping[str, float]) -> dict[str, float]:

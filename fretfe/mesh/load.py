@@ -64,7 +64,10 @@ def _in_the_plane(case: Case, size: SetSizes) -> SetSizes:
 
     def checked(gmsh: ModuleType) -> None:
         if gmsh.model.getDimension() == 3 or case.geometry.solid is not None:
-            text = "expected none, as the bodies are solid; only plane meshes refine themselves"
+            text = (
+                "expected none, as the bodies are solid and come from a file; of solids only the "
+                "meshes of templates refine themselves; give smaller elements instead"
+            )
             raise CaseError(complaint(case.source, ("edges", "tolerance"), text))
         size(gmsh)
 

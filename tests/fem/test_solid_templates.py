@@ -13,7 +13,7 @@ from fretfe._typing import Array
 from fretfe.case import parse_case
 from fretfe.errors import CaseError
 from fretfe.fem.refine import starting_mesh
-from fretfe.geometry.templates import find_template
+from fretfe.geometry.templates import find_template, template_directory
 from fretfe.mesh.cell_geometry import facet_measures
 from fretfe.mesh.groups import body_unknowns, mesh_summary
 from fretfe.mesh.make import mesh_template
@@ -124,10 +124,11 @@ def test_layers_are_thin_at_the_ends() -> None:
     assert ratios == pytest.approx(1.4)
 
 
-def test_solid_bodies_do_not_refine_themselves() -> None:
+def test_meshes_of_solids_from_files_do_not_refine_themselves() -> None:
     pressed = {"loads": {"press": press(steps=1)}, "edges": {"tolerance": 0.05}}
-    cylinder = {"template": "cylinder", "solid": {"length": 4.0, "layers": 2}}
-    for geometry in ({"template": "sphere"}, cylinder):
-        case = parse_case(pad(geometry=geometry, **pressed))
+    script = {"file": str(template_directory() / "sphere.geo")}
+    extruded = {"file": str(template_directory() / "cylinder.geo")}
+    for geometry in (script, extruded | {"solid": {"length": 4.0, "layers": 2}}):
+        case = parse_case(pad(geometry=geometry, **pressed), trust_geo=True)
         with pytest.raises(CaseError, match=r"edges.tolerance: expected none, as the bodies are"):
             starting_mesh(case)

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Rows about fronts of solids: places in common, nine tenths of the stations, companions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import solid_runs
+from test_fronts_in_space import fronts, grid, hertz
+
+from fretfe._typing import Array
+from fretfe.edges.solid_fronts import SolidFront
+from fretfe.quality.validate.plan import plan
+from fretfe.quality.validate.rows import Row
+from fretfe.quality.validate.solids import solid_companion_rows, solid_rows
+from fretfe.quality.validate.stations import Pairs, at_places, front_row, nearest_front
+from fretfe.quality.validate.variants import MEAN, MESH, START, Variant, coarser, make_variants
+from fretfe.results.model import Result
+
+
+@pytest.fixture(scope="module")
+def circle() -> SolidFront:
+    (front,) = fronts(*grid(), [hertz(1.0, 1.0)])
+    return front
+
+
+@pytest.fixture(scope="module")
+def ellipse() -> SolidFront:
+    (front,) = fronts(*grid(half=1.3, across=1.8), [hertz(1.0, 1.5)])
+    return front
+
+
+def result_with(front: SolidFront) -> Result:
+    result = solid_runs.solid_result()
+    return replace(result, areas=(replace(result.areas[0], fronts=(front,)),))
+
+
+def scaled(front: SolidFront, factor: float) -> SolidFront:
+    stations = (replace(each, k_n=each.k_n * factor) for each in front.stations)
+    return replace(front, stations=tuple(stations))
+
+
+def row_of(values: Array, references: Array, circle: SolidFront) -> Row:
+    area = solid_runs.solid_result().areas[0]
+    pairs = Pairs(values, references, np.full(len(values), 0.1))
+    return front_row(area, circle, "K_N", pairs, "for a test")
+
+
+def test_nine_tenths_of_the_stations_must_agree(circle: SolidFront) -> None:
+    values = np.ones(20)
+    two_off = np.r_[1.5, 1.5, np.full(18, 1.05)]
+    row = row_of(values, two_off, circle)
+    assert (row.verdict, row.reference) == ("pass", 1.05)
+    assert "18 of 20 stations agree" in row.reason
+    assert row.where == "main, front 1"
+    three_off = np.r_[1.5, 1.5, 1.5, np.full(17, 1.05)]
+    assert row_of(values, three_off, circle).verdict == "FAIL"
+
+
+def test_few_numbers_are_no_comparison(circle: SolidFront) -> None:
+    row = row_of(np.ones(20), np.r_[np.full(11, np.nan), np.ones(9)], circle)
+    assert row.verdict == "-" and "at 9 of 20 stations" in row.reason
+
+
+def test_numbers_between_the_stations(circle: SolidFront) -> None:
+    places = circle.along("point")
+    between = (places + np.roll(places, -1, axis=0)) / 2
+    expected = circle.along("told_k_n")
+    (at_stations,) = at_places(circle, places, ["K_N"])
+    np.testing.assert_allclose(at_stations, expected, rtol=1e-9)
+    (found,) = at_places(circle, between, ["K_N"])
+    np.testing.assert_allclose(found, (expected + np.roll(expected, -1)) / 2, rtol=1e-9)
+
+
+def test_front_of_a_companion_is_the_nearest(circle: SolidFront, ellipse: SolidFront) -> None:
+    assert nearest_front(circle, [ellipse, circle]) is circle
+    assert nearest_front(circle, [replace(circle, closed=False)]) is None
+    assert nearest_front(circle, []) is None
+
+
+def test_companion_mesh_within_the_error_bars(circle: SolidFront) -> None:
+    for factor, verdict in ((1.005, "pass"), (1.3, "FAIL")):
+        other = result_with(scaled(circle, factor))
+        rows = {row.quantity: row for row in solid_companion_rows(MESH, result_with(circle), other)}
+        row = rows[f"K_N {MESH}"]
+        assert row.verdict == verdict
+        assert row.reference == pytest.approx(factor * row.value, rel=0.05)
+    (lost,) = solid_companion_rows(MESH, result_with(circle), solid_runs.solid_result())
+    assert lost.verdict == "-" and "no such front" in lost.reason
+
+
+def test_contact_without_fronts_is_unknown(circle: SolidFront) -> None:
+    rows = {row.quantity: row for row in solid_rows(solid_runs.solid_result())}
+    assert rows["fronts"].verdict == "unknown"
+    rows = {row.quantity: row for row in solid_rows(result_with(circle))}
+    assert "fronts" not in rows and "K_N" not in rows
+    # There are no integrals in this run.
+    assert rows["ΔK"].verdict == "unknown"
+
+
+def test_layers_of_an_extruded_case_are_thicker_in_its_companion() -> None:
+    case = solid_runs.solid_case()
+    coarse = coarser(case)
+    assert coarse is not None and coarse.geometry.solid is not None
+    assert case.geometry.solid is not None
+    assert coarse.geometry.solid.layers == round(case.geometry.solid.layers / 1.5)
+
+
+def test_plan_tells_number_time_and_memory(circle: SolidFront) -> None:
+    seconds = {"condensation": 20.0, "steps": 10.0, "edge integrals": 30.0}
+    result = replace(result_with(circle), seconds=seconds)
+    case, history = result.case, result.loads
+    text = plan([Variant(START, case, history), Variant(MESH, case, None)], result)
+    # The same steps and integrals; 60 s over 1.5 to the power of 4.
+    assert text.startswith(f"2 companions of about: {START} 40 s, {MESH} 12 s, 52 s together; ")
+    assert "GB at most" in text
+    variants, reasons = make_variants(case, result)
+    assert {*(each.name for each in variants), *reasons} == {MEAN, START, MESH}
+    assert plan([], result) == "no companions"
