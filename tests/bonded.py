@@ -13,7 +13,8 @@ from fretfe.backends.protocol import DEFAULTS
 from fretfe.bodies.pairs import Pair
 from fretfe.case import Case
 from fretfe.contact.full_stick import FullStickSolver, find_drivers
-from fretfe.contact.recorder import Place, Recorder
+from fretfe.contact.place import Place
+from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import solve_history
 from fretfe.contact.state import OPEN, STICK, unloaded
 from fretfe.fem._compat import MPI

@@ -14,6 +14,7 @@ from fretfe.cli.options import (
     CaseFile,
     Overrides,
     Quiet,
+    Resume,
     TrustGeo,
     Verbose,
     examples,
@@ -49,6 +50,7 @@ def sweep(
     ],
     backend: Backend = "fem",
     overrides: Overrides = None,
+    resume: Resume = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
     trust_geo: TrustGeo = False,
@@ -68,9 +70,11 @@ def sweep(
         return
     read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
     with StepReport(runner.processes.rank, verbosity, steps=False) as report:
-        found = runner.sweep(read, parse_ranges(vary), output, report)
+        found = runner.sweep(read, parse_ranges(vary), output, report, resume=resume)
     if runner.processes.rank == 0:
         _print(found, output, time.perf_counter() - start, verbosity)
+    if found.stopped is not None:
+        raise found.stopped
     if len(found.failures) == len(found.variants):
         raise ConvergenceError(
             f"no variant could be solved; the first: {found.failures[0].failure}"

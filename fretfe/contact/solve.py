@@ -3,13 +3,18 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 from fretfe.contact.march import March
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.repeats import Repetition
 from fretfe.contact.state import StepTable
+from fretfe.errors import ConvergenceError
 
+# Steps or seconds between two notes of the state of a history, and the fewest seconds: a note costs
+# some milliseconds.
+NOTE_STEPS, NOTE_SECONDS, LEAST_SECONDS = 50, 5.0, 0.5
 # Called with the number of a step, the number of all steps, and what to say about it.
 Progress = Callable[[int, int, str], None]
 
@@ -30,14 +35,49 @@ def solve_history(
         ConvergenceError: if a step has no solution, or `progress` wants the history to end; what
             was recorded stands.
     """
-    repetition = Repetition(steps) if until_steady else None
-    count = len(steps) - 1
+    try:
+        _march(march, recorder, steps, Repetition(steps) if until_steady else None, progress)
+    except ConvergenceError:
+        recorder.note()
+        raise
+    recorder.note()
+
+
+def _march(
+    march: March,
+    recorder: Recorder,
+    steps: StepTable,
+    repetition: Repetition | None,
+    progress: Progress,
+) -> None:
+    count, pace = len(steps) - 1, Pace()
     while recorder.count <= count:
-        for result in march.run(steps, recorder.count, recorder.last):
-            recorder.add(result)
-            progress(recorder.count - 1, count, result.summary)
-            repeat = repetition.after(recorder) if repetition else None
-            if repeat is not None:
-                recorder.repeat(repeat)
-                progress(repeat.last, count, repeat.text)
-                break
+        now = recorder.count - 1
+        repeated = bool(recorder.repeats) and recorder.repeats[-1].last == now
+        repeat = repetition.after(recorder) if repetition and not repeated else None
+        if repeat is not None:
+            recorder.repeat(repeat)
+            progress(repeat.last, count, repeat.text)
+            continue
+        result = next(march.run(steps, recorder.count, recorder.last))
+        recorder.add(result)
+        if pace.due():
+            recorder.note()
+        progress(recorder.count - 1, count, result.summary)
+
+
+class Pace:
+    """Says after which steps a note of the state of the history is due."""
+
+    def __init__(self) -> None:
+        self._steps = 0
+        self._last = time.monotonic()
+
+    def due(self) -> bool:
+        """Count a step, and tell whether a note is due after it."""
+        self._steps += 1
+        seconds = time.monotonic() - self._last
+        if seconds < NOTE_SECONDS and (self._steps < NOTE_STEPS or seconds < LEAST_SECONDS):
+            return False
+        self._steps, self._last = 0, time.monotonic()
+        return True

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+import shutil
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -17,13 +19,15 @@ from fretfe.case import Case
 from fretfe.edges.front import ContactSummary
 from fretfe.edges.refinement import Pass, Refinement, changes_by_kind
 from fretfe.edges.sizes import Interval, needed_sizes, resolves, station_values
-from fretfe.errors import FretfeError, MeshError
+from fretfe.errors import FretfeError, MeshError, OutputError, StoppedError
 from fretfe.fem._compat import MPI
 from fretfe.fem.parallel import on_root
 from fretfe.fem.run import solve
+from fretfe.fem.stopping import agreed_stop
 from fretfe.geometry.sizing import Sizes, Source, apply_sizes, curves_of_groups, length_of
 from fretfe.mesh.groups import count_unknowns
 from fretfe.mesh.mesh import Mesh
+from fretfe.results.files import disk_reason, replace_text
 from fretfe.results.model import Result
 from fretfe.results.solution import Solution
 from fretfe.surface.load import load_mesh
@@ -31,6 +35,8 @@ from fretfe.surface.surface import build_surface
 
 # Elements along the shorter surface of a contact in the first mesh.
 FIRST_ELEMENTS = 40
+# In the folder of the states: what makes the next mesh.
+NOTE = "refinement.json"
 # More passes than this do not help: the element size at the edges has been halved eight times.
 MOST_PASSES = 12
 # Passes that may be needed to find the edges and to resolve their slip zones.
@@ -82,27 +88,38 @@ def refine(comm: MPI.Comm, case: Case, options: RunOptions) -> Result:
 
     Raises:
         FretfeError: for whatever keeps the first pass from being started. A later pass that fails
-            ends the refinement, and the one before counts.
+            ends the refinement, and the one before counts; so does a signal, as its `failure`.
     """
     passes, fields = _Passes(case, options.announce), options.fields
-    last: Result | None = None
+    last = options.before if options.resume else None
+    known = on_root(comm, partial(passes.recall, last, options.states))
+    last = replace(last, failure=None) if last is not None and known else None
     # Fields of a pass take the place of those of the one before only when it counts.
     staged = fields.with_name(f"{fields.name}-of-next-mesh") if fields is not None else None
     while True:
         try:
-            result = solve(comm, case, replace(options, fields=staged), passes.load)
+            if last is not None and (number := agreed_stop(comm, options.observer)) is not None:
+                raise StoppedError(number, "before the next mesh")
+            result = solve(comm, case, passes.options(options, staged), passes.load)
             if result.failure is not None and last is not None:
                 raise result.failure
         except FretfeError as error:
             if last is None or last.refinement is None:
                 raise
             on_root(comm, partial(_drop, staged))
-            return replace(last, refinement=replace(last.refinement, reason=str(error)))
+            failure, done = None, len(last.refinement.passes)
+            if isinstance(error, StoppedError):
+                where = f"on the way to mesh {done + 1}; the results are those of mesh {done}"
+                failure = StoppedError(error.signal, where)
+            refinement = replace(last.refinement, reason=str(failure or error))
+            return replace(last, refinement=refinement, failure=failure)
         on_root(comm, partial(_keep, staged, fields))
         refinement = on_root(comm, partial(passes.judge, result))
         last = replace(result, refinement=refinement)
         if refinement.reason:
             return last
+        options.keep(last)
+        on_root(comm, partial(passes.note, options.states))
 
 
 def _drop(staged: Path | None) -> None:
@@ -129,6 +146,47 @@ class _Passes:
         self._level = 0
         self._passes: tuple[Pass, ...] = ()
         self._mesh: Mesh | None = None
+
+    def options(self, options: RunOptions, fields: Path | None) -> RunOptions:
+        """Options of the next pass, which has a folder of its own for its states."""
+        states = options.states
+        states = states / f"mesh-{len(self._passes) + 1}" if states is not None else None
+        return replace(options, fields=fields, states=states, before=None, keep=DEFAULTS.keep)
+
+    def note(self, states: Path | None) -> None:
+        """Write down what makes the next mesh, and remove the states of the last pass.
+
+        Raises:
+            OutputError: if that is not possible.
+        """
+        if states is None:
+            return
+        count = len(self._passes)
+        sources = [{"points": each.points.tolist(), "size": each.size} for each in self._sources]
+        text = json.dumps({"passes": count, "level": self._level, "sources": sources})
+        try:
+            replace_text(states / NOTE, text)
+            shutil.rmtree(states / f"mesh-{count}", ignore_errors=True)
+        except OSError as error:
+            raise OutputError(f"{states}: cannot be written: {disk_reason(error)}") from error
+
+    def recall(self, last: Result | None, states: Path | None) -> bool:
+        """Go on after the passes that an earlier run has noted; return False if there are none.
+
+        Args:
+            last: result of the last pass or, if the run ended between the two, one later.
+            states: folder of the note.
+        """
+        refinement = last.refinement if last is not None else None
+        if states is None or refinement is None or not (states / NOTE).is_file():
+            return False
+        note = json.loads((states / NOTE).read_text(encoding="utf-8"))
+        self._passes = refinement.passes[: note["passes"]]
+        self._level = note["level"]
+        self._sources = tuple(
+            Source(np.array(each["points"]), each["size"]) for each in note["sources"]
+        )
+        return True
 
     def load(self) -> Mesh:
         """The next mesh.

@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,8 @@ from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.pairs import Pair
 from fretfe.case import Case
 from fretfe.contact.march import March
-from fretfe.contact.recorder import Place, Recorder
+from fretfe.contact.place import Place
+from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import solve_history
 from fretfe.edges.area import AreaSummary, evaluate_areas, shear_extremes
 from fretfe.edges.evaluate import evaluate
@@ -35,6 +37,7 @@ from fretfe.fem.model import Model, Request, step_loads
 from fretfe.fem.parallel import on_root, release
 from fretfe.fem.penetration import farthest_states, unpaired_penetration
 from fretfe.fem.solid_extraction import Tracks, add_solid_integrals
+from fretfe.fem.stopping import SharedStop
 from fretfe.fem.timing import Clock
 from fretfe.loads import History, build_history
 from fretfe.mesh.mesh import Mesh
@@ -58,6 +61,17 @@ class Prepared:
     mesh: Mesh | None
     model: Model
     march: March | None
+
+    @property
+    def digest(self) -> str:
+        """Text that is equal for the same mesh; on rank 0."""
+        assert self.mesh is not None
+        found = hashlib.sha256()
+        for name, body in self.mesh.bodies.items():
+            found.update(repr((name, body.cell, body.order, body.cells.shape)).encode())
+            for values in (body.points, body.cells, *body.boundaries.values()):
+                found.update(np.ascontiguousarray(values).tobytes())
+        return found.hexdigest()
 
     @property
     def meshes(self) -> list[Any]:
@@ -138,7 +152,15 @@ def solve_prepared(
     model, mesh = prepared.model, prepared.mesh
     comm = model.comm
     with clock("steps"):
-        marched = on_root(comm, lambda: _march(prepared, case, history, options), share=False)
+        stop = SharedStop(comm, options.observer)
+        heeding = replace(options, observer=stop)
+        marched = on_root(
+            comm,
+            lambda: _march(prepared, case, history, heeding),
+            share=False,
+            waiting=stop.send,
+        )
+        stop.close()
     failure = comm.bcast(marched.failure if marched else None)
     recorder = marched.recorder if marched else None
     solution = _solution(model, history, marched.recorder) if marched else None
@@ -156,11 +178,7 @@ def solve_prepared(
     notes += on_root(
         comm, lambda: tuple(each.text for each in solution.repeats) if solution else ()
     )
-    if options.fields is not None:
-        with clock("fields"):
-            chosen = _field_states(case, history, solution, found) if solution else None
-            notes += _write_fields(model, history, recorder, chosen, options.fields)
-    return Result(
+    result = Result(
         case=case,
         loads=comm.bcast(solution.loads if solution else None),
         contacts=found.contacts,
@@ -174,6 +192,13 @@ def solve_prepared(
         seconds=clock.seconds,
         ranks=comm.size,
     )
+    options.keep(result)
+    if options.fields is None:
+        return result
+    with clock("fields"):
+        chosen = _field_states(case, history, solution, found) if solution else None
+        notes += _write_fields(model, history, recorder, chosen, options.fields)
+    return replace(result, notes=notes)
 
 
 @dataclass(frozen=True)
@@ -277,7 +302,10 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     steps = step_loads(case, history, reduction.interface, reduction.definition)
     places = [_place(prepared.model, pair) for pair in reduction.pairs]
     channels = [load.channel for load in reduction.definition.loads]
-    recorder = Recorder(march, places, steps, channels, case.model.degree, options.states)
+    storage = options.storage({**_compat.versions(), "mesh": prepared.digest})
+    recorder = Recorder(march, places, steps, channels, case.model.degree, storage)
+    if recorder.count > 1:
+        options.announce(f"continued after step {recorder.count - 1} of {len(steps) - 1}")
     try:
         solve_history(march, recorder, steps, case.cycle.until_steady, options.progress)
     except ConvergenceError as failure:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from fretfe.backends import Backend, RunOptions
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case
-from fretfe.errors import FretfeError
+from fretfe.errors import FretfeError, StoppedError
 from fretfe.quality.validate.compare import companion_rows
 from fretfe.quality.validate.rows import Row, missing
 from fretfe.quality.validate.single import limit_rows, own_rows
@@ -48,8 +48,20 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
     rows += [missing("all", "", name, reason) for name, reason in reasons.items()]
     for variant in variants:
         options.observer.phase(variant.name)
-        rows += _companion(variant, backend, result, options)
+        rows += _companion(variant, backend, result, companion_options(options, variant))
     return Validation(result, tuple(rows))
+
+
+def companion_options(options: RunOptions, variant: Variant) -> RunOptions:
+    """Options of a companion: nothing of it is kept but its states, in a folder of its own."""
+    states = options.states
+    return replace(
+        options,
+        history=variant.history,
+        states=states and states / variant.name.replace(" ", "-"),
+        before=None,
+        keep=DEFAULTS.keep,
+    )
 
 
 def _companion(
@@ -57,9 +69,11 @@ def _companion(
 ) -> list[Row]:
     """Rows of one companion; one that has no solution says so in a row of its own."""
     try:
-        other = backend.solve(variant.case, replace(options, history=variant.history))
+        other = backend.solve(variant.case, options)
     except FretfeError as error:
         return [missing("all", "", variant.name, f"no solution: {error}")]
+    if isinstance(other.failure, StoppedError):
+        raise other.failure
     if other.failure is not None:
         return [missing("all", "", variant.name, f"no solution: {other.failure}")]
     return list(companion_rows(variant.name, result, other))
