@@ -63,6 +63,7 @@ class Work:
         self._case = case
         # What tells the result that was written last from another one of this run.
         self._written: object = None
+        self._begun = False
         self._mark: dict[str, Any] = {
             "doing": "starting",
             "complete": False,
@@ -134,6 +135,7 @@ class Work:
             )
 
     def _note(self, doing: str, **more: Any) -> None:
+        self._begun = True
         self._mark |= {"doing": doing, **more}
         write_mark(self.directory, self._mark)
 
@@ -146,19 +148,21 @@ class Work:
             return
 
     def numbers(self, result: Result) -> None:
-        """Write the numbers of a result in place of those before."""
+        """Write the numbers of a result in place of those before, if they are not there."""
+        this = result.notes, result.failure, result.refinement
+        if self._written == this:
+            return
         self._note("writing results", step=len(result.loads.times) - 1)
         write_results(self.directory, result)
-        self._written = result.notes, result.failure, result.refinement
+        self._written = this
         self._note("solving")
 
     def close(self, result: Result) -> None:
-        """Write the numbers of the last result, if they are not there, and say that it is all.
+        """Write the numbers of the last result and say that it is all.
 
         States stay if a signal ended the run.
         """
-        if self._written != (result.notes, result.failure, result.refinement):
-            self.numbers(result)
+        self.numbers(result)
         complete = result.failure is None
         self.finish(complete=complete, resumable=isinstance(result.failure, StoppedError))
 
@@ -185,6 +189,8 @@ class Work:
 
     def fail(self, reason: str) -> None:
         """Say why there are no results; on a full disk nothing can be said."""
+        if not self._begun:
+            return
         try:
             self._note("solving", reason=reason)
         except OutputError:

@@ -58,9 +58,9 @@ def test_an_array_on_disk_is_that_in_memory(tmp_path: Path) -> None:
 def test_the_files_are_seen_in_a_folder_only(tmp_path: Path) -> None:
     stream = StateStream(tmp_path / "states")
     stream.append({"a": np.arange(3.0)})
-    assert stream.flush()["a"].count == 1
+    assert stream.flush()["a"].blocks == ((0, 1),)
     (path,) = (tmp_path / "states").iterdir()
-    assert (path.name, path.stat().st_size) == ("a.rows", 24)
+    assert (path.name, path.stat().st_size) == ("states.rows", 24)
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="expected a place for the states"):
         StateStream(tmp_path / "file" / "states")

@@ -104,7 +104,9 @@ def read_checkpoint(directory: Path, identity: Mapping[str, str]) -> Checkpoint 
             arrays = {name: file[name] for name in file.files}
         text = json.loads(str(arrays.pop(TEXT)))
         kinds = {
-            name: RowKind(tuple(kind["shape"]), kind["dtype"], kind["count"])
+            name: RowKind(
+                tuple(kind["shape"]), kind["dtype"], tuple((at, n) for at, n in kind["blocks"])
+            )
             for name, kind in text["kinds"].items()
         }
         found = {str(name): str(value) for name, value in text["identity"].items()}

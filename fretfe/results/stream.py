@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Arrays that go to files row by row while a history is solved, and are read back from them.
+"""Arrays that go to a file row by row while a history is solved, and are read back from it.
 
-What is in memory does not grow with the number of rows. Each array has a file of its own with
-nothing but its rows: whatever ends the process, the rows before are there.
+What is in memory does not grow with the number of rows. Blocks of rows are appended to the file and
+never changed: whatever ends the process, the rows before are there.
 """
 
 from __future__ import annotations
 
+import bisect
+import math
 import os
 import tempfile
-from collections.abc import Mapping
+import weakref
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
@@ -21,70 +24,67 @@ from fretfe.errors import OutputError
 from fretfe.results.files import disk_reason
 from fretfe.results.states import StateArray, states_in_block
 
-# Folder of the files in that of the results, and how their names end.
-STATES, ENDING = "states", ".rows"
+# Folder of the states in that of the results, and the file in it.
+STATES, FILE = "states", "states.rows"
 # Part of a block that waits to be written, as one over this.
 PENDING = 8
 
 
 @dataclass(frozen=True)
 class RowKind:
-    """Rows of an array, all of one shape and type, and how many there are."""
+    """Rows of an array, all of one shape and type, and where in the file they are.
+
+    Attributes:
+        shape: of a row.
+        dtype: of its elements.
+        blocks: place in the file, in bytes, and number of rows of each block of rows.
+    """
 
     shape: tuple[int, ...]
     dtype: str
-    count: int = 0
-
-    @property
-    def size(self) -> int:
-        """Bytes of a row."""
-        return int(np.prod(self.shape, dtype=int)) * np.dtype(self.dtype).itemsize
+    blocks: tuple[tuple[int, int], ...] = ()
 
 
 @dataclass
 class _Rows:
-    """An array that grows; the last rows wait to be written."""
+    """An array that grows block by block; the last rows wait to be written."""
 
-    file: BinaryIO
-    kind: RowKind
-    written: int
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    blocks: list[tuple[int, int]]
+    starts: list[int]
+    count: int
     waiting: list[Any] = field(default_factory=list)
 
+    @classmethod
+    def of(cls, kind: RowKind) -> _Rows:
+        """The array with the rows that are there."""
+        counts = [rows for _, rows in kind.blocks]
+        starts = [0, *np.cumsum(counts, dtype=int).tolist()]
+        return cls(kind.shape, np.dtype(kind.dtype), list(kind.blocks), starts[:-1], starts[-1])
+
     @property
-    def count(self) -> int:
-        return self.written + len(self.waiting)
+    def size(self) -> int:
+        """Bytes of a row."""
+        return math.prod(self.shape) * self.dtype.itemsize
 
-    def flush(self) -> None:
-        """Write what waits; what a full disk cuts off is written again."""
-        data = memoryview(b"".join(row.tobytes() for row in self.waiting))
-        place = self.written * self.kind.size
-        while data:
-            done = os.pwrite(self.file.fileno(), data, place)
-            data, place = data[done:], place + done
-        self.written += len(self.waiting)
-        self.waiting.clear()
-
-    def read(self, begin: int, end: int) -> Any:
-        """Rows one after the other."""
-        self.flush()
-        size = self.kind.size
-        data = bytearray((end - begin) * size)
-        view, place = memoryview(data), begin * size
-        while view:
-            done = os.preadv(self.file.fileno(), [view], place)
-            if not done:
-                raise OSError(f"expected {size} bytes in each row, found the end of the file")
-            view, place = view[done:], place + done
-        return np.frombuffer(data, self.kind.dtype).reshape(end - begin, *self.kind.shape)
+    def parts(self, begin: int, end: int) -> Iterator[tuple[int, int]]:
+        """Place and length in bytes of all that some successive rows are made of."""
+        number = bisect.bisect_right(self.starts, begin) - 1
+        while begin < end:
+            (place, rows), start = self.blocks[number], self.starts[number]
+            last = min(end, start + rows)
+            yield place + (begin - start) * self.size, (last - begin) * self.size
+            begin, number = last, number + 1
 
 
 class StateStream:
-    """Growing arrays in the files of a folder.
+    """Growing arrays in one file.
 
     Args:
-        directory: folder for the files, made if missing; None for files without a name, which take
+        directory: folder for the file, made if missing; None for a file without a name, which takes
             no care.
-        kinds: arrays that are there and are continued behind their first `count` rows, by name.
+        kinds: arrays that are there and are continued, by name; what else is in the file goes.
 
     Raises:
         OutputError: if there is no place to write; so do all methods.
@@ -94,57 +94,65 @@ class StateStream:
         self, directory: Path | None = None, kinds: Mapping[str, RowKind] | None = None
     ) -> None:
         self._directory = directory
-        self._rows: dict[str, _Rows] = {}
+        self._rows = {name: _Rows.of(kind) for name, kind in (kinds or {}).items()}
+        ends = [
+            each.blocks[-1][0] + each.blocks[-1][1] * each.size
+            for each in self._rows.values()
+            if each.blocks
+        ]
+        self._end = max(ends, default=0)
         try:
-            if directory is not None:
-                directory.mkdir(parents=True, exist_ok=True)
-                for path in directory.glob(f"*{ENDING}"):
-                    if kinds is None or path.stem not in kinds:
-                        path.unlink()
-            for name, kind in (kinds or {}).items():
-                self._continue(name, kind)
+            self._file = self._open()
+            weakref.finalize(self, os.close, self._file)
+            if os.fstat(self._file).st_size < self._end:
+                raise OSError(f"{FILE} has been cut: the run cannot be continued")
+            os.ftruncate(self._file, self._end)
         except OSError as error:
             raise self._error(error) from error
 
-    def _continue(self, name: str, kind: RowKind) -> None:
-        file = self._open(name, "r+b")
-        if os.fstat(file.fileno()).st_size < kind.count * kind.size:
-            raise OutputError(
-                f"{file.name}: expected {kind.count} rows of {kind.size} bytes, found fewer: the "
-                "run cannot be continued"
-            )
-        file.truncate(kind.count * kind.size)
-        self._rows[name] = _Rows(file, kind, kind.count)
-
-    def _open(self, name: str, mode: str) -> BinaryIO:
-        if self._directory is None:
-            return tempfile.TemporaryFile(buffering=0)  # type: ignore[return-value]
-        return (self._directory / f"{name}{ENDING}").open(mode, buffering=0)  # type: ignore[return-value]
+    def _open(self) -> int:
+        if self._directory is not None:
+            self._directory.mkdir(parents=True, exist_ok=True)
+            return os.open(self._directory / FILE, os.O_RDWR | os.O_CREAT, 0o666)
+        file, name = tempfile.mkstemp()
+        os.unlink(name)
+        return file
 
     def append(self, rows: Mapping[str, Any]) -> None:
         """Add a row to each of some arrays."""
+        for name, row in rows.items():
+            row = np.ascontiguousarray(row)
+            if name not in self._rows:
+                self._rows[name] = _Rows.of(RowKind(row.shape, row.dtype.str))
+            each = self._rows[name]
+            each.waiting.append(row)
+            if len(each.waiting) == states_in_block(PENDING * row.nbytes):
+                self._write(each)
+
+    def _write(self, rows: _Rows) -> None:
+        """Write the rows that wait; those that a full disk cuts off wait on."""
+        if not rows.waiting:
+            return
+        data = memoryview(b"".join(row.tobytes() for row in rows.waiting))
+        place = self._end
         try:
-            for name, row in rows.items():
-                row = np.ascontiguousarray(row)
-                if name not in self._rows:
-                    kind = RowKind(row.shape, row.dtype.str)
-                    self._rows[name] = _Rows(self._open(name, "w+b"), kind, 0)
-                each = self._rows[name]
-                each.waiting.append(row)
-                if len(each.waiting) == states_in_block(PENDING * row.nbytes):
-                    each.flush()
+            while data:
+                done = os.pwrite(self._file, data, place)
+                data, place = data[done:], place + done
         except OSError as error:
             raise self._error(error) from error
+        rows.blocks.append((self._end, len(rows.waiting)))
+        rows.starts.append(rows.count)
+        rows.count += len(rows.waiting)
+        rows.waiting.clear()
+        self._end = place
 
     def flush(self) -> dict[str, RowKind]:
         """Write all rows; return what there is then."""
-        try:
-            for each in self._rows.values():
-                each.flush()
-        except OSError as error:
-            raise self._error(error) from error
+        for each in self._rows.values():
+            self._write(each)
         return {
-            name: RowKind(each.kind.shape, each.kind.dtype, each.count)
+            name: RowKind(each.shape, each.dtype.str, tuple(each.blocks))
             for name, each in self._rows.items()
         }
 
@@ -157,10 +165,23 @@ class StateStream:
             part: of the axis behind that of the rows.
         """
         each = self._rows[name]
+        self._write(each)
+        return select_rows(_Reader(self, each), rows, part)
+
+    def between(self, rows: _Rows, begin: int, end: int) -> Any:
+        """Return rows from one number to another of an array that is written."""
+        data = bytearray((end - begin) * rows.size)
+        view = memoryview(data)
         try:
-            return select_rows(_Reader(each), rows, part)
+            for place, length in rows.parts(begin, end):
+                while length:
+                    done = os.preadv(self._file, [view[:length]], place)
+                    if not done:
+                        raise OSError(f"{FILE} has been cut")
+                    view, place, length = view[done:], place + done, length - done
         except OSError as error:
             raise self._error(error) from error
+        return np.frombuffer(data, rows.dtype).reshape(end - begin, *rows.shape)
 
     def rows(self, name: str, rows: Indices, part: slice) -> StateArray:
         """Return some rows of an array as one that is read where it is needed.
@@ -170,17 +191,14 @@ class StateStream:
             rows: (T,) their numbers.
             part: of the axis behind that of the rows.
         """
-        kind = self._rows[name].kind
-        shape = (len(rows), len(range(*part.indices(kind.shape[0]))), *kind.shape[1:])
-        return StateArray(
-            shape, np.dtype(kind.dtype), lambda states: self.read(name, rows[states], part)
-        )
+        each = self._rows[name]
+        shape = (len(rows), len(range(*part.indices(each.shape[0]))), *each.shape[1:])
+        return StateArray(shape, each.dtype, lambda states: self.read(name, rows[states], part))
 
     def _error(self, error: OSError) -> OutputError:
         place = self._directory or tempfile.gettempdir()
         return OutputError(
-            f"{place}: expected a place for the states of the history, found that "
-            f"{disk_reason(error)}"
+            f"{place}: expected a place for the states of the history, found: {disk_reason(error)}"
         )
 
 
@@ -188,13 +206,14 @@ class StateStream:
 class _Reader:
     """Rows that are read like those of a data set of HDF5."""
 
+    stream: StateStream
     rows: _Rows
 
     def __getitem__(self, key: tuple[slice, slice]) -> Any:
         """Rows one after the other, and a part of the axis behind."""
         where, part = key
         begin, end, _ = where.indices(self.rows.count)
-        found = self.rows.read(begin, end)
+        found = self.stream.between(self.rows, begin, end)
         return found if part == slice(None) else found[:, part]
 
 

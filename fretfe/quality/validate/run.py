@@ -41,6 +41,7 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
     result = backend.solve(case, options)
     if result.failure is not None:
         raise result.failure
+    options.keep(result)
     rows = [*own_rows(result), *limit_rows(result)]
     if result.areas:
         return Validation(result, (*rows, missing("all", "", "companions", SOLIDS, "unknown")))
