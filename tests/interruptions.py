@@ -83,8 +83,8 @@ def interrupted(kind: str, folder: Path, after: float) -> str:
     return f"{said}\nexit code {process.returncode}"
 
 
-def kill_rank(launcher: int) -> None:
-    """Kill the last process of a launcher that runs Python."""
+def kill_rank(launcher: int, number: signal.Signals = signal.SIGKILL) -> None:
+    """Send a signal to the last rank of a launcher."""
     own = []
     for each in Path("/proc").iterdir():
         with contextlib.suppress(OSError, IndexError, ValueError):
@@ -95,7 +95,7 @@ def kill_rank(launcher: int) -> None:
     ranks = sorted(number for python, number in own if python)
     if ranks:
         with contextlib.suppress(ProcessLookupError):
-            os.kill(ranks[-1], signal.SIGKILL)
+            os.kill(ranks[-1], number)
 
 
 def _below(process: int, ancestor: int) -> bool:

@@ -19,7 +19,9 @@ from fretfe.runner import Runner
 # What a run is not to be judged by: when, where and how fast it was.
 OTHER = ("seconds", "ranks", "versions", "notes")
 # Differences of numbers that are nearly the same: they magnify round-off.
-ERROR_BARS = ("spread", "parts")
+ERROR_BARS = ("spread", "parts", "change")
+# Zero but for round-off, by symmetry.
+NOTHING = ("moment",)
 # What is smaller counts as that large, in the units of the case: centres and moments that are zero
 # but for the round-off of lengths and forces.
 LEAST = 1e-3
@@ -64,7 +66,7 @@ def largest_difference(one: Path, other: Path) -> float:
 def _difference(one: Any, other: Any) -> float:
     if isinstance(one, dict):
         assert list(one) == list(other)
-        names = [name for name in one if not name.endswith(ERROR_BARS)]
+        names = [name for name in one if not name.endswith(ERROR_BARS + NOTHING)]
         return max((_difference(one[name], other[name]) for name in names), default=0.0)
     if isinstance(one, list) and (not one or isinstance(one[0], dict | str | list)):
         assert len(one) == len(other)

@@ -38,6 +38,7 @@ LAYERS = (
     "fretfe.results.records",
     "fretfe.results.dataset",
     "fretfe.results.model",
+    "fretfe.results.hdf5_file",
     "fretfe.results.vtkhdf",
     "fretfe.results.field_file",
     "fretfe.halfplane.*",

@@ -8,8 +8,11 @@ import fcntl
 import json
 import os
 import socket
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import pytest
 from launch import fretfe
@@ -19,6 +22,7 @@ from told import Told
 
 from fretfe.case import changed, parse_case
 from fretfe.errors import OutputError, StoppedError
+from fretfe.halfplane import solve_half_planes
 from fretfe.results.reader import load_result
 from fretfe.results.run_folder import locked
 from fretfe.results.stream import StateStream
@@ -27,6 +31,14 @@ from fretfe.runner import Runner
 CASE = parse_case(pad(loads={"press": press(steps=4), "shear": shear(steps=8)}))
 RUNNER = Runner.find("halfplane")
 FRICTION = "contacts.main.friction"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_elements() -> Iterator[None]:
+    with patch(
+        "fretfe.backends.halfplane.solve_half_planes", partial(solve_half_planes, elements=60)
+    ):
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -358,8 +358,15 @@ def _write_fields(
                 (displacements,) = model.recover_fields(_requests(recorder, [state]))
                 output.add(float(history.times[state]), displacements)
     except OutputError as error:
+        on_root(model.comm, partial(_remove, path))
         return (str(error),)
     return ()
+
+
+def _remove(path: Path) -> None:
+    """Remove a file that is not whole; one that cannot be removed stays."""
+    with suppress(OSError):
+        path.unlink(missing_ok=True)
 
 
 def _field_states(

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -44,9 +43,6 @@ def replace_text(path: Path, text: str) -> None:
         new.write_text(text, encoding="utf-8")
 
 
-def disk_reason(error: OSError | RuntimeError) -> str:
-    """Say why a file cannot be written; HDF5 gives the number of the error in its message only."""
-    number = getattr(error, "errno", None)
-    if number is None and (found := re.search(r"errno = (\d+)", str(error))):
-        number = int(found[1])
-    return REASONS.get(number or 0, str(error))
+def disk_reason(error: OSError) -> str:
+    """Say why a file cannot be written."""
+    return REASONS.get(error.errno or 0, str(error))

@@ -33,6 +33,7 @@ from fretfe.results.contact_file import SURFACES, write_surfaces
 from fretfe.results.dataset import NODAL
 from fretfe.results.field_file import FIELDS
 from fretfe.results.files import disk_reason, replace_text, replacing
+from fretfe.results.hdf5_file import new_hdf5
 from fretfe.results.kept import LONG, kept_states
 from fretfe.results.model import BodyArrays, Result
 from fretfe.results.solution import ContactHistory, Solution
@@ -110,7 +111,7 @@ def write_results(directory: Path, result: Result) -> None:
         replace_text(directory / NUMBERS, text + "\n")
         _write_surfaces(directory / SURFACES, result)
         write_stations(directory / STATIONS, result)
-    except (OSError, RuntimeError) as error:  # the latter if HDF5 cannot close a file
+    except OSError as error:
         raise OutputError(
             f"{directory}: the results cannot be written: {disk_reason(error)}"
         ) from error
@@ -128,7 +129,7 @@ def _write_surfaces(path: Path, result: Result) -> None:
 
 def _write_arrays(path: Path, result: Result, lists: Mapping[str, Array]) -> None:
     solution = result.solution
-    with h5py.File(path, "w") as file:
+    with new_hdf5(path) as file:
         file.attrs.update({"schema": SCHEMA["name"], "version": SCHEMA["version"]})
         file["times"] = result.loads.times
         for name, values in lists.items():
