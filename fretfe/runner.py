@@ -27,7 +27,7 @@ from fretfe.backends import (
 from fretfe.backends.observer import SILENT, StopOnly
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case, load_case, parse_assignments
-from fretfe.errors import FretfeError, ModelError
+from fretfe.errors import FretfeError, ModelError, OutputError
 from fretfe.results.field_file import FIELDS
 from fretfe.results.files import replace_text
 from fretfe.results.model import Result
@@ -339,11 +339,15 @@ def draw_report(directory: Path) -> Drawn:
     def draw_ahead() -> None:
         attempt("report", lambda: plots.append(draw_plots(load_result(directory))))
 
-    attempt("pictures", lambda: make_pictures(directory, draw_ahead))
-    if "report" not in seconds:
-        draw_ahead()
-    else:
-        seconds["pictures"] -= seconds["report"]
-    if plots:
-        attempt("report", lambda: write_report(directory, plots[0]))
+    try:
+        with locked(directory):
+            attempt("pictures", lambda: make_pictures(directory, draw_ahead))
+            if "report" not in seconds:
+                draw_ahead()
+            else:
+                seconds["pictures"] -= seconds["report"]
+            if plots:
+                attempt("report", lambda: write_report(directory, plots[0]))
+    except OutputError as error:
+        problems.append(f"no report: {error}")
     return Drawn(seconds, tuple(problems))

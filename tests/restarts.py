@@ -21,7 +21,7 @@ OTHER = ("seconds", "ranks", "versions", "notes")
 # Differences of numbers that are nearly the same: they magnify round-off.
 ERROR_BARS = ("spread", "parts", "change")
 # Zero but for round-off, by symmetry.
-NOTHING = ("moment",)
+NOTHING = ("moment", "coordinates", "k_i_range")
 # What is smaller counts as that large, in the units of the case: centres and moments that are zero
 # but for the round-off of lengths and forces.
 LEAST = 1e-3

@@ -54,7 +54,7 @@ def test_a_continued_run_is_the_undisturbed_one(
 ) -> None:
     cut_and_continued(CASE, "halfplane", tmp_path, steps)
     # Round-off only: the order of the factorisation goes on as it was.
-    assert largest_difference(undisturbed, tmp_path) < 1e-12
+    assert largest_difference(undisturbed, tmp_path) < 1e-11
     mark = json.loads((tmp_path / "run.json").read_text())
     assert mark["complete"] and mark["doing"] == "finished"
     assert sorted(each.name for each in tmp_path.iterdir()) == sorted(
