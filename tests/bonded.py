@@ -19,8 +19,9 @@ from fretfe.contact.solve import solve_history
 from fretfe.contact.state import OPEN, STICK, unloaded
 from fretfe.fem._compat import MPI
 from fretfe.fem.model import Model, Request, step_loads
+from fretfe.fem.prepared import LoadMesh, build_model
 from fretfe.fem.probes import Probe, measure
-from fretfe.fem.run import LoadMesh, build_model, load_history
+from fretfe.fem.run import load_history
 from fretfe.fem.timing import Clock
 
 Areas = Callable[[Array], list[Bools]]

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -16,7 +14,6 @@ import numpy as np
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.pairs import Pair
 from fretfe.case import Case
-from fretfe.contact.march import March
 from fretfe.contact.place import Place
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import solve_history
@@ -36,67 +33,13 @@ from fretfe.fem.limits import imbalance, model_limits, solid_limits, without_mov
 from fretfe.fem.model import Model, Request, step_loads
 from fretfe.fem.parallel import on_root, release
 from fretfe.fem.penetration import farthest_states, unpaired_penetration
+from fretfe.fem.prepared import LoadMesh, Prepared, build_model
 from fretfe.fem.solid_extraction import Tracks, add_solid_integrals
 from fretfe.fem.stopping import SharedStop
 from fretfe.fem.timing import Clock
 from fretfe.loads import History, build_history
-from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
 from fretfe.results.solution import Solution
-from fretfe.surface.load import load_mesh
-
-LoadMesh = Callable[[], Mesh]
-
-
-@dataclass(frozen=True)
-class Prepared:
-    """A mesh, its model, and what marches through load histories on it.
-
-    Attributes:
-        mesh: on rank 0, None elsewhere.
-        model: the condensed bodies.
-        march: on rank 0, None elsewhere.
-    """
-
-    mesh: Mesh | None
-    model: Model
-    march: March | None
-
-    @property
-    def digest(self) -> str:
-        """Text that is equal for the same mesh; on rank 0."""
-        assert self.mesh is not None
-        found = hashlib.sha256()
-        for name, body in self.mesh.bodies.items():
-            found.update(repr((name, body.cell, body.order, body.cells.shape)).encode())
-            for values in (body.points, body.cells, *body.boundaries.values()):
-                found.update(np.ascontiguousarray(values).tobytes())
-        return found.hexdigest()
-
-    @property
-    def meshes(self) -> list[Any]:
-        """DOLFINx's meshes of the bodies."""
-        return [body.elastic.mesh for body in self.model.bodies.values()]
-
-
-def build_model(comm: MPI.Comm, case: Case, clock: Clock, load: LoadMesh | None = None) -> Prepared:
-    """Mesh and model of a case. Collective.
-
-    Args:
-        comm: communicator.
-        case: validated case, the same on all ranks.
-        clock: for timings.
-        load: gives the mesh, called on rank 0; None for `load_mesh`.
-
-    Raises:
-        FretfeError: if there is no mesh or no model for the case.
-    """
-    with clock("mesh"):
-        mesh = on_root(comm, load or partial(load_mesh, case), share=False)
-    model = Model(comm, case, mesh, clock)
-    reduction = model.reduction
-    march = March(reduction.interface) if reduction is not None else None
-    return Prepared(mesh, model, march)
 
 
 def solve(
@@ -152,15 +95,7 @@ def solve_prepared(
     model, mesh = prepared.model, prepared.mesh
     comm = model.comm
     with clock("steps"):
-        stop = SharedStop(comm, options.observer)
-        heeding = replace(options, observer=stop)
-        marched = on_root(
-            comm,
-            lambda: _march(prepared, case, history, heeding),
-            share=False,
-            waiting=stop.send,
-        )
-        stop.close()
+        marched = _march_on_root(prepared, case, history, options)
     failure = comm.bcast(marched.failure if marched else None)
     recorder = marched.recorder if marched else None
     solution = _solution(model, history, marched.recorder) if marched else None
@@ -292,6 +227,24 @@ class _Marched:
 
     recorder: Recorder
     failure: ConvergenceError | None
+
+
+def _march_on_root(
+    prepared: Prepared, case: Case, history: History, options: RunOptions
+) -> _Marched | None:
+    """Solve all steps; on ranks other than 0, from which signals come too, None. Collective."""
+    comm = prepared.model.comm
+    stop = SharedStop(comm, options.observer)
+    heeding = replace(options, observer=stop)
+    try:
+        return on_root(
+            comm,
+            lambda: _march(prepared, case, history, heeding),
+            share=False,
+            waiting=stop.send,
+        )
+    finally:
+        stop.close()
 
 
 def _march(prepared: Prepared, case: Case, history: History, options: RunOptions) -> _Marched:
