@@ -39,7 +39,7 @@ from fretfe.work import ROWS, StepNotes, Work
 if TYPE_CHECKING:
     from fretfe.quality.validate import Validation
     from fretfe.report.page.sections import Plots
-    from fretfe.sweeps import Sweep
+    from fretfe.sweeps import Solved, Sweep
 
 T = TypeVar("T")
 
@@ -167,21 +167,17 @@ class Runner:
         options = RunOptions(observer=self._shown(observer))
         if output is None:
             return run_sweep(variants, self.backend, options)
-        varied = {key: [str(value) for value in values] for key, values in vary.items()}
-        with self._at_work(
-            Work(output, "sweep", self.name, case, varied), options.observer
-        ) as work:
+        work = Work(output, "sweep", self.name, case, vary)
+        with self._at_work(work, options.observer):
             self.write(lambda: work.begin(resume=resume))
             options = replace(self._stored(options, work, resume=resume), keep=DEFAULTS.keep)
             file = SolvedFile(output)
             known = self.processes.on_root(lambda: file.read() if resume else {})
-            sweep = run_sweep(
-                variants,
-                self.backend,
-                options,
-                known,
-                lambda number, solved: self.write(lambda: file.add(number, solved)),
-            )
+
+            def note(number: int, solved: Solved) -> None:
+                self.write(lambda: file.add(number, solved))
+
+            sweep = run_sweep(variants, self.backend, options, known, note)
             self.write(lambda: write_files(sweep, output))
             stopped = sweep.stopped is not None
             self.write(lambda: work.finish(complete=not stopped, resumable=stopped))

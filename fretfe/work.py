@@ -73,7 +73,7 @@ class Work:
             "command": command,
             "backend": backend,
             "versions": {name: versions()[name] for name in VERSIONS},
-            "varied": varied or {},
+            "varied": {key: list(map(str, values)) for key, values in (varied or {}).items()},
             "case": _plain(case),
         }
 

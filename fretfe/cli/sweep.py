@@ -60,7 +60,6 @@ def sweep(
     Friction and load histories need no new factorisation: they are cheap to vary.
     """
     from fretfe.cli.progress import StepReport
-    from fretfe.errors import ConvergenceError
     from fretfe.runner import Runner
     from fretfe.sweeps import parse_ranges
 
@@ -73,11 +72,22 @@ def sweep(
         found = runner.sweep(read, parse_ranges(vary), output, report, resume=resume)
     if runner.processes.rank == 0:
         _print(found, output, time.perf_counter() - start, verbosity)
-    if found.stopped is not None:
-        raise found.stopped
-    if len(found.failures) == len(found.variants):
+    _raise_failure(found)
+
+
+def _raise_failure(sweep: Sweep) -> None:
+    """End with the exit code of a signal, or with that of steps without a solution.
+
+    Raises:
+        ConvergenceError: if no case was solved, or not all because of a signal.
+    """
+    from fretfe.errors import ConvergenceError
+
+    if sweep.stopped is not None:
+        raise sweep.stopped
+    if len(sweep.failures) == len(sweep.variants):
         raise ConvergenceError(
-            f"no variant could be solved; the first: {found.failures[0].failure}"
+            f"no variant could be solved; the first: {sweep.failures[0].failure}"
         )
 
 

@@ -107,12 +107,7 @@ def refine(comm: MPI.Comm, case: Case, options: RunOptions) -> Result:
             if last is None or last.refinement is None:
                 raise
             on_root(comm, partial(_drop, staged))
-            failure, done = None, len(last.refinement.passes)
-            if isinstance(error, StoppedError):
-                where = f"on the way to mesh {done + 1}; the results are those of mesh {done}"
-                failure = StoppedError(error.signal, where)
-            refinement = replace(last.refinement, reason=str(failure or error))
-            return replace(last, refinement=refinement, failure=failure)
+            return _ended(last, last.refinement, error)
         on_root(comm, partial(_keep, staged, fields))
         refinement = on_root(comm, partial(passes.judge, result))
         last = replace(result, refinement=refinement)
@@ -120,6 +115,16 @@ def refine(comm: MPI.Comm, case: Case, options: RunOptions) -> Result:
             return last
         options.keep(last)
         on_root(comm, partial(passes.note, options.states))
+
+
+def _ended(last: Result, refinement: Refinement, error: FretfeError) -> Result:
+    """The last pass as the result, after an error in the next one."""
+    failure, done = None, len(refinement.passes)
+    if isinstance(error, StoppedError):
+        where = f"on the way to mesh {done + 1}; the results are those of mesh {done}"
+        failure = StoppedError(error.signal, where)
+    refinement = replace(refinement, reason=str(failure or error))
+    return replace(last, refinement=refinement, failure=failure)
 
 
 def _drop(staged: Path | None) -> None:

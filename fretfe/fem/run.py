@@ -23,7 +23,7 @@ from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary
 from fretfe.edges.limits import ModelLimit, with_limit_warnings
 from fretfe.edges.separation import separate_patches
-from fretfe.errors import ConvergenceError, ModelError, OutputError, StoppedError
+from fretfe.errors import ConvergenceError, FretfeError, ModelError, OutputError, StoppedError
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
 from fretfe.fem.balance import balance
@@ -237,14 +237,17 @@ def _march_on_root(
     stop = SharedStop(comm, options.observer)
     heeding = replace(options, observer=stop)
     try:
-        return on_root(
+        marched = on_root(
             comm,
             lambda: _march(prepared, case, history, heeding),
             share=False,
             waiting=stop.send,
         )
-    finally:
+    except FretfeError:  # raised on all ranks, as nothing else is
         stop.close()
+        raise
+    stop.close()
+    return marched
 
 
 def _march(prepared: Prepared, case: Case, history: History, options: RunOptions) -> _Marched:
