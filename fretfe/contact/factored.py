@@ -71,20 +71,19 @@ class FactoredOperator:
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """Numbers on which the order of the next factorisation depends; see `recall`."""
-        order = self._order
-        return {
-            "operator_order": order.nodes if order is not None else np.empty(0, np.int64),
-            "operator_cost": np.array(order.cost if order is not None else 0.0),
-            "operator_count": np.array(self._count),
-            "operator_met": self._met,
-        }
+        found = {"operator_count": np.array(self._count), "operator_met": self._met}
+        if self._order is None:
+            return found
+        order = {"operator_order": self._order.nodes, "operator_cost": np.array(self._order.cost)}
+        return {**found, **order, **self._order.rows.memory()}
 
     def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
         """Go on as the operator that `memory` is of: with the same round-off."""
         self._count, self._met = int(memory["operator_count"]), memory["operator_met"]
-        if len(memory["operator_order"]):
+        if "operator_order" in memory:
             self._order = ContactOrder(self.interface, memory["operator_order"])
             self._order.cost = float(memory["operator_cost"])
+            self._order.rows.recall(memory)
 
     def regularised(self, penalty: float) -> RegularisedFactor:
         """Bodies with an elastic layer between them; see `InterfaceOperator`."""

@@ -12,9 +12,9 @@ from fretfe.contact.repeats import Repetition
 from fretfe.contact.state import StepTable
 from fretfe.errors import ConvergenceError
 
-# Steps or seconds between two notes of the state of a history, and the fewest seconds: a note costs
-# some milliseconds.
-NOTE_STEPS, NOTE_SECONDS, LEAST_SECONDS = 50, 5.0, 0.5
+# Steps or seconds between two notes of the state of a history, and the fewest seconds: at least so
+# many times what the last one took.
+NOTE_STEPS, NOTE_SECONDS, LEAST_SECONDS, SPARING = 50, 5.0, 0.5, 50.0
 # Called with the number of a step, the number of all steps, and what to say about it.
 Progress = Callable[[int, int, str], None]
 
@@ -63,6 +63,7 @@ def _march(
         recorder.add(result)
         if pace.due():
             recorder.note()
+            pace.noted()
         progress(recorder.count - 1, count, result.summary)
 
 
@@ -71,13 +72,19 @@ class Pace:
 
     def __init__(self) -> None:
         self._steps = 0
-        self._last = time.monotonic()
+        self._wait = 0.0
+        self._asked = self._last = time.monotonic()
 
     def due(self) -> bool:
         """Count a step, and tell whether a note is due after it."""
         self._steps += 1
-        seconds = time.monotonic() - self._last
-        if seconds < NOTE_SECONDS and (self._steps < NOTE_STEPS or seconds < LEAST_SECONDS):
+        self._asked = time.monotonic()
+        seconds = self._asked - self._last
+        if seconds < max(LEAST_SECONDS, self._wait):
             return False
+        return seconds >= NOTE_SECONDS or self._steps >= NOTE_STEPS
+
+    def noted(self) -> None:
+        """Note that there is one now; if it took long, the next one waits for longer."""
         self._steps, self._last = 0, time.monotonic()
-        return True
+        self._wait = SPARING * (self._last - self._asked)
