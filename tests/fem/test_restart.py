@@ -54,7 +54,7 @@ def test_another_mesh_is_not_continued(tmp_path: Path, monkeypatch: pytest.Monke
 @pytest.mark.slow
 def test_a_continued_solid_is_the_undisturbed_one(tmp_path: Path) -> None:
     tables = pad(geometry={**PAD, "solid": {"length": 2.0, "layers": 2}}, loads=HISTORY)
-    tables["geometry"]["parameters"] = {**PAD["parameters"], "size": 0.4, "growth": 0.5}  # type: ignore[dict-item]
+    tables["geometry"]["parameters"] = {**PAD["parameters"], "size": 0.25, "growth": 0.5}  # type: ignore[dict-item]
     tables["supports"]["base"]["fix"] = ["x", "y", "z"]
     case = parse_case(tables)
     RUNNER.run(case, tmp_path / "undisturbed")
