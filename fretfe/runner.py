@@ -128,7 +128,9 @@ class Runner:
             return replace(self.backend.solve(case, options), backend=self.name)
         with self._at_work(Work(output, "run", self.name, case), options.observer) as work:
             if self.processes.on_root(lambda: work.begin(resume=resume)):
-                return self._known(work)
+                known = self._known(work)
+                if known is not None:
+                    return known
             options = self._stored(options, work, resume=resume)
             if case.output.fields != "none":
                 options = replace(options, fields=output / FIELDS)
