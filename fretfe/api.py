@@ -57,6 +57,8 @@ def run(
     backend: str = "fem",
     output: Path | str | None = None,
     observer: Observer = SILENT,
+    *,
+    resume: bool = False,
 ) -> Result:
     """Solve a case.
 
@@ -65,13 +67,14 @@ def run(
         backend: name of what solves it.
         output: folder for what `fretfe run` writes; None writes nothing.
         observer: follows the run, and may end it.
+        resume: whether to go on with the run of this case in the folder, if there is one.
 
     Raises:
         FretfeError: if the case cannot be solved; what was solved is written before. Its message
             is that of the command line.
     """
     runner = Runner.find(backend)
-    result = runner.run(case, _folder(output), observer)
+    result = runner.run(case, _folder(output), observer, resume=resume)
     directory = result.directory
     if directory is not None:
         drawn = runner.write(lambda: draw_report(directory))

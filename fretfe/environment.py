@@ -24,6 +24,8 @@ PACKAGES = (
     "pyvista",
 )
 
+PETSC_OUT_OF_MEMORY = 55
+
 
 def versions() -> dict[str, str]:
     """Versions of Python and of the packages that take part in a run."""
@@ -101,6 +103,17 @@ def missing_package(error: BaseException) -> str:
                 f"or from your distribution (Debian: python3-{name})"
             )
     return ""
+
+
+def memory_shortage(error: BaseException) -> str:
+    """Say that there is not enough memory if that is what an error means; empty for others."""
+    # PETSc's own error has the number in `ierr`.
+    if not isinstance(error, MemoryError) and getattr(error, "ierr", None) != PETSC_OUT_OF_MEMORY:
+        return ""
+    return (
+        "there is not enough memory. What was solved before is kept if the run has a folder; "
+        "--resume goes on from there on a machine with more"
+    )
 
 
 def without_launcher(environment: Mapping[str, str]) -> dict[str, str]:

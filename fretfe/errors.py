@@ -50,6 +50,7 @@ class StoppedError(ConvergenceError):
 
     def __init__(self, number: signal.Signals, where: str) -> None:
         super().__init__(f"stopped by {number.name} {where}")
+        self.signal = number
         self.exit_code = 128 + number  # as shells have it
         self._arguments = (number, where)
 
@@ -62,6 +63,12 @@ class OutputError(FretfeError):
     """Results cannot be written or read."""
 
     exit_code = 6
+
+
+class MemoryShortError(FretfeError):
+    """There is not enough memory."""
+
+    exit_code = 8
 
 
 class DependencyError(FretfeError):

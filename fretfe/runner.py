@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -23,27 +24,24 @@ from fretfe.backends import (
     find_backend,
     processes_of,
 )
-from fretfe.backends.observer import SILENT
-from fretfe.case import Case, as_written, case_text, load_case, parse_assignments
+from fretfe.backends.observer import SILENT, StopOnly
+from fretfe.backends.protocol import DEFAULTS
+from fretfe.case import Case, load_case, parse_assignments
 from fretfe.errors import FretfeError, ModelError, OutputError
 from fretfe.results.field_file import FIELDS
+from fretfe.results.files import replace_text
 from fretfe.results.model import Result
-from fretfe.results.stream import STREAM
-from fretfe.results.writer import (
-    REPORT,
-    prepare_directory,
-    remove_fields,
-    remove_pictures,
-    write_results,
-)
+from fretfe.results.run_folder import locked
+from fretfe.results.stream import STATES
+from fretfe.results.writer import prepare_directory
+from fretfe.work import ROWS, StepNotes, Work
 
 if TYPE_CHECKING:
     from fretfe.quality.validate import Validation
     from fretfe.report.page.sections import Plots
-    from fretfe.sweeps import Sweep
+    from fretfe.sweeps import Solved, Sweep
 
 T = TypeVar("T")
-CASE_COPY, ROWS = "case.toml", "validation.json"
 
 
 @dataclass(frozen=True)
@@ -102,13 +100,21 @@ class Runner:
         supports = self.backend.supports
         self.processes.on_root(lambda: require_support(self.name, case, supports(case)))
 
-    def run(self, case: Case, output: Path | None = None, observer: Observer = SILENT) -> Result:
+    def run(
+        self,
+        case: Case,
+        output: Path | None = None,
+        observer: Observer = SILENT,
+        *,
+        resume: bool = False,
+    ) -> Result:
         """Solve a case and write its numbers, but no report.
 
         Args:
             case: to be solved.
             output: folder for the files; None writes nothing.
             observer: follows the run.
+            resume: whether to go on with the run of this case in the folder, if there is one.
 
         Returns:
             The result with its `failure`, if there is one, and the wall time of writing.
@@ -117,21 +123,23 @@ class Runner:
             FretfeError: for whatever keeps the history from being started.
         """
         self.require_support(case)
-        options = RunOptions(observer=self._shown(observer), states=output)
+        options = RunOptions(observer=self._shown(observer))
         if output is None:
             return replace(self.backend.solve(case, options), backend=self.name)
-        self.write(lambda: _prepare_folder(output, case))
-        if case.output.fields != "none":
-            options = replace(options, fields=output / FIELDS)
-        try:
-            result = replace(self.backend.solve(case, options), backend=self.name, directory=output)
-        except FretfeError:
-            # There are no results that its states would belong to.
-            (output / STREAM).unlink(missing_ok=True)
-            raise
-        begin = time.perf_counter()
-        self.write(lambda: _write_numbers(output, result))
-        return replace(result, seconds={**result.seconds, "writing": time.perf_counter() - begin})
+        with self._at_work(Work(output, "run", self.name, case), options.observer) as work:
+            if self.processes.on_root(lambda: work.begin(resume=resume)):
+                known = self._known(work)
+                if known is not None:
+                    return known
+            options = self._stored(options, work, resume=resume)
+            if case.output.fields != "none":
+                options = replace(options, fields=output / FIELDS)
+            result = self.backend.solve(case, options)
+            begin = time.perf_counter()
+            result = replace(result, backend=self.name, directory=output)
+            self.write(lambda: work.close(result))
+        writing = time.perf_counter() - begin
+        return replace(result, seconds={**result.seconds, "writing": writing})
 
     def sweep(
         self,
@@ -139,6 +147,8 @@ class Runner:
         vary: Mapping[str, Sequence[Any]],
         output: Path | None = None,
         observer: Observer = SILENT,
+        *,
+        resume: bool = False,
     ) -> Sweep:
         """Solve all combinations of values; write table and picture.
 
@@ -147,23 +157,41 @@ class Runner:
             vary: values by key.
             output: folder for the files; None writes nothing.
             observer: follows the runs; each case is announced when it is done.
+            resume: whether to go on with the sweep of these values in the folder, if there is one.
 
         Raises:
             FretfeError: before any work, if a combination is not a valid case.
         """
         from fretfe.sweeps import make_variants, run_sweep
-        from fretfe.sweeps.files import write_files
+        from fretfe.sweeps.files import SolvedFile, write_files
 
         variants = self.processes.on_root(lambda: make_variants(case, vary))
-        if output is not None:
-            self.write(lambda: _write_case(output, case))
-        sweep = run_sweep(variants, self.backend, RunOptions(observer=self._shown(observer)))
-        if output is not None:
+        options = RunOptions(observer=self._shown(observer))
+        if output is None:
+            return run_sweep(variants, self.backend, options)
+        work = Work(output, "sweep", self.name, case, vary)
+        with self._at_work(work, options.observer):
+            self.write(lambda: work.begin(resume=resume))
+            options = replace(self._stored(options, work, resume=resume), keep=DEFAULTS.keep)
+            file = SolvedFile(output)
+            known = self.processes.on_root(lambda: file.read() if resume else {})
+
+            def note(number: int, solved: Solved) -> None:
+                self.write(lambda: file.add(number, solved))
+
+            sweep = run_sweep(variants, self.backend, options, known, note)
             self.write(lambda: write_files(sweep, output))
+            stopped = sweep.stopped is not None
+            self.write(lambda: work.finish(complete=not stopped, resumable=stopped))
         return sweep
 
     def validate(
-        self, case: Case, output: Path | None = None, observer: Observer = SILENT
+        self,
+        case: Case,
+        output: Path | None = None,
+        observer: Observer = SILENT,
+        *,
+        resume: bool = False,
     ) -> Validation:
         """Run a case and its companions; write the results of the case, and the rows.
 
@@ -171,6 +199,7 @@ class Runner:
             case: to be validated.
             output: folder for the files; None writes nothing.
             observer: follows the runs; each is a phase.
+            resume: whether to go on with the validation in the folder, if there is one.
 
         Raises:
             FretfeError: if the case itself cannot be solved.
@@ -178,22 +207,75 @@ class Runner:
         from fretfe.quality.validate import validate
 
         self.require_support(case)
-        if output is not None:
-            self.write(lambda: prepare_directory(output))
-        found = validate(case, self.backend, RunOptions(observer=self._shown(observer)))
+        options = RunOptions(observer=self._shown(observer))
         if output is None:
+            found = validate(case, self.backend, options)
             return replace(found, result=replace(found.result, backend=self.name))
-        result = replace(found.result, backend=self.name, directory=output)
-        validation = replace(found, result=result)
-        self.write(lambda: _write_validation(output, validation))
+        with self._at_work(Work(output, "validate", self.name, case), options.observer) as work:
+            self.write(lambda: work.begin(resume=resume))
+            found = validate(case, self.backend, self._stored(options, work, resume=resume))
+            result = replace(found.result, backend=self.name, directory=output)
+            validation = replace(found, result=result)
+            self.write(lambda: _write_rows(output, validation))
+            self.write(lambda: work.close(result))
         return validation
+
+    @contextmanager
+    def _at_work(self, work: Work, observer: Observer) -> Iterator[Work]:
+        """Keep the folder of a run from others; note in it why a run failed.
+
+        Raises:
+            OutputError: if another process is at work there.
+        """
+        held = ExitStack()
+
+        def take() -> None:
+            prepare_directory(work.directory)
+            held.enter_context(locked(work.directory, observer.announce))
+
+        with held:
+            self.write(take)
+            try:
+                yield work
+            except FretfeError as error:
+                if self.processes.rank == 0:
+                    work.fail(str(error))
+                raise
+
+    def _stored(self, options: RunOptions, work: Work, *, resume: bool) -> RunOptions:
+        """Options with which a run keeps what it has solved in its folder."""
+
+        def keep(result: Result) -> None:
+            found = replace(result, backend=self.name, directory=work.directory)
+            self.write(lambda: work.numbers(found))
+
+        first = self.processes.rank == 0
+        return replace(
+            options,
+            observer=StepNotes(options.observer, work) if first else options.observer,
+            states=work.directory / STATES,
+            resume=resume,
+            before=self._known(work) if resume else None,
+            keep=keep,
+        )
+
+    def _known(self, work: Work) -> Result | None:
+        """The numbers in a folder; on other processes than the first without arrays."""
+        found: list[Result | None] = []
+
+        def read() -> Result | None:
+            found.append(work.before())
+            return found[0] and replace(found[0], solution=None, bodies={})
+
+        shared = self.processes.on_root(read)
+        return found[0] if found else shared
 
     def write(self, work: Callable[[], T]) -> T | None:
         """Do `work` on the first process; a backend that runs on one runs on each of them."""
         return None if self.idle else self.processes.on_root(work)
 
     def _shown(self, observer: Observer) -> Observer:
-        return observer if self.processes.rank == 0 else SILENT
+        return observer if self.processes.rank == 0 else StopOnly(observer)
 
 
 def require_support(backend: str, case: Case, reasons: Sequence[str]) -> None:
@@ -209,47 +291,11 @@ def require_support(backend: str, case: Case, reasons: Sequence[str]) -> None:
         )
 
 
-def _prepare_folder(directory: Path, case: Case) -> None:
-    """Make the folder for results, without pictures and fields of an earlier run.
-
-    Raises:
-        OutputError: as for `_write_case`.
-    """
-    _write_case(directory, case)
-    # They would not belong to these results.
-    remove_pictures(directory)
-    remove_fields(directory)
-
-
-def _write_case(directory: Path, case: Case) -> None:
-    """Write the case as it is run into a folder, so that it can be run again; make the folder.
-
-    Raises:
-        OutputError: if that is not possible, or another case would be written over the case file.
-    """
-    prepare_directory(directory)
-    target = directory / CASE_COPY
-    if target.resolve() != case.source.resolve():
-        target.write_text(case_text(case), encoding="utf-8")
-    elif not as_written(case):
-        raise OutputError(
-            f"{directory}: expected another folder than that of the case file, found {target}, "
-            "which the case with other values would replace"
-        )
-
-
-def _write_numbers(directory: Path, result: Result) -> None:
-    # A report of an earlier run would not belong to these results.
-    (directory / REPORT).unlink(missing_ok=True)
-    write_results(directory, result)
-
-
-def _write_validation(directory: Path, validation: Validation) -> None:
+def _write_rows(directory: Path, validation: Validation) -> None:
     from fretfe.quality.validate.report import as_numbers
 
-    write_results(directory, validation.result)
     text = json.dumps(as_numbers(validation), indent=1, allow_nan=False)
-    (directory / ROWS).write_text(text + "\n", encoding="utf-8")
+    replace_text(directory / ROWS, text + "\n")
 
 
 @dataclass(frozen=True)
@@ -291,11 +337,15 @@ def draw_report(directory: Path) -> Drawn:
     def draw_ahead() -> None:
         attempt("report", lambda: plots.append(draw_plots(load_result(directory))))
 
-    attempt("pictures", lambda: make_pictures(directory, draw_ahead))
-    if "report" not in seconds:
-        draw_ahead()
-    else:
-        seconds["pictures"] -= seconds["report"]
-    if plots:
-        attempt("report", lambda: write_report(directory, plots[0]))
+    try:
+        with locked(directory):
+            attempt("pictures", lambda: make_pictures(directory, draw_ahead))
+            if "report" not in seconds:
+                draw_ahead()
+            else:
+                seconds["pictures"] -= seconds["report"]
+            if plots:
+                attempt("report", lambda: write_report(directory, plots[0]))
+    except OutputError as error:
+        problems.append(f"no report: {error}")
     return Drawn(seconds, tuple(problems))

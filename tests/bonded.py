@@ -13,13 +13,15 @@ from fretfe.backends.protocol import DEFAULTS
 from fretfe.bodies.pairs import Pair
 from fretfe.case import Case
 from fretfe.contact.full_stick import FullStickSolver, Increments, find_drivers
-from fretfe.contact.recorder import Place, Recorder
+from fretfe.contact.place import Place
+from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import solve_history
 from fretfe.contact.state import unloaded
 from fretfe.fem._compat import MPI
 from fretfe.fem.model import Model, Request, step_loads
+from fretfe.fem.prepared import LoadMesh, build_model
 from fretfe.fem.probes import Probe, measure
-from fretfe.fem.run import LoadMesh, build_model, load_history
+from fretfe.fem.run import load_history
 from fretfe.fem.timing import Clock
 
 Areas = Callable[[Array], list[Bools]]

@@ -243,6 +243,7 @@ def test_validation_and_its_files(pad: Path, tmp_path: Path) -> None:
     assert told.phases[0] == "the case itself" and len(told.phases) > 1
     assert found.result.directory == tmp_path
     assert {path.name for path in tmp_path.iterdir()} == {
+        "run.json",
         "results.json", "results.h5", "validation.json"
     }  # fmt: skip
 
@@ -259,7 +260,13 @@ def test_sweep(pad: Path, tmp_path: Path) -> None:
         expected += fretfe.run(changed(case, {FRICTION: friction}), "analytic").edges()
     assert [{name: record[name] for name in expected[0]} for record in records] == expected
     assert len(told.announced) == 3
-    assert {path.name for path in tmp_path.iterdir()} == {"case.toml", "sweep.csv", "sweep.png"}
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "case.toml",
+        "run.json",
+        "sweep.csv",
+        "sweep.png",
+        "variants.jsonl",
+    }
     with (tmp_path / "sweep.csv").open(newline="") as file:
         assert len(list(csv.DictReader(file))) == 6
 

@@ -12,7 +12,7 @@ import pytest
 from launch import python
 
 from fretfe.__main__ import main
-from fretfe.environment import missing_package, reference_blas
+from fretfe.environment import memory_shortage, missing_package, reference_blas
 
 DEBIAN = "/usr/lib/x86_64-linux-gnu"
 
@@ -88,3 +88,11 @@ def test_one_thread_unless_the_user_says_otherwise(
     monkeypatch.setattr("fretfe.cli.app.main", lambda: None)
     main()
     assert environment.get("OMP_NUM_THREADS") == used
+
+
+def test_out_of_memory_is_told() -> None:
+    petsc = RuntimeError("error code 55")
+    petsc.ierr = 55  # type: ignore[attr-defined]
+    for error in (MemoryError(), petsc):
+        assert "there is not enough memory" in memory_shortage(error)
+    assert not memory_shortage(RuntimeError())

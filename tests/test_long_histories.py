@@ -28,7 +28,7 @@ from fretfe.results import kept, writer
 from fretfe.results.reader import load_result
 from fretfe.results.solution import Repeat, Solution
 from fretfe.results.states import MOST_STATES, StateArray, blocks, mapped, part
-from fretfe.results.stream import STREAM, StateStream
+from fretfe.results.stream import StateStream
 from fretfe.results.writer import write_results
 
 STEPS = 12
@@ -55,11 +55,15 @@ def test_an_array_on_disk_is_that_in_memory(tmp_path: Path) -> None:
     assert stream.rows("b", order, slice(None)).shape == (1000, 0)
 
 
-def test_the_file_is_seen_in_a_folder_only(tmp_path: Path) -> None:
-    StateStream(tmp_path).append({"a": np.zeros(3)})
-    assert [each.name for each in tmp_path.iterdir()] == [STREAM]
+def test_the_files_are_seen_in_a_folder_only(tmp_path: Path) -> None:
+    stream = StateStream(tmp_path / "states")
+    stream.append({"a": np.arange(3.0)})
+    assert stream.flush()["a"].blocks == ((0, 1),)
+    (path,) = (tmp_path / "states").iterdir()
+    assert (path.name, path.stat().st_size) == ("states.rows", 24)
+    (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="expected a place for the states"):
-        StateStream(tmp_path / "nowhere")
+        StateStream(tmp_path / "file" / "states")
 
 
 @pytest.mark.parametrize("size", [1, 1000, 10**7])

@@ -38,7 +38,7 @@ class HalfPlaneBackend:
             problem,
             progress=options.progress,
             until_steady=case.cycle.until_steady,
-            directory=options.states,
+            storage=options.storage({}),
         )
         solved = time.perf_counter()
         solution = separate_patches(outcome.solution)

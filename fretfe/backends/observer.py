@@ -9,7 +9,7 @@ import signal
 class Observer:
     """Follows a run without a word: override what is of interest.
 
-    All methods are called on process 0 only.
+    All methods are called on process 0, and only there; `stop` also on the others.
     """
 
     def step(self, number: int, count: int, text: str) -> None:
@@ -27,6 +27,21 @@ class Observer:
         Everything that was computed is kept, and the run ends with a `StoppedError`.
         """
         return None
+
+
+class StopOnly(Observer):
+    """Says nothing, but ends a run when another observer does; on processes other than 0.
+
+    Args:
+        observer: the other one.
+    """
+
+    def __init__(self, observer: Observer) -> None:
+        self._observer = observer
+
+    def stop(self) -> signal.Signals | None:
+        """Return the signal that the other one was told of."""
+        return self._observer.stop()
 
 
 SILENT = Observer()

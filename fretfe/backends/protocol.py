@@ -7,7 +7,7 @@ A backend is an object with this module's `Backend` interface, named by an entry
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,9 +17,14 @@ from fretfe.backends.observer import SILENT, Observer
 from fretfe.case import Case
 from fretfe.errors import StoppedError
 from fretfe.loads import History
+from fretfe.results.checkpoint import Storage
 from fretfe.results.model import Result
 
 T = TypeVar("T")
+
+
+def _ignore(_: Result) -> None:
+    """Keep no result."""
 
 
 @dataclass(frozen=True)
@@ -29,14 +34,20 @@ class RunOptions:
     Attributes:
         fields: file for the fields that the case asks for; None for no fields. Backends without
             fields ignore it.
-        states: folder for the file to which states go while they are solved; None for a file
-            without a name.
+        states: folder to which states go while they are solved; None for files without names.
+        resume: whether the history goes on from the last state in that folder, if there is one.
+        before: numbers that an earlier run with the same folder kept last, or None.
+        keep: called on all ranks with a result when its numbers are there, before its fields are
+            written.
         history: loads in place of those of the case; None for those.
         observer: follows the run, on rank 0.
     """
 
     fields: Path | None = None
     states: Path | None = None
+    resume: bool = False
+    before: Result | None = None
+    keep: Callable[[Result], None] = _ignore
     history: History | None = None
     observer: Observer = SILENT
 
@@ -55,6 +66,14 @@ class RunOptions:
         reason = self.observer.stop() if number < count else None
         if reason is not None:
             raise StoppedError(reason, f"after step {number} of {count}, which are kept")
+
+    def storage(self, identity: Mapping[str, str]) -> Storage:
+        """Where states go.
+
+        Args:
+            identity: of the problem, by what it says.
+        """
+        return Storage(self.states, self.resume, identity)
 
     def announce(self, text: str) -> None:
         """Report what begins or has ended besides steps, on rank 0."""

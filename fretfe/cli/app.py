@@ -28,8 +28,8 @@ from fretfe.cli import (
     validate,
     verify,
 )
-from fretfe.environment import missing_package, rank_from_environment
-from fretfe.errors import DependencyError, FretfeError
+from fretfe.environment import memory_shortage, missing_package, rank_from_environment
+from fretfe.errors import DependencyError, FretfeError, MemoryShortError
 
 HELP = """Fretting contacts by finite elements: edge factors and slip zones of two-body contacts.
 
@@ -48,6 +48,7 @@ Exit codes:
   5  a load step has no solution, or equilibrium is lost; the steps up to there are written
   6  results cannot be written
   7  a library is missing
+  8  there is not enough memory
   130, 143  Ctrl-C, SIGTERM
 """
 app = typer.Typer(
@@ -90,6 +91,8 @@ def main() -> None:
     except Exception as error:
         if reason := missing_package(error):
             _finish(DependencyError.exit_code, f"fretfe: error: {reason}")
+        if reason := memory_shortage(error):
+            _finish(MemoryShortError.exit_code, f"fretfe: error: {reason}")
         _finish(1, traceback.format_exc())
 
 
@@ -104,7 +107,7 @@ def _finish(code: int, message: str) -> None:
         if rank_from_environment() == 0:
             print(message, file=sys.stderr, flush=True)
         sys.exit(code)
-    if code == 1:
+    if code in (1, MemoryShortError.exit_code):
         print(f"rank {communicator.rank}: {message}", file=sys.stderr, flush=True)
         communicator.Abort(code)
     if communicator.rank == 0:

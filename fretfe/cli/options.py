@@ -25,6 +25,10 @@ Overrides = Annotated[
 Backend = Annotated[
     str, typer.Option(help="analytic, halfplane, fem, or one of `fretfe backends`.")
 ]
+Resume = Annotated[
+    bool,
+    typer.Option("--resume", help="Go on with the same run in the folder, if there is one."),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
 Verbose = Annotated[
     bool, typer.Option("--verbose", "-v", help="Print every step, on terminals too, and timings.")

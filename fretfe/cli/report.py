@@ -12,6 +12,10 @@ EXAMPLES = examples("fretfe report pad")
 def report(directory: Results) -> None:
     """Make report.html again from the results in a folder."""
     from fretfe.report.page.html import write_report
+    from fretfe.results.reader import read_numbers
+    from fretfe.results.run_folder import locked
 
     if rank_from_environment() == 0:
-        print(f"Report in {write_report(directory)}")
+        read_numbers(directory)
+        with locked(directory):
+            print(f"Report in {write_report(directory)}")

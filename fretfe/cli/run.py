@@ -14,6 +14,7 @@ from fretfe.cli.options import (
     CaseFile,
     Overrides,
     Quiet,
+    Resume,
     TrustGeo,
     Verbose,
     examples,
@@ -42,6 +43,7 @@ def run(
     ],
     backend: Backend = "fem",
     overrides: Overrides = None,
+    resume: Resume = False,
     timings: Annotated[
         bool, typer.Option("--timings", help="Print the wall time of each phase.")
     ] = False,
@@ -62,7 +64,7 @@ def run(
         return
     read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
     with StepReport(runner.processes.rank, verbosity) as shown:
-        result = runner.run(read, output, shown)
+        result = runner.run(read, output, shown, resume=resume)
     timed = timings or verbosity is Verbosity.VERBOSE
     runner.write(lambda: _finish(result, output, start, verbosity, timed, report))
     if result.failure is not None:

@@ -14,6 +14,7 @@ from fretfe.cli.options import (
     CaseFile,
     Overrides,
     Quiet,
+    Resume,
     TrustGeo,
     Verbose,
     examples,
@@ -49,6 +50,7 @@ def sweep(
     ],
     backend: Backend = "fem",
     overrides: Overrides = None,
+    resume: Resume = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
     trust_geo: TrustGeo = False,
@@ -58,7 +60,6 @@ def sweep(
     Friction and load histories need no new factorisation: they are cheap to vary.
     """
     from fretfe.cli.progress import StepReport
-    from fretfe.errors import ConvergenceError
     from fretfe.runner import Runner
     from fretfe.sweeps import parse_ranges
 
@@ -68,12 +69,25 @@ def sweep(
         return
     read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
     with StepReport(runner.processes.rank, verbosity, steps=False) as report:
-        found = runner.sweep(read, parse_ranges(vary), output, report)
+        found = runner.sweep(read, parse_ranges(vary), output, report, resume=resume)
     if runner.processes.rank == 0:
         _print(found, output, time.perf_counter() - start, verbosity)
-    if len(found.failures) == len(found.variants):
+    _raise_failure(found)
+
+
+def _raise_failure(sweep: Sweep) -> None:
+    """End with the exit code of a signal, or with that of steps without a solution.
+
+    Raises:
+        ConvergenceError: if no case was solved, or not all because of a signal.
+    """
+    from fretfe.errors import ConvergenceError
+
+    if sweep.stopped is not None:
+        raise sweep.stopped
+    if len(sweep.failures) == len(sweep.variants):
         raise ConvergenceError(
-            f"no variant could be solved; the first: {found.failures[0].failure}"
+            f"no variant could be solved; the first: {sweep.failures[0].failure}"
         )
 
 

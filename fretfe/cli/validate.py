@@ -14,6 +14,7 @@ from fretfe.cli.options import (
     CaseFile,
     Overrides,
     Quiet,
+    Resume,
     TrustGeo,
     Verbose,
     examples,
@@ -36,6 +37,7 @@ def validate(
     ] = None,
     backend: Backend = "fem",
     overrides: Overrides = None,
+    resume: Resume = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
     as_json: Annotated[
@@ -56,7 +58,7 @@ def validate(
         return
     read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
     with PhaseReport(case.name, runner.processes.rank, verbosity) as report:
-        found = runner.validate(read, output, report)
+        found = runner.validate(read, output, report, resume=resume)
     silent = verbosity is Verbosity.QUIET and found.passed
     if runner.processes.rank == 0 and (as_json or not silent):
         _print(found, as_json)

@@ -16,16 +16,19 @@ displacement that they cause.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import linalg
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface, coordinate_scale
 from fretfe.contact.nested import InverseRows, NestedInverse
 from fretfe.contact.operator import Conditions, Response
+from fretfe.contact.regularised import RegularisedFactor
 from fretfe.contact.similar import SimilarSystems
 from fretfe.contact.sliding import solve_directly, unknown_tractions
 from fretfe.contact.state import OPEN, SLIP
@@ -66,6 +69,22 @@ class FactoredOperator:
             self._order = ContactOrder(self.interface, np.lexsort(keys)[: self._count])
         return self._order.area(closed)
 
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Numbers on which the order of the next factorisation depends; see `recall`."""
+        found = {"operator_count": np.array(self._count), "operator_met": self._met}
+        if self._order is None:
+            return found
+        order = {"operator_order": self._order.nodes, "operator_cost": np.array(self._order.cost)}
+        return {**found, **order, **self._order.rows.memory()}
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Go on as the operator that `memory` is of: with the same round-off."""
+        self._count, self._met = int(memory["operator_count"]), memory["operator_met"]
+        if "operator_order" in memory:
+            self._order = ContactOrder(self.interface, memory["operator_order"])
+            self._order.cost = float(memory["operator_cost"])
+            self._order.rows.recall(memory)
+
     def regularised(self, penalty: float) -> RegularisedFactor:
         """Bodies with an elastic layer between them; see `InterfaceOperator`."""
         return RegularisedFactor(self.interface, penalty)
@@ -88,6 +107,7 @@ class ContactOrder:
         motion: (K*d, m) G in these units and this order.
         effect: displacements of the others by tractions, then by coordinates, in these units.
         stiffness: (m, m) K in these units.
+        cost: of opening nodes out of order so far.
         inverse: of the leading blocks of A.
         rows: of these inverses, and G times them.
     """
@@ -101,7 +121,7 @@ class ContactOrder:
         self._rank[nodes] = np.arange(len(nodes))
         self._step = max(1, round(STEP * len(nodes)))
         self._area: NestedArea | None = None
-        self._cost = 0.0
+        self.cost = 0.0
         self.level = interface.compliance.level
         self.scale = coordinate_scale(interface)
         self.motion = interface.motion[self.components] * self.scale
@@ -132,8 +152,8 @@ class ContactOrder:
             return True
         opened = self._last(closed) - int(closed.sum())
         size, released = len(self.components), opened * self.interface.components
-        self._cost += OPENING * released * int(closed.sum()) + released**3
-        return opened > 0 and self._cost > size**3
+        self.cost += OPENING * released * int(closed.sum()) + released**3
+        return opened > 0 and self.cost > size**3
 
     def area(self, closed: Bools) -> NestedArea:
         """The leading block that includes a contact area."""
@@ -361,31 +381,3 @@ def _floating_solver(matrix: Array, count: int) -> Callable[[Array], Array]:
         return np.asarray(changes - free @ np.linalg.lstsq(free, changes, rcond=None)[0])
 
     return solve
-
-
-class RegularisedFactor:
-    """The interface problem with an elastic layer between the bodies, factorised.
-
-    Args:
-        interface: the interface problem; its prescribed coordinates are left out.
-        penalty: compliance of the layer.
-    """
-
-    def __init__(self, interface: Interface, penalty: float) -> None:
-        released = np.flatnonzero(~interface.prescribed)
-        everything = np.arange(interface.size * interface.components)
-        matrix = interface.compliance.block(everything, everything).T  # Fortran's order
-        matrix[everything, everything] += penalty
-        self._inverse = NestedInverse(matrix)
-        scale = coordinate_scale(interface)[released] * interface.compliance.level
-        self._scale = scale
-        self._motion = interface.motion[:, released] * scale
-        self._response = self._inverse.solve(len(everything), self._motion)
-        stiffness = interface.stiffness[np.ix_(released, released)] * np.outer(scale, scale)
-        self._flexibility = linalg.pinvh(stiffness + self._motion.T @ self._response)
-
-    def tractions(self, displacement: Array, forces: Array) -> Array:
-        """(N*d,) tractions that give a displacement; see `Regularised`."""
-        held = self._inverse.solve(len(displacement), displacement)
-        moved = self._flexibility @ (self._motion.T @ held - forces * self._scale)
-        return np.asarray(held - self._response @ moved)

@@ -9,8 +9,11 @@ to some vectors follows a block that grows or shrinks by a few products.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from fretfe._typing import Array, Indices
@@ -123,6 +126,23 @@ class InverseRows:
         if len(missing):
             self._add(missing)
         return self._rows[self._place[components], :size]
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """The rows, which are sums in the order in which the block grew; see `recall`."""
+        components = np.flatnonzero(self._place >= 0)
+        return {
+            "operator_rows": self._rows,
+            "operator_units": components[np.argsort(self._place[components])],
+            "operator_size": np.array(self._size),
+        }
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Go on with the rows of `memory`, of the same inverse: with the same round-off."""
+        units = memory["operator_units"]
+        self._place[units] = self._fixed + np.arange(len(units))
+        units_projected = self._inverse.unit_projections(units)
+        self._projections = np.vstack([self._projections, units_projected])
+        self._rows, self._size = memory["operator_rows"], int(memory["operator_size"])
 
     def _resize(self, size: int) -> None:
         # From nothing if that is less work.

@@ -12,8 +12,11 @@ those of `fretfe.contact.interface`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
+
+from numpy.typing import NDArray
 
 from fretfe._typing import Array, Bools
 from fretfe.contact.interface import Interface
@@ -138,3 +141,9 @@ class InterfaceOperator(Protocol):
         Args:
             penalty: compliance of the layer, in the unit of A.
         """
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Numbers by name that say with which round-off it goes on."""
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Go on as the operator, of the same interface, whose `memory` is given."""

@@ -1,25 +1,27 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Record of accepted steps, and the `Solution` in physical units that it makes.
 
-States go to a file while the history is solved; in memory are a few numbers for each of them.
+States go to files while the history is solved; in memory are a few numbers for each of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
-from pathlib import Path
-from typing import Protocol
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import astuple, dataclass, fields
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.certificate import Certificate
 from fretfe.contact.full_stick import FullStickSolver, Increments, find_drivers
 from fretfe.contact.interface import Interface
 from fretfe.contact.march import March, StepResult
+from fretfe.contact.place import Place, digest_of
 from fretfe.contact.state import ContactState, StepLoads, StepTable, unloaded
 from fretfe.loads import History
+from fretfe.results.checkpoint import UNSEEN, Checkpoint, Storage, write_checkpoint
 from fretfe.results.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.results.states import StateArray, blocks, mapped, part
 from fretfe.results.stream import StateStream
@@ -29,48 +31,6 @@ ROUND_OFF = 1e-9
 # Counts of a step, and violations of the contact conditions, as `Solution` has them.
 COUNTS = ("iterations", "parts", "fallbacks")
 VIOLATIONS = tuple(field.name for field in fields(Certificate))
-
-
-class Averaging(Protocol):
-    """A linear map of nodal values, such as a sparse matrix."""
-
-    def __matmul__(self, values: Array) -> Array:
-        """Return the mapped values."""
-
-
-class Nodes(Protocol):
-    """The multiplier nodes of a contact; see `ContactHistory` for arrays of the same name."""
-
-    @property
-    def arc(self) -> Array:
-        """(N,) arc length."""
-
-    @property
-    def points(self) -> Array:
-        """(N, d) coordinates."""
-
-    @property
-    def frames(self) -> Array:
-        """(N, d, d) normal and tangents."""
-
-    @property
-    def weights(self) -> Array:
-        """(N,) length of each node."""
-
-    @property
-    def averaging(self) -> Averaging:
-        """(N, N) from nodal values to means around the nodes."""
-
-
-@dataclass(frozen=True)
-class Place:
-    """One contact: its name, its bodies and its nodes; of solids the facets between them."""
-
-    name: str
-    body1: str
-    body2: str
-    nodes: Nodes
-    facets: Indices | None = None
 
 
 @dataclass(frozen=True)
@@ -127,7 +87,7 @@ class Recorder:
         steps: loads of all steps, the unloaded state first.
         channels: channel of each distributed load of the interface.
         degree: of the displacements.
-        directory: folder for the file of the states, as for `StateStream`.
+        storage: where the states go, and whether those that are there already are continued.
 
     Attributes:
         drivers: loads that have a full-stick increment.
@@ -137,7 +97,8 @@ class Recorder:
         repeats: states that were not solved because they repeat earlier ones.
 
     Raises:
-        OutputError: if there is no place for the states.
+        OutputError: if there is no place for the states, or those that are to be continued belong
+            to something else.
     """
 
     def __init__(
@@ -147,7 +108,7 @@ class Recorder:
         steps: StepTable,
         channels: list[str],
         degree: int,
-        directory: Path | None = None,
+        storage: Storage = UNSEEN,
     ) -> None:
         interface = march.interface
         self._interface: Interface = interface
@@ -156,7 +117,13 @@ class Recorder:
         self._steps = steps
         self.drivers = find_drivers(interface, channels)
         self._full_stick = FullStickSolver(march.operator, self.drivers)
-        self._stream = StateStream(directory)
+        self._storage = storage
+        self._operator = march.operator
+        self._identity = {
+            **storage.identity,
+            "contact surfaces": digest_of(places),
+            "loads": steps.digest,
+        }
         # By state: its row in the file, its contact area.
         self._rows = np.zeros(len(steps), dtype=np.int64)
         self._area_of_state = np.full(len(steps), -1)
@@ -169,7 +136,50 @@ class Recorder:
         self._solved = 0
         self.count = 0
         self.repeats: tuple[Repeat, ...] = ()
-        self._keep(unloaded(interface), np.zeros(interface.size))
+        known = storage.continued(self._identity)
+        self._stream = StateStream(storage.directory, known.kinds if known else None)
+        if known is None:
+            self._keep(unloaded(interface), np.zeros(interface.size))
+        else:
+            self._recall(known.arrays)
+
+    def note(self) -> None:
+        """Write down all that it takes to continue from the last state, if there is a folder."""
+        if self._storage.directory is None:
+            return
+        kinds = self._stream.flush()
+        areas = [np.frombuffer(key, np.uint8) for key in self._areas]
+        arrays: dict[str, NDArray[Any]] = {
+            **{name: values[: self.count] for name, values in self._by_state.items()},
+            "areas": np.array(areas) if areas else np.empty((0, 0), np.uint8),
+            "extent": np.array(astuple(self._extent)),
+            "solved": np.array(self._solved),
+            "repeats": np.array([astuple(each) for each in self.repeats], np.int64).reshape(-1, 3),
+            **self._operator.memory(),
+        }
+        write_checkpoint(self._storage.directory, Checkpoint(self._identity, kinds, arrays))
+
+    def _recall(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        for name, values in self._by_state.items():
+            self.count = len(arrays[name])
+            values[: self.count] = arrays[name]
+        self._areas = {key.tobytes(): number for number, key in enumerate(arrays["areas"])}
+        self._extent = Extent(*arrays["extent"].tolist())
+        self._solved = int(arrays["solved"])
+        self.repeats = tuple(Repeat(*each) for each in arrays["repeats"].tolist())
+        self._operator.recall(arrays)
+        self.last = self.state(self.count - 1)
+
+    @property
+    def _by_state(self) -> dict[str, NDArray[Any]]:
+        """What is in memory for each state."""
+        return {
+            "rows": self._rows,
+            "area_of_state": self._area_of_state,
+            "counts": self._counts,
+            "violations": self._violations,
+            "marks": self.marks,
+        }
 
     def add(self, result: StepResult) -> None:
         """Record an accepted step."""
@@ -203,7 +213,7 @@ class Recorder:
     def repeat(self, repeat: Repeat) -> None:
         """Record the next states as those that they repeat."""
         states, source = slice(repeat.first, repeat.last + 1), repeat.source
-        for each in (self._rows, self._area_of_state, self._counts, self._violations, self.marks):
+        for each in self._by_state.values():
             each[states] = each[source]
         self.count = repeat.last + 1
         self.last = self.state(repeat.last)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import overload
@@ -61,6 +62,14 @@ class StepTable(Sequence[StepLoads]):
     def __len__(self) -> int:
         """T."""
         return len(self.values)
+
+    @property
+    def digest(self) -> str:
+        """Text that is equal for the same loads."""
+        found = hashlib.sha256(repr((self.amplitudes.shape, self.values.shape)).encode())
+        for each in (self.amplitudes, self.values, self.friction):
+            found.update(np.ascontiguousarray(each).tobytes())
+        return found.hexdigest()
 
     @overload
     def __getitem__(self, number: int) -> StepLoads: ...

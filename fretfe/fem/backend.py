@@ -13,8 +13,9 @@ from fretfe.edges.foresight import coarse_contacts
 from fretfe.fem._compat import MPI
 from fretfe.fem.model_cache import ModelCache, model_key
 from fretfe.fem.parallel import on_root
+from fretfe.fem.prepared import LoadMesh
 from fretfe.fem.refine import refine
-from fretfe.fem.run import LoadMesh, solve
+from fretfe.fem.run import solve
 from fretfe.loads import build_history
 from fretfe.mesh.groups import count_unknowns
 from fretfe.mesh.mesh import Mesh

@@ -21,7 +21,7 @@ import numpy as np
 from scipy import sparse
 
 from fretfe._typing import Array
-from fretfe.errors import ModelError
+from fretfe.errors import MemoryShortError, ModelError
 from fretfe.fem._compat import PETSc, petsc_library
 
 # MUMPS control: the fill-reducing ordering. Approximate minimum degree is analysed several times
@@ -130,14 +130,16 @@ def _set_up(solver: PETSc.PC, multipliers: int = 0) -> None:
     """Factorise a matrix, some of whose unknowns are multipliers.
 
     Raises:
-        ModelError: if MUMPS cannot.
+        MemoryShortError: if there is not enough memory.
+        ModelError: if MUMPS cannot for another reason.
     """
     solver.setUp()
     code = solver.getFactorMatrix().getMumpsInfog(1)
     if code < 0:
-        reason = "there is not enough memory" if code in OUT_OF_MEMORY else "a pivot is zero"
+        short = code in OUT_OF_MEMORY
+        reason = "there is not enough memory" if short else "a pivot is zero"
         unknowns = solver.getOperators()[0].size[0] - multipliers
-        raise ModelError(
+        raise (MemoryShortError if short else ModelError)(
             f"a body with {unknowns} unknowns cannot be factorised: {reason} (MUMPS error {code})"
         )
 

@@ -15,6 +15,7 @@ from fretfe.errors import OutputError
 from fretfe.fem.model import Model
 from fretfe.fem.parallel import on_root
 from fretfe.results.field_file import FieldWriter
+from fretfe.results.files import disk_reason
 
 T = TypeVar("T")
 
@@ -65,7 +66,9 @@ class FieldOutput:
             try:
                 return work()
             except OSError as error:
-                raise OutputError(f"{self._path}: cannot write the fields: {error}") from error
+                raise OutputError(
+                    f"{self._path}: the fields cannot be written: {disk_reason(error)}"
+                ) from error
 
         return on_root(self._model.comm, attempt, share=False)
 

@@ -13,7 +13,8 @@ from fretfe.backends.protocol import RunOptions
 from fretfe.case import Case
 from fretfe.fem._compat import MPI
 from fretfe.fem.parallel import release
-from fretfe.fem.run import LoadMesh, Prepared, build_model, load_history, solve_prepared
+from fretfe.fem.prepared import LoadMesh, Prepared, build_model
+from fretfe.fem.run import load_history, solve_prepared
 from fretfe.fem.timing import Clock
 from fretfe.results.model import Result
 

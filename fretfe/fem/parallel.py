@@ -19,15 +19,31 @@ T = TypeVar("T")
 LONGEST_SLEEP, SLEEP_FRACTION = 0.005, 0.1
 
 
+def _nothing() -> None:
+    """Wait without doing anything."""
+
+
 @overload
 def on_root(comm: MPI.Comm, work: Callable[[], T]) -> T: ...
 
 
 @overload
-def on_root(comm: MPI.Comm, work: Callable[[], T], *, share: Literal[False]) -> T | None: ...
+def on_root(
+    comm: MPI.Comm,
+    work: Callable[[], T],
+    *,
+    share: Literal[False],
+    waiting: Callable[[], None] = _nothing,
+) -> T | None: ...
 
 
-def on_root(comm: MPI.Comm, work: Callable[[], T], *, share: bool = True) -> T | None:
+def on_root(
+    comm: MPI.Comm,
+    work: Callable[[], T],
+    *,
+    share: bool = True,
+    waiting: Callable[[], None] = _nothing,
+) -> T | None:
     """Do `work` on rank 0 and give its result to all ranks. Collective.
 
     A `FretfeError` that `work` raises on rank 0 is raised on every rank; any other exception is
@@ -37,6 +53,7 @@ def on_root(comm: MPI.Comm, work: Callable[[], T], *, share: bool = True) -> T |
         comm: communicator.
         work: takes no argument; called on rank 0 only.
         share: whether the other ranks get the result, or None.
+        waiting: called by the other ranks again and again while they wait.
     """
     result: T | None = None
     failure: FretfeError | None = None
@@ -45,18 +62,19 @@ def on_root(comm: MPI.Comm, work: Callable[[], T], *, share: bool = True) -> T |
             result = work()
         except FretfeError as error:
             failure = error
-    _wait_for_root(comm)
+    _wait_for_root(comm, waiting)
     failure = comm.bcast(failure)
     if failure is not None:
         raise failure
     return comm.bcast(result) if share else result
 
 
-def _wait_for_root(comm: MPI.Comm) -> None:
+def _wait_for_root(comm: MPI.Comm, waiting: Callable[[], None]) -> None:
     """Until rank 0 comes here too. MPI's own waiting takes a core, which the work may need."""
     start = time.perf_counter()
     arrival = comm.Ibarrier()
     while not arrival.Test():
+        waiting()
         time.sleep(min(LONGEST_SLEEP, SLEEP_FRACTION * (time.perf_counter() - start)))
 
 

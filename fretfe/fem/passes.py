@@ -3,19 +3,28 @@
 
 from __future__ import annotations
 
+import json
 import math
+import shutil
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
+from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.edges.refinement import Pass, Refinement
-from fretfe.errors import MeshError
+from fretfe.errors import MeshError, OutputError
 from fretfe.mesh.groups import count_unknowns
 from fretfe.mesh.mesh import Mesh
+from fretfe.results.files import disk_reason, replace_text
 from fretfe.results.model import Result
 
 # More passes than this do not help: the element size at the edges has been halved eight times.
 MOST_PASSES = 12
+# In the folder of the states: what makes the next mesh.
+NOTE = "refinement.json"
 
 
 class Passes(ABC):
@@ -45,6 +54,50 @@ class Passes(ABC):
     @abstractmethod
     def _make_finer(self, result: Result, mesh: Mesh) -> None:
         """Plan the next mesh after a pass."""
+
+    @abstractmethod
+    def _noted(self) -> dict[str, Any]:
+        """What makes the next mesh, for JSON."""
+
+    @abstractmethod
+    def _follow(self, note: dict[str, Any]) -> None:
+        """Plan the next mesh as noted."""
+
+    def options(self, options: RunOptions, fields: Path | None) -> RunOptions:
+        """Options of the next pass, which has a folder of its own for its states."""
+        states = options.states
+        states = states / f"mesh-{len(self._done) + 1}" if states is not None else None
+        return replace(options, fields=fields, states=states, before=None, keep=DEFAULTS.keep)
+
+    def note(self, states: Path | None) -> None:
+        """Write down what makes the next mesh, and remove the states of the last pass.
+
+        Raises:
+            OutputError: if that is not possible.
+        """
+        if states is None:
+            return
+        count = len(self._done)
+        try:
+            replace_text(states / NOTE, json.dumps({"passes": count, **self._noted()}))
+            shutil.rmtree(states / f"mesh-{count}", ignore_errors=True)
+        except OSError as error:
+            raise OutputError(f"{states}: cannot be written: {disk_reason(error)}") from error
+
+    def recall(self, last: Result | None, states: Path | None) -> bool:
+        """Go on after the passes that an earlier run has noted; return False if there are none.
+
+        Args:
+            last: result of the last pass or, if the run ended between the two, one later.
+            states: folder of the note.
+        """
+        refinement = last.refinement if last is not None else None
+        if states is None or refinement is None or not (states / NOTE).is_file():
+            return False
+        note = json.loads((states / NOTE).read_text(encoding="utf-8"))
+        self._done = refinement.passes[: note["passes"]]
+        self._follow(note)
+        return True
 
     def load(self) -> Mesh:
         """The next mesh.

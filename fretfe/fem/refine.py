@@ -9,19 +9,21 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
-from fretfe.edges.refinement import Pass, changes_by_kind
+from fretfe.edges.refinement import Pass, Refinement, changes_by_kind
 from fretfe.edges.sizes import Interval, needed_sizes, resolves, station_values
-from fretfe.errors import FretfeError
+from fretfe.errors import FretfeError, StoppedError
 from fretfe.fem._compat import MPI
 from fretfe.fem.parallel import on_root
 from fretfe.fem.passes import Passes
 from fretfe.fem.refine_solids import SolidPasses, is_solid
 from fretfe.fem.run import solve
+from fretfe.fem.stopping import agreed_stop
 from fretfe.geometry.sizing import Sizes, Source, apply_sizes, curves_of_groups, length_of
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
@@ -85,27 +87,43 @@ def refine(comm: MPI.Comm, case: Case, options: RunOptions) -> Result:
 
     Raises:
         FretfeError: for whatever keeps the first pass from being started. A later pass that fails
-            ends the refinement, and the one before counts.
+            ends the refinement, and the one before counts; so does a signal, as its `failure`.
     """
     passes, fields = _passes_of(case, options), options.fields
-    last: Result | None = None
+    last = options.before if options.resume else None
+    known = on_root(comm, partial(passes.recall, last, options.states))
+    last = replace(last, failure=None) if last is not None and known else None
     # Fields of a pass take the place of those of the one before only when it counts.
     staged = fields.with_name(f"{fields.name}-of-next-mesh") if fields is not None else None
     while True:
         try:
-            result = solve(comm, case, replace(options, fields=staged), passes.load)
+            if last is not None and (number := agreed_stop(comm, options.observer)) is not None:
+                raise StoppedError(number, "before the next mesh")
+            result = solve(comm, case, passes.options(options, staged), passes.load)
             if result.failure is not None and last is not None:
                 raise result.failure
         except FretfeError as error:
             if last is None or last.refinement is None:
                 raise
             on_root(comm, partial(_drop, staged))
-            return replace(last, refinement=replace(last.refinement, reason=str(error)))
+            return _ended(last, last.refinement, error)
         on_root(comm, partial(_keep, staged, fields))
         refinement = on_root(comm, partial(passes.judge, result))
         last = replace(result, refinement=refinement)
         if refinement.reason:
             return last
+        options.keep(last)
+        on_root(comm, partial(passes.note, options.states))
+
+
+def _ended(last: Result, refinement: Refinement, error: FretfeError) -> Result:
+    """The last pass as the result, after an error in the next one."""
+    failure, done = None, len(refinement.passes)
+    if isinstance(error, StoppedError):
+        where = f"on the way to mesh {done + 1}; the results are those of mesh {done}"
+        failure = StoppedError(error.signal, where)
+    refinement = replace(refinement, reason=str(failure or error))
+    return replace(last, refinement=refinement, failure=failure)
 
 
 def _drop(staged: Path | None) -> None:
@@ -127,6 +145,16 @@ class _PlanePasses(Passes):
         self._growth = growth_for(self._tolerance, case.model.degree)
         self._sources: tuple[Source, ...] = ()
         self._level = 0
+
+    def _noted(self) -> dict[str, Any]:
+        sources = [{"points": each.points.tolist(), "size": each.size} for each in self._sources]
+        return {"level": self._level, "sources": sources}
+
+    def _follow(self, note: dict[str, Any]) -> None:
+        self._level = note["level"]
+        self._sources = tuple(
+            Source(np.array(each["points"]), each["size"]) for each in note["sources"]
+        )
 
     def _make_mesh(self) -> Mesh:
         return load_mesh(self._case, self._set_sizes)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 from fretfe.case import Case, parse_case
 from fretfe.edges.front_means import front_means
@@ -35,6 +36,12 @@ class SolidPasses(Passes):
     def __init__(self, case: Case, announce: Callable[[str], None]) -> None:
         super().__init__(case, announce)
         self._level = 0
+
+    def _noted(self) -> dict[str, Any]:
+        return {"level": self._level}
+
+    def _follow(self, note: dict[str, Any]) -> None:
+        self._level = note["level"]
 
     def _make_mesh(self) -> Mesh:
         return load_mesh(finer_case(self._case, FINER**self._level))

@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import closing
-from dataclasses import dataclass
+from contextlib import closing, suppress
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,8 +14,8 @@ import numpy as np
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.pairs import Pair
 from fretfe.case import Case
-from fretfe.contact.march import March
-from fretfe.contact.recorder import Place, Recorder
+from fretfe.contact.place import Place
+from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import solve_history
 from fretfe.edges.area import AreaSummary, evaluate_areas, shear_extremes
 from fretfe.edges.evaluate import evaluate
@@ -24,7 +23,7 @@ from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary
 from fretfe.edges.limits import ModelLimit, with_limit_warnings
 from fretfe.edges.separation import separate_patches
-from fretfe.errors import ConvergenceError, ModelError, OutputError, StoppedError
+from fretfe.errors import ConvergenceError, FretfeError, ModelError, OutputError, StoppedError
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
 from fretfe.fem.balance import balance
@@ -34,55 +33,13 @@ from fretfe.fem.limits import imbalance, model_limits, solid_limits, without_mov
 from fretfe.fem.model import Model, Request, step_loads
 from fretfe.fem.parallel import on_root, release
 from fretfe.fem.penetration import farthest_states, unpaired_penetration
+from fretfe.fem.prepared import LoadMesh, Prepared, build_model
 from fretfe.fem.solid_extraction import Tracks, add_solid_integrals
+from fretfe.fem.stopping import SharedStop
 from fretfe.fem.timing import Clock
 from fretfe.loads import History, build_history
-from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
 from fretfe.results.solution import Solution
-from fretfe.surface.load import load_mesh
-
-LoadMesh = Callable[[], Mesh]
-
-
-@dataclass(frozen=True)
-class Prepared:
-    """A mesh, its model, and what marches through load histories on it.
-
-    Attributes:
-        mesh: on rank 0, None elsewhere.
-        model: the condensed bodies.
-        march: on rank 0, None elsewhere.
-    """
-
-    mesh: Mesh | None
-    model: Model
-    march: March | None
-
-    @property
-    def meshes(self) -> list[Any]:
-        """DOLFINx's meshes of the bodies."""
-        return [body.elastic.mesh for body in self.model.bodies.values()]
-
-
-def build_model(comm: MPI.Comm, case: Case, clock: Clock, load: LoadMesh | None = None) -> Prepared:
-    """Mesh and model of a case. Collective.
-
-    Args:
-        comm: communicator.
-        case: validated case, the same on all ranks.
-        clock: for timings.
-        load: gives the mesh, called on rank 0; None for `load_mesh`.
-
-    Raises:
-        FretfeError: if there is no mesh or no model for the case.
-    """
-    with clock("mesh"):
-        mesh = on_root(comm, load or partial(load_mesh, case), share=False)
-    model = Model(comm, case, mesh, clock)
-    reduction = model.reduction
-    march = March(reduction.interface) if reduction is not None else None
-    return Prepared(mesh, model, march)
 
 
 def solve(
@@ -138,7 +95,7 @@ def solve_prepared(
     model, mesh = prepared.model, prepared.mesh
     comm = model.comm
     with clock("steps"):
-        marched = on_root(comm, lambda: _march(prepared, case, history, options), share=False)
+        marched = _march_on_root(prepared, case, history, options)
     failure = comm.bcast(marched.failure if marched else None)
     recorder = marched.recorder if marched else None
     solution = _solution(model, history, marched.recorder) if marched else None
@@ -156,11 +113,7 @@ def solve_prepared(
     notes += on_root(
         comm, lambda: tuple(each.text for each in solution.repeats) if solution else ()
     )
-    if options.fields is not None:
-        with clock("fields"):
-            chosen = _field_states(case, history, solution, found) if solution else None
-            notes += _write_fields(model, history, recorder, chosen, options.fields)
-    return Result(
+    result = Result(
         case=case,
         loads=comm.bcast(solution.loads if solution else None),
         contacts=found.contacts,
@@ -174,6 +127,13 @@ def solve_prepared(
         seconds=clock.seconds,
         ranks=comm.size,
     )
+    options.keep(result)
+    if options.fields is None:
+        return result
+    with clock("fields"):
+        chosen = _field_states(case, history, solution, found) if solution else None
+        notes += _write_fields(model, history, recorder, chosen, options.fields)
+    return replace(result, notes=notes)
 
 
 @dataclass(frozen=True)
@@ -269,6 +229,27 @@ class _Marched:
     failure: ConvergenceError | None
 
 
+def _march_on_root(
+    prepared: Prepared, case: Case, history: History, options: RunOptions
+) -> _Marched | None:
+    """Solve all steps; on ranks other than 0, from which signals come too, None. Collective."""
+    comm = prepared.model.comm
+    stop = SharedStop(comm, options.observer)
+    heeding = replace(options, observer=stop)
+    try:
+        marched = on_root(
+            comm,
+            lambda: _march(prepared, case, history, heeding),
+            share=False,
+            waiting=stop.send,
+        )
+    except FretfeError:  # raised on all ranks, as nothing else is
+        stop.close()
+        raise
+    stop.close()
+    return marched
+
+
 def _march(prepared: Prepared, case: Case, history: History, options: RunOptions) -> _Marched:
     """Solve all steps; one that fails ends the history and keeps what was computed."""
     reduction, march = prepared.model.reduction, prepared.march
@@ -277,7 +258,10 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     steps = step_loads(case, history, reduction.interface, reduction.definition)
     places = [_place(prepared.model, pair) for pair in reduction.pairs]
     channels = [load.channel for load in reduction.definition.loads]
-    recorder = Recorder(march, places, steps, channels, case.model.degree, options.states)
+    storage = options.storage({**_compat.versions(), "mesh": prepared.digest})
+    recorder = Recorder(march, places, steps, channels, case.model.degree, storage)
+    if recorder.count > 1:
+        options.announce(f"continued after step {recorder.count - 1} of {len(steps) - 1}")
     try:
         solve_history(march, recorder, steps, case.cycle.until_steady, options.progress)
     except ConvergenceError as failure:
@@ -330,8 +314,15 @@ def _write_fields(
                 (displacements,) = model.recover_fields(_requests(recorder, [state]))
                 output.add(float(history.times[state]), displacements)
     except OutputError as error:
+        on_root(model.comm, partial(_remove, path))
         return (str(error),)
     return ()
+
+
+def _remove(path: Path) -> None:
+    """Remove a file that is not whole; one that cannot be removed stays."""
+    with suppress(OSError):
+        path.unlink(missing_ok=True)
 
 
 def _field_states(

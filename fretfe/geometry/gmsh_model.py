@@ -7,6 +7,8 @@ Everything here runs on one process. A Gmsh error becomes a `MeshError` with Gms
 from __future__ import annotations
 
 import contextlib
+import signal
+import threading
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -75,6 +77,19 @@ def import_gmsh() -> ModuleType:
 
 
 @contextlib.contextmanager
+def _kept_signals() -> Iterator[None]:
+    """Leave signals to those who handle them: Gmsh's library takes SIGTERM from them."""
+    if threading.current_thread() is not threading.main_thread():  # no other may set a handler
+        yield
+        return
+    before = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in before.items():
+        if handler is not None:  # set from Python
+            signal.signal(number, handler)
+
+
+@contextlib.contextmanager
 def gmsh_model(source: Path) -> Iterator[ModuleType]:
     """An empty Gmsh model for `source`; what another user of Gmsh in this process had stays.
 
@@ -83,8 +98,9 @@ def gmsh_model(source: Path) -> Iterator[ModuleType]:
     gmsh = import_gmsh()
     owner = not gmsh.isInitialized()
     if owner:
-        # no configuration files: the mesh must not depend on the user's Gmsh GUI settings
-        gmsh.initialize([], readConfigFiles=False, interruptible=False)
+        with _kept_signals():
+            # no configuration files: the mesh must not depend on the user's Gmsh GUI settings
+            gmsh.initialize([], readConfigFiles=False, interruptible=False)
     previous_model = "" if owner else gmsh.model.getCurrent()
     previous_terminal = gmsh.option.getNumber("General.Terminal")
     gmsh.option.setNumber("General.Terminal", 0)

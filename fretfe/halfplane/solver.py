@@ -9,7 +9,6 @@ those of `fretfe.contact`. Pressure and shear do not influence each other's disp
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -18,7 +17,8 @@ from fretfe.contact.compliance import DenseCompliance
 from fretfe.contact.interface import Coordinate, Interface
 from fretfe.contact.march import March
 from fretfe.contact.neighbours import FRACTION, neighbour_states
-from fretfe.contact.recorder import Place, Recorder
+from fretfe.contact.place import Place
+from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import Progress, solve_history
 from fretfe.contact.state import StepTable
 from fretfe.edges.factors import UnitFactors, full_stick_units
@@ -30,6 +30,7 @@ from fretfe.halfplane.compliance import HatFunctions
 from fretfe.halfplane.grid import EdgeRange, graded_grid
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.idealise.edges import contact_edges, governing_length
+from fretfe.results.checkpoint import UNSEEN, Storage
 from fretfe.results.solution import ContactHistory, Factor, Neighbours, Solution
 
 ELEMENTS = 300
@@ -133,7 +134,7 @@ def solve_half_planes(
     elements: int = ELEMENTS,
     progress: Progress = lambda *_: None,
     until_steady: bool = True,
-    directory: Path | None = None,
+    storage: Storage = UNSEEN,
 ) -> HalfPlaneOutcome:
     """Solve the load history of a half-plane problem.
 
@@ -142,14 +143,14 @@ def solve_half_planes(
         elements: of the graded grid.
         progress: as of `solve_history`.
         until_steady: whether repeated blocks are solved until they are steady and then not again.
-        directory: folder for the file of the states; None for a file without a name.
+        storage: where the states go.
     """
     hats = HatFunctions(contact_grid(problem, elements))
     interface = build_interface(problem, hats)
     steps = _step_loads(problem, interface)
     march = March(interface)
     place = Place(problem.contact, problem.body1, problem.body2, _nodes(hats))
-    recorder = Recorder(march, [place], steps, [TENSION], degree=1, directory=directory)
+    recorder = Recorder(march, [place], steps, [TENSION], degree=1, storage=storage)
     failure = None
     try:
         solve_history(march, recorder, steps, until_steady, progress)

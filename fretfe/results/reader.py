@@ -29,6 +29,7 @@ from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.loads import History
 from fretfe.results.dataset import NODAL
 from fretfe.results.model import Result
+from fretfe.results.run_folder import unfinished
 from fretfe.results.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.results.states import StateArray
 from fretfe.results.stream import select_rows
@@ -62,8 +63,14 @@ def load_result(directory: Path | str) -> Result:
             of different runs.
     """
     directory = Path(directory)
+    _require_end(directory)
+    return read_result(directory)
+
+
+def read_result(directory: Path) -> Result:
+    """As `load_result`, also while the run is at work."""
     path = directory / NUMBERS
-    numbers = _with_lists(directory, read_numbers(directory))
+    numbers = _with_lists(directory, _read_numbers(directory))
     try:
         return _result(directory, parse_case(numbers["case"], source="case"), numbers)
     except (AttributeError, CaseError, IndexError, KeyError, TypeError, ValueError) as error:
@@ -75,8 +82,23 @@ def read_numbers(directory: Path) -> dict[str, Any]:
     """Read `results.json` as it stands.
 
     Raises:
-        OutputError: if it is missing or not of this schema.
+        OutputError: if it is missing or not of this schema, or the run has not ended by itself.
     """
+    _require_end(directory)
+    return _read_numbers(directory)
+
+
+def _require_end(directory: Path) -> None:
+    """What is in a folder in which a run was cut off, or is at work, are no results.
+
+    Raises:
+        OutputError: if there is one.
+    """
+    if found := unfinished(directory):
+        raise OutputError(f"{directory}: expected the results of a run, found {found}")
+
+
+def _read_numbers(directory: Path) -> dict[str, Any]:
     path = directory / NUMBERS
     try:
         data = json.loads(path.read_text(encoding="utf-8"))

@@ -1,125 +1,227 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Arrays that go to an HDF5 file row by row while a history is solved, and are read back from it.
+"""Arrays that go to a file row by row while a history is solved, and are read back from it.
 
-What is in memory does not grow with the number of rows.
+What is in memory does not grow with the number of rows. Blocks of rows are appended to the file and
+never changed: whatever ends the process, the rows before are there.
 """
 
 from __future__ import annotations
 
+import bisect
+import math
+import os
 import tempfile
-from collections.abc import Mapping
+import weakref
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Indices
 from fretfe.errors import OutputError
+from fretfe.results.files import disk_reason
 from fretfe.results.states import StateArray, states_in_block
 
-STREAM = "states.h5"
+# Folder of the states in that of the results, and the file in it.
+STATES, FILE = "states", "states.rows"
 # Part of a block that waits to be written, as one over this.
 PENDING = 8
 
 
-class StateStream:
-    """Growing data sets of one HDF5 file.
+@dataclass(frozen=True)
+class RowKind:
+    """Rows of an array, all of one shape and type, and where in the file they are.
 
-    Args:
-        directory: folder in which the file, `STREAM`, is to be seen, so that it is left if the
-            process is killed; None for a file without a name, which takes no care.
-
-    Raises:
-        OutputError: if there is no place to write.
+    Attributes:
+        shape: of a row.
+        dtype: of its elements.
+        blocks: place in the file, in bytes, and number of rows of each block of rows.
     """
 
-    def __init__(self, directory: Path | None = None) -> None:
+    shape: tuple[int, ...]
+    dtype: str
+    blocks: tuple[tuple[int, int], ...] = ()
+
+
+@dataclass
+class _Rows:
+    """An array that grows block by block; the last rows wait to be written."""
+
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    blocks: list[tuple[int, int]]
+    starts: list[int]
+    count: int
+    waiting: list[Any] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, kind: RowKind) -> _Rows:
+        """The array with the rows that are there."""
+        counts = [rows for _, rows in kind.blocks]
+        starts = [0, *np.cumsum(counts, dtype=int).tolist()]
+        return cls(kind.shape, np.dtype(kind.dtype), list(kind.blocks), starts[:-1], starts[-1])
+
+    @property
+    def size(self) -> int:
+        """Bytes of a row."""
+        return math.prod(self.shape) * self.dtype.itemsize
+
+    def parts(self, begin: int, end: int) -> Iterator[tuple[int, int]]:
+        """Place and length in bytes of all that some successive rows are made of."""
+        number = bisect.bisect_right(self.starts, begin) - 1
+        while begin < end:
+            (place, rows), start = self.blocks[number], self.starts[number]
+            last = min(end, start + rows)
+            yield place + (begin - start) * self.size, (last - begin) * self.size
+            begin, number = last, number + 1
+
+
+class StateStream:
+    """Growing arrays in one file.
+
+    Args:
+        directory: folder for the file, made if missing; None for a file without a name, which takes
+            no care.
+        kinds: arrays that are there and are continued, by name; what else is in the file goes.
+
+    Raises:
+        OutputError: if there is no place to write; so do all methods.
+    """
+
+    def __init__(
+        self, directory: Path | None = None, kinds: Mapping[str, RowKind] | None = None
+    ) -> None:
+        self._directory = directory
+        self._rows = {name: _Rows.of(kind) for name, kind in (kinds or {}).items()}
+        ends = [
+            each.blocks[-1][0] + each.blocks[-1][1] * each.size
+            for each in self._rows.values()
+            if each.blocks
+        ]
+        self._end = max(ends, default=0)
         try:
-            with tempfile.TemporaryDirectory() as unseen:
-                self._path = (directory or Path(unseen)) / STREAM
-                self._path.unlink(missing_ok=True)
-                # Whole chunks are written; a cache of them for each data set would be idle memory.
-                self._file = h5py.File(self._path, "w", rdcc_nbytes=0)
-                if directory is None:
-                    self._path.unlink()
+            self._file = self._open()
+            weakref.finalize(self, os.close, self._file)
+            if os.fstat(self._file).st_size < self._end:
+                raise OSError(f"{FILE} has been cut: the run cannot be continued")
+            os.ftruncate(self._file, self._end)
         except OSError as error:
-            place = directory or tempfile.gettempdir()
-            raise OutputError(
-                f"{place}: expected a place for the states of the history, found: {error}"
-            ) from error
-        self._datasets: dict[str, h5py.Dataset] = {}
-        self._lengths: dict[str, int] = {}
-        self._pending: dict[str, list[Any]] = {}
-        self._counts: dict[str, int] = {}
+            raise self._error(error) from error
+
+    def _open(self) -> int:
+        if self._directory is not None:
+            self._directory.mkdir(parents=True, exist_ok=True)
+            return os.open(self._directory / FILE, os.O_RDWR | os.O_CREAT, 0o666)
+        file, name = tempfile.mkstemp()
+        os.unlink(name)
+        return file
 
     def append(self, rows: Mapping[str, Any]) -> None:
-        """Add a row to each of some data sets.
-
-        Raises:
-            OutputError: if it cannot be written.
-        """
+        """Add a row to each of some arrays."""
         for name, row in rows.items():
-            row = np.asarray(row)
-            if name not in self._counts:
-                self._create(name, row)
-            self._counts[name] += 1
-            waiting = self._pending[name]
-            waiting.append(row)
-            if len(waiting) == self._lengths[name]:
-                self._write(name)
+            row = np.ascontiguousarray(row)
+            if name not in self._rows:
+                self._rows[name] = _Rows.of(RowKind(row.shape, row.dtype.str))
+            each = self._rows[name]
+            each.waiting.append(row)
+            if len(each.waiting) == states_in_block(PENDING * row.nbytes):
+                self._write(each)
 
-    def _create(self, name: str, row: Array) -> None:
-        length = states_in_block(PENDING * row.nbytes)
-        # An empty axis has no chunks.
-        chunks = (length, *(max(size, 1) for size in row.shape))
-        shape, most = (0, *row.shape), (None, *(size or None for size in row.shape))
-        self._datasets[name] = self._file.create_dataset(
-            name, shape, row.dtype, chunks=chunks, maxshape=most
-        )
-        self._lengths[name], self._counts[name], self._pending[name] = length, 0, []
-
-    def _write(self, name: str) -> None:
-        dataset, rows = self._datasets[name], self._pending[name]
-        if not rows:
+    def _write(self, rows: _Rows) -> None:
+        """Write the rows that wait; those that a full disk cuts off wait on."""
+        if not rows.waiting:
             return
+        data = memoryview(b"".join(row.tobytes() for row in rows.waiting))
+        place = self._end
         try:
-            dataset.resize(self._counts[name], axis=0)
-            dataset[self._counts[name] - len(rows) :] = np.array(rows)
-            self._file.flush()
+            while data:
+                done = os.pwrite(self._file, data, place)
+                data, place = data[done:], place + done
         except OSError as error:
-            raise OutputError(f"{self._path}: cannot write the states: {error}") from error
-        rows.clear()
+            raise self._error(error) from error
+        rows.blocks.append((self._end, len(rows.waiting)))
+        rows.starts.append(rows.count)
+        rows.count += len(rows.waiting)
+        rows.waiting.clear()
+        self._end = place
+
+    def flush(self) -> dict[str, RowKind]:
+        """Write all rows; return what there is then."""
+        for each in self._rows.values():
+            self._write(each)
+        return {
+            name: RowKind(each.shape, each.dtype.str, tuple(each.blocks))
+            for name, each in self._rows.items()
+        }
 
     def read(self, name: str, rows: Indices, part: slice = slice(None)) -> Any:
-        """Return (n, ...) some rows, in any order, of one data set.
+        """Return (n, ...) some rows, in any order, of one array.
 
         Args:
-            name: of the data set.
+            name: of the array.
             rows: (n,) their numbers.
             part: of the axis behind that of the rows.
         """
-        self._write(name)
-        return select_rows(self._datasets[name], rows, part)
+        each = self._rows[name]
+        self._write(each)
+        return select_rows(_Reader(self, each), rows, part)
+
+    def between(self, rows: _Rows, begin: int, end: int) -> Any:
+        """Return rows from one number to another of an array that is written."""
+        data = bytearray((end - begin) * rows.size)
+        view = memoryview(data)
+        try:
+            for place, length in rows.parts(begin, end):
+                while length:
+                    done = os.preadv(self._file, [view[:length]], place)
+                    if not done:
+                        raise OSError(f"{FILE} has been cut")
+                    view, place, length = view[done:], place + done, length - done
+        except OSError as error:
+            raise self._error(error) from error
+        return np.frombuffer(data, rows.dtype).reshape(end - begin, *rows.shape)
 
     def rows(self, name: str, rows: Indices, part: slice) -> StateArray:
-        """Return some rows of a data set as an array that is read where it is needed.
+        """Return some rows of an array as one that is read where it is needed.
 
         Args:
-            name: of the data set.
+            name: of the array.
             rows: (T,) their numbers.
             part: of the axis behind that of the rows.
         """
-        dataset = self._datasets[name]
-        shape = (len(rows), len(range(*part.indices(dataset.shape[1]))), *dataset.shape[2:])
-        return StateArray(shape, dataset.dtype, lambda states: self.read(name, rows[states], part))
+        each = self._rows[name]
+        shape = (len(rows), len(range(*part.indices(each.shape[0]))), *each.shape[1:])
+        return StateArray(shape, each.dtype, lambda states: self.read(name, rows[states], part))
+
+    def _error(self, error: OSError) -> OutputError:
+        place = self._directory or tempfile.gettempdir()
+        return OutputError(
+            f"{place}: expected a place for the states of the history, found: {disk_reason(error)}"
+        )
 
 
-def select_rows(dataset: h5py.Dataset, rows: Indices, part: slice = slice(None)) -> Any:
+@dataclass(frozen=True)
+class _Reader:
+    """Rows that are read like those of a data set of HDF5."""
+
+    stream: StateStream
+    rows: _Rows
+
+    def __getitem__(self, key: tuple[slice, slice]) -> Any:
+        """Rows one after the other, and a part of the axis behind."""
+        where, part = key
+        begin, end, _ = where.indices(self.rows.count)
+        found = self.stream.between(self.rows, begin, end)
+        return found if part == slice(None) else found[:, part]
+
+
+def select_rows(dataset: Any, rows: Indices, part: slice = slice(None)) -> Any:
     """Return (n, ...) some rows, in any order, of a data set.
 
     Args:
-        dataset: in a file that is open.
+        dataset: of a file of HDF5 that is open, or what is read like one.
         rows: (n,) their numbers.
         part: of the axis behind that of the rows.
     """

@@ -16,6 +16,7 @@ import h5py
 import numpy as np
 
 from fretfe._typing import Array, Indices
+from fretfe.results.hdf5_file import PatientFile
 
 # Of the format: the first one with time steps.
 FORMAT = (2, 0)
@@ -79,7 +80,8 @@ class GridWriter:
     def __init__(
         self, path: Path, parts: Mapping[str, Part], label: str, columns: Mapping[str, Column]
     ) -> None:
-        self._file = h5py.File(path, "w")
+        self._raw = PatientFile(path)
+        self._file = h5py.File(self._raw, "w")
         self._root = self._file.create_group("VTKHDF")
         self._root.attrs.update({"Version": FORMAT, "Type": np.bytes_("UnstructuredGrid")})
         self._count = sum(len(part.points) for part in parts.values())
@@ -97,6 +99,7 @@ class GridWriter:
     def close(self) -> None:
         """Finish the file."""
         self._file.close()
+        self._raw.close()
 
     def add(self, time: float, values: Mapping[str, Sequence[Array]]) -> None:
         """Append a state.
@@ -119,6 +122,7 @@ class GridWriter:
             self._steps["PointDataOffsets"][name][number] = first
         self._steps.attrs["NSteps"] = number + 1
         self._file.flush()
+        self._raw.require()
 
     def _write_grid(self, parts: Mapping[str, Part], label: str) -> None:
         each = list(parts.values())

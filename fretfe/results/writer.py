@@ -32,18 +32,22 @@ from fretfe.errors import OutputError
 from fretfe.results.contact_file import SURFACES, write_surfaces
 from fretfe.results.dataset import NODAL
 from fretfe.results.field_file import FIELDS
+from fretfe.results.files import disk_reason, replace_text, replacing
+from fretfe.results.hdf5_file import new_hdf5
 from fretfe.results.kept import LONG, kept_states
 from fretfe.results.model import BodyArrays, Result
 from fretfe.results.solution import ContactHistory, Solution
 from fretfe.results.states import StateArray, blocks
 from fretfe.results.station_file import STATIONS, write_stations
-from fretfe.results.stream import STREAM
 
 SCHEMA = {"name": "fretfe-results", "version": 3}
 NUMBERS, ARRAYS, REPORT = "results.json", "results.h5", "report.html"
+# Of a sweep: table, picture, and the variants as they are solved.
+TABLE, FIGURE, VARIANTS = SWEEP_FILES = "sweep.csv", "sweep.png", "variants.jsonl"
 # Where pictures are in a results folder, and what lists them there.
 PICTURES, PICTURE_LIST = "pictures", "pictures.json"
 PICTURE_FILES = ("*.png", "*.gif", "*.gltf")
+REFINING = "the mesh was still refining itself"
 # In place of a list that is in `ARRAYS`: this, and the name of its data set there.
 ELSEWHERE = f"{ARRAYS}:"
 
@@ -65,16 +69,14 @@ def prepare_directory(directory: Path) -> None:
         ) from error
 
 
-def remove_fields(directory: Path) -> None:
-    """Remove the fields of an earlier run.
+def remove_results(directory: Path) -> None:
+    """Remove numbers, arrays and fields of an earlier run, the numbers first.
 
     Raises:
-        OutputError: if that fails.
+        OSError: if that fails.
     """
-    try:
-        (directory / FIELDS).unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"{directory / FIELDS}: cannot remove old fields: {error}") from error
+    for name in (NUMBERS, ARRAYS, SURFACES, STATIONS, FIELDS, REPORT):
+        (directory / name).unlink(missing_ok=True)
 
 
 def remove_pictures(directory: Path) -> None:
@@ -98,35 +100,36 @@ def write_results(directory: Path, result: Result) -> None:
     try:
         lists: dict[str, Array] = {}
         text = json.dumps(as_numbers(result, lists), indent=1, allow_nan=False)
-        (directory / NUMBERS).write_text(text + "\n", encoding="utf-8")
-        _write_surfaces(directory / SURFACES, result)
-        write_stations(directory / STATIONS, result)
-        new = directory / f"{ARRAYS}.new"
+        # Arrays or numbers of an earlier run would not belong to what is there before all is.
+        (directory / REPORT).unlink(missing_ok=True)
         if result.solution is not None or lists:
             # The result may have been read from the file that is replaced.
-            _write_arrays(new, result, lists)
-            new.replace(directory / ARRAYS)
+            with replacing(directory / ARRAYS) as new:
+                _write_arrays(new, result, lists)
         else:
-            # Arrays of an earlier run would not belong to these numbers.
             (directory / ARRAYS).unlink(missing_ok=True)
-        # The states are kept as long as the run is, without a name.
-        (directory / STREAM).unlink(missing_ok=True)
+        replace_text(directory / NUMBERS, text + "\n")
+        _write_surfaces(directory / SURFACES, result)
+        write_stations(directory / STATIONS, result)
     except OSError as error:
-        raise OutputError(f"{directory}: cannot write the results: {error}") from error
+        raise OutputError(
+            f"{directory}: the results cannot be written: {disk_reason(error)}"
+        ) from error
 
 
 def _write_surfaces(path: Path, result: Result) -> None:
     """Write the contact surfaces of solids; of plane bodies there are none, nor any file."""
     solution = result.solution
     if solution is not None and solution.dimension == 3:
-        write_surfaces(path, solution, kept_states(result, solution))
+        with replacing(path) as new:
+            write_surfaces(new, solution, kept_states(result, solution))
     else:
         path.unlink(missing_ok=True)
 
 
 def _write_arrays(path: Path, result: Result, lists: Mapping[str, Array]) -> None:
     solution = result.solution
-    with h5py.File(path, "w") as file:
+    with new_hdf5(path) as file:
         file.attrs.update({"schema": SCHEMA["name"], "version": SCHEMA["version"]})
         file["times"] = result.loads.times
         for name, values in lists.items():
@@ -147,6 +150,7 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
         lists: gets those of more than `LONG` numbers, by the names of their data sets.
     """
     case, loads = result.case, result.loads
+    refined = result.refinement is None or bool(result.refinement.reason)
     return _Plain(lists)(
         {
             "schema": SCHEMA,
@@ -154,8 +158,8 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
             "units": case.units.model_dump(),
             "backend": result.backend,
             "notes": result.notes,
-            "complete": result.failure is None,
-            "failure": str(result.failure or ""),
+            "complete": result.failure is None and refined,
+            "failure": str(result.failure or ("" if refined else REFINING)),
             "versions": {**versions(), **result.versions},
             "ranks": result.ranks,
             "seconds": result.seconds,

@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from fretfe.backends import Backend, RunOptions
@@ -34,6 +34,11 @@ class Solved:
     notes: tuple[str, ...]
     seconds: float
 
+    def records(self) -> list[dict[str, Any]]:
+        """A flat record for each edge; one without numbers if it failed."""
+        last = {"seconds": self.seconds, "failure": self.failure}
+        return [{**self.values, **edge, **last} for edge in self.edges or ({},)]
+
 
 @dataclass(frozen=True)
 class Sweep:
@@ -43,11 +48,13 @@ class Sweep:
         keys: that vary.
         units: labels, from the case.
         variants: the cases.
+        stopped: the signal that ended it before all cases were solved, or None.
     """
 
     keys: tuple[str, ...]
     units: Units
     variants: tuple[Solved, ...]
+    stopped: StoppedError | None = None
 
     @property
     def failures(self) -> tuple[Solved, ...]:
@@ -61,14 +68,20 @@ class Sweep:
 
     def records(self) -> list[dict[str, Any]]:
         """A flat record for each case and edge; one without numbers for a case that failed."""
-        return [
-            {**each.values, **edge, "seconds": each.seconds, "failure": each.failure}
-            for each in self.variants
-            for edge in each.edges or ({},)
-        ]
+        return [record for each in self.variants for record in each.records()]
 
 
-def run_sweep(variants: Sequence[Variant], backend: Backend, options: RunOptions) -> Sweep:
+def _forget(_: int, __: Solved) -> None:
+    """Note nothing."""
+
+
+def run_sweep(
+    variants: Sequence[Variant],
+    backend: Backend,
+    options: RunOptions,
+    known: Mapping[int, Solved] | None = None,
+    note: Callable[[int, Solved], None] = _forget,
+) -> Sweep:
     """Solve all cases. Collective if the backend is.
 
     Cases that share the most are solved in a row. One that cannot be solved does not keep the
@@ -78,22 +91,35 @@ def run_sweep(variants: Sequence[Variant], backend: Backend, options: RunOptions
         variants: at least one.
         backend: solves them.
         options: observer of the steps of each case; each case is announced when it is solved.
+            `states` is a folder for folders of all cases.
+        known: cases that need not be solved, by number.
+        note: called with the number of each case that is solved, on all ranks.
     """
-    solved: dict[int, Solved] = {}
+    solved = dict(known or {})
+    stopped: StoppedError | None = None
     with session_of(backend) as session:
-        stopped = ""
         for number in _in_groups([session.group(variant.case) for variant in variants]):
-            if not stopped:
-                try:
-                    solved[number] = _solve(variants[number], backend, session, options)
-                except StoppedError as error:
-                    stopped = str(error)
-            if stopped:
-                solved[number] = Solved(variants[number].values, (), stopped, (), 0.0)
+            if number in solved:
+                continue
+            own = _own(options, number)
+            try:
+                if stopped is None:
+                    solved[number] = _solve(variants[number], backend, session, own)
+                    note(number, solved[number])
+            except StoppedError as error:
+                stopped = error
+            if stopped is not None:
+                solved[number] = Solved(variants[number].values, (), str(stopped), (), 0.0)
             options.announce(_told(len(solved), len(variants), solved[number]))
     first = variants[0]
     in_order = tuple(solved[number] for number in range(len(variants)))
-    return Sweep(tuple(first.values), first.case.units, in_order)
+    return Sweep(tuple(first.values), first.case.units, in_order, stopped)
+
+
+def _own(options: RunOptions, number: int) -> RunOptions:
+    """Options of one case, with a folder of its own."""
+    states = options.states / f"variant-{number + 1}" if options.states is not None else None
+    return replace(options, states=states)
 
 
 def _in_groups(groups: Sequence[str]) -> list[int]:

@@ -5,14 +5,15 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from fretfe.results.files import replacing
 from fretfe.sweeps.engine import Sweep
 
 LAST_COLUMNS = ("seconds", "failure")
@@ -25,13 +26,32 @@ AREA_COLUMNS = ("P", "|Q|", "in contact", "sticks", "p_max", "work")
 def write_table(path: Path, sweep: Sweep) -> None:
     """Write a row for each case and edge; numbers that do not exist are empty."""
     records = sweep.records()
-    columns = list(dict.fromkeys(name for record in records for name in record))
-    columns = [name for name in columns if name not in LAST_COLUMNS] + list(LAST_COLUMNS)
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, columns)
-        writer.writeheader()
-        for record in records:
-            writer.writerow({name: _plain(value) for name, value in record.items()})
+    write_records(path, records, columns_of(records))
+
+
+def columns_of(records: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Names of all columns that some records need."""
+    columns = dict.fromkeys(name for record in records for name in record)
+    return [name for name in columns if name not in LAST_COLUMNS] + list(LAST_COLUMNS)
+
+
+def write_records(path: Path, records: Iterable[Mapping[str, Any]], columns: list[str]) -> None:
+    """Write a table in place of the one before."""
+    with replacing(path) as new, new.open("w", encoding="utf-8", newline="") as file:
+        csv.DictWriter(file, columns).writeheader()
+        _add_rows(file, records, columns)
+
+
+def add_records(path: Path, records: Iterable[Mapping[str, Any]], columns: list[str]) -> None:
+    """Add rows to a table that has these columns."""
+    with path.open("a", encoding="utf-8", newline="") as file:
+        _add_rows(file, records, columns)
+
+
+def _add_rows(file: TextIO, records: Iterable[Mapping[str, Any]], columns: list[str]) -> None:
+    writer = csv.DictWriter(file, columns)
+    for record in records:
+        writer.writerow({name: _plain(value) for name, value in record.items()})
 
 
 def _plain(value: Any) -> Any:

@@ -64,8 +64,11 @@ def described(section: str) -> set[str]:
 @pytest.mark.parametrize(
     ("backend", "files"),
     [
-        ("analytic", {"results.json", "report.html", "pictures", "case.toml"}),
-        ("halfplane", {"results.json", "results.h5", "report.html", "pictures", "case.toml"}),
+        ("analytic", {"results.json", "report.html", "pictures", "case.toml", "run.json"}),
+        (
+            "halfplane",
+            {"results.json", "results.h5", "report.html", "pictures", "case.toml", "run.json"},
+        ),
     ],
 )
 def test_files(folder: Path, backend: str, files: set[str]) -> None:

@@ -22,7 +22,8 @@ from fretfe.contact.march import March
 from fretfe.contact.state import StepLoads
 from fretfe.fem._compat import MPI
 from fretfe.fem.model import step_loads
-from fretfe.fem.run import build_model, load_history
+from fretfe.fem.prepared import build_model
+from fretfe.fem.run import load_history
 from fretfe.fem.timing import Clock
 
 Data = dict[str, Any]

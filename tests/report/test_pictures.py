@@ -32,7 +32,7 @@ from fretfe.report.pictures.stress import draw_bodies, find_look
 from fretfe.results.field_file import FIELDS
 from fretfe.results.reader import load_result
 from fretfe.results.solution import SLIP, STICK
-from fretfe.results.writer import NUMBERS, PICTURE_LIST, PICTURES, remove_fields
+from fretfe.results.writer import NUMBERS, PICTURE_LIST, PICTURES
 
 # Load extremes and end of the last cycle, from t = 2 to t = 3.
 EXTREMES = (2.25, 2.75, 3.0)
@@ -137,7 +137,7 @@ def test_status_has_its_colours(drawn: Path) -> None:
 
 
 def test_without_fields_stress_is_missing(folder: Path) -> None:
-    remove_fields(folder)
+    (folder / FIELDS).unlink()
     found = reasons(folder)
     assert list(found) == STRESS
     assert all('"extremes"' in reason for reason in found.values())
@@ -160,7 +160,7 @@ def test_backends_without_bodies_have_no_pictures(folder: Path) -> None:
 
 
 def test_contacts_without_edges_are_told_apart(folder: Path) -> None:
-    remove_fields(folder)
+    (folder / FIELDS).unlink()
     numbers = json.loads((folder / NUMBERS).read_text())
     for edge in numbers["contacts"]["main"]["edges"]:
         edge["position"][-1] = None
@@ -254,7 +254,7 @@ def test_an_earlier_run_leaves_nothing(folder: Path) -> None:
     (folder / PICTURES).mkdir()
     for path in (PICTURES + "/old.png", PICTURES + "/mine.txt", FIELDS):
         (folder / path).write_text("")
-    remove_fields(folder)
+    (folder / FIELDS).unlink()
     make_pictures(folder)
     assert not (folder / FIELDS).exists()
     kept = sorted(path.name for path in (folder / PICTURES).iterdir())

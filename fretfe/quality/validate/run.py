@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from fretfe.backends import Backend, RunOptions
 from fretfe.backends.protocol import DEFAULTS, Session, session_of
 from fretfe.case import Case
-from fretfe.errors import FretfeError
+from fretfe.errors import FretfeError, StoppedError
 from fretfe.quality.validate.compare import companion_rows
 from fretfe.quality.validate.plan import plan
 from fretfe.quality.validate.rows import Row, missing
@@ -45,6 +45,7 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
         result = session.solve(case, options)
         if result.failure is not None:
             raise result.failure
+        options.keep(result)
         own = solid_rows(result) if result.areas else ()
         rows = [*own_rows(result), *own, *limit_rows(result)]
         variants, reasons = make_variants(case, result)
@@ -52,8 +53,20 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
         options.observer.phase(plan(variants, result))
         for variant in variants:
             options.observer.phase(variant.name)
-            rows += _companion(variant, session, result, options)
+            rows += _companion(variant, session, result, companion_options(options, variant))
     return Validation(result, tuple(rows))
+
+
+def companion_options(options: RunOptions, variant: Variant) -> RunOptions:
+    """Options of a companion: nothing of it is kept but its states, in a folder of its own."""
+    states = options.states
+    return replace(
+        options,
+        history=variant.history,
+        states=states and states / variant.name.replace(" ", "-"),
+        before=None,
+        keep=DEFAULTS.keep,
+    )
 
 
 def _companion(
@@ -61,9 +74,11 @@ def _companion(
 ) -> list[Row]:
     """Rows of one companion; one that has no solution says so in a row of its own."""
     try:
-        other = session.solve(variant.case, replace(options, history=variant.history))
+        other = session.solve(variant.case, options)
     except FretfeError as error:
         return [missing("all", "", variant.name, f"no solution: {error}")]
+    if isinstance(other.failure, StoppedError):
+        raise other.failure
     if other.failure is not None:
         return [missing("all", "", variant.name, f"no solution: {other.failure}")]
     rows = solid_companion_rows if result.areas else companion_rows

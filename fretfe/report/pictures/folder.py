@@ -54,8 +54,8 @@ def make_pictures(directory: Path, meanwhile: Callable[[], None] = lambda: None)
     Raises:
         OutputError: if the results cannot be read or the folder cannot be written to.
     """
-    remove_pictures(directory)
     run = load_result(directory)
+    remove_pictures(directory)
     wanted = plan_pictures(run)
     reports = {each.file: {"reason": reason} for each in wanted if (reason := _lacks(run, each))}
     try:

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""New HDF5 files on disks that may be full.
+
+HDF5 ends the process if it cannot write what it still has when a file is closed. So it never learns
+that a disk is full: what does not fit stays in memory until the file is closed or given up.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import h5py
+
+
+class PatientFile(io.FileIO):
+    """A new file whose writes never fail; `require` tells that one did.
+
+    Args:
+        path: of the file.
+
+    Raises:
+        OSError: if it cannot be made.
+    """
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path, "w+")
+        self._failure: OSError | None = None
+        self._held: list[tuple[int, bytes]] = []
+
+    def write(self, data: Any) -> int:
+        """Write all of it, to memory after the first failure."""
+        place, view = self.tell(), memoryview(data).cast("B")
+        size = len(view)
+        try:
+            while view and self._failure is None:
+                done = os.pwrite(self.fileno(), view, place)
+                view, place = view[done:], place + done
+        except OSError as error:
+            self._failure = error
+        if view:
+            self._held.append((place, bytes(view)))
+        self.seek(place + len(view))
+        return size
+
+    def readinto(self, buffer: Any) -> int:
+        """Read what was written, wherever it is."""
+        view, begin = memoryview(buffer).cast("B"), self.tell()
+        super().readinto(view)
+        for place, data in self._held:
+            first, last = max(place, begin), min(place + len(data), begin + len(view))
+            if first < last:
+                view[first - begin : last - begin] = data[first - place : last - place]
+        return len(view)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Set the size of the file."""
+        try:
+            return super().truncate(size)
+        except OSError as error:
+            self._failure = self._failure or error
+            return size or 0
+
+    def require(self) -> None:
+        """Raise the error of the first write that failed.
+
+        Raises:
+            OSError: if there is one.
+        """
+        if self._failure is not None:
+            raise self._failure
+
+
+@contextlib.contextmanager
+def new_hdf5(path: Path) -> Iterator[h5py.File]:
+    """A new HDF5 file.
+
+    Raises:
+        OSError: if it cannot be written.
+    """
+    with PatientFile(path) as raw:
+        with h5py.File(raw, "w") as file:
+            yield file
+        raw.require()

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The state of a results folder: who is at work in it, and how far the run in it has come.
+
+`run.json` says so. It is written before anything of an earlier run is touched, and says that the
+run has finished only when all numbers are there. `run.lock` keeps a second process out.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import fcntl
+import json
+import os
+import socket
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from fretfe.errors import OutputError
+from fretfe.results.files import disk_reason, replace_text
+
+MARK, LOCK = "run.json", "run.lock"
+SCHEMA = {"name": "fretfe-run", "version": 1}
+FINISHED = "finished"
+# Errors of file systems without locks.
+NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS)
+
+
+@contextlib.contextmanager
+def locked(directory: Path, say: Callable[[str], None] = lambda _: None) -> Iterator[None]:
+    """Keep other processes from writing to an existing folder.
+
+    Args:
+        directory: the folder.
+        say: gets a line if the lock was left by a process that has ended.
+
+    Raises:
+        OutputError: if another process is at work there; it is named.
+    """
+    path = directory / LOCK
+    try:
+        descriptor, locks = _open(path)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {disk_reason(error)}") from error
+    try:
+        before = _owner(path)
+        if before is not None:
+            _require_ended(directory, before, locks)
+            say(f"process {before[0]}, which has ended, left {path}: taken over")
+        me = {"process": os.getpid(), "host": socket.gethostname()}
+        os.ftruncate(descriptor, 0)
+        with contextlib.suppress(OSError):  # a full disk; the lock itself needs no room
+            os.pwrite(descriptor, json.dumps(me).encode(), 0)
+        yield
+    finally:
+        if _same(descriptor, path):
+            path.unlink()
+        os.close(descriptor)
+
+
+def _open(path: Path) -> tuple[int, bool]:
+    """Open and lock a file; say whether the file system has locks.
+
+    Raises:
+        OutputError: if another process has it.
+    """
+    while True:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        locks = True
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            locks = False
+            if error.errno not in NO_LOCKS:
+                os.close(descriptor)
+                raise _in_use(path.parent, _owner(path)) from None
+        # The process before removes the file when it ends: that may have been just now.
+        if _same(descriptor, path):
+            return descriptor, locks
+        os.close(descriptor)
+
+
+def _same(descriptor: int, path: Path) -> bool:
+    """True if an open file is still the one of this name."""
+    try:
+        return os.path.samestat(os.fstat(descriptor), path.stat())
+    except OSError:
+        return False
+
+
+def _owner(path: Path) -> tuple[int, str] | None:
+    """Process and host that a lock names; None if it names none."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        return int(found["process"]), str(found["host"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _require_ended(directory: Path, owner: tuple[int, str], locks: bool) -> None:
+    """Where there are locks, this process now has that of the owner, if that was on this host.
+
+    Raises:
+        OutputError: if the owner may be at work.
+    """
+    process, host = owner
+    if host != socket.gethostname():
+        raise _in_use(directory, owner, f". If it has ended, remove {directory / LOCK}")
+    if not locks and _exists(process):
+        raise _in_use(directory, owner)
+
+
+def _exists(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except OSError:
+        return False
+    return True
+
+
+def _at_work(path: Path) -> bool:
+    """True if a lock is held, or the file system has no locks."""
+    try:
+        descriptor = os.open(path, os.O_RDONLY)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError as error:
+        return error.errno in NO_LOCKS or isinstance(error, BlockingIOError)
+    finally:
+        os.close(descriptor)
+    return False
+
+
+def _in_use(directory: Path, owner: tuple[int, str] | None, remedy: str = "") -> OutputError:
+    who = f"process {owner[0]} on host {owner[1]}" if owner else "another process"
+    return OutputError(
+        f"{directory}: expected a folder of its own, found {who} at work in it{remedy}"
+    )
+
+
+def write_mark(directory: Path, mark: Mapping[str, Any]) -> None:
+    """Write down how far the run in a folder has come.
+
+    Args:
+        directory: folder.
+        mark: `doing`, `complete` and what else there is to say, in plain types.
+
+    Raises:
+        OutputError: if that is not possible.
+    """
+    who = {"process": os.getpid(), "host": socket.gethostname()}
+    text = json.dumps({"schema": SCHEMA, **who, **mark}, indent=1, allow_nan=False)
+    try:
+        replace_text(directory / MARK, text + "\n")
+    except OSError as error:
+        raise OutputError(f"{directory / MARK}: cannot be written: {disk_reason(error)}") from error
+
+
+def read_mark(directory: Path) -> dict[str, Any] | None:
+    """How far the run in a folder has come; None without a note of it.
+
+    Raises:
+        OutputError: if the note is not one of this version.
+    """
+    path = directory / MARK
+    try:
+        mark = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError) as error:
+        raise OutputError(f"{path}: expected the state of a run, found: {error}") from error
+    if not isinstance(mark, dict) or mark.get("schema") != SCHEMA:
+        raise OutputError(f"{path}: expected schema {SCHEMA}, found something else")
+    return mark
+
+
+def unfinished(directory: Path) -> str:
+    """Say in what state the run in a folder is; empty if it has ended by itself.
+
+    Raises:
+        OutputError: as for `read_mark`.
+    """
+    mark = read_mark(directory)
+    if mark is None or mark.get("doing") == FINISHED:
+        return ""
+    who = f"process {mark.get('process')} on host {mark.get('host')}"
+    steps = f"step {mark.get('step', 0)} of {mark['steps']}" if mark.get("steps") else "no step yet"
+    if _at_work(directory / LOCK):
+        return f"a run that is still at work ({who}; {steps})"
+    reason = mark.get("reason")
+    if reason:
+        return f"a run that failed: {reason}"
+    return (
+        f"a run that was ended from outside while {mark.get('doing')} ({who}; {steps}). The same "
+        "command with --resume continues it"
+    )

@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A run at work in its results folder: what it writes there, in an order that leaves no mixture.
+
+Serial: on the first process only.
+"""
+
+from __future__ import annotations
+
+import shutil
+import signal
+import time
+import tomllib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from fretfe.backends import Observer
+from fretfe.case import Case, as_written, case_text
+from fretfe.environment import versions
+from fretfe.errors import OutputError, StoppedError
+from fretfe.results.files import disk_reason, replace_text
+from fretfe.results.model import Result
+from fretfe.results.reader import read_result
+from fretfe.results.run_folder import FINISHED, read_mark, write_mark
+from fretfe.results.stream import STATES
+from fretfe.results.writer import (
+    SWEEP_FILES,
+    remove_pictures,
+    remove_results,
+    write_results,
+)
+
+CASE_COPY, ROWS = "case.toml", "validation.json"
+# Keys of a case that a run may be continued without: they change no state.
+FREE_KEYS = ("title", "output")
+# Packages whose versions must not change within a run; those of a backend stand with its states.
+VERSIONS = ("fretfe",)
+MOST_CHANGES = 5
+# Seconds between two notes of the last step.
+NOTE_SECONDS = 1.0
+
+
+class Work:
+    """A run in its folder, which `run_folder.locked` keeps others from.
+
+    Args:
+        directory: existing folder.
+        command: "run", "sweep" or "validate".
+        backend: its name.
+        case: to be solved.
+        varied: what a sweep varies.
+    """
+
+    def __init__(
+        self,
+        directory: Path,
+        command: str,
+        backend: str,
+        case: Case,
+        varied: Mapping[str, Any] | None = None,
+    ) -> None:
+        self.directory = directory
+        self._case = case
+        # What tells the result that was written last from another one of this run.
+        self._written: object = None
+        self._begun = False
+        self._mark: dict[str, Any] = {
+            "doing": "starting",
+            "complete": False,
+            "step": 0,
+            "steps": 0,
+            "reason": "",
+            "command": command,
+            "backend": backend,
+            "versions": {name: versions()[name] for name in VERSIONS},
+            "varied": {key: list(map(str, values)) for key, values in (varied or {}).items()},
+            "case": _plain(case),
+        }
+
+    def begin(self, *, resume: bool) -> bool:
+        """Take the folder for this run; with `resume` go on with the one in it, if there is one.
+
+        Returns:
+            True if the run in it is complete.
+
+        Raises:
+            OutputError: if another case would be written over the case file, or the run in the
+                folder is another one.
+        """
+        target = self.directory / CASE_COPY
+        copied = target.resolve() == self._case.source.resolve()
+        if copied and not as_written(self._case):
+            raise OutputError(
+                f"{self.directory}: expected another folder than that of the case file, found "
+                f"{target}, which the case with other values would replace"
+            )
+        before = read_mark(self.directory) if resume else None
+        if before is not None:
+            self._require_same(before)
+            if before["complete"] and before["doing"] == FINISHED:
+                return True
+            self._mark |= {"step": before.get("step", 0), "steps": before.get("steps", 0)}
+            self._note("solving")
+            return False
+        self._note("starting")
+        try:
+            self._clear()
+            if not copied:
+                replace_text(target, case_text(self._case))
+        except OSError as error:
+            raise self._cannot(error) from error
+        self._note("solving")
+        return False
+
+    def _clear(self) -> None:
+        """Remove what an earlier run has left."""
+        remove_results(self.directory)
+        remove_pictures(self.directory)
+        for name in (ROWS, *SWEEP_FILES):
+            (self.directory / name).unlink(missing_ok=True)
+        self._remove_states()
+
+    def _remove_states(self) -> None:
+        states = self.directory / STATES
+        if states.is_dir() and not states.is_symlink():
+            shutil.rmtree(states)
+
+    def _require_same(self, before: Mapping[str, Any]) -> None:
+        changes = list(_changes(before, self._mark))
+        if changes:
+            more = f" and {len(changes) - MOST_CHANGES} more" if len(changes) > MOST_CHANGES else ""
+            raise OutputError(
+                f"{self.directory}: the run there cannot be continued, as it is another one: "
+                f"{'; '.join(changes[:MOST_CHANGES])}{more}. Run the case without --resume"
+            )
+
+    def _note(self, doing: str, **more: Any) -> None:
+        self._begun = True
+        self._mark |= {"doing": doing, **more}
+        write_mark(self.directory, self._mark)
+
+    def step(self, number: int, count: int) -> None:
+        """Note the last accepted step; the next one tells if that fails."""
+        self._mark |= {"step": number, "steps": count}
+        try:
+            write_mark(self.directory, self._mark)
+        except OutputError:
+            return
+
+    def numbers(self, result: Result) -> None:
+        """Write the numbers of a result in place of those before, if they are not there."""
+        this = result.notes, result.failure, result.refinement
+        if self._written == this:
+            return
+        self._note("writing results", step=len(result.loads.times) - 1)
+        write_results(self.directory, result)
+        self._written = this
+        self._note("solving")
+
+    def close(self, result: Result) -> None:
+        """Write the numbers of the last result and say that it is all.
+
+        States stay if a signal ended the run.
+        """
+        self.numbers(result)
+        complete = result.failure is None
+        self.finish(complete=complete, resumable=isinstance(result.failure, StoppedError))
+
+    def before(self) -> Result | None:
+        """The numbers that the run has written so far, None if it has not written all of them."""
+        try:
+            return read_result(self.directory)
+        except OutputError:
+            return None
+
+    def finish(self, *, complete: bool, resumable: bool = False) -> None:
+        """Say that all is written; states that a later run could go on from stay if it could.
+
+        Args:
+            complete: whether everything was solved.
+            resumable: whether it would be worth while to go on.
+        """
+        self._note(FINISHED, complete=complete)
+        if not resumable:
+            try:
+                self._remove_states()
+            except OSError as error:
+                raise self._cannot(error) from error
+
+    def fail(self, reason: str) -> None:
+        """Say why there are no results; on a full disk nothing can be said."""
+        if not self._begun:
+            return
+        try:
+            self._note("solving", reason=reason)
+        except OutputError:
+            return
+
+    def _cannot(self, error: OSError) -> OutputError:
+        return OutputError(f"{self.directory}: cannot be written: {disk_reason(error)}")
+
+
+class StepNotes(Observer):
+    """Passes everything on, and notes the last accepted step in the folder from time to time.
+
+    Args:
+        observer: to pass it on to.
+        work: the run.
+    """
+
+    def __init__(self, observer: Observer, work: Work) -> None:
+        self._observer = observer
+        self._work = work
+        self._last = 0.0
+
+    def step(self, number: int, count: int, text: str) -> None:
+        """Note a step."""
+        if time.monotonic() - self._last >= NOTE_SECONDS:
+            self._work.step(number, count)
+            self._last = time.monotonic()
+        self._observer.step(number, count, text)
+
+    def phase(self, text: str) -> None:
+        """Pass it on."""
+        self._observer.phase(text)
+
+    def announce(self, text: str) -> None:
+        """Pass it on."""
+        self._observer.announce(text)
+
+    def stop(self) -> signal.Signals | None:
+        """Ask the other one."""
+        return self._observer.stop()
+
+
+def _plain(case: Case) -> dict[str, Any]:
+    """The case in plain types, the same from its own file and from the copy in the folder."""
+    return tomllib.loads(case_text(case))
+
+
+def _changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
+    """Differences of two runs that matter, in words."""
+    for key in ("command", "backend", "versions", "varied", "case"):
+        start = "" if key == "case" else key
+        one, other = (dict(_flat(each.get(key), start)) for each in (before, now))
+        for name in {**one, **other}:
+            if name.split(".")[0] in FREE_KEYS or one.get(name) == other.get(name):
+                continue
+            yield f"{name} was {one.get(name, 'not given')}, is {other.get(name, 'not given')}"
+
+
+def _flat(value: Any, name: str) -> Iterator[tuple[str, Any]]:
+    """Single values with their names, as ``contacts.main.friction``."""
+    items: Any = ()
+    if isinstance(value, Mapping):
+        items = value.items()
+    elif isinstance(value, list | tuple):
+        items = enumerate(value, start=1)
+    else:
+        yield name, value
+    for key, item in items:
+        yield from _flat(item, f"{name}.{key}" if name else str(key))

@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Results folders in which runs are cut off, refused, continued; half-planes, which are quick."""
+
+from __future__ import annotations
+
+import csv
+import fcntl
+import json
+import os
+import socket
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import pytest
+from launch import fretfe
+from pad_cases import HERTZ, pad, press, shear
+from restarts import cut_and_continued, largest_difference
+from told import Told
+
+from fretfe.case import changed, parse_case
+from fretfe.errors import OutputError, StoppedError
+from fretfe.halfplane import solve_half_planes
+from fretfe.results.reader import load_result
+from fretfe.results.run_folder import locked
+from fretfe.results.stream import StateStream
+from fretfe.runner import Runner
+
+CASE = parse_case(pad(loads={"press": press(steps=4), "shear": shear(steps=8)}))
+RUNNER = Runner.find("halfplane")
+FRICTION = "contacts.main.friction"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_elements() -> Iterator[None]:
+    with patch(
+        "fretfe.backends.halfplane.solve_half_planes", partial(solve_half_planes, elements=60)
+    ):
+        yield
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("undisturbed")
+    RUNNER.run(CASE, folder)
+    return folder
+
+
+@pytest.mark.parametrize("steps", [1, 4, 7, 13])
+def test_a_continued_run_is_the_undisturbed_one(
+    tmp_path: Path, undisturbed: Path, steps: int
+) -> None:
+    cut_and_continued(CASE, "halfplane", tmp_path, steps)
+    # The same in all digits: the factorisation goes on as it was.
+    assert largest_difference(undisturbed, tmp_path) < 1e-12
+    mark = json.loads((tmp_path / "run.json").read_text())
+    assert mark["complete"] and mark["doing"] == "finished"
+    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(
+        each.name for each in undisturbed.iterdir()
+    )
+
+
+def test_a_complete_run_is_not_run_again(undisturbed: Path) -> None:
+    told = Told()
+    result = RUNNER.run(CASE, undisturbed, told, resume=True)
+    assert not told.steps
+    assert result.failure is None and result.directory == undisturbed
+
+
+def test_another_case_is_not_continued(tmp_path: Path) -> None:
+    RUNNER.run(CASE, tmp_path, Told(5))
+    with pytest.raises(OutputError, match=r"another one: contacts.main.friction was 0.4, is 0.5"):
+        RUNNER.run(changed(CASE, {FRICTION: 0.5}), tmp_path, resume=True)
+    with pytest.raises(OutputError, match="backend was halfplane, is analytic"):
+        Runner.find("analytic").run(CASE, tmp_path, resume=True)
+    # A title, or what is kept, makes no difference.
+    assert RUNNER.run(changed(CASE, {"title": "other"}), tmp_path, resume=True).failure is None
+
+
+def test_states_that_are_not_whole_are_not_continued(tmp_path: Path) -> None:
+    RUNNER.run(CASE, tmp_path, Told(5))
+    (tmp_path / "states" / "states.rows").write_bytes(b"")
+    with pytest.raises(OutputError, match="has been cut"):
+        RUNNER.run(CASE, tmp_path, resume=True)
+
+
+def test_what_a_killed_run_leaves_is_no_result(
+    tmp_path: Path,
+) -> None:
+    RUNNER.run(CASE, tmp_path)
+
+    class Killed(BaseException):
+        """Ends a run as nothing that it catches does."""
+
+    class Killing(Told):
+        def step(self, number: int, count: int, text: str) -> None:
+            if number == 9:
+                raise Killed
+
+    with pytest.raises(Killed):
+        RUNNER.run(changed(CASE, {FRICTION: 0.5}), tmp_path, Killing())
+    assert not (tmp_path / "results.json").exists()
+    mark = json.loads((tmp_path / "run.json").read_text())
+    assert (mark["complete"], mark["steps"], mark["case"]["contacts"]["main"]["friction"]) == (
+        False,
+        20,
+        0.5,
+    )
+    for command in ("report", "animate", "scene"):
+        words = () if command == "report" else ("-o", tmp_path / f"x.{SUFFIX[command]}")
+        done = fretfe(command, tmp_path, *words)
+        assert done.returncode == 6, done.stderr
+        assert "was ended from outside" in done.stderr and "--resume" in done.stderr
+    with pytest.raises(OutputError, match="ended from outside while solving"):
+        load_result(tmp_path)
+
+
+SUFFIX = {"animate": "gif", "scene": "gltf"}
+
+
+def test_a_second_run_is_refused(tmp_path: Path) -> None:
+    with locked(tmp_path):
+        who = f"process {os.getpid()} on host {socket.gethostname()}"
+        with pytest.raises(OutputError, match=f"{who} at work in it"):
+            RUNNER.run(CASE, tmp_path)
+    assert RUNNER.run(CASE, tmp_path).failure is None
+    assert not (tmp_path / "run.lock").exists()
+
+
+def test_the_lock_of_a_dead_process_is_taken_over(tmp_path: Path) -> None:
+    lock = {"process": 4_000_000, "host": socket.gethostname()}
+    (tmp_path / "run.lock").write_text(json.dumps(lock))
+    told = Told()
+    RUNNER.run(CASE, tmp_path, told)
+    assert "process 4000000, which has ended" in told.announced[0]
+
+
+def test_the_lock_of_another_host_is_left(tmp_path: Path) -> None:
+    (tmp_path / "run.lock").write_text(json.dumps({"process": 7, "host": "elsewhere"}))
+    with pytest.raises(OutputError, match=r"process 7 on host elsewhere .* remove .*run.lock"):
+        RUNNER.run(CASE, tmp_path)
+
+
+def test_without_locks_processes_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def none(*_: Any) -> None:
+        raise OSError(37, "No locks available")
+
+    monkeypatch.setattr(fcntl, "flock", none)
+    lock = {"process": os.getppid(), "host": socket.gethostname()}
+    (tmp_path / "run.lock").write_text(json.dumps(lock))
+    with pytest.raises(OutputError, match=f"process {os.getppid()} on host"):
+        RUNNER.run(CASE, tmp_path)
+
+
+def test_a_sweep_goes_on_after_what_is_solved(tmp_path: Path) -> None:
+    vary = {FRICTION: [0.3, 0.4, 0.5]}
+    first = RUNNER.sweep(CASE, vary, tmp_path, Told(27))
+    assert isinstance(first.stopped, StoppedError)
+    assert [bool(each.failure) for each in first.variants] == [False, True, True]
+    told = Told()
+    sweep = RUNNER.sweep(CASE, vary, tmp_path, told, resume=True)
+    # The first case is known, the second goes on after its seventh step.
+    assert told.steps[0][0] == 8
+    assert not sweep.failures and sweep.stopped is None
+    with (tmp_path / "sweep.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row[FRICTION] for row in rows] == ["0.3", "0.3", "0.4", "0.4", "0.5", "0.5"]
+    single = RUNNER.run(changed(CASE, {FRICTION: 0.4}))
+    for edge, row in zip(single.edges(), rows[2:4], strict=True):
+        assert float(row["k_n"]) == pytest.approx(edge["k_n"], rel=1e-12)
+
+
+def test_the_table_of_a_sweep_grows(tmp_path: Path) -> None:
+    lines: list[int] = []
+
+    class Counting(Told):
+        def announce(self, text: str) -> None:
+            lines.append(len((tmp_path / "sweep.csv").read_text().splitlines()))
+
+    RUNNER.sweep(CASE, {FRICTION: [0.05, 0.3, 0.4]}, tmp_path, Counting())
+    # A header and two rows for each case.
+    assert lines == [3, 5, 7]
+
+
+def test_a_validation_goes_on(tmp_path: Path) -> None:
+    with pytest.raises(StoppedError):
+        RUNNER.validate(CASE, tmp_path, Told(25))
+    assert json.loads((tmp_path / "results.json").read_text())["complete"] is True
+    with pytest.raises(OutputError, match="failed: stopped by SIGINT"):
+        load_result(tmp_path)
+    told = Told()
+    found = RUNNER.validate(CASE, tmp_path, told, resume=True)
+    assert told.steps[0][0] == 6
+    assert len(found.rows) == len(RUNNER.validate(CASE).rows)
+    assert load_result(tmp_path).failure is None
+
+
+@pytest.mark.parametrize("place", ["states", "results.json", "results.h5", "sweep.csv"])
+def test_a_full_disk_is_one_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
+) -> None:
+    """The device /dev/full takes nothing, as a full disk."""
+    if not Path("/dev/full").exists():
+        pytest.skip("there is no /dev/full")
+    (tmp_path / "case.toml").write_text(HERTZ)
+    out = tmp_path / "out"
+    words = ["run", "case.toml", "-o", "out", "--no-report"]
+    if place == "sweep.csv":
+        words = ["sweep", "case.toml", "-o", "out", "--vary", f"{FRICTION}=0.3,0.4"]
+    if place == "states":
+        opened = os.open("/dev/full", os.O_RDWR)
+        monkeypatch.setattr(StateStream, "_open", lambda _: opened)
+        monkeypatch.setattr(os, "ftruncate", lambda *_: None)
+    else:
+        out.mkdir()
+        (out / f"{place}.new").symlink_to("/dev/full")
+    monkeypatch.chdir(tmp_path)
+    done = fretfe(*words, "--backend", "halfplane")
+    assert done.returncode == 6, done.stderr
+    assert "Traceback" not in done.stderr
+    assert "the disk is full" in done.stderr
