@@ -244,7 +244,7 @@ def test_validation_and_its_files(pad: Path, tmp_path: Path) -> None:
     assert found.result.directory == tmp_path
     assert {path.name for path in tmp_path.iterdir()} == {
         "run.json",
-        "results.json", "results.h5", "validation.json"
+        "case.toml", "results.json", "results.h5", "validation.json"
     }  # fmt: skip
 
 
