@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 
@@ -21,7 +20,7 @@ from fretfe.errors import FretfeError, MeshError
 from fretfe.fem._compat import MPI
 from fretfe.fem.parallel import on_root
 from fretfe.fem.run import solve
-from fretfe.geometry.sizing import Sizes, Source, apply_sizes, curves_of_groups, length_of
+from fretfe.geometry.sizing import Source, apply_fine_sizes
 from fretfe.mesh.groups import count_unknowns
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
@@ -29,8 +28,6 @@ from fretfe.results.solution import Solution
 from fretfe.surface.load import load_mesh
 from fretfe.surface.surface import build_surface
 
-# Elements along the shorter surface of a contact in the first mesh.
-FIRST_ELEMENTS = 40
 # More passes than this do not help: the element size at the edges has been halved eight times.
 MOST_PASSES = 12
 # Passes that may be needed to find the edges and to resolve their slip zones.
@@ -46,17 +43,6 @@ def growth_for(tolerance: float, degree: int) -> float:
     tolerance. Linear displacements need half of that, found by trial.
     """
     return min(math.sqrt(32 * tolerance / 3), LARGEST_GROWTH) * degree / 2
-
-
-def first_sizes(case: Case, growth: float, gmsh: ModuleType) -> Sizes:
-    """Even sizes along the contact surfaces of the geometry that is the current Gmsh model."""
-    curves = curves_of_groups(gmsh)
-    sizes: dict[str, float] = {}
-    for contact in case.contacts.values():
-        names = [name for name in (contact.surface1, contact.surface2) if name in curves]
-        lengths = [length_of(gmsh, curves[name]) for name in names]
-        sizes |= {name: min(lengths) / FIRST_ELEMENTS for name in names}
-    return Sizes(sizes, growth)
 
 
 def starting_mesh(case: Case) -> Mesh:
@@ -136,7 +122,9 @@ class _Passes:
         Raises:
             MeshError: if it is larger than the case allows, or as for `load_mesh`.
         """
-        mesh = load_mesh(self._case, self._set_sizes)
+        contacts = [(each.surface1, each.surface2) for each in self._case.contacts.values()]
+        size = partial(apply_fine_sizes, contacts, self._growth, self._sources)
+        mesh = load_mesh(self._case, size)
         unknowns = count_unknowns(mesh, self._case.model.degree)
         if unknowns > self._edges.unknowns:
             raise MeshError(
@@ -146,10 +134,6 @@ class _Passes:
         self._announce(f"mesh {len(self._passes) + 1}: {unknowns} unknowns")
         self._mesh = mesh
         return mesh
-
-    def _set_sizes(self, gmsh: ModuleType) -> None:
-        even = first_sizes(self._case, self._growth, gmsh)
-        apply_sizes(gmsh, replace(even, sources=self._sources))
 
     def judge(self, result: Result) -> Refinement:
         """All passes so far, this one included; without a reason to end there is another."""
