@@ -23,7 +23,7 @@ from fretfe.geometry.gmsh_model import RawMesh
 from fretfe.mesh.raw_file import read_raw
 
 # Seconds for reading a file, and for each megabyte of it; for meshing what was read.
-READING, READING_MEGABYTE, MESHING = 45.0, 10.0, 3600.0
+READING, READING_MEGABYTE, MESHING = 20.0, 20.0, 3600.0
 # Files in the folder that both processes know. The first process writes the work, nobody else.
 WORK, OPENED, MESH, ERROR, MESSAGES = "work", "opened", "mesh.npz", "error", "messages"
 ERRORS = {each.__name__: each for each in (CaseError, DependencyError, MeshError)}

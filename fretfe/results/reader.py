@@ -26,6 +26,7 @@ from fretfe.edges.front import ContactSummary, Station, fronts_of
 from fretfe.edges.limits import ModelLimit
 from fretfe.edges.refinement import Refinement
 from fretfe.errors import CaseError, ConvergenceError, OutputError
+from fretfe.files import file_fault
 from fretfe.loads import History
 from fretfe.results.dataset import NODAL
 from fretfe.results.model import Result
@@ -78,6 +79,7 @@ def read_numbers(directory: Path) -> dict[str, Any]:
         OutputError: if it is missing or not of this schema.
     """
     path = directory / NUMBERS
+    _require_stored(path)
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -85,7 +87,7 @@ def read_numbers(directory: Path) -> dict[str, Any]:
             f"{path.parent}: expected a folder with the results of a run, found no readable "
             f"{path.name}: {error.strerror}"
         ) from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise OutputError(f"{path}: expected the results of a run, found: {error}") from error
     schema = data.get("schema") if isinstance(data, dict) else None
     if schema != SCHEMA:
@@ -125,8 +127,10 @@ def _opened(path: Path) -> Iterator[h5py.File]:
     Raises:
         OutputError: if they cannot be read, or are of another schema.
     """
+    _require_stored(path)
     try:
         with h5py.File(path, "r") as file:
+            _require_own(path, file)
             found = {"name": file.attrs.get("schema"), "version": file.attrs.get("version")}
             if found != SCHEMA:
                 raise OutputError(f"{path}: expected schema {SCHEMA}, found {found}")
@@ -136,6 +140,23 @@ def _opened(path: Path) -> Iterator[h5py.File]:
         raise OutputError(
             f"{path}: expected the arrays that belong to {NUMBERS}, found: {reason}"
         ) from error
+
+
+def _require_stored(path: Path) -> None:
+    """Check that a file that may be missing is nothing but a file."""
+    fault = file_fault(path)
+    if fault and not fault.startswith("nothing"):
+        raise OutputError(f"{path}: expected a file of results, found {fault}")
+
+
+def _require_own(path: Path, file: h5py.File) -> None:
+    """Check that all that is in a file is in it: it could name a pipe, or a file of others."""
+
+    def look(name: str, link: object) -> str | None:
+        return None if isinstance(link, h5py.HardLink) else name
+
+    if (name := file.visititems_links(look)) is not None:
+        raise OutputError(f"{path}: expected arrays of a run, found {name!r}, which is elsewhere")
 
 
 def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
