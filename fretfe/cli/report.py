@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from fretfe.cli.options import Results, examples
 from fretfe.environment import rank_from_environment
+from fretfe.errors import FretfeError, OutputError
 
 EXAMPLES = examples("fretfe report pad")
 
@@ -13,5 +14,16 @@ def report(directory: Results) -> None:
     """Make report.html again from the results in a folder."""
     from fretfe.report.page.html import write_report
 
-    if rank_from_environment() == 0:
-        print(f"Report in {write_report(directory)}")
+    if rank_from_environment() > 0:
+        return
+    try:
+        path = write_report(directory)
+    except (FretfeError, ImportError):
+        raise
+    except Exception as error:
+        # Numbers that were changed may lead anywhere.
+        raise OutputError(
+            f"{directory}: expected results as a run has written them, found some that cannot be "
+            f"drawn: {type(error).__name__}: {error}"
+        ) from error
+    print(f"Report in {path}")

@@ -135,7 +135,8 @@ def _opened(path: Path) -> Iterator[h5py.File]:
             if found != SCHEMA:
                 raise OutputError(f"{path}: expected schema {SCHEMA}, found {found}")
             yield file
-    except OSError as error:
+    except (OSError, RuntimeError) as error:
+        # h5py has both for files that are damaged.
         reason = str(error) if path.exists() else "no such file"
         raise OutputError(
             f"{path}: expected the arrays that belong to {NUMBERS}, found: {reason}"
@@ -340,8 +341,11 @@ def _stored(path: Path, dataset: h5py.Dataset, numbers: Indices, count: int) -> 
             )
         if _identity(path) != identity:
             raise OutputError(f"{path}: expected the file that was read, found another one")
-        with h5py.File(path, "r") as file:
-            return select_rows(file[name], rows)
+        try:
+            with h5py.File(path, "r") as file:
+                return select_rows(file[name], rows)
+        except (OSError, RuntimeError) as error:
+            raise OutputError(f"{path}: cannot read {name}: {error}") from error
 
     return StateArray((count, *dataset.shape[1:]), dataset.dtype, read)
 

@@ -6,12 +6,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import blocks
 import numpy as np
 import pytest
 from contact_runs import ramp
+from launch import python
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
@@ -217,3 +219,27 @@ def test_exchanged_bodies(original: Result) -> None:
         assert np.abs(change).max() < 0.02 * np.abs(vectors(one)).max()
         force = np.asarray(next(c for c in found.contacts if c.name == name).normal_force)
         np.testing.assert_allclose(force[-1], -FORCES[name][0], rtol=1e-6)
+
+
+ON_RANKS = """
+import sys
+sys.path[:0] = [{tests!r}, {folder!r}]
+from fretfe.fem._compat import MPI
+import numpy as np
+import test_invariance as own
+result = own.solved(own.case(), own.mesh())
+if MPI.COMM_WORLD.rank == 0:
+    np.savez({target!r}, **{{name: own.vectors(own.contact(result, name)) for name in own.PADS}})
+"""
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_on_several_ranks(original: Result, tmp_path: Path, ranks: int) -> None:
+    folder, target = Path(__file__).parent, tmp_path / "found.npz"
+    names = {"tests": str(folder.parent), "folder": str(folder), "target": str(target)}
+    done = python("-c", ON_RANKS.format(**names), ranks=ranks)
+    assert done.returncode == 0, done.stderr
+    with np.load(target) as found:
+        for name in PADS:
+            expected = vectors(contact(original, name))
+            assert np.abs(found[name] - expected).max() < TOLERANCE * np.abs(expected).max()
