@@ -27,7 +27,7 @@ REFUSED = {
     ),
 }
 DEEPEST = 10
-MOST_MEMBERS = 1_000_000_000
+MOST_MEMBERS = 100_000_000
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def read_deck(path: Path) -> Deck:
         if card.keyword in readers:
             try:
                 readers[card.keyword](deck, card)
-            except (ValueError, IndexError, KeyError) as error:
+            except (ValueError, IndexError, KeyError, OverflowError) as error:
                 raise MeshError(f"{card.place}: cannot read *{card.keyword}: {error}") from error
     if not deck.nodes or not deck.elements:
         raise MeshError(
@@ -189,10 +189,10 @@ def _members(card: Card, sets: dict[str, list[int]]) -> list[int]:
         found: list[int] = []
         for row in card.rows:
             first, last, *step = (int(value) for value in row if value)
-            numbers = range(first, last + 1, *step)
-            if len(numbers) > MOST_MEMBERS:
-                raise ValueError(f"a set of {len(numbers)} is larger than any mesh")
-            found += numbers
+            members = range(first, last + 1, *step)
+            if len(members) > MOST_MEMBERS:
+                raise ValueError(f"a set of {len(members)} is larger than any mesh")
+            found += members
         return found
     numbers: list[int] = []
     for value in (value for row in card.rows for value in row if value):

@@ -179,6 +179,11 @@ def _grids() -> Iterator[Fault]:
         # Dimensions of what is in HDF5 are those that it has.
         refused = None if name in ("dimensions", "nan") else True
         yield Fault(f"pad.xdmf/{name}", CHECK, write, refused)
+    yield from _arrays()
+
+
+def _arrays() -> Iterator[Fault]:
+    """The numbers of a grid in HDF5."""
     for seed in range(14):
 
         def write_h5(good: Path, here: Path, seed: int = seed) -> None:

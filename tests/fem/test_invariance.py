@@ -57,6 +57,13 @@ def two_pads() -> Mesh:
     return Mesh(bodies)
 
 
+def touching(name: str, exchanged: bool) -> dict[str, Any]:
+    """The contact of a pad."""
+    surfaces = [f"{name}_bottom", f"block_top_{name}"]
+    one, other = reversed(surfaces) if exchanged else surfaces
+    return {"surface1": one, "surface2": other, "friction": 0.4}
+
+
 def case(
     turn: Array = SAME,
     length: float = 1.0,
@@ -77,25 +84,13 @@ def case(
         table = {"type": "platen", "boundary": f"{name}_top", "control": "force"}
         return {**table, "direction": direction, "history": [*hold, move]}
 
-    surfaces = {name: (f"{name}_bottom", "block_top") for name in PADS}
-    if exchanged:
-        surfaces = {name: (one, other) for name, (other, one) in surfaces.items()}
     young = 200.0 * force / length**2
     return parse_case(
         {
             "geometry": {"file": "none.msh"},
             "model": {"thickness": length},
             "bodies": listed({n: {"young": young, "poisson": 0.3} for n in ("a", "b", "block")}),
-            "contacts": listed(
-                {
-                    name: {
-                        "surface1": surfaces[name][0].replace("block_top", f"block_top_{name}"),
-                        "surface2": surfaces[name][1].replace("block_top", f"block_top_{name}"),
-                        "friction": 0.4,
-                    }
-                    for name in PADS
-                }
-            ),
+            "contacts": listed({name: touching(name, exchanged) for name in PADS}),
             "loads": listed({f"{n}{i}": platen(n, i) for n in PADS for i in (1, 0)}),
             "supports": listed(
                 {
