@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """`cd tests; python -m soak [COUNT]`: many small runs in one process, and what they leave behind.
 
-Half-planes in most of them, finite elements in every fifth, a report in every hundredth. Memory,
-open files and communicators are those after the first hundred runs, by which caches are full, and
-at the end.
+Finite elements in most of them, half-planes and files in every tenth, a report in every hundredth.
+Memory, open files and communicators are those after the first hundred runs, by which caches are
+full, and at the end.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from fretfe.case import Case, parse_case
 from fretfe.runner import draw_report
 
 COUNT, WARM = 2000, 100
-FEM, REPORT = 5, 100
+HALFPLANE, FILES, REPORT = 10, 10, 100
 # One step of pressing: the smallest run that there is.
 SMALLEST: dict[str, Any] = {**PAD, "loads": {"press": press(steps=1)}, "contacts": {
     "main": {**PAD["contacts"]["main"], "friction_from": 0.0}
@@ -72,8 +72,9 @@ def free_communicators(most: int = 3000) -> int:
 
 def one_run(number: int, case: Case, folder: Path) -> None:
     """One of the runs."""
-    backend = "fem" if number % FEM == 0 else "halfplane"
-    fretfe.run(case, backend, folder / backend)
+    backend = "halfplane" if number % HALFPLANE == 5 else "fem"
+    output = folder / backend if number % FILES == 0 else None
+    fretfe.run(case, backend, output)
     if number % REPORT == 0:
         assert not draw_report(folder / backend).problems
 
@@ -87,7 +88,7 @@ def soak(count: int) -> tuple[Held, Held]:
         first = held()
         for number in range(WARM, count):
             one_run(number, case, Path(name))
-            if (number + 1) % 100 == 0:
+            if (number + 1) % 50 == 0:
                 print(number + 1, held(), flush=True)
     return first, held()
 
