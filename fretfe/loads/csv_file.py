@@ -135,7 +135,8 @@ def _rows(path: Path, delimiter: str) -> Iterator[tuple[int, list[str]]]:
     empty = True
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file, delimiter=delimiter, skipinitialspace=delimiter != "\t")
+            spaces = delimiter != "\t"
+            reader = csv.reader(file, delimiter=delimiter, skipinitialspace=spaces, strict=True)
             for row in reader:
                 if any(cell.strip() for cell in row):
                     empty = False
@@ -192,6 +193,9 @@ class _Numbers:
             text = cell.replace(",", ".") if marks == [","] else ""
         else:
             text = cell
+        # Python reads 1_000 and the digits of other scripts too; what they mean here is a guess.
+        if "_" in text or not text.isascii():
+            text = ""
         try:
             number = float(text)
         except ValueError:

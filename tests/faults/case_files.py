@@ -187,6 +187,7 @@ def _overrides() -> Iterator[Fault]:
     for option in options:
         command = (*HALFPLANE, "--set", option)
         yield text_fault(f"toml/--set {option[:50]}", command, text)
+    sweep = ("sweep", "case.toml", "-o", "out", "--backend", "analytic")
     for words in (
         ("--vary", "contacts.main.friction=0.1:0.2:99999999999"),
         ("--vary", "contacts.main.friction=nan:1:3"),
@@ -195,6 +196,5 @@ def _overrides() -> Iterator[Fault]:
         ("--vary", "contacts.main.friction="),
         ("--vary", "title=a,b,,c"),
     ):
-        command = ("sweep", "case.toml", "-o", "out", "--backend", "analytic", *words)
         refused = None if words[1].startswith("title") else True
-        yield text_fault(f"toml/{' '.join(words)}", command, text, refused)
+        yield text_fault(f"toml/{' '.join(words)}", (*sweep, *words), text, refused)

@@ -103,7 +103,7 @@ def _meshes() -> Iterator[Fault]:
         "nan": b"nan 1 0", "inf": b"inf 1 0", "huge": b"1e200 1 0", "words": b"a b c",
         "missing": b"", "out of the plane": b"0 0 5",
     }.items():  # fmt: skip
-        change = partial(_node, text)
+        change: Change = partial(_node, text)
         yield Fault(f"pad22.msh/node: {name}", CHECK, _with("pad22.msh", change), True)
     for factor in (1e-200, 1e-60, 1e60, 1e200, 0.0):
         change = _scaled(factor)
