@@ -9,8 +9,8 @@ import soak
 
 @pytest.mark.slow
 def test_runs_leave_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(soak, "WARM", 20)
-    before, after = soak.soak(120)
+    monkeypatch.setattr(soak, "WARM", 60)
+    before, after = soak.soak(160)
     assert after.memory - before.memory < 20
     assert after.files <= before.files
     assert after.communicators >= before.communicators
