@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import sys
+import warnings
 
 from fretfe.environment import missing_package
 from fretfe.errors import DependencyError
@@ -19,6 +20,9 @@ def main() -> None:
     # the cores. To be set before NumPy is imported.
     if not any(name in os.environ for name in THREADS):
         os.environ[THREADS[-1]] = "1"
+    # What NumPy warns of is told by fretfe in its own words, or does not matter.
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore", RuntimeWarning)
     try:
         from fretfe.cli.app import main as command_line
     except ImportError as error:

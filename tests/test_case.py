@@ -591,6 +591,7 @@ def test_a_file_that_cannot_be_read_is_an_error(
     def refuse(path: Path) -> bytes:
         raise PermissionError(13, "Permission denied", str(path))
 
+    (tmp_path / "b1.toml").touch()
     monkeypatch.setattr(Path, "read_bytes", refuse)  # the tests may run as root, who reads all
     with pytest.raises(CaseError, match=r"a file that cannot be read \(Permission denied\)"):
         load_case(tmp_path / "b1.toml")

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -81,7 +82,7 @@ def circle() -> Case:
     return case(1.0, 1.0)
 
 
-def of(case: Case, **changes: object) -> Closure:
+def of(case: Case, **changes: Any) -> Closure:
     solution, contact, track = case
     return closure(solution, replace(contact, **changes), track, alone=True)
 

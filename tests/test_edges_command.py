@@ -144,4 +144,4 @@ def test_no_file(
 ) -> None:
     code, text = failure(monkeypatch, capsys, tmp_path / "none.csv")
     assert code == 2
-    assert "expected a CSV file, found none" in text
+    assert "expected a CSV file, found nothing at" in text

@@ -17,6 +17,7 @@ import fretfe
 LAYERS = (
     "fretfe",
     "fretfe.errors",
+    "fretfe.files",
     "fretfe.environment",
     "fretfe._core",
     "fretfe._typing",

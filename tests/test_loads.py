@@ -336,7 +336,7 @@ def test_csv_mistakes_are_located(tmp_path: Path, content: str | bytes, expected
 def test_a_missing_csv_file_is_named(tmp_path: Path) -> None:
     segment = {"csv": "none.csv", "time": "t", "value": "Q"}
     text = message(source=tmp_path / "c.toml", a=[segment])
-    assert f"{tmp_path / 'none.csv'}: expected a CSV file, found none" in text
+    assert f"{tmp_path / 'none.csv'}: expected a CSV file, found nothing at" in text
 
 
 CYCLES = {

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,7 +34,7 @@ def case() -> Case:
     return replace(solution, contacts=(contact,)), contact, track
 
 
-def reasons(case: Case, **changes: object) -> set[str]:
+def reasons(case: Case, **changes: Any) -> set[str]:
     _, contact, track = case
     assert contact.neighbours is not None
     changed = replace(contact, neighbours=replace(contact.neighbours, **changes))

@@ -12,12 +12,24 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field
 # passes, so that messages can tell tags from keys.
 TAG = "::"
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Positive = Annotated[Number, Field(gt=0)]
+# Products and squares of a few such numbers can be computed; no unit makes them larger or smaller.
+LARGEST, SMALLEST = 1e30, 1e-30
+# Steps of a load, or cycles: far more than can be solved.
+MOST_STEPS = 1_000_000
+
+
+def _not_tiny(value: float) -> float:
+    if value < SMALLEST:
+        raise ValueError(f"expected a number of {SMALLEST:g} or more, found {value:g}")
+    return value
+
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
+Positive = Annotated[Number, Field(gt=0), AfterValidator(_not_tiny)]
 NotNegative = Annotated[Number, Field(ge=0)]
-Count = Annotated[int, Field(strict=True, ge=1)]
-Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")]
-Text = Annotated[str, Field(strict=True, min_length=1)]
+Count = Annotated[int, Field(strict=True, ge=1, le=MOST_STEPS)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$", max_length=100)]
+Text = Annotated[str, Field(strict=True, min_length=1, max_length=1000)]
 Axis = Literal["x", "y", "z"]
 AXES: tuple[Axis, ...] = ("x", "y", "z")
 

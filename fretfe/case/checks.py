@@ -34,6 +34,7 @@ def cross_problems(
     """Contradictions between the tables given, which may be only a part of a case."""
     return [
         *_surface_problems(contacts),
+        *_held_surface_problems(contacts, supports, loads),
         *_platen_problems(contacts, supports, loads),
         *_platen_direction_problems(loads),
         *_displacement_problems(supports, loads),
@@ -53,6 +54,30 @@ def _surface_problems(contacts: Mapping[str, Contact]) -> Iterator[Problem]:
                     f"{used[surface]}",
                 )
             used.setdefault(surface, f"contacts.{name}.{side}")
+
+
+def _held_surface_problems(
+    contacts: Mapping[str, Contact], supports: Mapping[str, Support], loads: Mapping[str, Load]
+) -> Iterator[Problem]:
+    """Contact surfaces that are held or moved: only contact may hold them."""
+    used = {
+        getattr(contact, side): f"contacts.{name}.{side}"
+        for name, contact in contacts.items()
+        for side in ("surface1", "surface2")
+    }
+    held = [("supports", name, each.boundary) for name, each in supports.items()]
+    held += [
+        ("loads", name, load.boundary)
+        for name, load in loads.items()
+        if isinstance(load, DisplacementLoad)
+    ]
+    for table, name, boundary in held:
+        if boundary in used:
+            yield Problem(
+                (table, name, "boundary"),
+                f"expected a boundary that is no contact surface, found {boundary!r}, which is "
+                f"{used[boundary]}",
+            )
 
 
 def _platens(loads: Mapping[str, Load]) -> dict[str, str]:

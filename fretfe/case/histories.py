@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from fretfe.case.base import TAG, Count, NotNegative, Number, Positive, Table, Text
+from fretfe.case.base import MOST_STEPS, TAG, Count, NotNegative, Number, Positive, Table, Text
 
 
 class Ramp(Table):
@@ -44,6 +44,7 @@ class Wave(Table):
     steps_per_cycle: int = Field(
         strict=True,
         ge=4,
+        le=MOST_STEPS,
         description="Number of equal load steps per cycle; >= 4. The two instants of each cycle at "
         "which the wave turns are added if they do not fall on a step.",
     )

@@ -48,6 +48,8 @@ NESTED: dict[tuple[str | int, ...], type[Table]] = {
     ("geometry", "boundaries"): BoundarySelector,
     ("geometry", "solid"): Solid,
 }
+# Characters of a text, or digits of a number, that are shown.
+LONGEST = 60
 TAGGED = {f"{TAG}{key}": table for key, table in (LOADS | KINDS).items()}
 
 EXPECTED = {
@@ -56,6 +58,7 @@ EXPECTED = {
     "finite_number": "a finite number",
     "string_type": "text",
     "string_too_short": "text that is not empty",
+    "string_too_long": "a shorter text, of at most 100 characters in a name and 1000 elsewhere",
     "string_pattern_mismatch": "a name of letters, digits, '_' and '-' that starts with a letter "
     "or '_'",
     "model_type": "a table",
@@ -93,7 +96,8 @@ def key_path(key: Key) -> str:
             path += f"[{'segment' if before == 'history' else 'item'} {part + 1}]"
         else:
             bare = re.fullmatch(r"[A-Za-z0-9_-]+", part)
-            path += ("." if path else "") + (part if bare else f'"{part}"')
+            name = shortened(part)
+            path += ("." if path else "") + (name if bare else f'"{name}"')
     return path
 
 
@@ -175,15 +179,28 @@ def _text(detail: ErrorDetails) -> str:
     return f"expected {EXPECTED.get(kind, detail['msg'])}, found {found(value)}"
 
 
+def shortened(text: str) -> str:
+    """A text of a user, without its middle if it is long."""
+    if len(text) <= LONGEST:
+        return text
+    return f"{text[:20]}... ({len(text)} characters)"
+
+
 def found(value: Any) -> str:
     """A value of a case file, as a user would write or describe it."""
     match value:
         case bool():
             return str(value).lower()
         case str():
-            return f"text {value!r}"
+            return f"text {shortened(value)!r}"
+        case int() if abs(value) > 10**LONGEST:
+            return f"a whole number of more than {LONGEST} digits"
         case Mapping():
-            return f"a table with the keys {', '.join(map(str, value))}" if value else "{}"
+            return (
+                f"a table with the keys {', '.join(map(shortened, map(str, value)))}"
+                if value
+                else "{}"
+            )
         case list() | tuple():
             return "a list"
     return str(value)

@@ -26,7 +26,9 @@ class Contradiction(ValueError):
 class Case(Table):
     """Everything that a case file says."""
 
-    title: str = Field(default="", strict=True, description="Title, shown in the output.")
+    title: str = Field(
+        default="", strict=True, max_length=1000, description="Title, shown in the output."
+    )
     units: Units = Field(default=Units(), description="Labels of the units used in the file.")
     model: Model = Field(default=Model(), description="Plane state, thickness, discretisation.")
     geometry: Geometry = Field(description="Where the mesh comes from.")

@@ -54,7 +54,7 @@ def parse_value(text: str) -> Any:
     """A value as TOML has it: number, true, "text", list, table. What is no TOML is text."""
     try:
         data = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         return text
     return data["value"] if len(data) == 1 else text
 

@@ -19,6 +19,11 @@ from fretfe.case.model import Case
 from fretfe.case.overrides import with_overrides
 from fretfe.case.tables import Body, Contact, Support
 from fretfe.errors import CaseError
+from fretfe.files import require_file
+
+# Tables and lists within one another; the deepest of a case are the points of a selector.
+DEEPEST = 20
+TOO_DEEP = f"expected tables and lists at most {DEEPEST} deep in one another, found deeper ones"
 
 
 def load_case(
@@ -43,9 +48,24 @@ def load_case(
     text = _read(source)
     try:
         data = tomllib.loads(text)
+        _require_shallow(data)
     except tomllib.TOMLDecodeError as error:
         raise CaseError(f"{source}: {_syntax_problem(str(error), text)}") from None
+    except RecursionError:
+        raise CaseError(f"{source}: {TOO_DEEP}") from None
+    except ValueError as error:
+        # A number with more digits than Python reads.
+        raise CaseError(f"{source}: expected numbers that can be read, found: {error}") from None
     return parse_case(with_overrides(data, overrides or {}, source), source, trust_geo=trust_geo)
+
+
+def _require_shallow(data: Any, depth: int = 0) -> None:
+    """Raise RecursionError where tables and lists are in one another deeper than any case has."""
+    if depth > DEEPEST:
+        raise RecursionError
+    if isinstance(data, dict | list):
+        for each in data.values() if isinstance(data, dict) else data:
+            _require_shallow(each, depth + 1)
 
 
 def changed(case: Case, overrides: Mapping[str, Any]) -> Case:
@@ -93,12 +113,9 @@ def parse_case(
 
 
 def _read(source: Path) -> str:
+    require_file(source, "a case file (TOML)", CaseError)
     try:
         return source.read_bytes().decode("utf-8-sig")
-    except FileNotFoundError:
-        found = f"nothing at {source.absolute()}"
-    except IsADirectoryError:
-        found = "a folder"
     except UnicodeDecodeError as error:
         line = error.object.count(b"\n", 0, error.start) + 1
         found = f"bytes in line {line} that are not UTF-8 text"

@@ -13,6 +13,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from fretfe.case.base import SMALLEST
 from fretfe.edges import EdgeAnalysis, Estimate, TractionAnalysis, analyse_tractions
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_table
@@ -71,6 +72,11 @@ def _analyse(path: Path, columns: Columns, friction: float | None) -> TractionAn
         raise CaseError(
             f"{path}: column {columns.p!r}: expected a positive pressure in two rows or more, "
             f"found {p.max():g} at most in {len(p)} (is compression negative in this file?)"
+        )
+    if x[-1] - x[0] < SMALLEST:
+        raise CaseError(
+            f"{path}: column {columns.x!r}: expected positions over {SMALLEST:g} or more, found "
+            f"{x[-1] - x[0]:g}"
         )
     try:
         return analyse_tractions(x, p, q, slip, friction)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from fretfe.cli.options import Results, examples
 from fretfe.environment import rank_from_environment
+from fretfe.errors import FretfeError, OutputError
 
 EXAMPLES = examples("fretfe report pad")
 
@@ -15,7 +16,18 @@ def report(directory: Results) -> None:
     from fretfe.results.reader import read_numbers
     from fretfe.results.run_folder import locked
 
-    if rank_from_environment() == 0:
-        read_numbers(directory)
+    if rank_from_environment() > 0:
+        return
+    read_numbers(directory)
+    try:
         with locked(directory):
-            print(f"Report in {write_report(directory)}")
+            path = write_report(directory)
+    except (FretfeError, ImportError):
+        raise
+    except Exception as error:
+        # Numbers that were changed may lead anywhere.
+        raise OutputError(
+            f"{directory}: expected results as a run has written them, found some that cannot be "
+            f"drawn: {type(error).__name__}: {error}"
+        ) from error
+    print(f"Report in {path}")

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -24,15 +23,13 @@ from fretfe.fem.passes import Passes
 from fretfe.fem.refine_solids import SolidPasses, is_solid
 from fretfe.fem.run import solve
 from fretfe.fem.stopping import agreed_stop
-from fretfe.geometry.sizing import Sizes, Source, apply_sizes, curves_of_groups, length_of
+from fretfe.geometry.sizing import Source, apply_fine_sizes
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
 from fretfe.results.solution import Solution
 from fretfe.surface.load import load_mesh
 from fretfe.surface.surface import build_surface
 
-# Elements along the shorter surface of a contact in the first mesh.
-FIRST_ELEMENTS = 40
 # Passes that may be needed to find the edges and to resolve their slip zones.
 UNRESOLVED_PASSES = 3
 # Largest growth of the element size per distance from the edges.
@@ -46,17 +43,6 @@ def growth_for(tolerance: float, degree: int) -> float:
     tolerance. Linear displacements need half of that, found by trial.
     """
     return min(math.sqrt(32 * tolerance / 3), LARGEST_GROWTH) * degree / 2
-
-
-def first_sizes(case: Case, growth: float, gmsh: ModuleType) -> Sizes:
-    """Even sizes along the contact surfaces of the geometry that is the current Gmsh model."""
-    curves = curves_of_groups(gmsh)
-    sizes: dict[str, float] = {}
-    for contact in case.contacts.values():
-        names = [name for name in (contact.surface1, contact.surface2) if name in curves]
-        lengths = [length_of(gmsh, curves[name]) for name in names]
-        sizes |= {name: min(lengths) / FIRST_ELEMENTS for name in names}
-    return Sizes(sizes, growth)
 
 
 def starting_mesh(case: Case) -> Mesh:
@@ -157,11 +143,9 @@ class _PlanePasses(Passes):
         )
 
     def _make_mesh(self) -> Mesh:
-        return load_mesh(self._case, self._set_sizes)
-
-    def _set_sizes(self, gmsh: ModuleType) -> None:
-        even = first_sizes(self._case, self._growth, gmsh)
-        apply_sizes(gmsh, replace(even, sources=self._sources))
+        contacts = [(each.surface1, each.surface2) for each in self._case.contacts.values()]
+        size = partial(apply_fine_sizes, contacts, self._growth, self._sources)
+        return load_mesh(self._case, size)
 
     def _pass(self, result: Result, mesh: Mesh) -> Pass:
         solution, contacts = result.solution, result.contacts

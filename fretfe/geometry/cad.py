@@ -11,6 +11,7 @@ from types import ModuleType
 
 from fretfe.case import BoundarySelector, Geometry, Selector
 from fretfe.errors import CaseError, MeshError
+from fretfe.files import require_file
 from fretfe.geometry.gmsh_model import gmsh_model
 from fretfe.geometry.shapes import KINDS, Shape, Shapes, dimension_of, shape_text
 
@@ -79,6 +80,7 @@ def cad_model(path: Path, geometry: Geometry, length: str) -> Iterator[ModuleTyp
 
 def _require_whole_file(path: Path, kind: str) -> None:
     """OpenCASCADE reads a BREP file that was cut off for ever: look before it does."""
+    require_file(path, "a CAD file", MeshError)
     try:
         content = path.read_bytes()
     except OSError as error:

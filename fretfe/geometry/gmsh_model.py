@@ -176,6 +176,8 @@ def raw_mesh(gmsh: ModuleType, source: Path) -> RawMesh:
     """
     dimension = 3 if gmsh.model.mesh.getElementTypes(3).size else 2
     _require_named_bodies(gmsh, dimension, source)
+    for dim in (dimension, dimension - 1):
+        _require_names_once(gmsh, dim, source)
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     order = np.argsort(tags, kind="stable")
     return RawMesh(
@@ -212,10 +214,23 @@ def _require_named_bodies(gmsh: ModuleType, dim: int, source: Path) -> None:
         )
 
 
+def _require_names_once(gmsh: ModuleType, dim: int, source: Path) -> None:
+    """Groups of the same name may be meant as one, or be a slip."""
+    groups = gmsh.model.getPhysicalGroups(dim)
+    names = [name for _, group in groups if (name := gmsh.model.getPhysicalName(dim, group))]
+    kinds = {1: "curve", 2: "surface", 3: "volume"}
+    if twice := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
+        raise MeshError(
+            f"{source}: expected one physical {kinds[dim]} of each name, found "
+            f"{names.count(twice[0])} called '{twice[0]}'; give others other names, or make them "
+            "one group"
+        )
+
+
 def _blocks_by_name(
     gmsh: ModuleType, dim: int, sorted_tags: NDArray[np.uint64]
 ) -> dict[str, list[ElementBlock]]:
-    """Elements of each named physical group; groups of the same name are one group."""
+    """Elements of each named physical group."""
     blocks: dict[str, list[ElementBlock]] = {}
     for _, group in gmsh.model.getPhysicalGroups(dim):
         name = gmsh.model.getPhysicalName(dim, group)

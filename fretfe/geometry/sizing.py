@@ -23,6 +23,8 @@ Mirror = Callable[[Array], Array]
 FEWEST_ACROSS, AROUND_CIRCLE = 12, 16
 # Elements between a corner of a contact surface and the nearest fine place.
 TO_CORNER = 8
+# Elements along the shorter surface of a contact where nothing else makes them finer.
+ALONG_CONTACT = 40
 # Corners: the tangent turns by more than this angle, or the curvature changes by more than this
 # fraction of the larger one.
 SHARP, KINK = 1e-3, 0.1
@@ -82,6 +84,29 @@ def apply_sizes(gmsh: ModuleType, sizes: Sizes) -> None:
         distances.append((_distance(gmsh, "PointsList", tags), size))
     fields = [_graded(gmsh, distance, size, sizes.growth) for distance, size in distances]
     _use_smallest(gmsh, fields)
+
+
+def apply_fine_sizes(
+    contacts: Sequence[tuple[str, str]],
+    growth: float,
+    sources: Sequence[Source],
+    gmsh: ModuleType,
+) -> None:
+    """Make the next mesh of the current model even along contacts, and finer at some places.
+
+    Args:
+        contacts: names of both surfaces of each.
+        growth: of the element size per distance from the nearest fine place.
+        sources: places that are finer.
+        gmsh: the library, with the model.
+    """
+    curves = curves_of_groups(gmsh)
+    sizes: dict[str, float] = {}
+    for surfaces in contacts:
+        names = [name for name in surfaces if name in curves]
+        lengths = [length_of(gmsh, curves[name]) for name in names]
+        sizes |= {name: min(lengths) / ALONG_CONTACT for name in names}
+    apply_sizes(gmsh, Sizes(sizes, growth, sources))
 
 
 def apply_sizes_on_faces(gmsh: ModuleType, sizes: Mapping[str, float], growth: float) -> None:

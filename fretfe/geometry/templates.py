@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fretfe.errors import CaseError, MeshError
+from fretfe.files import require_file
 
 # DefineConstant[ size = {0.01, Min 1e-5, Max 1, Name "Parameters/01 Element size [mm]"}, ... ];
 _BLOCK = re.compile(r"DefineConstant\s*\[(.*?)\n\s*\];", re.DOTALL)
@@ -101,6 +102,7 @@ def read_template(path: Path) -> Template:
     Raises:
         MeshError: The file cannot be read.
     """
+    require_file(path, "a Gmsh script", MeshError)
     try:
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError as error:

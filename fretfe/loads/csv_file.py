@@ -13,7 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.case.base import LARGEST
+from fretfe.case.messages import shortened
 from fretfe.errors import CaseError
+from fretfe.files import require_file
 
 # What may stand between cells, by the name that a case gives it.
 SEPARATORS = {",": ",", ";": ";", "tab": "\t", "space": " "}
@@ -72,6 +75,7 @@ def read_table(
     numbers = _Numbers(path, header, decimal_comma=delimiter != ",")
     data, lines = array("d"), array("l")
     for line, cells in rows:
+        _require_no_more_cells(path, line, cells, header)
         lines.append(line)
         data.extend(numbers.read(line, cells, place) for place in places)
     if not lines:
@@ -127,10 +131,12 @@ def _told_delimiter(path: Path, names: Sequence[str]) -> str:
 
 def _rows(path: Path, delimiter: str) -> Iterator[tuple[int, list[str]]]:
     """Line number and cells of every line that is not empty, the header first."""
+    require_file(path, "a CSV file", CaseError)
     empty = True
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file, delimiter=delimiter, skipinitialspace=delimiter != "\t")
+            spaces = delimiter != "\t"
+            reader = csv.reader(file, delimiter=delimiter, skipinitialspace=spaces, strict=True)
             for row in reader:
                 if any(cell.strip() for cell in row):
                     empty = False
@@ -141,6 +147,15 @@ def _rows(path: Path, delimiter: str) -> Iterator[tuple[int, list[str]]]:
         raise CaseError(f"{path}: expected a CSV file (UTF-8 text), found: {error}") from None
     if empty:
         raise CaseError(f"{path}: expected a header row with the column names, found an empty file")
+
+
+def _require_no_more_cells(path: Path, line: int, cells: list[str], header: list[str]) -> None:
+    """A decimal comma between commas is one more cell, and a value that is too small."""
+    if any(cell.strip() for cell in cells[len(header) :]):
+        raise CaseError(
+            f"{path}: line {line}: expected at most {len(header)} cells, as in the header, found "
+            f"{len(cells)} (a decimal comma needs another separator)"
+        )
 
 
 def _column(path: Path, names: list[str], name: str) -> int:
@@ -178,14 +193,22 @@ class _Numbers:
             text = cell.replace(",", ".") if marks == [","] else ""
         else:
             text = cell
+        # Python reads 1_000 and the digits of other scripts too; what they mean here is a guess.
+        if "_" in text or not text.isascii():
+            text = ""
         try:
             number = float(text)
         except ValueError:
             number = math.nan
         place = f"line {line}, column {self.header[column]!r}"
-        if not math.isfinite(number):
-            found = repr(cell) if cell else "an empty cell"
-            raise CaseError(f"{self.path}: {place}: expected a finite number, found {found}")
+        if not abs(number) <= LARGEST:
+            found = repr(shortened(cell)) if cell else "an empty cell"
+            expected = (
+                "a finite number"
+                if abs(number) == math.inf or math.isnan(number)
+                else (f"a number from {-LARGEST:g} to {LARGEST:g}")
+            )
+            raise CaseError(f"{self.path}: {place}: expected {expected}, found {found}")
         for mark in marks:
             self.first.setdefault(mark, f"{cell!r} in {place}")
         if len(self.first) > 1:

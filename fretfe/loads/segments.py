@@ -10,6 +10,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.case import Case, CsvPoints, Hold, Points, Ramp, Segment, Wave, complaint
+from fretfe.case.base import MOST_STEPS
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_columns
 
@@ -39,6 +40,7 @@ def read_pieces(case: Case, name: str) -> list[Piece]:
     """The segments of one load, each starting where the one before ends."""
     pieces: list[Piece] = []
     time = value = 0.0
+    _require_few_steps(case, name)
     for index, segment in enumerate(case.loads[name].history):
         key = ("loads", name, "history", index)
         try:
@@ -48,6 +50,29 @@ def read_pieces(case: Case, name: str) -> list[Piece]:
         pieces.append(piece)
         time, value = piece.end, float(piece.value(np.array([piece.end]))[0])
     return pieces
+
+
+def _require_few_steps(case: Case, name: str) -> None:
+    """Check the steps of a load before there are arrays of them."""
+    counts = [_count(segment) for segment in case.loads[name].history]
+    if sum(counts) > MOST_STEPS:
+        index = counts.index(max(counts))
+        text = (
+            f"expected at most {MOST_STEPS:,} steps in the history of a load, found "
+            f"{sum(counts):,}, {counts[index]:,} of them here"
+        )
+        raise CaseError(complaint(case.source, ("loads", name, "history", index), text))
+
+
+def _count(segment: Segment) -> int:
+    match segment:
+        case Ramp() | Hold():
+            return segment.steps
+        case Wave():
+            return segment.cycles * (segment.steps_per_cycle + 2)
+        case Points():
+            return len(segment.times)
+    return segment.repeat  # times rows
 
 
 class _Invalid(Exception):
@@ -90,6 +115,9 @@ def _csv(case: Case, segment: CsvPoints, start: float, value: float) -> Piece:
             f"expected the same first and last value in the column {segment.value!r} of {path}, so "
             f"that it can be repeated, found {values[0]:.10g} and {values[-1]:.10g}"
         )
+        raise _Invalid(("repeat",), text)
+    if len(times) * segment.repeat > MOST_STEPS:
+        text = f"expected at most {MOST_STEPS:,} rows in all, found {len(times) * segment.repeat:,}"
         raise _Invalid(("repeat",), text)
     period = float(times[-1] - times[0])
     later = period * np.arange(1, segment.repeat)[:, None]

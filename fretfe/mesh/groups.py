@@ -5,11 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
 from fretfe._typing import Indices
 from fretfe.case import Case
+from fretfe.case.channels import DisplacementLoad, PlatenLoad, TiltLoad
 from fretfe.errors import MeshError
 from fretfe.geometry.gmsh_model import BODY_KINDS, BOUNDARY_KINDS
 from fretfe.geometry.templates import did_you_mean
@@ -56,7 +58,7 @@ def check_groups(mesh: Mesh, case: Case) -> None:
     """
     problems = [*_body_problems(mesh, case), *_boundary_problems(mesh, case)]
     if not problems:
-        problems = list(_contact_problems(mesh, case))
+        problems = [*_contact_problems(mesh, case), *_held_problems(mesh, case)]
     if problems:
         lines = "".join(f"\n  - {problem}" for problem in problems)
         raise MeshError(
@@ -164,6 +166,33 @@ def _contact_problems(mesh: Mesh, case: Case) -> Iterator[str]:
                 f"contacts.{name}: expected surfaces of two bodies, but '{contact.surface1}' and"
                 f" '{contact.surface2}' are both on '{bodies[contact.surface1][0]}'"
             )
+
+
+def _held_problems(mesh: Mesh, case: Case) -> Iterator[str]:
+    """Boundaries that are held, or platens, and have facets of a contact surface."""
+    held = [(f"supports.{name}", each.boundary) for name, each in case.supports.items()]
+    held += [
+        (f"loads.{name}", load.boundary)
+        for name, load in case.loads.items()
+        if isinstance(load, DisplacementLoad | PlatenLoad | TiltLoad)
+    ]
+    surfaces = [
+        (f"contacts.{name}", surface)
+        for name, contact in case.contacts.items()
+        for surface in (contact.surface1, contact.surface2)
+    ]
+    for body in mesh.bodies.values():
+        for (key, boundary), (contact, surface) in product(held, surfaces):
+            if boundary in body.boundaries and surface in body.boundaries:
+                own, other = (
+                    set(map(tuple, np.sort(body.boundaries[name], axis=1).tolist()))
+                    for name in (boundary, surface)
+                )
+                if shared := len(own & other):
+                    yield (
+                        f"{key}: expected a boundary that is no part of a contact surface, but"
+                        f" '{boundary}' has {shared} facets of '{surface}' of {contact}"
+                    )
 
 
 def _bodies_of_boundaries(mesh: Mesh) -> dict[str, list[str]]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fretfe.errors import MeshError
+from fretfe.files import require_file
 
 # Keywords that change nodes, elements or what numbers mean: without them the mesh would be wrong.
 REFUSED = {
@@ -26,6 +27,7 @@ REFUSED = {
     ),
 }
 DEEPEST = 10
+MOST_MEMBERS = 100_000_000
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ def read_deck(path: Path) -> Deck:
         if card.keyword in readers:
             try:
                 readers[card.keyword](deck, card)
-            except (ValueError, IndexError, KeyError) as error:
+            except (ValueError, IndexError, KeyError, OverflowError) as error:
                 raise MeshError(f"{card.place}: cannot read *{card.keyword}: {error}") from error
     if not deck.nodes or not deck.elements:
         raise MeshError(
@@ -108,6 +110,7 @@ def _cards(path: Path, depth: int) -> Iterator[Card]:
 
 def _lines(path: Path) -> Iterator[tuple[int, str]]:
     """Lines with their number; no comments, no empty lines, keywords that go on in one line."""
+    require_file(path, "a mesh file", MeshError)
     try:
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
@@ -186,7 +189,10 @@ def _members(card: Card, sets: dict[str, list[int]]) -> list[int]:
         found: list[int] = []
         for row in card.rows:
             first, last, *step = (int(value) for value in row if value)
-            found += range(first, last + 1, *step)
+            members = range(first, last + 1, *step)
+            if len(members) > MOST_MEMBERS:
+                raise ValueError(f"a set of {len(members)} is larger than any mesh")
+            found += members
         return found
     numbers: list[int] = []
     for value in (value for row in card.rows for value in row if value):

@@ -3,22 +3,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 
-from fretfe.case import Case, check_dimension, complaint
+from fretfe.case import Case, Geometry, check_dimension, complaint
 from fretfe.case.selectors import ABAQUS, CAD, GMSH_SCRIPT, XDMF, FileKind, Selector, file_kind
 from fretfe.errors import CaseError, MeshError
+from fretfe.files import file_fault
 from fretfe.geometry.cad import cad_model
-from fretfe.geometry.gmsh_model import RawMesh, script_model
+from fretfe.geometry.gmsh_model import RawMesh
 from fretfe.geometry.sizing import Sizes, apply_sizes, apply_sizes_on_faces
 from fretfe.geometry.templates import Template, find_template, read_template
+from fretfe.mesh.contained import raw_mesh_of
 from fretfe.mesh.extrude import BACK, FRONT, extrude
 from fretfe.mesh.groups import check_groups, named_boundaries
 from fretfe.mesh.inp_groups import read_inp
-from fretfe.mesh.make import SetSizes, mesh_model, mesh_template, read_mesh
+from fretfe.mesh.make import SetSizes, mesh_model, mesh_script, mesh_template, read_mesh
 from fretfe.mesh.mesh import Mesh
 from fretfe.mesh.split import mesh_from_raw
 from fretfe.mesh.xdmf import read_xdmf
@@ -43,7 +46,7 @@ def grouped_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
 
     Args:
         case: validated case.
-        size: sets element sizes in place of those of the geometry.
+        size: sets element sizes in place of those of the geometry; can be pickled.
 
     Raises:
         CaseError: if the template or its parameters are not valid, a direction does not fit, a
@@ -51,7 +54,7 @@ def grouped_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
         MeshError: if there is no valid mesh with all the groups that the case names.
     """
     with naming_case(case):
-        mesh = _mesh_of_case(case, None if size is None else _in_the_plane(case, size))
+        mesh = _mesh_of_case(case, None if size is None else partial(_in_the_plane, case, size))
         if case.geometry.solid is not None:
             mesh = _extruded(case, mesh)
         check_groups(mesh, case)
@@ -59,19 +62,15 @@ def grouped_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
     return mesh
 
 
-def _in_the_plane(case: Case, size: SetSizes) -> SetSizes:
-    """The sizes of a mesh that refines itself, or an error where the bodies are solid."""
-
-    def checked(gmsh: ModuleType) -> None:
-        if gmsh.model.getDimension() == 3 or case.geometry.solid is not None:
-            text = (
-                "expected none, as the bodies are solid and come from a file; of solids only the "
-                "meshes of templates refine themselves; give smaller elements instead"
-            )
-            raise CaseError(complaint(case.source, ("edges", "tolerance"), text))
-        size(gmsh)
-
-    return checked
+def _in_the_plane(case: Case, size: SetSizes, gmsh: ModuleType) -> None:
+    """Set the sizes of a mesh that refines itself, or raise an error where the bodies are solid."""
+    if gmsh.model.getDimension() == 3 or case.geometry.solid is not None:
+        text = (
+            "expected none, as the bodies are solid and come from a file; of solids only the "
+            "meshes of templates refine themselves; give smaller elements instead"
+        )
+        raise CaseError(complaint(case.source, ("edges", "tolerance"), text))
+    size(gmsh)
 
 
 def _extruded(case: Case, mesh: Mesh) -> Mesh:
@@ -119,15 +118,16 @@ def _mesh_of_file(case: Case, file: str, size: SetSizes | None) -> Mesh:
     if size is not None and kind not in (GMSH_SCRIPT, CAD):
         text = f"expected a geometry that can be meshed again, found the mesh {file!r}"
         raise CaseError(complaint(case.source, ("edges", "tolerance"), text))
-    if not path.exists():
-        text = f"expected a file, found nothing at {path.absolute()}"
+    if fault := file_fault(path):
+        text = f"expected a file, found {fault}"
         raise MeshError(complaint(case.source, ("geometry", "file"), text))
     if kind is GMSH_SCRIPT:
         return _mesh_of_script(case, path, size)
     if kind is CAD:
         return _mesh_of_cad_file(case, path, size)
     if kind is XDMF:
-        return mesh_from_raw(_read_xdmf(case, path), str(path))
+        raw = raw_mesh_of(_reading_xdmf(case, path), path)
+        return mesh_from_raw(raw, str(path))
     if kind is ABAQUS:
         return mesh_from_raw(_read_inp(case, path), str(path))
     return read_mesh(path)
@@ -150,8 +150,7 @@ def _mesh_of_script(case: Case, path: Path, size: SetSizes | None) -> Mesh:
         raise CaseError(complaint(case.source, ("geometry", "parameters"), text))
     if size is not None:
         _refuse_sizes(case, template)
-    model = script_model(template, given)
-    return mesh_model(model, path, case.geometry.order, size, str(path))
+    return mesh_script(template, given, case.geometry.order, size)
 
 
 def _mesh_of_cad_file(case: Case, path: Path, size: SetSizes | None) -> Mesh:
@@ -161,31 +160,35 @@ def _mesh_of_cad_file(case: Case, path: Path, size: SetSizes | None) -> Mesh:
         found = "none" if size is None else f"{geometry.size:g} together with edges.tolerance"
         text = f"expected an element size for {path.name}, or edges.tolerance, found {found}"
         raise CaseError(complaint(case.source, ("geometry", "size"), text))
-    if geometry.size is not None:
+    if size is None:
         contacts = case.contacts.values()
         surfaces = [name for each in contacts for name in (each.surface1, each.surface2)]
-        size = _even_sizes(dict.fromkeys(surfaces, geometry.size))
-    model = cad_model(path, geometry, case.units.length)
-    return mesh_model(model, path, geometry.order, size, str(path))
+        size = partial(_even_sizes, dict.fromkeys(surfaces, geometry.size or 0.0))
+    model = partial(cad_model, path, geometry, case.units.length)
+    return mesh_model(model, path, geometry.order, size)
 
 
-def _even_sizes(sizes: Mapping[str, float]) -> SetSizes:
-    """Sets sizes on whole contact surfaces, by their names."""
-
-    def apply(gmsh: ModuleType) -> None:
-        if gmsh.model.getDimension() == 3:
-            apply_sizes_on_faces(gmsh, sizes, GROWTH_IN_SPACE)
-        else:
-            apply_sizes(gmsh, Sizes(sizes, GROWTH))
-
-    return apply
+def _even_sizes(sizes: Mapping[str, float], gmsh: ModuleType) -> None:
+    """Set sizes on whole contact surfaces, by their names."""
+    if gmsh.model.getDimension() == 3:
+        apply_sizes_on_faces(gmsh, sizes, GROWTH_IN_SPACE)
+    else:
+        apply_sizes(gmsh, Sizes(sizes, GROWTH))
 
 
-def _read_xdmf(case: Case, path: Path) -> RawMesh:
+def _reading_xdmf(case: Case, path: Path) -> Callable[[Callable[[], None]], RawMesh]:
     geometry = case.geometry
     _require_names(case, XDMF)
     facets = case.resolve(geometry.facets) if geometry.facets is not None else None
-    return read_xdmf(path, facets, geometry.bodies, geometry.boundaries)
+    return partial(_read_xdmf, path, facets, geometry)
+
+
+def _read_xdmf(
+    path: Path, facets: Path | None, geometry: Geometry, opened: Callable[[], None]
+) -> RawMesh:
+    raw = read_xdmf(path, facets, geometry.bodies, geometry.boundaries)
+    opened()
+    return raw
 
 
 def _read_inp(case: Case, path: Path) -> RawMesh:

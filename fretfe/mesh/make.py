@@ -9,17 +9,22 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 
 from fretfe.errors import MeshError
-from fretfe.geometry.gmsh_model import gmsh_model, raw_mesh, script_model
+from fretfe.files import require_file
+from fretfe.geometry.gmsh_model import RawMesh, gmsh_model, raw_mesh, script_model
 from fretfe.geometry.templates import Template
+from fretfe.mesh.contained import MESHING, raw_mesh_of
 from fretfe.mesh.mesh import Mesh
 from fretfe.mesh.split import mesh_from_raw
 
 # Sets the element sizes of the current Gmsh model.
 SetSizes = Callable[[ModuleType], None]
+# Opens a Gmsh model, and closes it.
+OpenModel = Callable[[], AbstractContextManager[ModuleType]]
 
 
 def read_mesh(path: str | os.PathLike[str]) -> Mesh:
@@ -31,10 +36,7 @@ def read_mesh(path: str | os.PathLike[str]) -> Mesh:
     """
     path = Path(path)
     _require_gmsh_file(path)
-    with gmsh_model(path) as gmsh:
-        gmsh.merge(str(path))
-        raw = raw_mesh(gmsh, path)
-    return mesh_from_raw(raw, str(path))
+    return mesh_from_raw(raw_mesh_of(partial(_merged, path), path), str(path))
 
 
 def mesh_template(
@@ -55,40 +57,62 @@ def mesh_template(
         CaseError: A parameter is unknown, out of range or at odds with another.
         MeshError: Gmsh cannot mesh the geometry, or the mesh is not valid.
     """
-    model = script_model(template, parameters)
-    return mesh_model(model, template.path, order, size, f"template '{template.name}'")
+    model = partial(script_model, template, parameters)
+    raw = _meshed(model, template.path, order, size, lambda: None)
+    return mesh_from_raw(raw, f"template '{template.name}'")
 
 
-def mesh_model(
-    model: AbstractContextManager[ModuleType],
-    path: Path,
-    order: int,
-    size: SetSizes | None,
-    source: str,
+def mesh_script(
+    template: Template, parameters: Mapping[str, float], order: int, size: SetSizes | None
 ) -> Mesh:
-    """Mesh a Gmsh model whose physical groups have names.
+    """Mesh a Gmsh script of the user in a process of its own, which the script may end.
+
+    Arguments and errors are those of `mesh_template`.
+    """
+    model = partial(script_model, template, parameters)
+    work = partial(_meshed, model, template.path, order, size)
+    # A script may build, and mesh, for long.
+    return mesh_from_raw(raw_mesh_of(work, template.path, MESHING), str(template.path))
+
+
+def mesh_model(model: OpenModel, path: Path, order: int, size: SetSizes) -> Mesh:
+    """Mesh the model of a file in a process of its own; its physical groups have names.
 
     Args:
         model: Opens and closes the model.
         path: File that it comes from.
         order: Polynomial order of the elements.
-        size: Sets element sizes in place of those of the model.
-        source: What the model is called in messages.
+        size: Sets element sizes.
 
     Raises:
         MeshError: Gmsh cannot mesh the geometry, or the mesh is not valid.
     """
-    with model as gmsh:
+    raw = raw_mesh_of(partial(_meshed, model, path, order, size), path)
+    return mesh_from_raw(raw, str(path))
+
+
+def _meshed(
+    model: OpenModel, path: Path, order: int, size: SetSizes | None, opened: Callable[[], None]
+) -> RawMesh:
+    with model() as gmsh:
+        opened()
         if size is not None:
             size(gmsh)
         gmsh.model.mesh.generate(gmsh.model.getDimension())
         gmsh.model.mesh.setOrder(order)
-        raw = raw_mesh(gmsh, path)
-    return mesh_from_raw(raw, source)
+        return raw_mesh(gmsh, path)
+
+
+def _merged(path: Path, opened: Callable[[], None]) -> RawMesh:
+    with gmsh_model(path) as gmsh:
+        gmsh.merge(str(path))
+        opened()
+        return raw_mesh(gmsh, path)
 
 
 def _require_gmsh_file(path: Path) -> None:
     """Gmsh executes a file that is not a mesh as a script: only a mesh may get that far."""
+    require_file(path, "a mesh file", MeshError)
     try:
         with path.open("rb") as file:
             start = file.read(200)

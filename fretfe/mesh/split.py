@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fretfe._typing import Array, Indices
+from fretfe.case.base import LARGEST, SMALLEST
 from fretfe.errors import MeshError
 from fretfe.geometry.gmsh_elements import (
     ELEMENTS,
@@ -60,6 +61,7 @@ def mesh_from_raw(raw: RawMesh, source: str) -> Mesh:
     Raises:
         MeshError: It is not a set of separate plane or solid bodies with valid elements.
     """
+    _require_finite(raw.points, source)
     cells = {name: _cells(name, blocks, raw, source) for name, blocks in raw.bodies.items()}
     _require_one_order(raw, cells, source)
     owner = _node_owners(raw, cells, source)
@@ -84,6 +86,21 @@ def mesh_from_raw(raw: RawMesh, source: str) -> Mesh:
             },
         )
     return Mesh(bodies)
+
+
+def _require_finite(points: Array, source: str) -> None:
+    """Points whose distances, and their squares, are numbers."""
+    bad = points[~(np.abs(points) <= LARGEST).all(axis=1)]
+    if len(bad):
+        raise MeshError(
+            f"{source}: expected coordinates from {-LARGEST:g} to {LARGEST:g}, found a node at "
+            f"{_coordinates(bad[0])}"
+        )
+    extent = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
+    if extent < SMALLEST:
+        raise MeshError(
+            f"{source}: expected a mesh with an extent of {SMALLEST:g} or more, found {extent:g}"
+        )
 
 
 def _cells(name: str, blocks: list[ElementBlock], raw: RawMesh, source: str) -> _Cells:

@@ -17,6 +17,7 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.case import Selector
 from fretfe.errors import MeshError
+from fretfe.files import require_file
 from fretfe.geometry.gmsh_model import ElementBlock, RawMesh
 from fretfe.mesh.serendipity import complete, stacked
 from fretfe.mesh.xdmf_data import (
@@ -79,6 +80,7 @@ def read_xdmf(
 
 
 def _grids(path: Path) -> list[Grid]:
+    require_file(path, "a mesh file", MeshError)
     try:
         root = ET.fromstring(path.read_bytes())
     except OSError as error:

@@ -11,6 +11,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import MeshError
+from fretfe.files import require_file
 from fretfe.geometry.gmsh_elements import (
     ELEMENTS,
     SERENDIPITY_HEXAHEDRON,
@@ -151,11 +152,18 @@ def data_item(path: Path, parent: ET.Element) -> Array:
 
 def _from_hdf5(path: Path, text: str) -> Array:
     name, _, place = text.partition(":")
+    source = path.parent / name.strip()
+    require_file(source, f"the numbers of {path}", MeshError)
     try:
-        with h5py.File(path.parent / name.strip(), "r") as file:
-            return np.asarray(file[place.strip()][()])
-    except (OSError, KeyError) as error:
+        with h5py.File(source, "r") as file:
+            values = np.asarray(file[place.strip()][()])
+    except (OSError, KeyError, RuntimeError) as error:
         raise MeshError(
-            f"{path}: cannot read {place.strip()!r} in {path.parent / name.strip()}, where the file"
+            f"{path}: cannot read {place.strip()!r} in {source}, where the file"
             f" has its numbers: {error}"
         ) from error
+    if values.dtype.kind not in "iuf":
+        raise MeshError(
+            f"{path}: expected numbers in {place.strip()!r} of {source}, found {values.dtype}"
+        )
+    return values

@@ -26,6 +26,7 @@ from fretfe.edges.front import ContactSummary, Station, fronts_of
 from fretfe.edges.limits import ModelLimit
 from fretfe.edges.refinement import Refinement
 from fretfe.errors import CaseError, ConvergenceError, OutputError
+from fretfe.files import file_fault
 from fretfe.loads import History
 from fretfe.results.dataset import NODAL
 from fretfe.results.model import Result
@@ -100,6 +101,7 @@ def _require_end(directory: Path) -> None:
 
 def _read_numbers(directory: Path) -> dict[str, Any]:
     path = directory / NUMBERS
+    _require_stored(path)
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -107,7 +109,7 @@ def _read_numbers(directory: Path) -> dict[str, Any]:
             f"{path.parent}: expected a folder with the results of a run, found no readable "
             f"{path.name}: {error.strerror}"
         ) from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise OutputError(f"{path}: expected the results of a run, found: {error}") from error
     schema = data.get("schema") if isinstance(data, dict) else None
     if schema != SCHEMA:
@@ -147,17 +149,37 @@ def _opened(path: Path) -> Iterator[h5py.File]:
     Raises:
         OutputError: if they cannot be read, or are of another schema.
     """
+    _require_stored(path)
     try:
         with h5py.File(path, "r") as file:
+            _require_own(path, file)
             found = {"name": file.attrs.get("schema"), "version": file.attrs.get("version")}
             if found != SCHEMA:
                 raise OutputError(f"{path}: expected schema {SCHEMA}, found {found}")
             yield file
-    except OSError as error:
+    except (OSError, RuntimeError) as error:
+        # h5py has both for files that are damaged.
         reason = str(error) if path.exists() else "no such file"
         raise OutputError(
             f"{path}: expected the arrays that belong to {NUMBERS}, found: {reason}"
         ) from error
+
+
+def _require_stored(path: Path) -> None:
+    """Check that a file that may be missing is nothing but a file."""
+    fault = file_fault(path)
+    if fault and not fault.startswith("nothing"):
+        raise OutputError(f"{path}: expected a file of results, found {fault}")
+
+
+def _require_own(path: Path, file: h5py.File) -> None:
+    """Check that all that is in a file is in it: it could name a pipe, or a file of others."""
+
+    def look(name: str, link: object) -> str | None:
+        return None if isinstance(link, h5py.HardLink) else name
+
+    if (name := file.visititems_links(look)) is not None:
+        raise OutputError(f"{path}: expected arrays of a run, found {name!r}, which is elsewhere")
 
 
 def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
@@ -341,8 +363,11 @@ def _stored(path: Path, dataset: h5py.Dataset, numbers: Indices, count: int) -> 
             )
         if _identity(path) != identity:
             raise OutputError(f"{path}: expected the file that was read, found another one")
-        with h5py.File(path, "r") as file:
-            return select_rows(file[name], rows)
+        try:
+            with h5py.File(path, "r") as file:
+                return select_rows(file[name], rows)
+        except (OSError, RuntimeError) as error:
+            raise OutputError(f"{path}: cannot read {name}: {error}") from error
 
     return StateArray((count, *dataset.shape[1:]), dataset.dtype, read)
 

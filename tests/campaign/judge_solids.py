@@ -203,8 +203,9 @@ def _between(place: Array, inward: Array, radius: float) -> float:
 
     Where the line misses the circle the least distance from its middle counts as inside.
     """
-    a, b, c = inward @ inward, place @ inward, place @ place - radius**2
-    return float((-b - math.sqrt(max(b**2 - a * c, 0.0))) / a)
+    a, b = float(inward @ inward), float(place @ inward)
+    c = float(place @ place) - radius**2
+    return (-b - math.sqrt(max(b**2 - a * c, 0.0))) / a
 
 
 def cylinder_truth(one: SolidDraw, found: Result, station: SolidStation) -> Truth:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Solids turned as a whole, mirrored, in other units, with their bodies exchanged."""
+"""Solids turned, moved, mirrored, in other units, in another order, with bodies exchanged."""
 
 from __future__ import annotations
 
@@ -136,9 +136,20 @@ def test_turned_as_a_whole(original: Result) -> None:
     assert_same(turned.areas[0].force, original.areas[0].force @ TURN.T)
 
 
-def test_in_metres(original: Result) -> None:
-    scaled = solved(case(length=1e-3), moved(pad_on_block(), lambda x: 1e-3 * x))
-    assert_same(vectors(contact_of(scaled)) * 1e-6, vectors(contact_of(original)))
+@pytest.mark.parametrize("length", [1e-3, 1 / 25.4], ids=["metres", "inches"])
+def test_in_other_units(original: Result, length: float) -> None:
+    scaled = solved(case(length=length), moved(pad_on_block(), lambda x: length * x))
+    assert_same(vectors(contact_of(scaled)) * length**2, vectors(contact_of(original)))
+
+
+def test_moved_by_a_metre(original: Result) -> None:
+    far = solved(case(), moved(pad_on_block(), lambda x: x + 1000.0))
+    assert_same(vectors(contact_of(far)), vectors(contact_of(original)))
+
+
+def test_bodies_in_another_order(original: Result) -> None:
+    backwards = Mesh(dict(reversed(pad_on_block().bodies.items())))
+    assert_same(vectors(contact_of(solved(case(), backwards))), vectors(contact_of(original)))
 
 
 def test_mirrored(original: Result) -> None:

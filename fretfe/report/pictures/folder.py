@@ -18,6 +18,7 @@ from typing import Any
 
 from fretfe.environment import idle_cores
 from fretfe.errors import OutputError
+from fretfe.files import require_file
 from fretfe.report.pictures.child import draw_in_child
 from fretfe.report.pictures.cycle import cycle_frames, draw_cycle
 from fretfe.report.pictures.panels import save_png
@@ -229,4 +230,5 @@ def read_pictures(directory: Path) -> Pictures:
 
 
 def _data_uri(path: Path) -> str:
+    require_file(path, "a picture", OutputError)
     return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Reads geometry and mesh files in a process of its own, which may crash or hang.
+
+OpenCASCADE, Gmsh and HDF5 end the process, or never end, on some files that are damaged.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from fretfe.environment import without_launcher
+from fretfe.errors import CaseError, DependencyError, FretfeError, MeshError
+from fretfe.geometry.gmsh_model import RawMesh
+from fretfe.mesh.raw_file import read_raw
+
+# Seconds for reading a file, and for each megabyte of it; for meshing what was read.
+READING, READING_MEGABYTE, MESHING = 20.0, 20.0, 3600.0
+# Files in the folder that both processes know. The first process writes the work, nobody else.
+WORK, OPENED, MESH, ERROR, MESSAGES = "work", "opened", "mesh.npz", "error", "messages"
+ERRORS = {each.__name__: each for each in (CaseError, DependencyError, MeshError)}
+
+# Reads a file into a mesh; calls what it is given when the file has been read.
+Work = Callable[[Callable[[], None]], RawMesh]
+
+
+def raw_mesh_of(work: Work, path: Path, reading: float | None = None) -> RawMesh:
+    """Let another process read a file, and mesh what is in it.
+
+    Args:
+        work: done there; it must be possible to pickle it.
+        path: the file, for its size and for messages.
+        reading: seconds for reading it; without it they are from its size.
+
+    Raises:
+        FretfeError: as `work` raises it.
+        MeshError: if the process crashes, ends early or takes longer than it may.
+    """
+    if reading is None:
+        reading = READING + READING_MEGABYTE * path.stat().st_size / 1e6
+    with tempfile.TemporaryDirectory(prefix="fretfe-") as name:
+        folder = Path(name)
+        (folder / WORK).write_bytes(pickle.dumps(work))
+        with _process(folder) as process:
+            code = _wait(process, folder, path, reading)
+        if (folder / ERROR).exists():
+            kind, _, text = (folder / ERROR).read_text(encoding="utf-8").partition("\n")
+            if kind == MemoryError.__name__:
+                raise MeshError(f"{path}: reading it takes more memory than the machine has")
+            raise ERRORS[kind](text)
+        if code == 0 and (folder / MESH).exists():
+            return read_raw(folder / MESH)
+        raise _ended(path, code, (folder / MESSAGES).read_text(errors="replace"))
+
+
+@contextlib.contextmanager
+def _process(folder: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """The other process. It ends by itself when its standard input does, as this process ends."""
+    command = [sys.executable, "-P", "-m", "fretfe.mesh.child", str(folder)]
+    with (folder / MESSAGES).open("wb") as messages:
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=messages,
+            stderr=messages,
+            env=without_launcher(os.environ),
+            start_new_session=True,
+        )
+    try:
+        with process:
+            try:
+                yield process
+            finally:
+                process.kill()
+    finally:
+        # What a script has started.
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+
+
+def _wait(process: subprocess.Popen[bytes], folder: Path, path: Path, reading: float) -> int:
+    """The exit code of the process."""
+    begin = time.monotonic()
+    what = "reading"
+    try:
+        return process.wait(reading)
+    except subprocess.TimeoutExpired:
+        if (folder / OPENED).exists():
+            what = "meshing"
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                return process.wait(MESHING)
+    raise MeshError(
+        f"{path}: {what} it was ended after {time.monotonic() - begin:.0f} s: the file is damaged, "
+        "or its geometry too complex"
+    )
+
+
+def _ended(path: Path, code: int, messages: str) -> FretfeError:
+    """The error of a process that has left no mesh."""
+    if "Traceback (most recent call last)" in messages and code == 1:
+        raise RuntimeError(f"reading {path} failed:\n{messages}")
+    if code >= 0:
+        return MeshError(
+            f"{path}: expected a mesh, but the process that reads it ended (exit code {code}), as "
+            "by Exit in a Gmsh script"
+        )
+    known = -code in set(signal.Signals)
+    name = signal.Signals(-code).name if known else f"signal {-code}"
+    return MeshError(
+        f"{path}: the library that reads it crashed ({name}): the file is damaged, or there is not "
+        "enough memory"
+    )

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Stands for libraries that fail while they read a file, in the process that reads it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable
+
+from fretfe.geometry.gmsh_model import RawMesh
+
+Opened = Callable[[], None]
+
+
+def abort(opened: Opened) -> RawMesh:
+    os.abort()
+
+
+def segmentation(opened: Opened) -> RawMesh:
+    signal.raise_signal(signal.SIGSEGV)
+    raise AssertionError
+
+
+def leave(opened: Opened) -> RawMesh:
+    os._exit(0)
+
+
+def hang(opened: Opened) -> RawMesh:
+    time.sleep(300)
+    raise AssertionError
+
+
+def eat(opened: Opened) -> RawMesh:
+    held = b"x" * 10**15
+    raise AssertionError(len(held))

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""All inputs, always the same."""
+
+from __future__ import annotations
+
+from faults import case_files, files, folders, models
+from faults.fault import Fault
+
+
+def all_faults() -> list[Fault]:
+    """All inputs, in an order that does not change."""
+    found = [fault for each in (case_files, files, folders, models) for fault in each.faults()]
+    names = [fault.name for fault in found]
+    repeated = {name for name in names if names.count(name) > 1}
+    assert not repeated, repeated
+    return found

@@ -1,0 +1,288 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Meshes, drawings and tables that are damaged or hostile."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+
+import h5py
+import numpy as np
+from faults.fault import CHECK, HALFPLANE, Fault, Prepare, damaged
+from faults.originals import DRAWINGS, GRIDS, MESHES, case_text, csv_case
+
+Change = Callable[[bytes], bytes]
+
+
+def faults() -> Iterator[Fault]:
+    """All of them, and the files as they should be."""
+    for file in (*MESHES, *GRIDS, *DRAWINGS):
+        yield Fault(f"{file}/whole", CHECK, _with(file, lambda data: data), False)
+    whole = _with("loads.csv", lambda data: data, csv_case())
+    yield Fault("loads.csv/whole", HALFPLANE, whole, False)
+    yield from _meshes()
+    yield from _drawings()
+    yield from _load_tables()
+    yield from _traction_tables()
+
+
+def _with(file: str, change: Change, text: str | None = None) -> Prepare:
+    """A case with a changed file."""
+
+    def write(good: Path, here: Path) -> None:
+        (here / "case.toml").write_text(case_text(file) if text is None else text)
+        (here / file).write_bytes(change((good / file).read_bytes()))
+        if file in GRIDS and not (here / "pad.h5").exists():
+            shutil.copy(good / "pad.h5", here)
+
+    return write
+
+
+def _pipe(file: str, text: str | None = None) -> Prepare:
+    def write(good: Path, here: Path) -> None:
+        (here / "case.toml").write_text(case_text(file) if text is None else text)
+        os.mkfifo(here / file)
+
+    return write
+
+
+def _damaging(seed: int) -> Change:
+    return lambda data: damaged(data, seed)
+
+
+def _constant(content: bytes) -> Change:
+    return lambda data: content
+
+
+def _seeded(file: str, seeds: range) -> Iterator[Fault]:
+    for seed in seeds:
+        change = _damaging(seed)
+        yield Fault(f"{file}/damaged/{seed}", CHECK, _with(file, change))
+
+
+def _replaced(old: bytes, new: bytes) -> Change:
+    def change(data: bytes) -> bytes:
+        assert old in data, old
+        return data.replace(old, new, 1)
+
+    return change
+
+
+def _node(text: bytes, data: bytes, marker: bytes = b"$Nodes\n") -> bytes:
+    """A mesh of format 2.2 whose third node has other coordinates."""
+    start = data.index(marker) + len(marker)
+    lines = data[start:].split(b"\n")
+    number = lines[3].split()[0]
+    lines[3] = number + b" " + text
+    return data[:start] + b"\n".join(lines)
+
+
+def _scaled(factor: float) -> Change:
+    def change(data: bytes) -> bytes:
+        head, rest = data.split(b"$Nodes\n")
+        nodes, tail = rest.split(b"$EndNodes")
+        count, *rows = nodes.strip().split(b"\n")
+        lines = [count]
+        for row in rows:
+            number, *values = row.split()
+            lines.append(b" ".join([number, *(repr(factor * float(v)).encode() for v in values)]))
+        return head + b"$Nodes\n" + b"\n".join(lines) + b"\n$EndNodes" + tail
+
+    return change
+
+
+def _meshes() -> Iterator[Fault]:
+    for place, file in enumerate(MESHES):
+        yield from _seeded(file, range(100 * place, 100 * place + 14))
+        yield Fault(f"{file}/pipe", CHECK, _pipe(file), True)
+        yield Fault(f"{file}/empty", CHECK, _with(file, lambda data: b""), True)
+    for name, text in {
+        "nan": b"nan 1 0", "inf": b"inf 1 0", "huge": b"1e200 1 0", "words": b"a b c",
+        "missing": b"", "out of the plane": b"0 0 5",
+    }.items():  # fmt: skip
+        change: Change = partial(_node, text)
+        yield Fault(f"pad22.msh/node: {name}", CHECK, _with("pad22.msh", change), True)
+    for factor in (1e-200, 1e-60, 1e60, 1e200, 0.0):
+        change = _scaled(factor)
+        yield Fault(f"pad22.msh/scaled by {factor:g}", CHECK, _with("pad22.msh", change), True)
+    script = b'SystemCall "touch ../escaped";\nSave "escaped.msh";\n'
+    options = b"$Options\nMesh.SaveAll = 1;\n$EndOptions\n" + script
+    for name, change in {
+        "same names": _replaced(b'"upper_top"', b'"lower_bottom"'),
+        "bodies of the same name": _replaced(b'"upper"', b'"lower"'),
+        "a name that is a path": _replaced(b'"upper"', b'"../../escaped"'),
+        "a name of 5000": _replaced(b'"upper"', b'"' + b"x" * 5000 + b'"'),
+        "script behind": lambda data: data + script,
+        "options before": lambda data: data.replace(b"$PhysicalNames", options + b"$PhysicalNames"),
+        "script in comments": lambda data: b"$Comments\n$EndComments\n" + script + data,
+        "a script": lambda data: script,
+        "many nodes": lambda data: data.replace(b"$Nodes\n", b"$Nodes\n999999999999", 1),
+        "many elements": lambda data: data.replace(b"$Elements\n", b"$Elements\n99999999999", 1),
+        "negative nodes": lambda data: data.replace(b"$Nodes\n", b"$Nodes\n-", 1),
+        "another mesh": lambda data: b"# vtk DataFile Version 2.0\n" + data,
+    }.items():
+        loose = name in ("script behind", "options before", "script in comments", "same names")
+        loose |= name.startswith("many") or name.startswith("negative")
+        refused = None if loose else True
+        yield Fault(f"pad22.msh/{name}", CHECK, _with("pad22.msh", change), refused)
+    yield from _decks()
+    yield from _grids()
+
+
+def _decks() -> Iterator[Fault]:
+    for name, change in {
+        "nan": lambda data: data.replace(b"*NODE\n1,", b"*NODE\n1, nan, 0, 0\n999999,", 1),
+        "includes itself": lambda data: data + b"\n*INCLUDE, INPUT=pad.inp\n",
+        "includes a pipe": lambda data: data + b"\n*INCLUDE, INPUT=pipe\n",
+        "includes a device": lambda data: data + b"\n*INCLUDE, INPUT=/dev/zero\n",
+        "includes nothing": lambda data: data + b"\n*INCLUDE, INPUT=\n",
+        "a set of billions": lambda data: (
+            data + b"\n*ELSET, ELSET=big, GENERATE\n1, 999999999999, 1\n"
+        ),
+        "a step of zero": lambda data: data + b"\n*ELSET, ELSET=big, GENERATE\n1, 9, 0\n",
+        "400 digits": lambda data: data + b"\n*NSET, NSET=a\n" + b"9" * 4500 + b"\n",
+        "superscripts": lambda data: data + "\n*NSET, NSET=a\n²\n".encode(),
+    }.items():
+
+        def write(good: Path, here: Path, change: Change = change) -> None:
+            _with("pad.inp", change)(good, here)
+            os.mkfifo(here / "pipe")
+
+        yield Fault(f"pad.inp/{name}", CHECK, write, True)
+
+
+def _grids() -> Iterator[Fault]:
+    for file in GRIDS:
+        yield from _seeded(file, range(800, 812))
+    bomb = b'<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a "aaaaaaaaaa">' + b"".join(
+        b'<!ENTITY %c "%s">' % (98 + i, b"&%c;" % (97 + i) * 10) for i in range(12)
+    )
+    entity = b'<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
+    for name, change in {
+        "entity bomb": lambda data: bomb + b"]><Xdmf>&m;</Xdmf>",
+        "external entity": lambda data: entity + b"<Xdmf>&a;</Xdmf>",
+        "inclusion": lambda data: b'<Xdmf><include href="/etc/passwd"/></Xdmf>',
+        "another file": lambda data: data.replace(b"pad.h5:", b"/etc/passwd:"),
+        "a pipe": lambda data: data.replace(b"pad.h5:", b"pipe:"),
+        "deep": lambda data: b"<Xdmf>" + b"<Grid>" * 100000 + b"</Grid>" * 100000 + b"</Xdmf>",
+        "dimensions": lambda data: data.replace(b'Dimensions="', b'Dimensions="99999999999 '),
+        "nan": lambda data: data.replace(b'Dimensions="', b'Dimensions="nan '),
+    }.items():
+
+        def write(good: Path, here: Path, change: Change = change) -> None:
+            _with("pad.xdmf", change)(good, here)
+            os.mkfifo(here / "pipe")
+
+        # Dimensions of what is in HDF5 are those that it has.
+        refused = None if name in ("dimensions", "nan") else True
+        yield Fault(f"pad.xdmf/{name}", CHECK, write, refused)
+    yield from _arrays()
+
+
+def _arrays() -> Iterator[Fault]:
+    """The numbers of a grid in HDF5."""
+    for seed in range(14):
+
+        def write_h5(good: Path, here: Path, seed: int = seed) -> None:
+            (here / "pad.h5").write_bytes(damaged((good / "pad.h5").read_bytes(), seed))
+            _with("pad.xdmf", lambda data: data)(good, here)
+
+        yield Fault(f"pad.h5/damaged/{seed}", CHECK, write_h5)
+    for name, value in (("nan", np.nan), ("inf", np.inf), ("link", None), ("text", "a")):
+
+        def write_value(good: Path, here: Path, value: object = value) -> None:
+            _with("pad.xdmf", lambda data: data)(good, here)
+            with h5py.File(here / "pad.h5", "r+") as file:
+                first = next(iter(file))
+                if value is None:
+                    del file[first]
+                    file[first] = h5py.ExternalLink("/etc/passwd", "/x")
+                elif isinstance(value, str):
+                    del file[first]
+                    file[first] = value
+                else:
+                    file[first][0] = value
+
+        yield Fault(f"pad.h5/{name}", CHECK, write_value, True)
+
+
+def _drawings() -> Iterator[Fault]:
+    for place, file in enumerate(DRAWINGS):
+        count = 30 if file.startswith("pad") else 12
+        yield from _seeded(file, range(2000 + 100 * place, 2000 + 100 * place + count))
+        # Whole at both ends, wrong in between.
+        for seed in range(14 if file.startswith("pad") else 6):
+
+            def inside(data: bytes, seed: int = seed) -> bytes:
+                third = len(data) // 3
+                return data[:third] + damaged(data[third:-third], seed) + data[-third:]
+
+            yield Fault(f"{file}/inside/{seed}", CHECK, _with(file, inside))
+        yield Fault(f"{file}/pipe", CHECK, _pipe(file), True)
+        for name, content in (("empty", b""), ("random", bytes(range(256)) * 40)):
+            change = _constant(content)
+            yield Fault(f"{file}/{name}", CHECK, _with(file, change), True)
+
+
+def _load_tables() -> Iterator[Fault]:
+    file, text = "loads.csv", csv_case()
+    for seed in range(24):
+        change = _damaging(seed)
+        yield Fault(f"loads.csv/damaged/{seed}", HALFPLANE, _with(file, change, text))
+    yield Fault("loads.csv/pipe", HALFPLANE, _pipe(file, text), True)
+    contents: dict[str, str | bytes] = {
+        "decimal commas": "t,q\n0,0\n0,5,1,5\n1,0,20,5\n",
+        "longer rows": "t,q\n0,0\n1,20,7\n",
+        "shorter rows": "t,q\n0,0\n1\n",
+        "one column": "t\n0\n1\n",
+        "names twice": "t,q,q\n0,0,0\n1,1,1\n",
+        "nan": "t,q\n0,0\n1,nan\n",
+        "inf": "t,q\n0,0\n1,1e999\n",
+        "huge": "t,q\n0,0\n1,1e300\n",
+        "back in time": "t,q\n0,0\n2,1\n1,2\n",
+        "same time": "t,q\n0,0\n1,1\n1,2\n",
+        "formula": "t,q\n0,0\n1,=1+1\n",
+        "quote": 't,q\n0,0\n1,"2\n',
+        "NUL": b"t,q\n0,0\n1,2\0\n",
+        "latin 1": "t,q\n0,0\n1,2 §\n".encode("latin-1"),
+        "UTF-16": "t,q\n0,0\n1,2\n".encode("utf-16"),
+        "long field": "t,q\n0,0\n1," + "9" * 200_000 + "\n",
+        "underscores": "t,q\n0,0\n1,1_000\n",
+        "Arabic digits": "t,q\n0,0\n1,٣\n",
+        "hex": "t,q\n0,0\n1,0x10\n",
+        "Fortran": "t,q\n0,0\n1,1D3\n",
+        "header alone": "t,q\n",
+        "mixed separators": "t;q\n0;0\n1,5;2.5\n",
+        "thousands": "t;q\n0;0\n1;1.000,5\n",
+    }
+    for name, content in contents.items():
+        data = content if isinstance(content, bytes) else content.encode()
+        change = _constant(data)
+        yield Fault(f"loads.csv/{name}", HALFPLANE, _with(file, change, text), True)
+
+
+def _traction_tables() -> Iterator[Fault]:
+    command = ("edges", "tractions.csv", "--friction", "0.3", "--json")
+    for seed in range(24):
+        change = _damaging(seed)
+        yield Fault(f"tractions.csv/damaged/{seed}", command, _with("tractions.csv", change, ""))
+    yield Fault("tractions.csv/pipe", command, _pipe("tractions.csv", ""), True)
+    contents = {
+        "no pressure": "x,p\n0,0\n1,0\n2,0\n",
+        "negative": "x,p\n0,-1\n1,-2\n2,-1\n",
+        "one row": "x,p\n0,1\n",
+        "back": "x,p\n0,1\n-1,1\n",
+        "longer": "x,p\n0,1,1,1\n1,1,1,1\n",
+        "overflow": "x,p\n0,1e308\n1,1e308\n2,1e308\n3,0\n",
+        "far": "x,p\n1e300,1\n1.1e300,2\n1.2e300,1\n",
+        "tiny": "".join(["x,p\n", *(f"{i}e-320,{i % 5}\n" for i in range(1, 20))]),
+    }
+    for name, content in contents.items():
+        change = _constant(content.encode())
+        yield Fault(f"tractions.csv/{name}", command, _with("tractions.csv", change, ""), True)
+    for words in (("--friction", "nan"), ("--friction", "-1"), ("--friction", "0"), ("--x", "")):
+        prepare = _with("tractions.csv", lambda data: data, "")
+        yield Fault(f"tractions.csv {words}", ("edges", "tractions.csv", *words), prepare, True)

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Cases that are well formed but make no sense as mechanics."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from typing import Any
+
+import tomli_w
+from faults.fault import CHECK, FEM, HALFPLANE, Fault, text_fault
+from faults.originals import PAD, SOLID
+from pad_cases import BASE, TOP, press, shear
+
+Tables = dict[str, Any]
+SIDE = {"boundary": "lower_left", "fix": ["x"]}
+BOTH = {"boundary": "lower_bottom", "fix": ["x", "y"]}
+
+
+def loads(**more: Any) -> Tables:
+    return {"loads": {"press": press(steps=1), "shear": shear(steps=4, cycles=1), **more}}
+
+
+def pull(boundary: str, **options: Any) -> Tables:
+    history = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
+    return {"type": "traction", "boundary": boundary, "direction": "normal", "history": history,
+            **options}  # fmt: skip
+
+
+def bodies(**values: Any) -> Tables:
+    return {"bodies": {name: {**each, **values} for name, each in PAD["bodies"].items()}}
+
+
+def contact(**values: Any) -> Tables:
+    return {"contacts": {"main": {**PAD["contacts"]["main"], **values}}}
+
+
+def parameters(**values: float) -> Tables:
+    own = PAD["geometry"]
+    return {"geometry": {**own, "parameters": {**own["parameters"], **values}}}
+
+
+# Tables in place of those of the pad; must they be refused?
+MODELS: dict[str, tuple[Tables, bool | None]] = {
+    "no supports": ({"supports": {}}, True),
+    "support in x alone": ({"supports": {"base": {**BOTH, "fix": ["x"]}}}, True),
+    "no loads": ({"loads": {}}, True),
+    "pulled apart": ({"loads": {"press": press(-600.0, steps=1)}}, True),
+    "shear alone": ({"loads": {"shear": shear(steps=4, cycles=1)}}, None),
+    "sheared away": (loads(shear=shear(6000.0, steps=4, cycles=1)), True),
+    "no friction": (contact(friction=0.0), True),
+    "friction of 1e9": (contact(friction=1e9), None),
+    "negative friction": (contact(friction=-0.1), True),
+    "friction from later than the end": (contact(friction_from=99.0), True),
+    "support on a contact surface": (
+        {"supports": {**BASE, "held": {"boundary": "lower_contact", "fix": ["x"]}}}, True,
+    ),
+    "held on its other contact surface": (
+        {"supports": {**BASE, "held": {"boundary": "upper_contact", "fix": ["y"]}}}, True,
+    ),
+    "traction on a contact surface": (loads(pull=pull("upper_contact")), None),
+    "displacement of a contact surface": (
+        loads(pull=pull("upper_contact", type="displacement", direction="x")), True,
+    ),
+    "platen on a contact surface": (loads(more={**press(steps=1), "boundary": "upper_contact"}),
+                                    True),
+    "load on nothing": (loads(pull=pull("nothing")), True),
+    "load on a body": (loads(pull=pull("upper")), True),
+    "support of nothing": ({"supports": {"base": {**BOTH, "boundary": "nothing"}}}, True),
+    "held twice": ({"supports": {**BASE, "again": BOTH}}, None),
+    "platen that is held": ({"supports": {**BASE, "top": {**BOTH, "boundary": "upper_top"}}}, True),
+    "contact with itself": (contact(surface1="lower_contact"), True),
+    "contact with the other side": (contact(surface2="lower_bottom"), True),
+    "contact of one body": (contact(surface2="upper_top"), True),
+    "contact with nothing": (contact(surface2="nothing"), True),
+    "two contacts on the same surfaces": (
+        {"contacts": {name: PAD["contacts"]["main"] for name in ("a", "b")}}, True,
+    ),
+    "a body that is not there": (
+        {"bodies": {**PAD["bodies"], "third": PAD["bodies"]["upper"]}}, True,
+    ),
+    "a body that is missing": (
+        {"bodies": {"upper": PAD["bodies"]["upper"], "other": PAD["bodies"]["upper"]}}, True,
+    ),
+    "soft as nothing": (bodies(young=1e-25), None),
+    "rigid": (bodies(young=1e25), None),
+    "one rigid, one soft": (
+        {"bodies": {"upper": {"young": 1e-20, "poisson": 0.3},
+                    "lower": {"young": 1e20, "poisson": 0.3}}}, None,
+    ),
+    "nearly incompressible": (bodies(poisson=0.499999999), None),
+    "auxetic": (bodies(poisson=-0.999999999), None),
+    "thickness of 1e-20": ({"model": {"thickness": 1e-20, "degree": 1}}, None),
+    "thickness of 1e20": ({"model": {"thickness": 1e20, "degree": 1}}, None),
+    "force of 1e15": ({"loads": {"press": press(1e15, steps=1)}}, None),
+    "force of 1e-15": ({"loads": {"press": press(1e-15, steps=1)}}, None),
+    "force of 1e-290": ({"loads": {"press": press(1e-290, steps=1)}}, None),
+    "no force": ({"loads": {"press": press(0.0, steps=1)}}, None),
+    "density without rotation": (bodies(density=1e-9), None),
+    "rotation without density": (
+        loads(spin={"type": "rotation", "centre": [0, 0],
+                    "history": [{"ramp": 1.0, "until": 1.0, "steps": 1}]}), True,
+    ),
+    "rotation of 1e20": (
+        {**bodies(density=1.0),
+         **loads(spin={"type": "rotation", "centre": [0, 0],
+                       "history": [{"ramp": 1e20, "until": 1.0, "steps": 1}]})}, None,
+    ),
+    "a z in the plane": (loads(pull=pull("lower_left", direction="z")), True),
+    "a vector of three in the plane": (loads(pull=pull("lower_left", direction=[1, 0, 0])), True),
+    "two platen loads along one line": (loads(more=press(steps=1)), True),
+    "two platen loads askew": (
+        loads(more={**press(steps=1), "direction": [1, 1]}), True,
+    ),
+    "a tilt about x in the plane": (
+        loads(tilt={"type": "tilt", "boundary": "upper_top", "axis": "x", "centre": [0, 0],
+                    "control": "moment", "history": [{"ramp": 1, "until": 1, "steps": 1}]}), True,
+    ),
+    "a cycle without steps at its ends": ({"cycle": {"start": 0.123, "end": 1.5}}, True),
+    "a cycle behind the end": ({"cycle": {"start": 5.0, "end": 6.0}}, True),
+    "fields at no step": ({"output": {"fields": [0.123]}}, True),
+    "a radius of 1e9": (parameters(upper_radius=1e9), None),
+    "a radius smaller than the width": (parameters(upper_radius=1.0), True),
+    "elements of 1e-9": (parameters(size=1e-9), True),
+    "elements larger than the body": (parameters(size=1e3), True),
+    "an unknown parameter": (parameters(nonsense=1.0), True),
+    "a platen in the air": (
+        {"loads": {"press": {**TOP, "direction": "y", "control": "displacement",
+                             "history": [{"ramp": 100.0, "until": 1.0, "steps": 1}]}}}, True,
+    ),
+    "a platen pressed through": (
+        {"loads": {"press": {**TOP, "direction": "y", "control": "displacement",
+                             "history": [{"ramp": -30.0, "until": 1.0, "steps": 1}]}}}, None,
+    ),
+    "pushed from the side": ({"supports": {**BASE, "side": SIDE}}, None),
+}  # fmt: skip
+
+
+def faults() -> Iterator[Fault]:
+    """All of them."""
+    for name, (tables, refused) in MODELS.items():
+        text = tomli_w.dumps({**copy.deepcopy(PAD), **tables})
+        yield text_fault(f"model/{name}/run", FEM, text, refused)
+        # What only solving shows is not refused by others.
+        only_solved = name in ("pulled apart", "sheared away", "a platen in the air", "no friction")
+        yield text_fault(f"model/{name}/check", CHECK, text, None if only_solved else refused)
+        yield text_fault(f"model/{name}/half-planes", HALFPLANE, text)
+    for name in ("no supports", "support on a contact surface", "load on nothing", "rigid"):
+        tables, refused = MODELS[name]
+        text = tomli_w.dumps({**copy.deepcopy(SOLID), **tables})
+        yield text_fault(f"model/{name}/solid", FEM if name == "rigid" else CHECK, text, refused)

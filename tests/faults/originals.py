@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Good files of every kind that is read, to be damaged."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import gmsh
+import h5py
+import meshio
+import numpy as np
+import tomli_w
+from pad_cases import TOP, cylinder, pad, press, shear
+from stored_runs import write_run
+from user_geometry import BODIES, BOUNDARIES, write_cad
+
+from fretfe.case import parse_case
+from fretfe.mesh.writer import write_mesh
+from fretfe.surface.load import load_mesh
+
+COARSE = {"size": 0.2, "growth": 0.5}
+LOADS = {"press": press(steps=1), "shear": shear(steps=4, cycles=1)}
+# Small, but with all kinds of tables.
+PAD: dict[str, Any] = pad(
+    geometry=cylinder(**COARSE),
+    loads=LOADS,
+    units={"length": "mm", "force": "N"},
+    model={"plane": "strain", "thickness": 1.0, "degree": 1},
+    cycle={"until_steady": True},
+    title="pad",
+)
+SOLID: dict[str, Any] = {
+    **PAD,
+    "geometry": {**PAD["geometry"], "solid": {"length": 2.0, "layers": 1}, "order": 1},
+    "model": {"degree": 1},
+}
+MESHES = ("pad.msh", "pad22.msh", "binary.msh", "binary22.msh", "solid.msh", "pad.inp")
+GRIDS = ("pad.xdmf", "text.xdmf")
+DRAWINGS = ("pad.step", "pad.brep", "cubes.step", "cubes.brep")
+ROWS = [(i / 2, 60 * np.sin(i / 4)) for i in range(25)]
+GROUPS = (
+    {"upper": 1, "lower": 2},
+    {"upper_contact": 3, "upper_top": 4, "lower_contact": 5, "lower_bottom": 6},
+)
+NUMBERS = {
+    table: {name: {"tag": tag} for name, tag in tags.items()}
+    for table, tags in zip(("bodies", "boundaries"), GROUPS, strict=True)
+}
+CUBES: dict[str, Any] = {
+    "bodies": {"upper": {"point": [0.5, 0.5, 0.5]}, "lower": {"point": [0.5, -0.5, 0.5]}},
+    "boundaries": {
+        "upper_contact": {"point": [0.5, 0.0, 0.5], "body": "upper"},
+        "upper_top": {"point": [0.5, 1.0, 0.5]},
+        "lower_contact": {"point": [0.5, 0.0, 0.5], "body": "lower"},
+        "lower_bottom": {"point": [0.5, -1.0, 0.5]},
+    },
+    "size": 0.7,
+    "order": 1,
+}
+
+
+def geometry_of(file: str) -> dict[str, Any]:
+    """The table [geometry] of a good file."""
+    if file in GRIDS:
+        return {"file": file, **NUMBERS}
+    if file.startswith("cubes"):
+        return {"file": file, **CUBES}
+    if file in DRAWINGS:
+        names = {"bodies": BODIES, "boundaries": BOUNDARIES}
+        return {"file": file, "size": 1.0, "order": 1, **names}
+    return {"file": file}
+
+
+def case_text(file: str) -> str:
+    """A case with a good file as its geometry."""
+    return tomli_w.dumps({**PAD, "model": {"degree": 1}, "geometry": geometry_of(file)})
+
+
+def csv_case(**options: Any) -> str:
+    """A case whose shear is in loads.csv."""
+    table = {"csv": "loads.csv", "time": "t", "value": "q", **options}
+    load = {**TOP, "direction": "x", "history": [table]}
+    # Pressed before the first row, so that the contact carries shear in all of them.
+    pressed = {**press(), "history": [{"ramp": -600.0, "until": 0.01, "steps": 1}]}
+    contacts = {"main": {**PAD["contacts"]["main"], "friction_from": 0.0}}
+    tables = {"loads": {"press": pressed, "shear": load}, "contacts": contacts}
+    return tomli_w.dumps({**PAD, **tables})
+
+
+def write_originals(folder: Path) -> None:
+    """Write all of them."""
+    write_cad(folder / "pad.step")
+    write_cad(folder / "pad.brep")
+    for suffix in ("step", "brep"):
+        _write_cubes(folder / f"cubes.{suffix}")
+    write_mesh(load_mesh(parse_case(PAD)), folder / "pad.msh")
+    write_mesh(load_mesh(parse_case(SOLID)), folder / "solid.msh")
+    _convert(folder)
+    _write_grids(folder)
+    rows = "".join(f"{t:g},{q:.6g}\n" for t, q in ROWS)
+    (folder / "loads.csv").write_text("t,q\n" + rows)
+    x = np.linspace(-1.2, 1.2, 60)
+    p = np.sqrt(np.clip(1 - x**2, 0, None)) * 400
+    lines = [f"{a:.6g},{b:.6g},{0.1 * b:.6g}" for a, b in zip(x, p, strict=True)]
+    (folder / "tractions.csv").write_text("x,p,q\n" + "\n".join(lines) + "\n")
+    write_run(folder / "run", "halfplane")
+
+
+def leaves(table: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    """Paths of all values in nested tables and lists; of long lists the first item."""
+    if isinstance(table, dict) and table:
+        return [found for key in table for found in leaves(table[key], (*path, key))]
+    if isinstance(table, list) and table:
+        return leaves(table[0], (*path, 0))
+    return [path]
+
+
+def _write_cubes(path: Path) -> None:
+    gmsh.initialize([], readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.model.add("cubes")
+        gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+        gmsh.model.occ.addBox(0, -1, 0, 1, 1, 1)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(path))
+    finally:
+        gmsh.finalize()
+
+
+def _convert(folder: Path) -> None:
+    gmsh.initialize([], readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(str(folder / "pad.msh"))
+        for option in ("SaveGroupsOfNodes", "SaveGroupsOfElements"):
+            gmsh.option.setNumber(f"Mesh.{option}", 1)
+        gmsh.write(str(folder / "pad.inp"))
+        for name, version, binary in (
+            ("pad22", 2.2, 0), ("binary", 4.1, 1), ("binary22", 2.2, 1)
+        ):  # fmt: skip
+            gmsh.option.setNumber("Mesh.MshFileVersion", version)
+            gmsh.option.setNumber("Mesh.Binary", binary)
+            gmsh.write(str(folder / f"{name}.msh"))
+    finally:
+        gmsh.finalize()
+
+
+def _write_grids(folder: Path) -> None:
+    """XDMF with its numbers in HDF5, and in the file itself."""
+    mesh = meshio.read(folder / "pad22.msh")
+    wanted = {(dim, name): tag for dim, tags in zip((2, 1), GROUPS, strict=True)
+              for name, tag in tags.items()}  # fmt: skip
+    numbers = {
+        (int(dim), int(tag)): wanted.get((int(dim), name), 9)
+        for name, (tag, dim) in mesh.field_data.items()
+    }
+    dims = [2 if block.type.startswith("triangle") else 1 for block in mesh.cells]
+    tags = [
+        np.array([numbers[dim, int(tag)] for tag in found])
+        for dim, found in zip(dims, mesh.cell_data["gmsh:physical"], strict=True)
+    ]
+    grid = meshio.Mesh(mesh.points, mesh.cells, cell_data={"gmsh:physical": tags})
+    grid.write(folder / "pad.xdmf", compression=None)
+    grid.write(folder / "text.xdmf", data_format="XML")
+    assert h5py.is_hdf5(folder / "pad.h5")
