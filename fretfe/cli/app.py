@@ -46,7 +46,7 @@ Exit codes:
   3  geometry, mesh or physical groups
   4  the model: a body that nothing holds, surfaces that never meet
   5  a load step has no solution, or equilibrium is lost; the steps up to there are written
-  6  results cannot be written
+  6  results cannot be written or read
   7  a library is missing
   8  there is not enough memory
   130, 143  Ctrl-C, SIGTERM

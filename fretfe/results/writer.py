@@ -14,8 +14,9 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, is_dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -102,19 +103,30 @@ def write_results(directory: Path, result: Result) -> None:
         text = json.dumps(as_numbers(result, lists), indent=1, allow_nan=False)
         # Arrays or numbers of an earlier run would not belong to what is there before all is.
         (directory / REPORT).unlink(missing_ok=True)
+        # The result may have been read from the file that is replaced: surfaces come before it.
+        # What keeps them from being written must not keep the numbers from it.
+        late = _failure(partial(_write_surfaces, directory / SURFACES, result))
         if result.solution is not None or lists:
-            # The result may have been read from the file that is replaced.
             with replacing(directory / ARRAYS) as new:
                 _write_arrays(new, result, lists)
         else:
             (directory / ARRAYS).unlink(missing_ok=True)
         replace_text(directory / NUMBERS, text + "\n")
-        _write_surfaces(directory / SURFACES, result)
         write_stations(directory / STATIONS, result)
+        if late is not None:
+            raise late
     except OSError as error:
         raise OutputError(
             f"{directory}: the results cannot be written: {disk_reason(error)}"
         ) from error
+
+
+def _failure(write: Callable[[], None]) -> OSError | None:
+    try:
+        write()
+    except OSError as error:
+        return error
+    return None
 
 
 def _write_surfaces(path: Path, result: Result) -> None:

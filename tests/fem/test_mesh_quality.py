@@ -194,9 +194,9 @@ EVERYWHERE = "to move in every direction and to turn"
         ),
         pytest.param({"p": platen("y", "displacement")}, {}, None, id="displacement"),
         pytest.param(
-            {"p": platen("y")}, fix(a=("bottom", ["x"])), "to move along y", id="force and support"
+            {"p": platen("y")}, fix(a=("left", ["x"])), "to move along y", id="force and support"
         ),
-        pytest.param({"p": platen("y")}, fix(a=("bottom", ["y"])), None, id="support against it"),
+        pytest.param({"p": platen("y")}, fix(a=("left", ["y"])), None, id="support against it"),
     ],
 )
 def test_rigid_modes_restrained_only_by_contact(

@@ -114,7 +114,7 @@ def test_plan_tells_number_time_and_memory(circle: SolidFront) -> None:
     case, history = result.case, result.loads
     text = plan([Variant(START, case, history), Variant(MESH, case, None)], result)
     # The same steps and integrals; 60 s over 1.5 to the power of 4.
-    assert text.startswith(f"2 companions of about: {START} 40 s, {MESH} 12 s, 52 s together; ")
+    assert text.startswith(f"2 companions: {START} 40 s, {MESH} 12 s, 52 s together, estimated; ")
     assert "GB at most" in text
     variants, reasons = make_variants(case, result)
     assert {*(each.name for each in variants), *reasons} == {MEAN, START, MESH}

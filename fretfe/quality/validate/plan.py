@@ -26,7 +26,7 @@ def plan(variants: Sequence[Variant], result: Result) -> str:
     total = f", {_time(sum(seconds))} together" if len(variants) > 1 else ""
     count = f"{len(variants)} companion{'s' if len(variants) > 1 else ''}"
     memory = f"{peak_memory() / 1e9:.1f} GB at most, what the case itself took"
-    return f"{count} of about: {each}{total}; {memory}"
+    return f"{count}: {each}{total}, estimated; {memory}"
 
 
 def _seconds(variant: Variant, result: Result) -> float:
