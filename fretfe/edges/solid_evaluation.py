@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from fretfe.edges.between import LoadPath, excess, load_path
 from fretfe.edges.closure import closure
 from fretfe.edges.evaluate import last_known
 from fretfe.edges.factors import add_up, one_sided_share
-from fretfe.edges.front import LARGEST_SPREAD, Frame, RangeSpread, StationHistory
+from fretfe.edges.front import LARGEST_SPREAD, Frame, RangeSpread, SlipZone, StationHistory
 from fretfe.edges.moved_fronts import MovedStation, moved_stations
 from fretfe.edges.range_spread import cycle_range
 from fretfe.edges.sector_fits import FrontFit
@@ -37,17 +38,21 @@ def evaluate_fronts(
     for number, track in enumerate(tracks):
         count = len(track.front.sectors)
         own = slice(first, first + count)
-        factors = _Factors.of(solution, contact, track, own)
-        moved = moved_stations(contact, track.front, own)
         first += count
-        name = f"front {number + 1}"
-        stations = tuple(
-            _station(solution, contact, track, factors, moved[station], station, name, slip, path)
-            for station in range(count)
+        front = _Front(
+            f"front {number + 1}",
+            solution,
+            contact,
+            track,
+            _Factors.of(solution, contact, track, own),
+            moved_stations(contact, track.front, own),
+            slip,
+            path,
         )
+        stations = tuple(front.station(each) for each in range(count))
         frames = track.front.frames
         sums = closure(solution, contact, track, alone=len(tracks) == 1)
-        fronts.append(SolidFront(name, frames.closed, frames.length, sums, stations))
+        fronts.append(SolidFront(front.name, frames.closed, frames.length, sums, stations))
     return tuple(fronts)
 
 
@@ -113,70 +118,82 @@ def _interpolate(places: Array, known: Array, values: Array) -> Array:
     return result
 
 
-def _station(
-    solution: Solution,
-    contact: ContactHistory,
-    track: FrontTrack,
-    factors: _Factors,
-    moved: MovedStation,
-    station: int,
-    name: str,
-    slip: SlipBetween,
-    path: LoadPath | None,
-) -> SolidStation:
-    front, fit = track.front, track.fit
-    frames, sector = front.frames, front.sectors[station]
-    cycle = cycle_states(solution.cycle)
-    mean = factors.ways[:, station].mean(axis=0)
-    history = StationHistory(
-        front=name,
-        number=station,
-        position=fit.place[:, station],
-        position_spread=fit.place_spread[:, station],
-        k_n=fit.k_n[:, station],
-        k_n_spread=_k_n_spread(fit, station, moved),
-        k_t=mean[:, Factor.K_T],
-        k_s=mean[:, Factor.K_S],
-        k_i=mean[:, Factor.K_I],
-    )
-    direction, turning = _direction(mean[:, Factor.K_T :], cycle)
-    along = replace(history, k_t=mean[:, Factor.K_T :] @ direction)
-    spread = _spread(factors, front, fit, station, direction, cycle, path)
-    length = float(last_known(fit.length[:, station], cycle))
-    depth, to_end = float(front.depth[station]), float(frames.to_end[station])
-    zones = slip_zones(
-        cycle,
-        contact.friction,
-        along,
-        slip.border_of(sector, history.position, depth),
-        path,
-        lambda position, border: position + border,
-    )
-    return SolidStation(
-        **vars(history),
-        point=frames.points[station],
-        frame=Frame(frames.inward[station], frames.along[station], frames.across[station]),
-        arc=float(frames.arc[station]),
-        curvature=float(frames.curvature[station]),
-        to_end=to_end,
-        size=sector.size,
-        depth=depth,
-        length=length,
-        # Within a local length of a free end fields are those of a vertex.
-        end=not to_end > max(min(depth, length), sector.along_size),
-        k_n_moved=moved.k_n,
-        k_n_moved_spread=moved.spread,
-        k_n_moved_reason=moved.reason,
-        k_t_range=cycle_range(history.k_t, cycle),
-        k_s_range=cycle_range(history.k_s, cycle),
-        k_range=cycle_range(along.k_t, cycle),
-        k_angle=float(np.degrees(np.arctan2(direction[1], direction[0]))),
-        turning=turning,
-        k_range_spread=spread.total,
-        k_range_parts=spread,
-        k_i_range=cycle_range(history.k_i, cycle),
-        slip_zones=zones,
-    )
+@dataclass(frozen=True)
+class _Front:
+    """One front, and what the numbers of its stations are made of."""
+
+    name: str
+    solution: Solution
+    contact: ContactHistory
+    track: FrontTrack
+    factors: _Factors
+    moved: Sequence[MovedStation]
+    slip: SlipBetween
+    path: LoadPath | None
+
+    def station(self, number: int) -> SolidStation:
+        """All that is known of a station."""
+        front, fit, moved = self.track.front, self.track.fit, self.moved[number]
+        frames, sector = front.frames, front.sectors[number]
+        cycle = cycle_states(self.solution.cycle)
+        history = self._history(number)
+        vectors = np.column_stack([history.k_t, history.k_s])
+        direction, turning = _direction(vectors, cycle)
+        along = replace(history, k_t=vectors @ direction)
+        spread = _spread(self.factors, front, fit, number, direction, cycle, self.path)
+        length = float(last_known(fit.length[:, number], cycle))
+        depth, to_end = float(front.depth[number]), float(frames.to_end[number])
+        return SolidStation(
+            **vars(history),
+            point=frames.points[number],
+            frame=Frame(frames.inward[number], frames.along[number], frames.across[number]),
+            arc=float(frames.arc[number]),
+            curvature=float(frames.curvature[number]),
+            to_end=to_end,
+            size=sector.size,
+            depth=depth,
+            length=length,
+            # Within a local length of a free end fields are those of a vertex.
+            end=not to_end > max(min(depth, length), sector.along_size),
+            k_n_moved=moved.k_n,
+            k_n_moved_spread=moved.spread,
+            k_n_moved_reason=moved.reason,
+            k_t_range=cycle_range(history.k_t, cycle),
+            k_s_range=cycle_range(history.k_s, cycle),
+            k_range=cycle_range(along.k_t, cycle),
+            k_angle=float(np.degrees(np.arctan2(direction[1], direction[0]))),
+            turning=turning,
+            k_range_spread=spread.total,
+            k_range_parts=spread,
+            k_i_range=cycle_range(history.k_i, cycle),
+            slip_zones=self._zones(number, along),
+        )
+
+    def _history(self, number: int) -> StationHistory:
+        fit, mean = self.track.fit, self.factors.ways[:, number].mean(axis=0)
+        return StationHistory(
+            front=self.name,
+            number=number,
+            position=fit.place[:, number],
+            position_spread=fit.place_spread[:, number],
+            k_n=fit.k_n[:, number],
+            k_n_spread=_k_n_spread(fit, number, self.moved[number]),
+            k_t=mean[:, Factor.K_T],
+            k_s=mean[:, Factor.K_S],
+            k_i=mean[:, Factor.K_I],
+        )
+
+    def _zones(self, number: int, along: StationHistory) -> tuple[SlipZone, ...]:
+        """Slip zones, predicted with K along the direction in which it varies most."""
+        front = self.track.front
+        return slip_zones(
+            cycle_states(self.solution.cycle),
+            self.contact.friction,
+            along,
+            self.slip.border_of(front.sectors[number], along.position, float(front.depth[number])),
+            self.path,
+            lambda position, border: position + border,
+        )
 
 
 def _k_n_spread(fit: FrontFit, station: int, moved: MovedStation) -> Array:
