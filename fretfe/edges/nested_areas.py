@@ -20,9 +20,9 @@ AREAS = 6
 # How far outside its nodes the front of an area lies, in elements across it: where it is in bonded
 # circles by their factors under a force along, a force across and a moment, by .25, .22 and .2.
 OUTSIDE = 0.21
-# Nodes within this distance of a front, in elements across it, are in an area or not by it; others
-# are as they were. Beyond the known stations of a front it goes on straight, as far as that many
-# times the spacing of stations.
+# Nodes within this distance of a front, in elements across it, are in an area or not by it, unless
+# the nearest station is not known; others are as they were. Beyond its last station a front goes on
+# straight, as far as that many times the spacing of stations.
 BAND, BEYOND = 2.0, 3.0
 
 
@@ -52,8 +52,10 @@ def nested_areas(
 
 
 def _elements_inside(points: Array, track: FrontTrack, place: Array) -> tuple[Array, Array]:
-    """(N,) distances from a front, and (N,) how many elements inward; NaN beyond its ends."""
-    front = track.front
+    """(N,) distances from a front, and (N,) how many elements inward; NaN where it is unknown."""
+    front, known = track.front, np.isfinite(place)
+    stations = front.frames.moved(np.where(known, place, 0.0)).points
+    unknown = ~known[cKDTree(stations).query(points)[1]]
     values = np.column_stack([front.frames.inward, front.sizes])
     line, values = finer(front.frames, place, values)
     distance, row = cKDTree(line).query(points)
@@ -62,4 +64,4 @@ def _elements_inside(points: Array, track: FrontTrack, place: Array) -> tuple[Ar
     depth = np.einsum("nd,nd->n", offset, inward)
     spacing = front.frames.length / len(place)
     beyond = np.linalg.norm(offset - depth[:, None] * inward, axis=1) > BEYOND * spacing
-    return distance, np.where(beyond, np.nan, depth / values[row, 3])
+    return distance, np.where(beyond | unknown, np.nan, depth / values[row, 3])
