@@ -5,13 +5,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 import solid_runs
 
 from fretfe._typing import Array, Indices
+from fretfe.edges import nested_areas as nested
 from fretfe.edges.front import SlipZone
+from fretfe.edges.nested_areas import AREAS, nested_areas
 from fretfe.edges.outline import outlines
 from fretfe.edges.solid_evaluation import evaluate_fronts
 from fretfe.edges.solid_fronts import SolidFront
@@ -245,3 +248,25 @@ def test_verdicts() -> None:
     assert judge(station, zone(predicted=np.nan, predicted_loop=np.nan)).word == "unknown"
     assert judge(replace(station, turning=0.5), zone()).word == "no verdict"
     assert judge(replace(station, k_range_spread=np.nan), zone()).word == "unknown"
+
+
+def test_nested_areas_around_a_circle() -> None:
+    """Their borders are within an element of the front; where it is not known nothing changes."""
+    points, facets = grid()
+    solution, contact = solved(points, facets, [hertz(1.0, 1.0)])
+    (track,) = follow_fronts(solution, contact, STATIONS)
+    radius = np.hypot(points[:, 0], points[:, 2])
+    place = track.fit.place[-1].copy()
+    none = np.zeros(len(points), dtype=bool)
+    for own in (none, radius < 1.0):
+        areas = nested_areas(points, own, [track], [place])
+        for smaller, larger in pairwise(areas):
+            assert (smaller <= larger).all()
+        reach = [radius[area].max() for area in areas]
+        assert np.ptp(reach) == pytest.approx(SIZE * (1 - 1 / AREAS), abs=0.4 * SIZE)
+        assert np.mean(reach) == pytest.approx(1 - nested.OUTSIDE * SIZE, abs=0.4 * SIZE)
+    right = track.front.frames.points[:, 0] > 0.5
+    place[right] = np.nan
+    areas = nested_areas(points, none, [track], [place])
+    assert not any(area[points[:, 0] > 0.7].any() for area in areas)
+    assert all(area[points[:, 0] < 0.0].any() for area in areas)

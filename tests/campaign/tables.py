@@ -44,10 +44,17 @@ def table(judged: list[Judged], quantities: Sequence[str] = QUANTITIES) -> str:
         own = [each for each in judged if each.quantity == quantity]
         given = [each for each in own if np.isfinite(each.value)]
         counts = [sum(e.verdict == v for e in own) for v in ("right", "flagged", "wrong")]
-        hold = np.mean([each.error <= each.bar for each in given])
-        sized = [each for each in given if each.size]
-        bar = np.median([each.bar / each.size for each in sized])
-        error = np.median([abs(each.value - each.truth) / each.size for each in sized])
-        cells = [f"{len(given)} of {len(own)}", *map(str, counts), f"{hold:.1%}"]
-        rows.append("| " + " | ".join([quantity, *cells, f"{bar:.2%}", f"{error:.2%}"]) + " |")
+        cells = [f"{len(given)} of {len(own)}", *map(str, counts), *_shares(given)]
+        rows.append("| " + " | ".join([quantity, *cells]) + " |")
     return "\n".join(rows)
+
+
+def _shares(given: list[Judged]) -> list[str]:
+    """How many bars hold, and the medians of bar and error."""
+    sized = [each for each in given if each.size]
+    if not sized:
+        return ["–"] * 3
+    hold = np.mean([each.error <= each.bar for each in given])
+    bar = np.median([each.bar / each.size for each in sized])
+    error = np.median([abs(each.value - each.truth) / each.size for each in sized])
+    return [f"{hold:.1%}", f"{bar:.2%}", f"{error:.2%}"]
