@@ -11,7 +11,8 @@ from campaign.tables import RESOLVED_SOLIDS, tables
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
 
-# A coarse ellipsoid on which half of the stations are not known, and a sphere; `python -m campaign solids` has all.
+# A coarse ellipsoid on which half of the stations are not known, and a sphere;
+# `python -m campaign solids` has all.
 CASES = (22, 13)
 
 
