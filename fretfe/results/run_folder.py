@@ -114,6 +114,8 @@ def _require_ended(directory: Path, owner: tuple[int, str], locks: bool) -> None
 def _exists(process: int) -> bool:
     try:
         os.kill(process, 0)
+    except PermissionError:
+        return True  # that of somebody else
     except OSError:
         return False
     return True
