@@ -58,19 +58,6 @@ class Frames:
             curvature=self.curvature / (1 - self.curvature * inward),
         )
 
-    def only(self, station: int) -> Frames:
-        """One of the stations."""
-        row = slice(station, station + 1)
-        return replace(
-            self,
-            points=self.points[row],
-            inward=self.inward[row],
-            along=self.along[row],
-            across=self.across[row],
-            curvature=self.curvature[row],
-            arc=self.arc[row],
-        )
-
 
 class FrontCurve:
     """A smooth curve through points of a front, by least squares.
