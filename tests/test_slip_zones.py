@@ -10,8 +10,9 @@ import pytest
 
 from fretfe.analytic._arguments import Side
 from fretfe.edges.front import StationHistory
+from fretfe.edges.reversals import slip_reversals
 from fretfe.edges.section import PlaneFront, plane_front
-from fretfe.edges.slip_zones import slip_border_of, slip_reversals, slip_zones
+from fretfe.edges.slip_zones import slip_border_of, slip_zones
 from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 
 H, EDGE, ZONE = 0.05, 1.02, 0.31
@@ -60,7 +61,7 @@ def length(side: Side, increments: np.ndarray) -> float:
     front = plane_front(side)
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
     no_cycle = np.array([], dtype=np.int64)
-    border = slip_border_of(contact, front, at_edge.position)
+    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool))
     zones = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert [(zone.start, zone.end, zone.resolved) for zone in zones] == [(1, 3, True)]
     return zones[0].length
@@ -101,7 +102,7 @@ def test_a_zone_between_the_nodes_is_not_resolved(
     # K_N = 1, f = 0.5: d = 2 K_T/(f K_N) at first loading
     k_t = np.array([0.0, 0.0, 0.5, 1.0]) * elements * H / 4
     at_edge = station(front, k_t)
-    border = slip_border_of(contact, front, at_edge.position)
+    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool))
     no_cycle = np.array([], dtype=np.int64)
     (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert zone.predicted == pytest.approx(elements * H)
@@ -115,7 +116,7 @@ def test_the_zone_is_as_good_as_its_edge(side: Side) -> None:
     front = plane_front(side)
     exact = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
     no_cycle = np.array([], dtype=np.int64)
-    border = slip_border_of(contact, front, exact.position)
+    border = slip_border_of(contact, front, exact.position, np.ones(STATES, dtype=bool))
     (good,) = slip_zones(no_cycle, contact.friction, exact, border)
     vague = replace(exact, position_spread=np.full(STATES, 1.6 * H))
     (bad,) = slip_zones(no_cycle, contact.friction, vague, border)
@@ -134,7 +135,7 @@ def test_slip_that_goes_on_behind_the_first_sticking_node(side: Side) -> None:
     contact = history(increments)
     front = plane_front(side)
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
-    border = slip_border_of(contact, front, at_edge.position)
+    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool))
     no_cycle = np.array([], dtype=np.int64)
     (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert not zone.resolved
@@ -151,7 +152,7 @@ def test_fewer_than_three_sticking_nodes_are_no_stick_zone(sticking: int, resolv
     contact = history(np.array([0 * X, slip]))
     front = plane_front("left")
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
-    border = slip_border_of(contact, front, at_edge.position)
+    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool))
     no_cycle = np.array([], dtype=np.int64)
     (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert zone.resolved == resolved

@@ -18,9 +18,17 @@ from fretfe.case import Case
 from fretfe.edges.between import excess, load_path
 from fretfe.edges.consistency import shear_mismatch, tension_history
 from fretfe.edges.factors import add_up
-from fretfe.edges.front import ContactSummary, RangeSpread, SlipZone, Station, fronts_of
+from fretfe.edges.front import (
+    ContactSummary,
+    CountedCycles,
+    RangeSpread,
+    SlipZone,
+    Station,
+    fronts_of,
+)
 from fretfe.edges.half_plane import half_plane_units
 from fretfe.edges.limits import with_limit_warnings
+from fretfe.edges.missions import count_cycles, worst_cycle
 from fretfe.edges.section import PLANE_FRONTS, PlaneFront
 from fretfe.edges.slip_zones import cycle_states, slip_zones
 from fretfe.idealise import HalfPlaneProblem, idealise, obstacles
@@ -120,7 +128,9 @@ def _station(
     borders = ClosedFormBorders(problem, cycle, history)
     loads = problem.history
     path = load_path(loads.values, loads.between, loads.cycle)
-    zones = slip_zones(cycle, problem.friction, history, borders, path)
+    cycles = count_cycles(cycle, problem.friction, history)
+    worst = worst_cycle(cycles, cycle, problem.friction, history)
+    zones = slip_zones(cycle, problem.friction, history, borders, path, worst=worst)
     spread = RangeSpread(0.0, 0.0, excess(history.k_t, cycle, path))
     station = Station(
         **vars(history),
@@ -133,8 +143,9 @@ def _station(
         k_t_range_parts=spread,
         k_t_range_fitted=np.nan,
         k_i_range=float(np.ptp(history.k_i[cycle])) if len(cycle) else np.nan,
+        cycles=cycles,
         slip_zones=zones,
-        dissipation=_dissipation(problem, cycle, zones, k_n),
+        dissipation=_dissipation(problem, cycle, zones, k_n, cycles),
     )
     return station, borders.used
 
@@ -151,19 +162,25 @@ def _dissipation(
     cycle: Indices,
     zones: tuple[SlipZone, ...],
     k_n: Array,
+    cycles: CountedCycles,
 ) -> float:
-    """Friction work at one front in the cycle; NaN without a cycle or with varying P."""
+    """Friction work at one front in the cycle; NaN without a cycle or with varying P.
+
+    Each counted cycle is a loop of its own, nested in the larger ones.
+    """
     normal = problem.normal_force[cycle] if len(cycle) else np.array([0.0, 1.0])
     last = int(cycle[-1]) if len(cycle) else 0
     friction = float(problem.friction[last])
     if np.ptp(normal) > 1e-9 * normal.max() or friction == 0 or not zones:
         return np.nan
     if not np.ptp(problem.bulk_tension[cycle]) and not np.any(problem.moment[cycle]):
-        amplitude = float(np.ptp(problem.shear_force[cycle])) / 2
-        return PartialSlip(problem.profile, float(normal[0]), friction).dissipation(amplitude) / 2
-    return float(
-        dissipation_per_cycle(k_n[last], zones[-1].length, friction, problem.profile.e_star)
-    )
+        shares = cycles.k_t_range / cycles.k_t_range.max() if cycles.irregular else np.ones(1)
+        amplitudes = shares * float(np.ptp(problem.shear_force[cycle])) / 2
+        contact = PartialSlip(problem.profile, float(normal[0]), friction)
+        return sum(contact.dissipation(float(each)) for each in amplitudes) / 2
+    lengths = cycles.slip if cycles.irregular else np.array([zones[-1].length])
+    work = dissipation_per_cycle(k_n[last], lengths, friction, problem.profile.e_star)
+    return float(np.sum(work))
 
 
 def _warnings(

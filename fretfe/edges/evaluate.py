@@ -29,6 +29,7 @@ from fretfe.edges.front import (
     fronts_of,
 )
 from fretfe.edges.lives import by_life, in_evaluated_life
+from fretfe.edges.missions import count_cycles, worst_cycle
 from fretfe.edges.patches import pressure_moments
 from fretfe.edges.pressure import EdgeFit
 from fretfe.edges.range_spread import FactorHistories, cycle_range, range_spreads
@@ -169,7 +170,10 @@ def _evaluate_station(
     )
     fitted = histories.fitted
     here = nearest_front(contact.arc, last_known(centre, cycle)) == front.number
-    border = slip_border_of(contact, front, fit.position)
+    evaluated = in_evaluated_life(contact, solution.cycle, history)
+    cycles = count_cycles(cycle, contact.friction, evaluated)
+    worst = worst_cycle(cycles, cycle, contact.friction, evaluated)
+    outer = worst.outer if worst else np.ones(len(solution.times), dtype=bool)
     return Station(
         **vars(history),
         frame=_frame(contact, front, fit.position),
@@ -185,12 +189,14 @@ def _evaluate_station(
             else np.nan
         ),
         k_i_range=cycle_range(history.k_i, cycle),
+        cycles=cycles,
         slip_zones=slip_zones(
             cycle,
             contact.friction,
-            in_evaluated_life(contact, solution.cycle, history),
-            border,
+            evaluated,
+            slip_border_of(contact, front, fit.position, outer),
             path,
+            worst=worst,
         ),
         dissipation=float(work[here].sum()),
     )

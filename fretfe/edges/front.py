@@ -14,12 +14,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Bools, Indices
 
 # Error bar of K_N or of the range of K_T, relative to it, from which it is marked as uncertain.
 LARGEST_SPREAD = 0.05
 # Error bar, relative to its number, beyond which tables show no number.
 NO_NUMBER = 0.5
+# Counted cycles whose ranges differ by less than this fraction are the same cycle.
+SAME_RANGE = 1e-3
 
 
 def told(value: float, spread: float) -> float:
@@ -79,6 +81,58 @@ class SlipZone:
     def prediction(self) -> float:
         """Predicted length to compare with: `predicted_loop` in the cycle, else `predicted`."""
         return self.predicted_loop if np.isfinite(self.predicted_loop) else self.predicted
+
+
+@dataclass(frozen=True)
+class CountedCycles:
+    """Cycles of a station, counted by the rainflow method: n of them, in the order they close.
+
+    Attributes:
+        start, end: (n,) states of the two reversals. `start` may be the later one in a cycle that
+            repeats itself: the range then goes on in the next repetition.
+        count: (n,) 1, or 0.5 for a range that nothing closes.
+        k_t_range, k_t_mean: (n,) difference of K_T at the two reversals, positive, and its mean.
+        effective_range: (n,) larger K_T - f K_I less smaller K_T + f K_I, with K_I counted from the
+            outermost place of the edge: what is counted, and the same as `k_t_range` at constant P.
+        slip: (n,) predicted length of the slip zone from the edge as it is at `end`; NaN where K_N
+            is unknown there.
+        closed: whether the history that was counted repeats itself: all counts are 1.
+        reason: why nothing was counted; empty if it was.
+    """
+
+    start: Indices
+    end: Indices
+    count: Array
+    k_t_range: Array
+    k_t_mean: Array
+    effective_range: Array
+    slip: Array
+    closed: bool
+    reason: str
+
+    @property
+    def worst(self) -> int:
+        """Number of the cycle with the largest effective range, the last one of equal ones.
+
+        Raises:
+            ValueError: if there is none.
+        """
+        size = self.effective_range
+        return int(np.flatnonzero(size >= (1 - SAME_RANGE) * size.max())[-1])
+
+    @property
+    def irregular(self) -> bool:
+        """True if the cycles differ, those aside in which the history begins and ends."""
+        inner = self.effective_range[~self._outermost]
+        return len(inner) > 1 and bool(np.ptp(inner) > SAME_RANGE * inner.max())
+
+    @property
+    def _outermost(self) -> Bools:
+        """(n,) half cycles of first loading, and those that the end of the history cuts off."""
+        if self.closed or not len(self.count):
+            return np.zeros(len(self.count), dtype=bool)
+        ends = (self.start == self.start.min()) | (self.end == self.end.max())
+        return np.asarray((self.count < 1) & ends)
 
 
 @dataclass(frozen=True)
@@ -149,7 +203,9 @@ class Station(StationHistory):
         k_t_range_parts: what that is made of.
         k_t_range_fitted: range of K_T by fits to the tractions of full stick; NaN without them.
         k_i_range: range of K_I.
-        slip_zones: one for each half cycle, in time order.
+        cycles: counted in the evaluated cycle, or in the whole history without one.
+        slip_zones: one for each half cycle, in time order; if the counted cycles are irregular,
+            only those of the worst one.
         dissipation: friction work on this side of the contact in the evaluated cycle, per unit
             thickness.
     """
@@ -163,6 +219,7 @@ class Station(StationHistory):
     k_t_range_parts: RangeSpread
     k_t_range_fitted: float
     k_i_range: float
+    cycles: CountedCycles
     slip_zones: tuple[SlipZone, ...]
     dissipation: float
 

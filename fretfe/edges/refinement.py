@@ -25,7 +25,8 @@ class StationValues:
         contact: name of the contact.
         front: name of its front.
         k_n: K_N in the last state.
-        k_t: range of K_T over the cycle, or its last value without a cycle.
+        k_t: range of K_T over the cycle; without one that of the worst counted cycle if loads are
+            irregular, else its last value.
         slip: lengths of the last slip zones in time order; NaN where unknown.
         rise: distance from the front in which the pressure rises to its largest value.
         friction: coefficient.

@@ -47,13 +47,24 @@ def station_values(
             contact=contact.name,
             front=station.front,
             k_n=float(station.k_n[-1]),
-            k_t=station.k_t_range if solution.cycle is not None else float(station.k_t[-1]),
+            k_t=_k_t(solution, station),
             slip=tuple(zone.length for zone in _last_zones(station)),
             rise=_rise(history, contact, station),
             friction=float(history.friction.max()),
         )
         for history, contact, station in _stations(solution, contacts)
     )
+
+
+def _k_t(solution: Solution, station: Station) -> float:
+    """Range of K_T over the cycle; without one that of the worst counted cycle, or the last value.
+
+    The last value of K_T under irregular loads is as good as any.
+    """
+    if solution.cycle is not None:
+        return station.k_t_range
+    cycles = station.cycles
+    return float(cycles.k_t_range[cycles.worst] if cycles.irregular else station.k_t[-1])
 
 
 def _stations(

@@ -13,7 +13,9 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.edges import slip_length_first_loading
 from fretfe.edges.between import LoadPath
 from fretfe.edges.front import SlipZone, StationHistory
+from fretfe.edges.missions import Worst
 from fretfe.edges.patches import main_patch
+from fretfe.edges.reversals import slip_reversals
 from fretfe.edges.section import PlaneFront, plane_front
 from fretfe.edges.slip import SlipBorder, predicted_slip, slip_border
 from fretfe.results.solution import OPEN, SLIP, ContactHistory
@@ -55,6 +57,7 @@ def slip_zones(
     find_border: FindBorder,
     path: LoadPath | None = None,
     place: Callable[[float, float], float] | None = None,
+    worst: Worst | None = None,
 ) -> tuple[SlipZone, ...]:
     """Slip zones of a station in time order.
 
@@ -66,6 +69,7 @@ def slip_zones(
         path: loads of the cycle between its steps, unless they are straight lines.
         place: gives the position that is some length inward from a position of the station; None
             for a station of a plane front.
+        worst: the cycle whose half cycles alone are looked at, where loads are irregular.
     """
     place = place or plane_front(station.front).place
     frictional = np.flatnonzero((friction > 0) & np.isfinite(station.position))
@@ -77,12 +81,15 @@ def slip_zones(
     if not known[begin:].all():
         return ()
     zones = []
-    for start, end in _half_cycles(cycle, friction, station, begin):
+    halves = worst.half_cycles if worst else _half_cycles(cycle, friction, station, begin)
+    for start, end in halves:
         if not np.isfinite(station.position[end]):
             continue
         border = find_border(start, end)
         cyclic, loop = _prediction(cycle, friction[end], end, station)
-        if start == first:
+        if worst and not len(cycle):
+            cyclic = worst.predicted
+        elif start == first:
             rise = abs(station.k_t[end] - station.k_t[first])
             cyclic = float(slip_length_first_loading(rise, station.k_n[end], friction[end]))
         spread = math.hypot(border.spread, float(station.position_spread[end]))
@@ -163,50 +170,34 @@ def _at_extreme(forward: Array, backward: Array, states: States, last: int) -> b
     return bool(min(growth, fall) < AT_EXTREME * size)
 
 
-def slip_reversals(forward: Array, backward: Array, relative_tolerance: float = 1e-6) -> Indices:
-    """Last states of the phases in which slip goes one way, in time order.
-
-    Of a plateau the first state counts. Between two phases an edge may stick.
+def slip_border_of(
+    contact: ContactHistory, front: PlaneFront, position: Array, outer: Bools
+) -> FindBorder:
+    """Slip zones of a solved contact at a front.
 
     Args:
-        forward: (T,) grows while the edge slips forward.
-        backward: (T,) falls while the edge slips backward; the same as `forward` at constant load.
-        relative_tolerance: changes below this fraction of the range are ignored.
-
-    Returns:
-        (n,) ends; forward and backward phases alternate, the last one may not be complete.
+        contact: one contact.
+        front: one of its fronts.
+        position: (T,) of the edge.
+        outer: (T,) whether the slip in the step to each state counts.
     """
-    tolerance = relative_tolerance * max(np.ptp(forward), np.ptp(backward))
-    ends: list[int] = []
-    direction, end, peak = 0, 0, 0
-    for state in range(1, len(forward)):
-        # In the sense of the present phase: what makes it go on, what turns it round.
-        onward, back = (-backward, -forward) if direction < 0 else (forward, backward)
-        if onward[state] - onward[end] > tolerance:
-            end, peak, direction = state, state, direction or 1
-        elif back[state] > back[peak]:
-            peak = state
-        elif back[peak] - back[state] > tolerance:
-            if direction:
-                ends.append(end)
-            direction, end, peak = (1 if direction < 0 else -1), state, state
-    return np.array([*ends, end] if direction else ends, dtype=np.int64)
-
-
-def slip_border_of(contact: ContactHistory, front: PlaneFront, position: Array) -> FindBorder:
-    """Slip zones of a solved contact at a front whose edge is at `position` (T,)."""
-    return lambda start, end: _border(contact, front, start, end, float(position[end]))
+    return lambda start, end: _border(contact, front, start, end, float(position[end]), outer)
 
 
 def _border(
-    contact: ContactHistory, front: PlaneFront, start: int, end: int, position: float
+    contact: ContactHistory,
+    front: PlaneFront,
+    start: int,
+    end: int,
+    position: float,
+    outer: Bools,
 ) -> SlipBorder:
     """Slip zone between two states, from the slip that happened while in contact.
 
     K_T may reverse between two steps, so that the first step of a half cycle still holds slip of
     the half cycle before: only slip in the direction of the largest slip at this front counts.
     """
-    forward, backward = _slip_both_ways(contact, start, end)
+    forward, backward = _slip_both_ways(contact, start, end, outer)
     closed = contact.status[end] != OPEN
     patch = main_patch(contact.arc, contact.traction[end, :, 0])
     closed[: patch.first] = closed[patch.last + 1 :] = False
@@ -224,12 +215,15 @@ def _border(
     return replace(border, resolved=False, spread=spread)
 
 
-def _slip_both_ways(contact: ContactHistory, start: int, end: int) -> tuple[Array, Array]:
-    """(N,) sums of the slip increments towards larger and smaller x in the steps between states."""
+def _slip_both_ways(
+    contact: ContactHistory, start: int, end: int, outer: Bools
+) -> tuple[Array, Array]:
+    """(N,) sums of slip increments to larger and smaller x in the outer steps between states."""
     sums = np.zeros((2, len(contact.arc)))
     for part in blocks(end - start, len(contact.arc)):
         first, last = start + part.start, start + part.stop
         slipping = contact.status[first + 1 : last + 1] == SLIP
+        slipping &= outer[first + 1 : last + 1, None]
         increments = np.where(slipping, np.diff(contact.slip[first : last + 1, :, 0], axis=0), 0.0)
         sums += np.maximum(increments, 0.0).sum(axis=0), np.maximum(-increments, 0.0).sum(axis=0)
     return sums[0], sums[1]

@@ -14,6 +14,7 @@ from fretfe.edges.closure import closure
 from fretfe.edges.evaluate import last_known
 from fretfe.edges.factors import add_up, one_sided_share
 from fretfe.edges.front import LARGEST_SPREAD, Frame, RangeSpread, SlipZone, StationHistory
+from fretfe.edges.missions import count_cycles, worst_cycle
 from fretfe.edges.moved_fronts import MovedStation, moved_stations
 from fretfe.edges.range_spread import cycle_range
 from fretfe.edges.sector_fits import FrontFit
@@ -185,14 +186,23 @@ class _Front:
 
     def _zones(self, number: int, along: StationHistory) -> tuple[SlipZone, ...]:
         """Slip zones, predicted with K along the direction in which it varies most."""
-        front = self.track.front
+        front, friction = self.track.front, self.contact.friction
+        cycle = cycle_states(self.solution.cycle)
+        worst = worst_cycle(count_cycles(cycle, friction, along), cycle, friction, along)
+        border = self.slip.border_of(
+            front.sectors[number],
+            along.position,
+            float(front.depth[number]),
+            worst.outer if worst else None,
+        )
         return slip_zones(
-            cycle_states(self.solution.cycle),
-            self.contact.friction,
+            cycle,
+            friction,
             along,
-            self.slip.border_of(front.sectors[number], along.position, float(front.depth[number])),
+            border,
             self.path,
             lambda position, border: position + border,
+            worst,
         )
 
 
@@ -235,10 +245,12 @@ def _spread(
 
     The parts are those of the plane: what the ways to integrate differ by; that a discrete contact
     area ends somewhere within an element, by the largest range along the front, since that of one
-    station may be a small difference; extremes between steps.
+    station may be a small difference; extremes between steps. And one more: elements that are long
+    along the front cannot follow how factors vary there.
     """
     histories = factors.ways[..., Factor.K_T :]
     own = histories[:, station] @ direction
+    bent = _bent(histories.mean(axis=0), front, station, direction, cycle)
     ranges = [cycle_range(way, cycle) for way in own]
     # At the ends of an open front factors grow out of all proportion.
     inner = front.frames.to_end > front.depth
@@ -252,9 +264,39 @@ def _spread(
     misplaced = error / min(front.depth[station], np.median(front.depth), radius) * largest
     return RangeSpread(
         extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else np.nan,
-        discretisation=float(np.hypot(misplaced, factors.one_sided[station])),
+        discretisation=float(np.linalg.norm([misplaced, factors.one_sided[station], bent])),
         steps=excess(own.mean(axis=0), cycle, path),
     )
+
+
+def _bent(
+    histories: Array, front: SpaceFront, station: int, direction: Array, cycle: Indices
+) -> float:
+    """Largest difference of the range from a straight line over one element along the front.
+
+    Half of its second difference over the element, from the stations: h^2 / 8 times the second
+    derivative. Next to stations that are not known it is taken from those that are.
+
+    Args:
+        histories: (n, T, 2) K_T and K_S of all stations.
+        front: with the length of the elements along it.
+        station: one of the stations.
+        direction: (2,) unit vector of the range.
+        cycle: states of the cycle.
+    """
+    if not len(cycle) or not np.isfinite(own := histories[station, cycle] @ direction).all():
+        return 0.0
+    swing = histories[:, cycle[np.argmax(own)]] - histories[:, cycle[np.argmin(own)]]
+    size, frames = front.sectors[station].along_size, front.frames
+    step = max(size / 2, frames.length / len(frames.arc))
+    known = np.isfinite(swing).all(axis=1)
+    at = frames.arc[station] + step * np.array([-1.0, 0.0, 1.0])
+    period = frames.length if frames.closed else None
+    if not frames.closed:
+        first, last = frames.arc[known][[0, -1]]
+        at += max(first - at[0], 0.0) - max(at[-1] - last, 0.0)
+    values = np.interp(at, frames.arc[known], swing[known] @ direction, period=period)
+    return float(abs(np.diff(values, 2)[0]) / 2 * (size / 2 / step) ** 2)
 
 
 def _largest(history: Array, cycle: Indices) -> float:

@@ -39,13 +39,24 @@ class SlipBetween:
             self._read[start, end] = np.concatenate(parts), closed
         return self._read[start, end]
 
-    def border_of(self, sector: Sector, place: Array, depth: float) -> FindBorder:
-        """Slip zones at a station whose front is at `place` (T,) inward from the reference."""
+    def border_of(
+        self, sector: Sector, place: Array, depth: float, outer: Bools | None = None
+    ) -> FindBorder:
+        """Slip zones at a station.
+
+        Args:
+            sector: around it.
+            place: (T,) of the front, inward from the reference.
+            depth: half of the width of the contact.
+            outer: (T,) whether the slip in the step to each state counts; None if all of it does.
+        """
         area = self._contact.weights[sector.nodes]
 
         def find(start: int, end: int) -> SlipBorder:
             steps, closed = self.steps(start, end)
             own = steps[:, sector.nodes]
+            if outer is not None:
+                own = own[outer[start + 1 : end + 1]]
             slip = _forward(own, (sector.fade * area)[closed[sector.nodes]], closed[sector.nodes])
             moved = closed[sector.nodes] & (slip > SMALLEST_SLIP * slip.max(initial=0.0))
             return sector_border(sector, float(place[end]), depth, slip, moved, area)

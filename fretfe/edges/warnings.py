@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.analytic.rainflow import reversals
 from fretfe.edges.factors import WANTED_NODES
 from fretfe.edges.front import Station
 from fretfe.edges.patches import contact_patches
@@ -22,6 +23,8 @@ from fretfe.results.states import blocks
 STEADY_CHANGE = 1e-3
 # Part of the range of K_T that may lie between the steps without a warning.
 LARGEST_STEPS = 0.02
+# Loads with fewer reversals, their first and last value included, have no cycles to be counted.
+FEWEST_TURNS = 5
 
 
 def warnings_about(
@@ -36,6 +39,7 @@ def warnings_about(
         change: of the shear over the evaluated cycle, relative to f p_max; NaN without a cycle.
     """
     yield from _unknown(solution, contact, stations)
+    yield from _uncounted(solution, stations)
     yield from _surfaces(contact)
     yield from _patches(contact)
     if change >= STEADY_CHANGE:
@@ -73,6 +77,17 @@ def _unknown(
             missing.append("ΔK_T")
         if missing:
             yield f"{' and '.join(missing)} at the {station.front} edge: unknown, because {reason}"
+
+
+def _uncounted(solution: Solution, stations: tuple[Station, ...]) -> Iterator[str]:
+    """Irregular loads without a cycle whose cycles cannot be counted, and why."""
+    if solution.cycle is not None:
+        return
+    turns = max((len(reversals(each)) for each in solution.values.T), default=0)
+    for station in stations:
+        known = np.isfinite(station.k_t)
+        if turns >= FEWEST_TURNS and not station.cycles.count.size and not known.all():
+            yield f"cycles at the {station.front} edge are not counted: {station.cycles.reason}"
 
 
 def _patches(contact: ContactHistory) -> Iterator[str]:
@@ -134,6 +149,8 @@ def _uncertain(station: Station) -> Iterator[str]:
             "between the steps: take more steps per cycle"
         )
     if any(zone.gross for zone in station.slip_zones[-2:]):
-        yield f"gross slip in the last half cycles ({station.front} edge)"
+        irregular = station.cycles.irregular
+        which = "in the worst counted cycle" if irregular else "in the last half cycles"
+        yield f"gross slip {which} ({station.front} edge)"
     elif any(not zone.resolved for zone in station.slip_zones[-2:]):
         yield f"the {station.front} slip zone is not resolved by the mesh"

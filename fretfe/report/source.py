@@ -8,9 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from fretfe._typing import Indices
 from fretfe.edges.area import AreaSummary, shear_extremes
 from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary, Station
+from fretfe.edges.missions import worst_path
+from fretfe.edges.slip_zones import cycle_states
 from fretfe.results.model import Result
 from fretfe.results.solution import ContactHistory
 
@@ -118,6 +121,38 @@ def shown_areas(run: Result) -> list[ShownArea]:
 def inward(edge: Station) -> float:
     """Direction along x from an edge into the contact: 1 or -1."""
     return 1.0 if edge.front == "left" else -1.0
+
+
+def worst_states(shown: Shown) -> Indices:
+    """(n,) states on the way through the worst counted cycle of a contact's edges.
+
+    Empty if the loads are regular.
+    """
+    run, friction = shown.run, shown.tractions.friction
+    edges = [edge for edge in shown.summary.stations if edge.cycles.irregular]
+    if not edges:
+        return np.zeros(0, dtype=np.int64)
+    edge = max(edges, key=_largest_range)
+    return worst_path(edge.cycles, cycle_states(run.loads.cycle), friction, edge)
+
+
+def worst_run_states(run: Result) -> Indices:
+    """(n,) the same of all contacts together: those of the largest range of all edges.
+
+    Empty for solids, whose cycles are not counted.
+    """
+    if not run.contacts:
+        return np.zeros(0, dtype=np.int64)
+    shown = [each for each in shown_contacts(run) if len(worst_states(each))]
+    if not shown:
+        return np.zeros(0, dtype=np.int64)
+    return worst_states(
+        max(shown, key=lambda each: max(map(_largest_range, each.summary.stations)))
+    )
+
+
+def _largest_range(edge: Station) -> float:
+    return float(edge.cycles.effective_range.max(initial=0.0))
 
 
 def edge_title(edge: Station) -> str:

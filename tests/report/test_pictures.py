@@ -20,6 +20,7 @@ from drawn import fields, write_folder
 from matplotlib import colormaps
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
+from stored_runs import edit_numbers
 
 from fretfe.report.pictures import folder as folder_module
 from fretfe.report.pictures.child import _run
@@ -32,7 +33,7 @@ from fretfe.report.pictures.stress import draw_bodies, find_look
 from fretfe.results.field_file import FIELDS
 from fretfe.results.reader import load_result
 from fretfe.results.solution import SLIP, STICK
-from fretfe.results.writer import NUMBERS, PICTURE_LIST, PICTURES
+from fretfe.results.writer import PICTURE_LIST, PICTURES
 
 # Load extremes and end of the last cycle, from t = 2 to t = 3.
 EXTREMES = (2.25, 2.75, 3.0)
@@ -152,19 +153,19 @@ def test_states_without_fields_are_named(drawn: Path, tmp_path: Path) -> None:
 
 
 def test_backends_without_bodies_have_no_pictures(folder: Path) -> None:
-    numbers = json.loads((folder / NUMBERS).read_text())
-    (folder / NUMBERS).write_text(json.dumps({**numbers, "mesh": {}, "backend": "halfplane"}))
+    edit_numbers(folder, lambda numbers: numbers.update(mesh={}, backend="halfplane"))
     found = reasons(folder)
     assert set(found.values()) == {"the backend 'halfplane' has no bodies to draw"}
     assert listed(folder)["pictures"] == []
 
 
 def test_contacts_without_edges_are_told_apart(folder: Path) -> None:
+    def forget(numbers: dict[str, Any]) -> None:
+        for edge in numbers["contacts"]["main"]["edges"]:
+            edge["position"][-1] = None
+
     (folder / FIELDS).unlink()
-    numbers = json.loads((folder / NUMBERS).read_text())
-    for edge in numbers["contacts"]["main"]["edges"]:
-        edge["position"][-1] = None
-    (folder / NUMBERS).write_text(json.dumps(numbers))
+    edit_numbers(folder, forget)
     found = reasons(folder)
     assert list(found) == STRESS
     assert "no contact edges" in found[STRESS[1]] and "fields" in found[STRESS[0]]

@@ -6,10 +6,18 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Indices
 from fretfe.edges.area import shear_direction
 from fretfe.report.figures.plot import Plot, envelope, make_plot, plain_axis
-from fretfe.report.source import Shown, ShownArea, force_unit, span, work_unit
+from fretfe.report.source import (
+    Shown,
+    ShownArea,
+    force_unit,
+    span,
+    work_unit,
+    worst_run_states,
+    worst_states,
+)
 from fretfe.report.texts import direction_text, number
 from fretfe.report.theme import BLUE, SINGLE
 from fretfe.results.model import Result
@@ -24,6 +32,7 @@ INTRO = (
     "area as it is, the work that is done in the cycle."
 )
 SOLID_INTRO = INTRO.replace(" per unit thickness", "").replace("the shear force", "Q")
+WORST = "Shown is the worst counted cycle alone, without smaller ones on its way."
 # A boundary whose force times displacement is below this fraction of the largest does no work.
 NO_WORK = 1e-6
 ROUND_OFF = 1e-9
@@ -34,6 +43,12 @@ def slip_loop_plot(shown: Shown | ShownArea) -> Plot | None:
     first, last = span(shown.run)
     solution = shown.run.solution
     assert solution is not None
+    path = worst_states(shown) if isinstance(shown, Shown) else np.zeros(0, dtype=np.int64)
+    if len(path) and not solution.keeps(int(path[0]), int(path[-1])):
+        # Its first half is in the repetition before the cycle.
+        path = path[path >= first]
+    if len(path):
+        first, last = int(path[0]), int(path[-1])
     if last - first < 2 or not solution.keeps(first, last):
         return None
     states, tractions = slice(first, last + 1), shown.tractions
@@ -56,6 +71,9 @@ def slip_loop_plot(shown: Shown | ShownArea) -> Plot | None:
     work = f"{number(shown.summary.dissipation)} {work_unit(shown.run)}"
     when = "evaluated cycle" if cycle else "whole history, which is shown: there is no cycle"
     caption = f"Friction work of this contact in the {when}: {work}."
+    if len(path):
+        slip, force = slip[path - first], force[path - first]
+        caption += f" {WORST}"
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots()
@@ -93,8 +111,9 @@ def work_loop_plots(run: Result) -> list[Plot]:
     working = np.flatnonzero(scales > NO_WORK * scales.max(initial=0.0))
     areas = [loop_area(forces[:, i], amplitudes[:, i]) for i in working]
     balance = _balance(run, solution, sum(areas))
+    path = worst_run_states(run)
     return [
-        _work_loop(run, solution.coordinates[i], int(i), area, balance)
+        _work_loop(run, solution.coordinates[i], int(i), area, balance, path)
         for i, area in zip(working, areas, strict=True)
     ]
 
@@ -131,16 +150,20 @@ def _balance(run: Result, solution: Solution, total: float) -> str:
     return f"{text} In a steady cycle they are equal but for the size of the load steps."
 
 
-def _work_loop(run: Result, label: str, index: int, area: float, balance: str) -> Plot:
+def _work_loop(
+    run: Result, label: str, index: int, area: float, balance: str, path: Indices
+) -> Plot:
     solution, units = run.solution, run.case.units
     assert solution is not None and solution.cycle is not None
-    states = slice(solution.cycle[0], solution.cycle[1] + 1)
+    states = path if len(path) else np.arange(solution.cycle[0], solution.cycle[1] + 1)
     force, displacement = solution.forces[states, index], solution.amplitudes[states, index]
     load = run.case.loads.get(label)
     turns = load is not None and load.type == "tilt"
     moved, force_label = ("rotation", "moment") if turns else ("displacement", "force")
     moved_unit, unit = ("rad", work_unit(run)) if turns else (units.length, force_unit(run))
     caption = f"Area: {number(area)} {work_unit(run)}. {balance}"
+    if len(path):
+        caption = f"{WORST} Work in the whole cycle: {number(area)} {work_unit(run)}. {balance}"
 
     def draw(figure: Figure) -> None:
         panels = figure.subplots(1, 2, sharey=True)

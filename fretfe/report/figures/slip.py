@@ -12,6 +12,7 @@ from matplotlib.patches import Patch
 from fretfe._typing import Array
 from fretfe.edges.front import Station
 from fretfe.report.figures.plot import Plot, envelope, make_plot
+from fretfe.report.figures.slip_envelope import draw_envelope
 from fretfe.report.source import Shown, edge_title, inward, span
 from fretfe.report.theme import DOUBLE, PALE, SKY, VERMILLION
 from fretfe.results.solution import OPEN, SLIP, STICK
@@ -38,6 +39,11 @@ INTRO = (
     "crosses those that were predicted. A row in which the load turns round may show slip beyond "
     "the circle that is too small to count."
 )
+ENVELOPE_INTRO = (
+    " Where loads are irregular, below: how far each place slips to and fro in the evaluated "
+    "cycle, or in the whole history without one; grey: it sticks at all times. Circles and crosses "
+    "belong to the worst counted cycle."
+)
 
 
 def slip_plot(shown: Shown) -> Plot:
@@ -58,17 +64,23 @@ def _draw(figure: Figure, shown: Shown) -> None:
     if shown.run.loads.cycle is not None:
         for time in times[[first, last]]:
             panels["whole"].axhline(time, color="black", lw=0.8, ls="--")
+    irregular = any(edge.cycles.irregular for edge in shown.summary.stations)
     for edge in shown.summary.stations:
         axes = panels[edge.front]
-        _map(axes, shown, *_window(shown, edge, first, last), (first, last))
-        _zone_ends(axes, shown, edge, first, last)
-        axes.set_ylim(times[first], times[last])
+        window = _window(shown, edge, first, last)
+        if irregular:
+            draw_envelope(axes, shown, edge, window, (first, last))
+        else:
+            _map(axes, shown, *window, (first, last))
+            _zone_ends(axes, shown, edge, first, last)
+            axes.set_ylim(times[first], times[last])
         axes.set_title(edge_title(edge))
         axes.tick_params(axis="x", labelrotation=30)
     for axes in panels.values():
         axes.set_xlabel(f"x [{units.length}]")
-    for name in ("whole", "left"):
-        panels[name].set_ylabel(f"time [{units.time}]")
+    panels["whole"].set_ylabel(f"time [{units.time}]")
+    below = f"range of slip [{units.length}]" if irregular else f"time [{units.time}]"
+    panels["left"].set_ylabel(below)
     handles = [
         Patch(facecolor=colour, edgecolor="black", lw=0.4, label=name)
         for kind, (name, colour) in KINDS.items()

@@ -25,6 +25,10 @@ INTRO = (
 )
 
 
+# Points between a panel and its title: the three rows of the legend stand there.
+TITLE_PAD = 50.0
+
+
 def traction_plot(shown: Shown) -> Plot:
     """p, ±f p and q along a contact."""
     run = shown.run
@@ -46,7 +50,8 @@ def draw_tractions(case: Case, solution: Solution, contacts: tuple[ContactSummar
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
         for panel, history, summary in zip(panels, solution.contacts, contacts, strict=False):
             _draw_contact(panel, case, solution, history, summary)
-            panel.set_title(f"{summary.name}: {history.body1} on {history.body2}", loc="left")
+            title = f"{summary.name}: {history.body1} on {history.body2}"
+            panel.set_title(title, loc="left", pad=TITLE_PAD)
         for panel in panels[len(contacts) :]:
             panel.set_axis_off()
     return figure

@@ -96,7 +96,8 @@ def _zone_answer(
 
 def summary(run: Result, answers: tuple[EdgeAnswer, ...]) -> tuple[str, ...]:
     """The answer in a few sentences: slip zones, or contacts of solids, solution, cycle."""
-    first = _solid_text(run) if run.areas else _zone_text(answers)
+    irregular = any(e.cycles.irregular for c in run.contacts for e in c.stations)
+    first = _solid_text(run) if run.areas else _zone_text(answers, irregular)
     return tuple(text for text in (first, _step_text(run), _cycle_text(run)) if text)
 
 
@@ -121,14 +122,17 @@ def _solid_text(run: Result) -> str:
     )
 
 
-def _zone_text(answers: tuple[EdgeAnswer, ...]) -> str:
+def _zone_text(answers: tuple[EdgeAnswer, ...], irregular: bool) -> str:
     words = Counter(zone.verdict for answer in answers for zone in answer.zones)
     agreeing, zones = words.pop("agrees", 0), words.total()
     if not agreeing + zones:
         return f"{len(answers)} contact edges, no slip zones."
     others = ", ".join(f"{count} {word}" for word, count in words.items())
+    which = f"last {agreeing + zones} half cycles"
+    if irregular:
+        which = f"{agreeing + zones} half cycles of the worst counted cycles"
     return (
-        f"{len(answers)} contact edges. In {agreeing} of the last {agreeing + zones} half cycles "
+        f"{len(answers)} contact edges. In {agreeing} of the {which} "
         "the slip zone that was found agrees with the one that the edge factors predict"
         f"{f' ({others})' if others else ''}."
     )

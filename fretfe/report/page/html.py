@@ -16,6 +16,7 @@ from rich.table import Table
 from fretfe.errors import OutputError
 from fretfe.quality.validate.single import own_rows
 from fretfe.report.page.answer import edge_answers, summary
+from fretfe.report.page.cycle_table import cycle_table
 from fretfe.report.page.front_table import front_table
 from fretfe.report.page.sections import Plots, draw_plots
 from fretfe.report.page.tables import (
@@ -88,6 +89,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         answers=answers,
         summary=summary(run, answers),
         contacts=_contacts(run),
+        cycles=cycle_table(run),
         fronts=front_table(run.case, run.areas) if _has_fronts(run) else None,
         works=[
             f"{contact.name} {number(contact.dissipation)}"

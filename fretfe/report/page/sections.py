@@ -6,7 +6,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from fretfe.report.figures import areas, edges, fronts, history, loops, slip, solver, tractions
+from fretfe.report.figures import (
+    areas,
+    cycles,
+    edges,
+    fronts,
+    history,
+    loops,
+    slip,
+    solver,
+    tractions,
+)
 from fretfe.report.figures.plot import Plot
 from fretfe.report.source import Shown, ShownArea, shown_areas, shown_contacts
 from fretfe.results.model import Result
@@ -61,16 +71,25 @@ def _sections(run: Result) -> tuple[Section, ...]:
         none = f"The backend {run.backend} gives no tractions along the contact."
         return (Section("tractions", "Along the contacts", none, ()), *histories)
     asymptotes = (edges.edge_plot(each, edge) for each in shown for edge in each.summary.stations)
+    counted = (cycles.cycle_plot(each, edge) for each in shown for edge in each.summary.stations)
     sections = (
         _section(
             "tractions", "Along the contacts", tractions.INTRO, map(tractions.traction_plot, shown)
         ),
         _section("edges", "Next to the edges", edges.INTRO, asymptotes),
-        _section("slip", "Stick and slip", slip.INTRO, map(slip.slip_plot, shown)),
+        _section("slip", "Stick and slip", _slip_intro(run), map(slip.slip_plot, shown)),
+        _section("cycles", "Counted cycles", cycles.INTRO, counted),
         *histories,
         _section("loops", "Hysteresis", loops.INTRO, _loops(run, shown)),
     )
     return tuple(section for section in sections if section.plots)
+
+
+def _slip_intro(run: Result) -> str:
+    """How to read the maps, and the envelopes where there are any."""
+    edges = [edge for contact in run.contacts for edge in contact.stations]
+    irregular = any(edge.cycles.irregular for edge in edges)
+    return slip.INTRO + (slip.ENVELOPE_INTRO if irregular else "")
 
 
 def _solid_sections(run: Result) -> tuple[Section, ...]:
