@@ -33,7 +33,6 @@ __all__ = [
     "Checked",
     "Observer",
     "Result",
-    "StationModel",
     "Sweep",
     "Validation",
     "Verification",

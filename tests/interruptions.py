@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Runs of a small dovetail that are cut off at random moments, and what they leave.
 
-`python tests/interruptions.py 20` cuts off 20 runs in each way and prints the largest difference
-from the undisturbed run; `python tests/interruptions.py 20 killed stopped` does so in these ways.
+`python tests/interruptions.py 20` cuts off 20 runs in each way and prints where, and the largest
+difference from the undisturbed run; `python tests/interruptions.py 20 killed SIGINT` does so in
+these ways. Three moments of five are in the steps, one is before them and one behind.
 """
 
 from __future__ import annotations
@@ -18,69 +19,141 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
-from launch import ENVIRONMENT
+from launch import python, started
 from restarts import largest_difference
 
 from fretfe.errors import OutputError
 from fretfe.results.reader import load_result
 
 CASE = Path(__file__).parents[1] / "demos" / "dovetail.toml"
-SIZE = "geometry.parameters.edge_size=0.1"
+# Coarse, and with so many steps that most of the time goes there.
+VALUES = {
+    "geometry.parameters.edge_size": 0.1,
+    "loads.pull.history.1.steps": 60,
+    "loads.pull.history.2.steps": 30,
+    "loads.pull.history.3.steps_per_cycle": 48,
+}
 # Kinds of interruptions, and the exit codes of those that fretfe tells.
 KINDS = {"killed": -9, "SIGTERM": 143, "SIGINT": 130, "full disk": 6, "killed rank": 0}
 SEED = 18
-# Room for the states of some of the steps (kB).
-SMALLEST, LARGEST = 100, 1500
+# Smallest room on a disk (kB).
+SMALLEST = 50
 
 
-def command(folder: Path, *more: str, ranks: int = 1) -> list[str]:
-    """The run, perhaps on several ranks."""
-    run = [sys.executable, "-P", "-m", "fretfe", "run", str(CASE), "-o", str(folder)]
-    run += ["--no-report", "--set", SIZE, *more]
-    launcher = Path(sys.executable).with_name("mpirun")
-    mpirun = str(launcher) if launcher.exists() else shutil.which("mpirun")
-    return [str(mpirun), "-n", str(ranks), *run] if ranks > 1 else run
+@dataclass(frozen=True)
+class Course:
+    """A run that nothing disturbed.
+
+    Attributes:
+        folder: of its results.
+        steps: numbers of the steps that it told.
+        times: seconds from the start to each of them.
+        end: seconds from the start to the end.
+    """
+
+    folder: Path
+    steps: tuple[int, ...]
+    times: tuple[float, ...]
+    end: float
+
+    @property
+    def size(self) -> float:
+        """Of what it left on the disk (kB)."""
+        return sum(each.stat().st_size for each in self.folder.rglob("*") if each.is_file()) / 1024
 
 
-def finish(folder: Path, *more: str, ranks: int = 1) -> float:
-    """Run to the end; return the seconds it took."""
-    start = time.monotonic()
-    done = subprocess.run(
-        command(folder, *more, ranks=ranks),
-        capture_output=True,
-        text=True,
-        env=ENVIRONMENT,
-        timeout=300,
-    )
+@dataclass(frozen=True)
+class Moment:
+    """When a run is cut off: so many seconds after it told a step, or began (0); room on its disk.
+
+    Attributes:
+        step: number of the step.
+        seconds: after it.
+        room: on a disk (kB).
+    """
+
+    step: int
+    seconds: float
+    room: int
+
+    @classmethod
+    def at(cls, course: Course, number: int) -> Moment:
+        """A random moment: before the steps, three times in them, behind them, by the number."""
+        chance = random.Random(f"{SEED} {number}")
+        part, last = chance.random(), len(course.steps) - 1
+        room = round(SMALLEST + part * (0.9 * course.size - SMALLEST))
+        if number % 5 == 3:
+            return cls(0, chance.random() * course.times[0], room)
+        if number % 5 == 4:
+            return cls(course.steps[-1], chance.random() * (course.end - course.times[-1]), room)
+        told = round(part * (last - 1))
+        wait = course.times[told + 1] - course.times[told]
+        return cls(course.steps[told], chance.random() * wait, room)
+
+
+def arguments(folder: Path, *more: str) -> list[str]:
+    """Those of the interpreter for a run."""
+    values = [word for name, value in VALUES.items() for word in ("--set", f"{name}={value}")]
+    return ["-m", "fretfe", "run", str(CASE), "-o", str(folder), "--no-report", *values, *more]
+
+
+def steps_in(said: str) -> list[int]:
+    """Numbers of the steps that a run told."""
+    lines = (line for line in said.splitlines() if line.startswith("step "))
+    return [int(line[5:].split("/")[0]) for line in lines]
+
+
+def finish(folder: Path, *more: str, ranks: int = 1) -> list[int]:
+    """Run to the end; return the steps that were solved."""
+    done = python(*arguments(folder, *more), ranks=ranks, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
-    return time.monotonic() - start
+    return steps_in(done.stdout)
 
 
-def interrupted(kind: str, folder: Path, after: float) -> str:
-    """Start a run and cut it off after some seconds; return what it said, and its exit code."""
+def undisturbed(folder: Path) -> Course:
+    """Run to the end, and look at the clock."""
+    begin, steps, times = time.monotonic(), [], []
+    with started(*arguments(folder)) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if told := steps_in(line):
+                steps += told
+                times.append(time.monotonic() - begin)
+    assert process.returncode == 0
+    return Course(folder, tuple(steps), tuple(times), time.monotonic() - begin)
+
+
+def read_to_step(process: subprocess.Popen[str], step: int) -> str:
+    """What a run says until it tells a step; nothing for step 0."""
+    said = ""
+    assert process.stdout is not None
+    while step and step not in steps_in(said):
+        line = process.stdout.readline()
+        if not line:
+            break
+        said += line
+    return said
+
+
+def interrupted(kind: str, folder: Path, moment: Moment) -> str:
+    """Start a run and cut it off; return what it said, and its exit code."""
     ranks = 2 if kind == "killed rank" else 1
-    process = subprocess.Popen(
-        command(folder, ranks=ranks),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        env=ENVIRONMENT,
-        start_new_session=True,
-    )
-    with process:
+    with started(*arguments(folder), ranks=ranks) as process:
+        said = ""
         if kind != "full disk":
-            time.sleep(after)
+            said = read_to_step(process, moment.step)
+            time.sleep(moment.seconds)
         if kind == "killed":
             process.kill()
         elif kind in ("SIGTERM", "SIGINT"):
             process.send_signal(signal.Signals[kind])
         elif kind == "killed rank":
             kill_rank(process.pid)
-        said, _ = process.communicate(timeout=300)
-    return f"{said}\nexit code {process.returncode}"
+        rest, _ = process.communicate(timeout=300)
+    return f"{said}{rest}\nexit code {process.returncode}"
 
 
 def kill_rank(launcher: int, number: signal.Signals = signal.SIGKILL) -> None:
@@ -135,43 +208,57 @@ def small_disk(folder: Path, size: int) -> Iterator[None]:
         subprocess.run(["umount", str(folder)], check=True)
 
 
-def one(kind: str, undisturbed: Path, folder: Path, part: float, seconds: float) -> float:
-    """Interrupt a run and continue it; return the largest difference from the undisturbed one.
+def one(kind: str, course: Course, folder: Path, moment: Moment) -> tuple[str, float]:
+    """Interrupt a run and continue it.
 
     Args:
         kind: of the interruption.
-        undisturbed: folder of that run.
+        course: the undisturbed run.
         folder: that does not exist yet.
-        part: of the time of a run, or of the room on the disk, from 0 to 1.
-        seconds: time of a run.
+        moment: when.
+
+    Returns:
+        Where it was cut off, and the largest difference from the undisturbed run.
     """
-    ranks = 2 if kind == "killed rank" else 1
     if kind != "full disk":
-        require_consistent(folder, interrupted(kind, folder, part * seconds))
-        finish(folder, "--resume", ranks=ranks)
-        return largest_difference(undisturbed, folder)
-    with small_disk(folder, round(SMALLEST + part * (LARGEST - SMALLEST))):
-        said = interrupted(kind, folder, 0.0)
+        said = interrupted(kind, folder, moment)
+        require_consistent(folder, said)
+        solved = finish(folder, "--resume", ranks=2 if kind == "killed rank" else 1)
+        return _place(said, solved, course), largest_difference(course.folder, folder)
+    with small_disk(folder, moment.room):
+        said = interrupted(kind, folder, moment)
         assert "exit code 6" in said and "the disk is full" in said, said
         require_consistent(folder, said)
         subprocess.run(["mount", "-o", "remount,size=64m", str(folder)], check=True)
-        finish(folder, "--resume")
-        return largest_difference(undisturbed, folder)
+        solved = finish(folder, "--resume")
+        return _place(said, solved, course), largest_difference(course.folder, folder)
+
+
+def _place(said: str, solved: list[int], course: Course) -> str:
+    """Where a run was cut off, and where the next one went on."""
+    told, code = steps_in(said), said.rsplit(" ", 1)[1]
+    if not told:
+        where = "before the steps"
+    elif told[-1] == course.steps[-1]:
+        where = "behind the steps"
+    else:
+        where = f"in the steps, after {told[-1]} of {course.steps[-1]}"
+    again = f"went on with {solved[0]}" if solved else "solved none again"
+    return f"{where} (exit code {code}; {again})"
 
 
 def main(count: int, kinds: list[str]) -> None:
     """Interrupt runs and print what became of them."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        finish(folder / "undisturbed")
-        seconds = finish(folder / "again")
-        for kind in kinds:
-            random.seed(SEED)
-            for number in range(count):
-                part = random.random()
+        finish(folder / "first")
+        course = undisturbed(folder / "undisturbed")
+        print(f"steps from {course.times[0]:.1f} s to {course.times[-1]:.1f} of {course.end:.1f} s")
+        for number in range(count):
+            for kind in kinds:
                 place = folder / f"{kind}-{number}".replace(" ", "-")
-                found = one(kind, folder / "undisturbed", place, part, seconds)
-                print(f"{kind} {number + 1} at {part:.3f}: difference {found:.1e}", flush=True)
+                where, found = one(kind, course, place, Moment.at(course, number))
+                print(f"{kind} {number + 1}: {where}: difference {found:.1e}", flush=True)
                 shutil.rmtree(place, ignore_errors=True)
 
 

@@ -7,6 +7,7 @@ import contextlib
 import io
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -40,20 +41,25 @@ def fretfe(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     return subprocess.CompletedProcess(command, code, out.getvalue(), err.getvalue())
 
 
+def command_line(*arguments: str | Path, ranks: int = 1) -> list[str]:
+    """The interpreter of the tests with these arguments, perhaps on several ranks."""
+    # Installed modules, not those of the folder that the tests are run from.
+    safe = ["-P"] if arguments[0] in ("-c", "-m") else []
+    command = [sys.executable, *safe, *map(str, arguments)]
+    if ranks == 1:
+        return command
+    beside = Path(sys.executable).with_name("mpirun")
+    launcher = str(beside) if beside.exists() else shutil.which("mpirun")
+    assert launcher, "mpirun is neither in the environment nor on the path"
+    return [launcher, "-n", str(ranks), *command]
+
+
 def python(
     *arguments: str | Path, ranks: int = 1, timeout: float = 120
 ) -> subprocess.CompletedProcess[str]:
     """Run the interpreter of the tests and return what it printed."""
-    # Installed modules, not those of the folder that the tests are run from.
-    safe = ["-P"] if arguments[0] in ("-c", "-m") else []
-    command = [sys.executable, *safe, *map(str, arguments)]
-    if ranks > 1:
-        beside = Path(sys.executable).with_name("mpirun")
-        launcher = str(beside) if beside.exists() else shutil.which("mpirun")
-        assert launcher, "mpirun is neither in the environment nor on the path"
-        command = [launcher, "-n", str(ranks), *command]
     done = subprocess.run(
-        command,
+        command_line(*arguments, ranks=ranks),
         capture_output=True,
         text=True,
         timeout=timeout,
@@ -62,3 +68,18 @@ def python(
     )
     assert "PETSc DEPRECATION WARNING" not in done.stdout + done.stderr, done.stdout
     return done
+
+
+def started(*arguments: str | Path, ranks: int = 1) -> subprocess.Popen[str]:
+    """Start the interpreter of the tests; what it prints, errors too, is to be read."""
+    return subprocess.Popen(
+        command_line(*arguments, ranks=ranks),
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env=ENVIRONMENT,
+        start_new_session=True,
+        # A shell lets what it starts in the background ignore Ctrl-C.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )

@@ -17,7 +17,7 @@ from fretfe.results.model import Result
 from fretfe.runner import Runner
 
 # What a run is not to be judged by: when, where and how fast it was.
-OTHER = ("seconds", "ranks", "versions", "notes")
+OTHER = ("seconds", "ranks", "versions", "notes", "digest")
 # Differences of numbers that are nearly the same: they magnify round-off.
 ERROR_BARS = ("spread", "parts", "change")
 # Zero but for round-off, by symmetry.

@@ -20,6 +20,7 @@ from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import Case, parse_case
 from fretfe.errors import ConvergenceError
 from fretfe.loads import History, build_history
+from fretfe.results.digest import KEY, with_digest
 from fretfe.results.model import Result
 from fretfe.results.writer import write_results
 
@@ -60,11 +61,12 @@ def write_run(folder: Path, name: str, case: Case | None = None) -> Path:
 
 
 def edit_numbers(folder: Path, edit: Callable[[dict[str, Any]], object]) -> None:
-    """Change `results.json`."""
+    """Change `results.json` as if a run had written it so."""
     path = folder / "results.json"
     numbers = json.loads(path.read_text("utf-8"))
     edit(numbers)
-    path.write_text(json.dumps(numbers), "utf-8")
+    del numbers[KEY]
+    path.write_text(json.dumps(with_digest(numbers)), "utf-8")
 
 
 def write_many_contacts(folder: Path, count: int) -> Path:

@@ -16,6 +16,7 @@ from stored_runs import RUNS, edit_numbers, solved, write_run
 
 from fretfe.edges.refinement import Pass, Refinement, StationValues
 from fretfe.errors import OutputError
+from fretfe.results.digest import KEY
 from fretfe.results.reader import load_result, restored_refinement
 from fretfe.results.solution import ContactHistory
 from fretfe.results.states import StateArray
@@ -27,6 +28,7 @@ def test_what_is_read_is_what_was_written(tmp_path: Path, name: str) -> None:
     folder = write_run(tmp_path, name)
     found = load_result(folder)
     written = json.loads((folder / "results.json").read_text("utf-8"))
+    del written[KEY]
     # Everything once more, in the same words: no key is lost, none changes.
     assert as_numbers(found, {}) == written
     result = solved(name)
@@ -75,6 +77,18 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], list[str]]] = {
     "nothing there": (lambda f: (f / "results.json").unlink(), ["folder", "results.json"]),
     "no JSON": (lambda f: (f / "results.json").write_text("{"), ["results.json", "line 1"]),
     "a list": (lambda f: (f / "results.json").write_text("[]"), ["schema", "None"]),
+    "a digit changed": (
+        lambda f: change_bytes(f / "results.json", b'"ranks": 1', b'"ranks": 2'),
+        ["results.json", "changed"],
+    ),
+    "a value of the arrays changed": (
+        lambda f: change_bytes(f / "results.h5", solved("halfplane").loads.times.tobytes()[-24:]),
+        ["results.h5", "damaged values"],
+    ),
+    "a header of the arrays changed": (
+        lambda f: change_bytes(f / "results.h5", header(f / "results.h5")),
+        ["results.h5", "checksum"],
+    ),
     "other version": (
         lambda f: edit_numbers(f, lambda n: n["schema"].update(version=99)),
         ["schema", "99", "run the case again"],
@@ -104,6 +118,18 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], list[str]]] = {
     ),
     "arrays of another version": (lambda f: set_version(f, 99), ["results.h5", "99"]),
 }
+
+
+def header(path: Path) -> bytes:
+    """The begin of the second of the headers of groups and data sets."""
+    return path.read_bytes().split(b"OHDR")[2][:20]
+
+
+def change_bytes(path: Path, old: bytes, new: bytes | None = None) -> None:
+    """Change some bytes of a file, of which the last one if nothing else is said."""
+    data = path.read_bytes()
+    assert data.count(old) >= 1
+    path.write_bytes(data.replace(old, new or old[:-1] + bytes([old[-1] ^ 1])))
 
 
 def write_other_arrays(folder: Path) -> None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import fcntl
 import json
 import os
@@ -24,7 +25,7 @@ from fretfe.case import changed, parse_case
 from fretfe.errors import OutputError, StoppedError
 from fretfe.halfplane import solve_half_planes
 from fretfe.results.reader import load_result
-from fretfe.results.run_folder import locked
+from fretfe.results.run_folder import locked, unfinished
 from fretfe.results.stream import StateStream
 from fretfe.runner import Runner
 
@@ -221,3 +222,14 @@ def test_a_full_disk_is_one_sentence(
     assert done.returncode == 6, done.stderr
     assert "Traceback" not in done.stderr
     assert "the disk is full" in done.stderr
+
+
+def test_a_quota_that_is_used_up_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> int:
+        raise OSError(errno.EDQUOT, "")
+
+    monkeypatch.setattr(os, "pwrite", full)
+    with pytest.raises(OutputError, match="the disk quota is used up"):
+        RUNNER.run(CASE, tmp_path)
+    monkeypatch.undo()
+    assert unfinished(tmp_path)

@@ -188,6 +188,7 @@ def test_surfaces_have_the_states_that_are_kept(tmp_path: Path) -> None:
         assert len(file["VTKHDF/Steps/Values"]) == len(kept)
 
 
+@pytest.mark.pictures
 def test_pyvista_reads_surfaces(folder: Path, result: Result) -> None:
     pyvista = pytest.importorskip("pyvista")
     reader = pyvista.get_reader(folder / SURFACES).reader

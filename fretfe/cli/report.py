@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from fretfe.cli.options import Results, examples
 from fretfe.environment import rank_from_environment
-from fretfe.errors import FretfeError, OutputError
 
 EXAMPLES = examples("fretfe report pad")
 
@@ -19,15 +18,6 @@ def report(directory: Results) -> None:
     if rank_from_environment() > 0:
         return
     read_numbers(directory)
-    try:
-        with locked(directory):
-            path = write_report(directory)
-    except (FretfeError, ImportError):
-        raise
-    except Exception as error:
-        # Numbers that were changed may lead anywhere.
-        raise OutputError(
-            f"{directory}: expected results as a run has written them, found some that cannot be "
-            f"drawn: {type(error).__name__}: {error}"
-        ) from error
+    with locked(directory):
+        path = write_report(directory)
     print(f"Report in {path}")

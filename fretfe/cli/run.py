@@ -104,6 +104,7 @@ def _finish(
 
 
 def _print_numbers(console: Console, result: Result) -> None:
+    from fretfe.report.page.cycle_table import cycle_table
     from fretfe.report.page.front_table import front_table
     from fretfe.report.page.tables import (
         area_table,
@@ -120,6 +121,8 @@ def _print_numbers(console: Console, result: Result) -> None:
     else:
         console.print(contact_table(result.case, result.loads.cycle, result.contacts))
         console.print(edge_table(result.case, result.contacts))
+        if cycles := cycle_table(result):
+            console.print(cycles)
     if result.refinement is not None:
         console.print(mesh_table(result.refinement))
         console.print(limit_table(result.refinement))

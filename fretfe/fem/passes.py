@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from fretfe.backends.protocol import DEFAULTS, RunOptions
+from fretfe.backends.protocol import RunOptions
 from fretfe.case import Case
 from fretfe.edges.refinement import Pass, Refinement
 from fretfe.errors import MeshError, OutputError
@@ -63,11 +63,11 @@ class Passes(ABC):
     def _follow(self, note: dict[str, Any]) -> None:
         """Plan the next mesh as noted."""
 
-    def options(self, options: RunOptions, fields: Path | None) -> RunOptions:
+    def options(self, options: RunOptions, keep: Callable[[Result], None]) -> RunOptions:
         """Options of the next pass, which has a folder of its own for its states."""
         states = options.states
         states = states / f"mesh-{len(self._done) + 1}" if states is not None else None
-        return replace(options, fields=fields, states=states, before=None, keep=DEFAULTS.keep)
+        return replace(options, states=states, before=None, keep=keep)
 
     def note(self, states: Path | None) -> None:
         """Write down what makes the next mesh, and remove the states of the last pass.

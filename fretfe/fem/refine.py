@@ -65,8 +65,8 @@ def refine(comm: MPI.Comm, case: Case, options: RunOptions) -> Result:
     Args:
         comm: communicator.
         case: validated case that asks for an accuracy.
-        options: as for `solve`; fields are those of the pass that counts, and each mesh is
-            announced.
+        options: as for `solve`; numbers and then fields are written for each pass, and each mesh
+            is announced.
 
     Returns:
         The last pass that was solved to its end, with all meshes in its `refinement`.
@@ -75,31 +75,52 @@ def refine(comm: MPI.Comm, case: Case, options: RunOptions) -> Result:
         FretfeError: for whatever keeps the first pass from being started. A later pass that fails
             ends the refinement, and the one before counts; so does a signal, as its `failure`.
     """
-    passes, fields = _passes_of(case, options), options.fields
+    passes = _passes_of(case, options)
     last = options.before if options.resume else None
     known = on_root(comm, partial(passes.recall, last, options.states))
     last = replace(last, failure=None) if last is not None and known else None
-    # Fields of a pass take the place of those of the one before only when it counts.
-    staged = fields.with_name(f"{fields.name}-of-next-mesh") if fields is not None else None
     while True:
+        kept = _Kept(comm, passes, options, first=last is None)
         try:
             if last is not None and (number := agreed_stop(comm, options.observer)) is not None:
                 raise StoppedError(number, "before the next mesh")
-            result = solve(comm, case, passes.options(options, staged), passes.load)
-            if result.failure is not None and last is not None:
-                raise result.failure
+            result = solve(comm, case, passes.options(options, kept), passes.load)
         except FretfeError as error:
             if last is None or last.refinement is None:
                 raise
-            on_root(comm, partial(_drop, staged))
             return _ended(last, last.refinement, error)
-        on_root(comm, partial(_keep, staged, fields))
-        refinement = on_root(comm, partial(passes.judge, result))
-        last = replace(result, refinement=refinement)
-        if refinement.reason:
+        last = replace(result, refinement=kept.refinement)
+        if kept.refinement.reason:
             return last
-        options.keep(last)
         on_root(comm, partial(passes.note, options.states))
+
+
+class _Kept:
+    """Keeps the numbers of a pass before its fields are written, if it is solved to its end.
+
+    Args:
+        comm: communicator.
+        passes: that judge it.
+        options: of the refinement.
+        first: whether no pass was solved before: then the steps up to a failure count.
+    """
+
+    def __init__(self, comm: MPI.Comm, passes: Passes, options: RunOptions, *, first: bool) -> None:
+        self._comm, self._passes, self._options, self._first = comm, passes, options, first
+        self.refinement: Refinement
+
+    def __call__(self, result: Result) -> None:
+        """Judge the result of the pass and keep it. Collective.
+
+        Raises:
+            FretfeError: the failure of the pass, if the one before is to count.
+        """
+        if result.failure is not None and not self._first:
+            raise result.failure
+        self.refinement = on_root(self._comm, partial(self._passes.judge, result))
+        # Those of the mesh before do not belong to these numbers.
+        on_root(self._comm, partial(_drop, self._options.fields))
+        self._options.keep(replace(result, refinement=self.refinement))
 
 
 def _ended(last: Result, refinement: Refinement, error: FretfeError) -> Result:
@@ -112,15 +133,9 @@ def _ended(last: Result, refinement: Refinement, error: FretfeError) -> Result:
     return replace(last, refinement=refinement, failure=failure)
 
 
-def _drop(staged: Path | None) -> None:
-    if staged is not None:
-        staged.unlink(missing_ok=True)
-
-
-def _keep(staged: Path | None, fields: Path | None) -> None:
-    """Put the fields that a pass has written, if any, in their place."""
-    if staged is not None and fields is not None and staged.is_file():
-        staged.replace(fields)
+def _drop(fields: Path | None) -> None:
+    if fields is not None:
+        fields.unlink(missing_ok=True)
 
 
 class _PlanePasses(Passes):

@@ -7,6 +7,7 @@ Everything here runs on one process. A Gmsh error becomes a `MeshError` with Gms
 from __future__ import annotations
 
 import contextlib
+import re
 import signal
 import threading
 from collections.abc import Iterator, Mapping
@@ -26,6 +27,9 @@ BODY_KINDS, BOUNDARY_KINDS = {2: "surface", 3: "volume"}, {2: "curve", 3: "surfa
 DEBIAN_PACKAGES = (
     "libglu1-mesa libxrender1 libxcursor1 libxft2 libxinerama1 libxfixes3 libfontconfig1"
 )
+
+# What the loader says of a library for which there is no memory.
+NO_ROOM = re.compile("failed to map segment|[Cc]annot allocate memory")
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,7 @@ def import_gmsh() -> ModuleType:
 
     Raises:
         DependencyError: gmsh is not installed, or a shared library that it needs is missing.
+        MemoryError: there is no room for a library.
     """
     try:
         import gmsh
@@ -68,6 +73,8 @@ def import_gmsh() -> ModuleType:
             " python3-gmsh)"
         ) from error
     except OSError as error:
+        if NO_ROOM.search(str(error)):
+            raise MemoryError from error
         library = str(error).partition(":")[0]
         raise DependencyError(
             f"gmsh is installed but needs the shared library {library}, which was not found"

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""New HDF5 files on disks that may be full.
+"""New HDF5 files with checksums, on disks that may be full.
 
 HDF5 ends the process if it cannot write what it still has when a file is closed. So it never learns
 that a disk is full: what does not fit stays in memory until the file is closed or given up.
+
+All that is in a file has checksums, of which HDF5 looks at those of what it reads: the values as
+`store` and `room` write them, the rest by the version of the format.
 """
 
 from __future__ import annotations
@@ -15,6 +18,11 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+# The first version whose headers and indices have checksums and that is short for small arrays.
+FORMAT = "v110"
 
 
 class PatientFile(io.FileIO):
@@ -83,6 +91,34 @@ def new_hdf5(path: Path) -> Iterator[h5py.File]:
         OSError: if it cannot be written.
     """
     with PatientFile(path) as raw:
-        with h5py.File(raw, "w") as file:
+        with h5py.File(raw, "w", libver=FORMAT) as file:
             yield file
         raw.require()
+
+
+def store(group: h5py.Group, name: str, values: NDArray[Any]) -> None:
+    """Store an array with checksums; no elements have none."""
+    group.create_dataset(name, data=values, fletcher32=values.size > 0)
+
+
+def room(
+    group: h5py.Group, name: str, shape: tuple[int, ...], dtype: np.dtype[Any], rows: int
+) -> h5py.Dataset:
+    """A data set with checksums, for an array whose rows will be written.
+
+    Args:
+        group: to make it in.
+        name: of the data set.
+        shape: of the array.
+        dtype: of its elements.
+        rows: that a checksum is for, at most; what is written is best a multiple of these.
+    """
+    if 0 in shape:
+        return group.create_dataset(name, shape, dtype)
+    chunk = (min(rows, shape[0]), *shape[1:])
+    return group.create_dataset(name, shape, dtype, chunks=chunk, fletcher32=True)
+
+
+def read_fault(error: Exception) -> str:
+    """Say why HDF5 cannot read something, which calls a wrong checksum a failure of a filter."""
+    return "damaged values" if "filter returned failure" in str(error) else str(error)

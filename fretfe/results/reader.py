@@ -29,8 +29,11 @@ from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.files import file_fault
 from fretfe.loads import History
 from fretfe.results.dataset import NODAL
+from fretfe.results.digest import are_unchanged
+from fretfe.results.hdf5_file import read_fault
 from fretfe.results.model import Result
 from fretfe.results.run_folder import unfinished
+from fretfe.results.shapes import require_shapes
 from fretfe.results.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.results.states import StateArray
 from fretfe.results.stream import select_rows
@@ -117,6 +120,8 @@ def _read_numbers(directory: Path) -> dict[str, Any]:
             f"{path}: expected schema {SCHEMA}, found {schema}: run the case again with this "
             "version of fretfe"
         )
+    if not are_unchanged(data):
+        raise OutputError(f"{path}: expected the numbers that a run wrote, found changed ones")
     return dict(data)
 
 
@@ -159,7 +164,7 @@ def _opened(path: Path) -> Iterator[h5py.File]:
             yield file
     except (OSError, RuntimeError) as error:
         # h5py has both for files that are damaged.
-        reason = str(error) if path.exists() else "no such file"
+        reason = read_fault(error) if path.exists() else "no such file"
         raise OutputError(
             f"{path}: expected the arrays that belong to {NUMBERS}, found: {reason}"
         ) from error
@@ -266,6 +271,8 @@ def _as(kind: Any, value: Any) -> Any:
         return restored(kind, value)  # type: ignore[arg-type]
     if get_origin(kind) is tuple:
         return tuple(_as(get_args(kind)[0], each) for each in value)
+    if kind == Indices:
+        return np.asarray(value, dtype=np.int64)
     # The only other lists are arrays.
     return _numbers(value) if isinstance(value, list | np.ndarray) else value
 
@@ -290,7 +297,7 @@ def _read_arrays(
             )
         states = file["states"][:]
         contacts = tuple(
-            _read_contact(path, name, file[f"contacts/{name}"], states)
+            _read_contact(path, name, file[f"contacts/{name}"], states, len(history.times))
             for name in [*numbers["contacts"], *numbers["areas"]]
         )
         bodies = {name: _read_body(file[f"mesh/{name}"]) for name in numbers["mesh"]}
@@ -327,8 +334,10 @@ def _solution(
     )
 
 
-def _read_contact(path: Path, name: str, group: h5py.Group, states: Indices) -> ContactHistory:
-    count = len(group["friction"])
+def _read_contact(
+    path: Path, name: str, group: h5py.Group, states: Indices, count: int
+) -> ContactHistory:
+    require_shapes(group, count, len(states))
     arrays: dict[str, Any] = {}
     for each in fields(ContactHistory):
         dataset = group.get(each.name)
@@ -367,7 +376,7 @@ def _stored(path: Path, dataset: h5py.Dataset, numbers: Indices, count: int) -> 
             with h5py.File(path, "r") as file:
                 return select_rows(file[name], rows)
         except (OSError, RuntimeError) as error:
-            raise OutputError(f"{path}: cannot read {name}: {error}") from error
+            raise OutputError(f"{path}: cannot read {name}: {read_fault(error)}") from error
 
     return StateArray((count, *dataset.shape[1:]), dataset.dtype, read)
 

@@ -2,7 +2,7 @@
 """What a run leaves on disk: `results.json` for numbers and histories, `results.h5` for arrays.
 
 Contact surfaces of solids are in `contacts.hdf` too, for ParaView, and the stations of their
-fronts in `stations.csv`.
+fronts in `stations.csv`. Counted cycles of irregular loads are in `cycles.csv`.
 
 Lists of more than `LONG` numbers, the histories of a long run, go to `results.h5` too.
 
@@ -31,17 +31,19 @@ from fretfe.edges.refinement import Refinement
 from fretfe.environment import versions
 from fretfe.errors import OutputError
 from fretfe.results.contact_file import SURFACES, write_surfaces
+from fretfe.results.cycle_file import CYCLES, write_cycles
 from fretfe.results.dataset import NODAL
+from fretfe.results.digest import with_digest
 from fretfe.results.field_file import FIELDS
 from fretfe.results.files import disk_reason, replace_text, replacing
-from fretfe.results.hdf5_file import new_hdf5
+from fretfe.results.hdf5_file import new_hdf5, room, store
 from fretfe.results.kept import LONG, kept_states
 from fretfe.results.model import BodyArrays, Result
 from fretfe.results.solution import ContactHistory, Solution
-from fretfe.results.states import StateArray, blocks
+from fretfe.results.states import StateArray, states_in_block
 from fretfe.results.station_file import STATIONS, write_stations
 
-SCHEMA = {"name": "fretfe-results", "version": 3}
+SCHEMA = {"name": "fretfe-results", "version": 4}
 NUMBERS, ARRAYS, REPORT = "results.json", "results.h5", "report.html"
 # Of a sweep: table, picture, and the variants as they are solved.
 TABLE, FIGURE, VARIANTS = SWEEP_FILES = "sweep.csv", "sweep.png", "variants.jsonl"
@@ -49,6 +51,8 @@ TABLE, FIGURE, VARIANTS = SWEEP_FILES = "sweep.csv", "sweep.png", "variants.json
 PICTURES, PICTURE_LIST = "pictures", "pictures.json"
 PICTURE_FILES = ("*.png", "*.gif", "*.gltf")
 REFINING = "the mesh was still refining itself"
+# Parts of a block of states, each with a checksum of its own.
+PARTS = 8
 # In place of a list that is in `ARRAYS`: this, and the name of its data set there.
 ELSEWHERE = f"{ARRAYS}:"
 
@@ -76,7 +80,7 @@ def remove_results(directory: Path) -> None:
     Raises:
         OSError: if that fails.
     """
-    for name in (NUMBERS, ARRAYS, SURFACES, STATIONS, FIELDS, REPORT):
+    for name in (NUMBERS, ARRAYS, SURFACES, STATIONS, CYCLES, FIELDS, REPORT):
         (directory / name).unlink(missing_ok=True)
 
 
@@ -100,7 +104,8 @@ def write_results(directory: Path, result: Result) -> None:
     """
     try:
         lists: dict[str, Array] = {}
-        text = json.dumps(as_numbers(result, lists), indent=1, allow_nan=False)
+        numbers = with_digest(as_numbers(result, lists))
+        text = json.dumps(numbers, indent=1, allow_nan=False)
         # Arrays or numbers of an earlier run would not belong to what is there before all is.
         (directory / REPORT).unlink(missing_ok=True)
         # The result may have been read from the file that is replaced: surfaces come before it.
@@ -113,6 +118,7 @@ def write_results(directory: Path, result: Result) -> None:
             (directory / ARRAYS).unlink(missing_ok=True)
         replace_text(directory / NUMBERS, text + "\n")
         write_stations(directory / STATIONS, result)
+        write_cycles(directory / CYCLES, result)
         if late is not None:
             raise late
     except OSError as error:
@@ -143,11 +149,12 @@ def _write_arrays(path: Path, result: Result, lists: Mapping[str, Array]) -> Non
     solution = result.solution
     with new_hdf5(path) as file:
         file.attrs.update({"schema": SCHEMA["name"], "version": SCHEMA["version"]})
-        file["times"] = result.loads.times
+        store(file, "times", result.loads.times)
         for name, values in lists.items():
-            file[name] = values
+            store(file, name, values)
         if solution is not None:
-            file["states"] = states = kept_states(result, solution)
+            states = kept_states(result, solution)
+            store(file, "states", states)
             for contact in solution.contacts:
                 _write_contact(file.create_group(f"contacts/{contact.name}"), contact, states)
         for name, body in result.bodies.items():
@@ -302,12 +309,13 @@ def _write_contact(group: h5py.Group, contact: ContactHistory, states: Indices) 
         if field.name in NODAL:
             _write_rows(group, field.name, value, states)
         elif isinstance(value, np.ndarray):
-            group.create_dataset(field.name, data=value)
+            store(group, field.name, value)
     units = contact.full_stick
     numbers = np.unique(units.area[states])
     areas = numbers[numbers >= 0] if len(states) < len(units.area) else np.arange(len(units.fields))
     _write_rows(group, "bonded/fields", units.fields, areas)
-    group["bonded/areas"], group["bonded/area"] = areas, units.area
+    store(group, "bonded/areas", areas)
+    store(group, "bonded/area", units.area)
 
 
 def _write_rows(
@@ -315,14 +323,16 @@ def _write_rows(
 ) -> None:
     """Write some rows of an array, block by block."""
     shape = (len(rows), *values.shape[1:])
-    dataset = group.create_dataset(name, shape, values.dtype)
-    for block in blocks(len(rows), math.prod(shape[1:])):
+    part = states_in_block(PARTS * math.prod(shape[1:]) * values.dtype.itemsize)
+    dataset = room(group, name, shape, values.dtype, part)
+    for start in range(0, len(rows), PARTS * part):
+        block = slice(start, start + PARTS * part)
         dataset[block] = values[rows[block]]
 
 
 def _write_mesh(group: h5py.Group, body: BodyArrays) -> None:
     group.attrs.update({"cell": body.cell, "order": body.order})
-    group["points"] = body.points
-    group["cells"] = body.cells
+    store(group, "points", body.points)
+    store(group, "cells", body.cells)
     for name, facets in body.boundaries.items():
-        group[f"boundaries/{name}"] = facets
+        store(group, f"boundaries/{name}", facets)

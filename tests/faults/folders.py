@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -15,6 +15,7 @@ import h5py
 import numpy as np
 from faults.fault import Fault, Prepare, damaged
 from faults.originals import leaves
+from stored_runs import edit_numbers
 
 REPORT = ("report", "run")
 # Words that would be code in a page.
@@ -31,6 +32,15 @@ VALUES: dict[str, Any] = {
     "table": {},
     "deep": json.loads("[" * 200 + "]" * 200),
     "true": True,
+}
+# Texts of results that may be anything.
+TEXTS = {
+    "title": SCRIPT,
+    "notes": [SCRIPT],
+    "units/length": SCRIPT,
+    "versions/python": SCRIPT,
+    "contacts/main/warnings": [SCRIPT],
+    "case/title": SCRIPT,
 }
 
 
@@ -82,35 +92,51 @@ def _no_file(name: str, make: str) -> Prepare:
 
 
 def _values() -> Iterator[Fault]:
-    """Another value at a random place of results.json."""
+    """Other values in results.json, and texts that a run could have written."""
     for seed in range(70):
 
-        def change(folder: Path, seed: int = seed) -> None:
+        def edit(numbers: dict[str, Any], seed: int = seed) -> None:
             random = Random(seed)
-            path = folder / "results.json"
-            numbers = json.loads(path.read_text())
             *keys, last = random.choice(leaves(numbers))
-            place = numbers
-            for key in keys:
-                place = place[key]
-            place[last] = VALUES[random.choice(list(VALUES))]
-            path.write_text(json.dumps(numbers))
+            _at(numbers, keys)[last] = VALUES[random.choice(list(VALUES))]
 
-        yield Fault(f"results.json/value/{seed}", REPORT, _copied(change))
+        yield Fault(f"results.json/value/{seed}", REPORT, _copied(_plainly(edit)), True)
     for seed in range(16):
 
-        def remove(folder: Path, seed: int = seed) -> None:
-            path = folder / "results.json"
-            numbers = json.loads(path.read_text())
+        def remove(numbers: dict[str, Any], seed: int = seed) -> None:
             table = numbers if seed < 10 else numbers["contacts"]["main"]
             del table[Random(seed).choice(sorted(table))]
-            path.write_text(json.dumps(numbers))
 
-        yield Fault(f"results.json/key missing/{seed}", REPORT, _copied(remove))
+        yield Fault(f"results.json/key missing/{seed}", REPORT, _copied(_plainly(remove)), True)
+    for key, value in TEXTS.items():
+
+        def write(folder: Path, key: str = key, value: Any = value) -> None:
+            *keys, last = key.split("/")
+            edit_numbers(folder, lambda numbers: _at(numbers, keys).update({last: value}))
+
+        yield Fault(f"results.json/text/{key}", REPORT, _copied(write), False)
     yield Fault(
         "results.json/deep", REPORT,
         _copied(lambda f: (f / "results.json").write_text("[" * 100000 + "]" * 100000)), True,
     )  # fmt: skip
+
+
+def _at(numbers: Any, keys: Sequence[Any]) -> Any:
+    for key in keys:
+        numbers = numbers[key]
+    return numbers
+
+
+def _plainly(edit: Callable[[dict[str, Any]], object]) -> Callable[[Path], object]:
+    """Change the numbers in a folder, and not their digest."""
+
+    def change(folder: Path) -> None:
+        path = folder / "results.json"
+        numbers = json.loads(path.read_text())
+        edit(numbers)
+        path.write_text(json.dumps(numbers))
+
+    return change
 
 
 def _arrays() -> Iterator[Fault]:

@@ -274,3 +274,13 @@ def test_gmsh_that_does_not_load(
     monkeypatch.delitem(sys.modules, "gmsh")
     with pytest.raises(DependencyError, match=message):
         import_gmsh()
+
+
+def test_gmsh_for_which_there_is_no_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "gmsh.py").write_text(
+        'raise OSError("libX11.so.6: failed to map segment from shared object")'
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "gmsh")
+    with pytest.raises(MemoryError):
+        import_gmsh()

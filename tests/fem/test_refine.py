@@ -18,7 +18,7 @@ from told import Told
 
 from fretfe.analytic.profiles import FlatRounded, Hertz
 from fretfe.backends import RunOptions
-from fretfe.case import parse_case
+from fretfe.case import Case, parse_case
 from fretfe.errors import CaseError, ConvergenceError, MeshError
 from fretfe.fem import refine as refine_module
 from fretfe.fem.backend import BACKEND
@@ -171,17 +171,23 @@ def test_a_later_pass_that_fails_does_not_take_the_others_away(
 ) -> None:
     solve, calls = refine_module.solve, []
 
-    def failing(*arguments: Any) -> Any:
-        calls.append(arguments)
-        result = solve(*arguments)
-        failure = ConvergenceError("step 7 failed")
-        return replace(result, failure=failure) if len(calls) == 3 else result
+    def failing(comm: MPI.Comm, case: Case, options: RunOptions, load: Any) -> Any:
+        calls.append(load)
+        keep = options.keep
+        if len(calls) == 3:
+            failure = ConvergenceError("step 7 failed")
+            options = replace(options, keep=lambda result: keep(replace(result, failure=failure)))
+        return solve(comm, case, options, load)
 
     monkeypatch.setattr(refine_module, "solve", failing)
     fields = tmp_path / "fields.hdf"
     case = {**hertz(0.005, 9.6), "output": {"fields": "last"}}
-    result = BACKEND.solve(parse_case(case), RunOptions(fields=fields))
+    there: list[bool] = []
+    options = RunOptions(fields=fields, keep=lambda _: there.append(fields.exists()))
+    result = BACKEND.solve(parse_case(case), options)
     assert result.failure is None
+    # numbers are written before fields, when those of the mesh before are gone
+    assert there == [False, False]
     assert result.refinement is not None
     assert result.refinement.reason == "step 7 failed"
     assert len(result.refinement.passes) == 2

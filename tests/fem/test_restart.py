@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import os
-import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,14 +13,26 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from interruptions import CASE, KINDS, SEED, command, finish, kill_rank, one
-from launch import ENVIRONMENT
+from interruptions import (
+    CASE,
+    KINDS,
+    Course,
+    Moment,
+    arguments,
+    finish,
+    kill_rank,
+    one,
+    read_to_step,
+    undisturbed,
+)
+from launch import started
 from pad_cases import pad, press, shear
 from restarts import cut_and_continued, largest_difference
 from told import Told
 
 from fretfe.case import load_case, parse_case
 from fretfe.errors import OutputError, StoppedError
+from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.runner import Runner
 
@@ -31,6 +43,7 @@ PAD = {
     "parameters": {"upper_radius": 50, "upper_width": 12, "lower_radius": 0, "lower_width": 12},
 }
 HISTORY = {"press": press(steps=3), "shear": shear(20.0, steps=8)}
+REFINED = parse_case(pad(geometry=PAD, edges={"tolerance": 0.05}, loads=HISTORY))
 
 
 def dovetail():  # type: ignore[no-untyped-def]
@@ -51,6 +64,26 @@ def test_another_mesh_is_not_continued(tmp_path: Path, monkeypatch: pytest.Monke
         RUNNER.run(dovetail(), tmp_path, resume=True)
 
 
+class Removing(Told):
+    """Removes a folder after the fifth step."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__()
+        self._folder = folder
+
+    def step(self, number: int, count: int, text: str) -> None:
+        super().step(number, count, text)
+        if number == 5:
+            shutil.rmtree(self._folder)
+
+
+def test_a_folder_that_vanishes_is_told_and_not_made_again(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    with pytest.raises(OutputError, match="the folder is no longer there"):
+        RUNNER.run(dovetail(), folder, Removing(folder))
+    assert not folder.exists()
+
+
 @pytest.mark.slow
 def test_a_continued_solid_is_the_undisturbed_one(tmp_path: Path) -> None:
     tables = pad(geometry={**PAD, "solid": {"length": 2.0, "layers": 2}}, loads=HISTORY)
@@ -62,88 +95,83 @@ def test_a_continued_solid_is_the_undisturbed_one(tmp_path: Path) -> None:
     assert largest_difference(tmp_path / "undisturbed", tmp_path / "continued") < 1e-12
 
 
+@pytest.fixture(scope="module")
+def refined(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Result]:
+    folder = tmp_path_factory.mktemp("refined")
+    return folder, RUNNER.run(REFINED, folder)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("steps", [5, 25, 50])
-def test_a_refinement_goes_on_with_the_mesh_that_it_was_at(tmp_path: Path, steps: int) -> None:
-    case = parse_case(pad(geometry=PAD, edges={"tolerance": 0.05}, loads=HISTORY))
-    whole = RUNNER.run(case, tmp_path / "undisturbed")
+def test_a_refinement_goes_on_with_the_mesh_that_it_was_at(
+    tmp_path: Path, refined: tuple[Path, Result], steps: int
+) -> None:
+    undisturbed, whole = refined
     assert whole.refinement is not None
     count, each = len(whole.refinement.passes), len(whole.loads.times) - 1
-    first = RUNNER.run(case, tmp_path / "continued", Told(steps))
+    first = RUNNER.run(REFINED, tmp_path, Told(steps))
     assert isinstance(first.failure, StoppedError) and first.failure.exit_code == 130
-    before = load_result(tmp_path / "continued")
+    before = load_result(tmp_path)
     assert before.failure is not None and before.refinement is not None
     told = Told()
-    RUNNER.run(case, tmp_path / "continued", told, resume=True)
+    RUNNER.run(REFINED, tmp_path, told, resume=True)
     assert told.steps[0][0] == steps % each + 1
     assert len(told.steps) == count * each - steps
-    assert largest_difference(tmp_path / "undisturbed", tmp_path / "continued") < 1e-12
+    assert largest_difference(undisturbed, tmp_path) < 1e-12
 
 
 def stopped_at_a_step(folder: Path, number: signal.Signals, ranks: int = 1) -> tuple[int, str]:
     """Exit code and words of a run that gets a signal after its fifth step; on rank 1, if any."""
-    process = subprocess.Popen(
-        command(folder, ranks=ranks),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        env={**ENVIRONMENT, "PYTHONUNBUFFERED": "1"},
-    )
-    with process:
-        assert process.stdout is not None
-        for line in process.stdout:
-            if line.startswith("step 5/"):
-                break
+    with started(*arguments(folder), ranks=ranks) as process:
+        said = read_to_step(process, 5)
         if ranks > 1:
             kill_rank(process.pid, number)
         else:
             process.send_signal(number)
-        said, _ = process.communicate(timeout=240)
-    return process.returncode, said
+        rest, _ = process.communicate(timeout=240)
+    return process.returncode, said + rest
 
 
-@pytest.mark.parametrize(
-    "number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)]
-)
-def test_a_run_that_is_stopped_keeps_its_steps(tmp_path: Path, number: signal.Signals) -> None:
-    code, said = stopped_at_a_step(tmp_path, number)
-    assert code == 128 + number, said
+def test_a_run_that_is_stopped_keeps_its_steps(tmp_path: Path) -> None:
+    code, said = stopped_at_a_step(tmp_path, signal.SIGTERM)
+    assert code == 143, said
     numbers = json.loads((tmp_path / "results.json").read_text())
     steps = len(numbers["times"]) - 1
-    assert not numbers["complete"] and 5 <= steps < 120
-    assert f"stopped by {number.name} after step {steps} of 120, which are kept" in said
+    assert not numbers["complete"] and 5 <= steps < 234
+    assert f"stopped by SIGTERM after step {steps} of 234, which are kept" in said
     assert "Traceback" not in said
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_to_one_rank_stops_all(tmp_path: Path, number: signal.Signals) -> None:
-    code, said = stopped_at_a_step(tmp_path, number, ranks=2)
-    assert code == 128 + number, said
-    assert f"stopped by {number.name} after step" in said
+def test_a_signal_to_one_rank_stops_all(tmp_path: Path) -> None:
+    code, said = stopped_at_a_step(tmp_path, signal.SIGINT, ranks=2)
+    assert code == 130, said
+    assert "stopped by SIGINT after step" in said
     finish(tmp_path, "--resume")
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, float]:
-    folder = tmp_path_factory.mktemp("whole")
-    return folder, finish(folder)
+def course(tmp_path_factory: pytest.TempPathFactory) -> Course:
+    return undisturbed(tmp_path_factory.mktemp("whole"))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
-def test_interrupted_runs_are_finished(
-    tmp_path: Path, undisturbed: tuple[Path, float], kind: str
-) -> None:
+def test_interrupted_runs_are_finished(tmp_path: Path, course: Course, kind: str) -> None:
     if kind == "full disk" and not may_mount():
         pytest.skip("only root may make a small disk")
-    whole, seconds = undisturbed
-    part = random.Random(f"{SEED} {kind}").random()
+    where, difference = one(kind, course, tmp_path / "run", Moment.at(course, 1))
     # On other ranks the same to 1e-8.
-    assert one(kind, whole, tmp_path / "run", part, seconds) < (
-        1e-8 if kind == "killed rank" else 1e-12
-    )
+    assert difference < (1e-8 if kind == "killed rank" else 1e-12), where
+
+
+@pytest.mark.slow
+def test_a_run_goes_on_with_more_processes(tmp_path: Path, course: Course) -> None:
+    code, said = stopped_at_a_step(tmp_path / "run", signal.SIGTERM)
+    assert code == 143, said
+    solved = finish(tmp_path / "run", "--resume", ranks=2)
+    assert solved[0] > 5
+    assert largest_difference(course.folder, tmp_path / "run") < 1e-8
 
 
 def may_mount() -> bool:
