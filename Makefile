@@ -27,7 +27,7 @@ export PYTEST_ADDOPTS := -o faulthandler_exit_on_timeout=true
 PYTEST := $(ONE_THREAD) $(BIN)/pytest
 # The tests of one file stay in one process: they share what they solve.
 SHARED_OUT := --numprocesses=auto --maxprocesses=4 --dist=loadfile
-# Markers of tests that are left out of the first stage, as "and not formula".
+# Further conditions on the markers of the tests in the first stage, as "and not formula".
 WITHOUT ?=
 SLOW_LIMITS := --timeout=1800 -o faulthandler_timeout=1860
 
@@ -35,7 +35,7 @@ SLOW_LIMITS := --timeout=1800 -o faulthandler_timeout=1860
 SUITE ?= trixie
 FRESH ?=
 
-.PHONY: help demo bench test test-light test-debian lint clean
+.PHONY: help demo bench test test-light test-debian lint docs clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
@@ -58,7 +58,7 @@ endif
 test-light: .venv-light/.installed  ## the tests of the parts without DOLFINx, in .venv-light
 	$(ONE_THREAD) $(LIGHT)/pytest $(SHARED_OUT) -m "not fem and not slow"
 
-test-debian:  ## install on Debian (SUITE=trixie, sid) as the README says and test there; as root
+test-debian:  ## install on Debian (SUITE=trixie, sid) as docs/install.md says and test there; as root
 	tools/debian/test.sh $(SUITE) $(if $(call is_set,$(FRESH)),fresh)
 
 lint: .venv/.installed  ## ruff, mypy, clang-format
@@ -66,6 +66,13 @@ lint: .venv/.installed  ## ruff, mypy, clang-format
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/clang-format --dry-run --Werror $(CPP)
+
+docs: .venv/.installed  ## the site in build/docs/html: pages, API reference, gallery; without a network
+	$(ONE_THREAD) $(BIN)/python tools/site/prepare.py build/docs/source
+	rm -rf build/docs/html
+	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going --conf-dir tools/site \
+	    --doctree-dir build/docs/doctrees build/docs/source build/docs/html
+	$(BIN)/python tools/site/check.py build/docs/html
 
 clean:  ## remove environments, builds and caches; results stay
 	rm -rf .venv .venv-light .venv-debian build .pytest_cache .mypy_cache .ruff_cache
@@ -75,7 +82,7 @@ clean:  ## remove environments, builds and caches; results stay
 # Editable: changes of Python files count at once; a change of the inputs rebuilds the extension.
 .venv/.installed: $(BUILD_INPUTS)
 	@mkdir -p build && touch build/started
-	tools/install.sh .venv $(SETTINGS) -e '.[fem,report,test,lint]'
+	tools/install.sh .venv $(SETTINGS) -e '.[fem,report,test,lint,docs]'
 	$(BIN)/python tools/check_libraries.py
 	@mv build/started $@
 

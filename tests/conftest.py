@@ -21,6 +21,7 @@ TESTS = Path(__file__).parent
 FEM_TESTS = TESTS / "fem"
 # NumPy and SciPy alone; single files elsewhere say so themselves.
 FORMULA_TESTS = [TESTS / name for name in ("analytic", "contact", "halfplane", "idealise")]
+REPORT_TESTS = TESTS / "report"
 HAS_DOLFINX = importlib.util.find_spec("dolfinx") is not None
 # Set by the launchers of MPICH and Open MPI; asking MPI itself would need mpi4py.
 MPI_SIZE = int(os.environ.get("PMI_SIZE") or os.environ.get("OMPI_COMM_WORLD_SIZE") or 1)
@@ -119,6 +120,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.fem)
         if any(item.path.is_relative_to(folder) for folder in FORMULA_TESTS):
             item.add_marker(pytest.mark.formula)
+        if item.path.is_relative_to(REPORT_TESTS):
+            item.add_marker(pytest.mark.pictures)
 
 
 @pytest.hookimpl(wrapper=True)

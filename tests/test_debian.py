@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The Debian packages of the README are those that fretfe needs, and a missing one is named."""
+"""The Debian packages of docs/install.md are those that fretfe needs; a missing one is named."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def tool() -> ModuleType:
     return module
 
 
-def test_the_readme_names_what_is_needed_and_nothing_else(tool: ModuleType) -> None:
+def test_the_page_names_what_is_needed_and_nothing_else(tool: ModuleType) -> None:
     assert tool.packages_named() == tool.packages_needed()
 
 
@@ -35,9 +35,9 @@ def test_a_package_off_the_list_is_named(
     tool: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One in the middle of a line, and the last one of a command."""
-    text = tool.README.read_text("utf-8").replace(" python3-h5py ", " ").replace(" xauth\n", "\n")
-    (tmp_path / "README.md").write_text(text)
-    monkeypatch.setattr(tool, "README", tmp_path / "README.md")
+    text = tool.PAGE.read_text("utf-8").replace(" python3-h5py ", " ").replace(" xauth\n", "\n")
+    (tmp_path / "install.md").write_text(text)
+    monkeypatch.setattr(tool, "PAGE", tmp_path / "install.md")
     assert tool.packages_needed() - tool.packages_named() == {"python3-h5py", "xauth"}
 
 
@@ -46,7 +46,7 @@ def test_a_package_that_is_missing_or_too_old_is_named(
 ) -> None:
     monkeypatch.setattr(tool, "requirements", lambda: ["numpy>=999", "not-there>=1", "scipy>=1"])
     monkeypatch.setattr(tool, "OTHERS", {"g++": tool.command("no-such-command")})
-    found = [each for each in tool.problems() if "README" not in each]
+    found = [each for each in tool.problems() if "install.md" not in each]
     names = [each.partition(":")[0] for each in found]
     assert names == ["python3-numpy", "python3-not-there", "g++"]
     assert "expected numpy>=999, found" in found[0] and "no-such-command" in found[2]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Check on Debian that all that fretfe needs is there, and name the packages that bring it.
 
-The README lists packages. Everything here is to be on that list, even where another package brings
-it by chance: `python3 tools/debian/check_packages.py`, in the checkout.
+docs/install.md lists packages. Everything here is to be on that list, even where another package
+brings it by chance: `python3 tools/debian/check_packages.py`, in the checkout.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 PYPROJECT = ROOT / "pyproject.toml"
-README = ROOT / "README.md"
+PAGE = ROOT / "docs" / "install.md"
 
 # The extra `fem` names the wheel; Debian has DOLFINx itself.
 FEM = ["fenics-dolfinx>=0.9", "gmsh>=4.11", "mpi4py>=4"]
@@ -103,15 +103,17 @@ def package_of(requirement: str) -> str:
 
 
 def packages_needed() -> set[str]:
-    """All packages that the README must name."""
+    """All packages that docs/install.md must name."""
     return {package_of(each) for each in requirements()} | set(OTHERS)
 
 
 def packages_named() -> set[str]:
-    """All packages that the README tells to install."""
-    block = re.search(r"<!-- debian: packages -->\n+```sh\n(.*?)```", README.read_text(), re.DOTALL)
+    """All packages that docs/install.md tells to install."""
+    block = re.search(
+        r"<!-- debian: packages -->\n+```sh\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL
+    )
     if block is None:
-        sys.exit(f"{README}: expected a code block after <!-- debian: packages -->")
+        sys.exit(f"{PAGE}: expected a code block after <!-- debian: packages -->")
     text = re.sub(r"#.*|\\\n", "", block[1])
     words = [word for line in text.splitlines() for word in line.split()[2:]]
     return {word for word in words if not word.startswith("-")}
@@ -131,7 +133,7 @@ def check_requirement(requirement: str) -> None:
 def problems() -> Iterator[str]:
     """What is missing, each with the package that brings it."""
     for package in sorted(packages_needed() - packages_named()):
-        yield f"{package}: not on the README's list of packages"
+        yield f"{package}: not on the list of docs/install.md of packages"
     checks = [
         (package_of(each), lambda each=each: check_requirement(each)) for each in requirements()
     ]

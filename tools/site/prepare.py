@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Gather the source of the site: the README, docs/, the API reference and the gallery.
+
+Usage: prepare.py FOLDER      the folder is made anew
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+from pathlib import Path
+
+import api
+import gallery
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+# Sections of the site, in the order in which they are listed.
+SECTIONS = {
+    "Begin": ("install", "tutorial-dovetail", "tutorial-solids", "gallery", "glossary"),
+    "How to": (
+        "how-own-mesh",
+        "new-geometry",
+        "how-load-history",
+        "sweep",
+        "how-mpi",
+        "how-notebook",
+        "how-report",
+    ),
+    "Input": ("case-file", "templates", "geometry", "solids", "refinement", "mesh"),
+    "Output": ("report", "results"),
+    "Use": ("command-line", "python", "api/index", "edges", "backends"),
+    "Trust": ("theory", "method", "validate", "verify", "security"),
+    "Behind it": ("architecture", "performance", "changes"),
+}
+# Where links from the root lead in the site.
+ROOT_LINKS = {
+    "demos": "gallery.md",
+    "demos/README.md": "gallery.md",
+    "CHANGELOG.md": "changes.md",
+}
+
+
+def root_page(name: str) -> str:
+    """A page that stands beside docs/."""
+    text = (ROOT / name).read_text("utf-8").replace("](docs/", "](")
+    for link, page in ROOT_LINKS.items():
+        text = text.replace(f"]({link})", f"]({page})")
+    return titled(text)
+
+
+def titled(text: str) -> str:
+    """A page in which a link whose text is a file name has the title it leads to as its text."""
+    return re.sub(r"\[(?:docs/)?[\w-]+\.md\]\(([^)]*\.md[^)]*)\)", r"[](\1)", text)
+
+
+def front_page() -> str:
+    """The README, and the list of all pages."""
+    lists = [
+        f"```{{toctree}}\n:caption: {section}\n:hidden:\n\n" + "\n".join(pages) + "\n```\n"
+        for section, pages in SECTIONS.items()
+    ]
+    return root_page("README.md") + "\n" + "\n".join(lists)
+
+
+def site_page(text: str) -> str:
+    """A page of docs/, with the README as the front page of the site."""
+    text = text.replace("](../README.md", "](index.md")
+    return titled(re.sub(r"\]\(\.\./(demos/[^)]*)\)", r"](\1)", text))
+
+
+def write(folder: Path) -> None:
+    """Make the folder."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    (folder / "index.md").write_text(front_page())
+    for page in DOCS.glob("*.md"):
+        (folder / page.name).write_text(site_page(page.read_text("utf-8")))
+    shutil.copytree(DOCS / "images", folder / "images")
+    shutil.copytree(ROOT / "demos", folder / "demos")
+    (folder / "changes.md").write_text(root_page("CHANGELOG.md"))
+    for name in ("LICENSE", "LICENSE.GPL"):
+        shutil.copy(ROOT / name, folder / name)
+    api.write_pages(folder / "api")
+    gallery.write(folder, folder.with_name("gallery"))
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]))
