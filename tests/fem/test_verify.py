@@ -55,12 +55,9 @@ def test_control_is_caught(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_two_processes_give_the_rows_of_one() -> None:
-    documents = []
-    for ranks in (1, 2):
-        arguments = ("verify", "--backend", "fem", "--backend", "analytic", "--json")
-        done = python("-m", "fretfe", *arguments, ranks=ranks, timeout=280)
-        assert done.returncode == 0, done.stdout + done.stderr
-        documents.append(json.loads(done.stdout))
-    one, two = ([row["verdict"] for row in document["rows"]] for document in documents)
-    assert one == two
+def test_two_processes_pass_every_benchmark() -> None:
+    """As one process does in the tests above."""
+    done = python("-m", "fretfe", "verify", "--backend", "fem", "--json", ranks=2, timeout=900)
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = json.loads(done.stdout)["rows"]
+    assert {row["benchmark"] for row in rows if row["verdict"] == "pass"} >= BENCHMARKS.keys()

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-3.0-or-later
-# Install fretfe on a bare Debian, word for word as the README says, and run its tests there.
+# Install fretfe on a bare Debian, word for word as docs/install.md says, and run its tests there.
 # Usage: test.sh SUITE [fresh]      SUITE: trixie, sid, ...; fresh: not with the system of last time
 # The system lies in FRETFE_DEBIAN_CACHE/SUITE (~/.cache/fretfe/debian); DEBIAN_MIRROR is where it
 # comes from. Exit code 3: Debian's packages cannot be installed, and nothing of fretfe was tried.
@@ -17,12 +17,12 @@ fail() {
     exit 1
 }
 
-# The commands in the first code block of the README after a marker.
+# The commands in the first code block of docs/install.md after a marker.
 commands() {
     awk -v mark="<!-- debian: $1 -->" '
         $0 == mark { found = 1 }
         found && /^```/ { if (inside) exit; inside = 1; next }
-        inside' README.md
+        inside' docs/install.md
 }
 
 [ "$(id -u)" = 0 ] || fail "expected to be run by root, who alone can set up a Debian in a folder; \
@@ -33,7 +33,7 @@ unshare --mount --pid --fork true 2>/dev/null || fail "this machine allows no mo
 namespaces (unshare --mount --pid), as in a container without privileges"
 packages=$(commands packages)
 install=$(commands install)
-[ -n "$packages" ] && [ -n "$install" ] || fail "README.md: expected a code block after each of \
+[ -n "$packages" ] && [ -n "$install" ] || fail "docs/install.md: expected a code block after each of \
 <!-- debian: packages --> and <!-- debian: install -->"
 
 mkdir -p "$cache"
