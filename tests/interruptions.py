@@ -34,7 +34,7 @@ VALUES = {
     "geometry.parameters.edge_size": 0.1,
     "loads.pull.history.1.steps": 60,
     "loads.pull.history.2.steps": 30,
-    "loads.pull.history.3.steps_per_cycle": 48,
+    "loads.pull.history.3.steps_per_cycle": 480,
 }
 # Kinds of interruptions, and the exit codes of those that fretfe tells.
 KINDS = {"killed": -9, "SIGTERM": 143, "SIGINT": 130, "full disk": 6, "killed rank": 0}

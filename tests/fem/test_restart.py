@@ -137,8 +137,8 @@ def test_a_run_that_is_stopped_keeps_its_steps(tmp_path: Path) -> None:
     assert code == 143, said
     numbers = json.loads((tmp_path / "results.json").read_text())
     steps = len(numbers["times"]) - 1
-    assert not numbers["complete"] and 5 <= steps < 234
-    assert f"stopped by SIGTERM after step {steps} of 234, which are kept" in said
+    assert not numbers["complete"] and 5 <= steps < 1530
+    assert f"stopped by SIGTERM after step {steps} of 1530, which are kept" in said
     assert "Traceback" not in said
 
 
@@ -166,10 +166,13 @@ def test_interrupted_runs_are_finished(tmp_path: Path, course: Course, kind: str
 
 
 @pytest.mark.slow
-def test_a_run_goes_on_with_more_processes(tmp_path: Path, course: Course) -> None:
-    code, said = stopped_at_a_step(tmp_path / "run", signal.SIGTERM)
+@pytest.mark.parametrize(("before", "after"), [(1, 2), (2, 1), (1, 3)])
+def test_a_run_goes_on_with_another_number_of_processes(
+    tmp_path: Path, course: Course, before: int, after: int
+) -> None:
+    code, said = stopped_at_a_step(tmp_path / "run", signal.SIGTERM, before)
     assert code == 143, said
-    solved = finish(tmp_path / "run", "--resume", ranks=2)
+    solved = finish(tmp_path / "run", "--resume", ranks=after)
     assert solved[0] > 5
     assert largest_difference(course.folder, tmp_path / "run") < 1e-8
 
