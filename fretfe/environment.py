@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import math
 import os
 import platform
 import re
@@ -88,6 +89,15 @@ def machine_memory() -> float | None:
         if text.isdecimal():
             found.append(float(text))
     return min(found, default=None)
+
+
+def address_room() -> float:
+    """Bytes of address space that this process may still take; infinite without a limit."""
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    used = Path("/proc/self/statm")
+    if limit == resource.RLIM_INFINITY or not used.exists():
+        return math.inf
+    return limit - float(used.read_text().split()[0]) * resource.getpagesize()
 
 
 def missing_package(error: BaseException) -> str:

@@ -15,6 +15,7 @@ from fretfe.fem.model_cache import ModelCache, model_key
 from fretfe.fem.parallel import on_root
 from fretfe.fem.prepared import LoadMesh
 from fretfe.fem.refine import refine
+from fretfe.fem.room import secure_work_space
 from fretfe.fem.run import solve
 from fretfe.loads import build_history
 from fretfe.mesh.groups import count_unknowns
@@ -87,6 +88,7 @@ class FemSession:
 
 def _solve(case: Case, options: RunOptions, solve_case: SolveCase) -> Result:
     """Solve and evaluate a case, on one mesh by `solve_case`. Collective."""
+    secure_work_space(MPI.COMM_WORLD)
     if case.edges.tolerance is not None:
         return refine(MPI.COMM_WORLD, case, options)
     return solve_case(case, options, partial(_load, case, options))
