@@ -50,9 +50,10 @@ def test_verdicts(value: float, reference: float, verdict: str) -> None:
 
 
 @cache
-def halfplane(shear_ratio: float, cycles: int = 3) -> Result:
+def halfplane(shear_ratio: float, cycles: int = 3, mean: float = 0.0) -> Result:
     """Hertz under a steady shear cycle."""
-    given = problem(LOAD, started(shear_ratio * LIMIT * np.cos(loop(24, cycles))), cycle=24)
+    ratio = mean + shear_ratio * np.cos(loop(24, cycles))
+    given = problem(LOAD, started(ratio * LIMIT), cycle=24)
     outcome = solve_half_planes(given)
     solution = outcome.solution
     return Result(
@@ -73,6 +74,15 @@ def test_a_good_run_passes() -> None:
     rows = list(own_rows(halfplane(0.15)))
     assert {row.verdict for row in rows} == {"pass", "-"}
     assert verdicts(rows, "half cycle") == verdicts(rows, "moving edge") == {"pass"}
+
+
+def test_a_first_loading_that_stays_in_the_shear_is_no_failure() -> None:
+    """From zero to the largest load: its slip zone is twice that of the cycle, and so is the
+    place where the shear of that reversal leaves the friction bound."""
+    rows = {row.quantity: row for row in own_rows(halfplane(0.2, mean=0.2)) if row.edge == "left"}
+    for number in (1, 2):
+        row = rows[f"d, by traction, half cycle {number}"]
+        assert row.verdict == "pass" and row.value == pytest.approx(row.reference, rel=0.03), row
 
 
 def test_what_does_not_exist_is_no_failure() -> None:

@@ -187,7 +187,12 @@ def _slip_rows(contact: ContactSummary, station: Station, size: float) -> Iterat
 def _traction_rows(
     result: Result, contact: ContactSummary, station: Station, size: float
 ) -> Iterator[Row]:
-    """Slip zones once more, from where the shear leaves the friction bound."""
+    """Slip zones once more, from where the shear leaves the friction bound.
+
+    What slips in one half cycle of a steady cycle slips back in the other: the shear changes from
+    one bound to the other there. The shear itself is at the bound farther inward at the reversal
+    that the first loading has reached: that keeps its longer zone.
+    """
     if result.solution is None or not station.slip_zones:
         return
     if station.k_i_range > CONSTANT_NORMAL * station.k_t_range:
@@ -200,6 +205,8 @@ def _traction_rows(
         if zone.gross or not zone.length > 0:
             continue
         pressure, shear = history.traction[zone.end].T
+        if contact.steady:
+            shear = (shear - history.traction[zone.start, :, 1]) / 2
         friction = float(history.friction[zone.end])
         analysis = analyse_tractions(history.arc, pressure, shear, friction=friction)
         found = analysis.edges[plane_front(station.front).number].slip_from_traction
@@ -208,7 +215,8 @@ def _traction_rows(
             continue
         tolerance = found.spread + size / 2 + BORDER_FRACTION * zone.length
         reason = (
-            "by slip, and where the shear leaves the friction bound: error bar, half an element"
+            "by slip, and where the shear, or half its change through a steady half cycle, leaves "
+            "the friction bound: error bar, half an element"
         )
         yield compared(
             contact.name, station.front, label, zone.length, found.value, tolerance, reason
