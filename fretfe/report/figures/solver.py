@@ -38,7 +38,7 @@ def _iterations(figure: Figure, solution: Solution) -> None:
     shown = envelope(solution.iterations[1:])
     iterations, label = solution.iterations[1:][shown], "Newton iterations"
     if len(shown) == len(steps):
-        axes.bar(steps, iterations, width=0.8, color=BLUE, label=label)
+        axes.stairs(iterations, np.arange(len(steps) + 1) + 0.5, fill=True, color=BLUE, label=label)
     else:
         axes.plot(steps[shown], iterations, lw=0.8, color=BLUE, label=label)
     for values, mark, colour, label in (
