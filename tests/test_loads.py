@@ -268,6 +268,19 @@ def test_problems_of_all_loads_are_listed() -> None:
 
 
 @pytest.mark.parametrize(
+    ("segments", "where"),
+    [([hold(2.0**63), wave()], "[segment 2]"), ([wave(), hold(1e12)], "[segment 1]")],
+    ids=["after", "before"],
+)
+def test_steps_that_vanish_in_a_long_history_are_refused(
+    segments: list[dict[str, Any]], where: str
+) -> None:
+    text = message(a=segments)
+    assert text.startswith(f"c.toml: loads.a.history{where}: expected steps more than 1e-09 of the")
+    assert "they would be one time" in text
+
+
+@pytest.mark.parametrize(
     "histories", [{}, {"a": [{"times": [0], "values": [0]}]}], ids=["no-load", "no-step"]
 )
 def test_a_clock_without_a_step_is_refused(histories: dict[str, Any]) -> None:

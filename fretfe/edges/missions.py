@@ -79,6 +79,8 @@ def count_cycles(cycle: Indices, friction: Array, station: StationHistory) -> Co
         return _nothing(
             f"K_T is unknown in {len(unknown)} of {len(states)} states, first in state {unknown[0]}"
         )
+    if len(states) < 2:
+        return _nothing("nothing varies")
     if friction[states[1:]].min(initial=np.inf) == 0:
         return _nothing("there is no friction in a part of the cycle")
     slip = _slip(states, friction, station)

@@ -54,9 +54,9 @@ def build_history(case: Case) -> History:
 
     Raises:
         CaseError: a segment ends before it starts or does not continue the one before, a table or
-            CSV file is not usable, there is no step at all, or a time that the case names
-            (friction_from, cycle, output.fields) is not the time of a step. Problems of different
-            loads are listed together.
+            CSV file is not usable, there is no step at all, steps are too close for a history of
+            this length, or a time that the case names (friction_from, cycle, output.fields) is not
+            the time of a step. Problems of different loads are listed together.
     """
     channels: dict[str, list[Piece]] = {}
     problems: list[str] = []
@@ -71,6 +71,7 @@ def build_history(case: Case) -> History:
     if len(times) == 1:
         text = "expected a load with at least one step after time 0, found none"
         raise CaseError(complaint(case.source, ("loads",), text))
+    _require_apart(case, channels, times[-1])
     values = np.column_stack([_evaluate(pieces, times) for pieces in channels.values()])
     check_times(case, times)
     cycle = find_cycle(case, times, values, channels)
@@ -97,6 +98,19 @@ def _clock(pieces: Sequence[Piece]) -> Array:
         if time - kept[-1] > tolerance:
             kept.append(float(time))
     return np.array(kept)
+
+
+def _require_apart(case: Case, channels: Mapping[str, Sequence[Piece]], end: float) -> None:
+    """Check that the steps of each segment are not one and the same time on the common clock."""
+    for name, pieces in channels.items():
+        for index, piece in enumerate(pieces):
+            spacing = (piece.end - piece.start) / len(piece.steps)
+            if spacing <= SAME_TIME * end:
+                text = (
+                    f"expected steps more than {SAME_TIME:g} of the whole history apart, found "
+                    f"{spacing:.4g} in a history that ends at {end:.4g}: they would be one time"
+                )
+                raise CaseError(complaint(case.source, ("loads", name, "history", index), text))
 
 
 def _evaluate(pieces: Sequence[Piece], times: Array) -> Array:
