@@ -11,12 +11,16 @@ import importlib
 from typing import Any
 
 API = (
+    "Comparison",
     "Observer",
     "Result",
     "check",
+    "compare",
+    "export",
     "load_case",
     "load_result",
     "make_mesh",
+    "plot_comparison",
     "plot_factors",
     "plot_loads",
     "plot_tractions",

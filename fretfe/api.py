@@ -17,6 +17,8 @@ from fretfe.backends.observer import SILENT
 from fretfe.case import Case, load_case
 from fretfe.checked import Checked, check, make_mesh
 from fretfe.errors import OutputError
+from fretfe.exchange.comparison import Comparison, compare
+from fretfe.exchange.export import export_result
 from fretfe.quality.validate import Validation
 from fretfe.quality.verify.run import Verification, verify
 from fretfe.results.model import Result
@@ -31,15 +33,19 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Checked",
+    "Comparison",
     "Observer",
     "Result",
     "Sweep",
     "Validation",
     "Verification",
     "check",
+    "compare",
+    "export",
     "load_case",
     "load_result",
     "make_mesh",
+    "plot_comparison",
     "plot_factors",
     "plot_loads",
     "plot_tractions",
@@ -137,6 +143,22 @@ def run_station(
     return model
 
 
+def export(result: Result, output: Path | str) -> tuple[Path, ...]:
+    """Write the numbers of a result as CSV files, as `fretfe export` does; on process 0 only.
+
+    Args:
+        result: of plane bodies or of solids.
+        output: folder for the files; made if missing.
+
+    Returns:
+        The files; the last one lists their columns.
+
+    Raises:
+        FretfeError: if the folder holds results of a run, or a file cannot be written.
+    """
+    return tuple(each.path for each in export_result(result, Path(output)))
+
+
 def validate(
     case: Case,
     backend: str = "fem",
@@ -197,6 +219,19 @@ def _require_plane(result: Result) -> None:
             "expected plane bodies, found solids: `result.areas` has the histories of their "
             "contacts, and the pictures of a run with an output folder show them"
         )
+
+
+def plot_comparison(comparison: Comparison) -> Figure:
+    """Draw pressure and shear of two results over each other, at the load extremes.
+
+    Raises:
+        OutputError: if there are no tractions to compare.
+    """
+    if not comparison.tractions:
+        raise OutputError(f"expected tractions, found none: {'; '.join(comparison.notes)}")
+    from fretfe.exchange.figures import plot_tractions as draw
+
+    return draw(comparison)
 
 
 def plot_loads(result: Result) -> Figure:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -112,7 +113,7 @@ ROWS = "\n".join(f"{i},1,0" for i in range(20))
 @pytest.mark.parametrize(
     ("content", "arguments", "message"),
     [
-        ("x,pressure\n0,1", [], "line 1: expected one column 'p', found 'x', 'pressure'"),
+        ("x,load\n0,1", [], "line 1: expected one column 'p', found 'x', 'load'"),
         ("x|p\n0|1", [], "line 1: expected one column 'x', found 'x|p'"),
         ("x,p\n0,1\n2,1\n\n2,1\n", [], "line 5, column 'x': expected a position after 2, found 2"),
         ("x,p\n0,1\n1,many\n", [], "line 3, column 'p': expected a finite number, found 'many'"),
@@ -145,3 +146,122 @@ def test_no_file(
     code, text = failure(monkeypatch, capsys, tmp_path / "none.csv")
     assert code == 2
     assert "expected a CSV file, found nothing at" in text
+
+
+def as_program(table: Path, path: Path, names: str, order: slice = slice(None)) -> Path:
+    """The exact tractions as another program would write them."""
+    _, *rows = table.read_text("utf-8").splitlines()
+    path.write_text("\n".join([names, *rows[order]]), "utf-8")
+    return path
+
+
+def numbers_of(capsys: pytest.CaptureFixture[str], *arguments: str | Path | float) -> Any:
+    run(*arguments, "--friction", FRICTION, "--json")
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        "COORD,CPRESS,CSHEAR1,CSLIP1",
+        "Coor1, cpress ,CShear1,CSLIP1",
+        "COORD-COOR1 (mm),CPRESS [MPa],CSHEAR1,CSLIP1",
+        "coor1,CONTPRES,TAUR,SLIDE",
+    ],
+)
+def test_names_of_programs(
+    table: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], names: str
+) -> None:
+    own = numbers_of(capsys, table)
+    found = numbers_of(capsys, as_program(table, tmp_path / "other.csv", names))
+    assert found["shear_force"] == own["shear_force"]
+    for one, two in zip(found["edges"], own["edges"], strict=True):
+        assert one["k_n"] == two["k_n"]
+        assert one["slip_from_traction"] == two["slip_from_traction"]
+        # Slip that counts from the start of an analysis is not taken without being told to.
+        assert one["slip_from_slip"]["value"] is None
+    assert set(found["columns"]) == {"x", "p", "q"}
+    text = " ".join(found["remarks"])
+    assert "positive in compression" in text and "sign of Q" in text
+    assert "is not taken for the slip: it counts from the start" in text
+
+
+def test_what_is_taken_for_what_is_printed(
+    table: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run(as_program(table, tmp_path / "other.csv", "COORD,CPRESS,CSHEAR1,CSLIP1"))
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("Columns: ")]
+    assert lines[:2] == ["Columns: x is COORD", "Columns: p is CPRESS, positive in compression"]
+    assert len(lines) == 4
+
+
+def test_nodes_in_the_order_of_their_numbers(
+    table: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    own = numbers_of(capsys, table)
+    path = as_program(
+        table, tmp_path / "other.csv", "COOR1,CPRESS,CSHEAR1,S", slice(None, None, -1)
+    )
+    found = numbers_of(capsys, path)
+    assert found["edges"][0]["k_n"] == own["edges"][0]["k_n"]
+    assert "rows are taken in the order of COOR1" in found["remarks"]
+
+
+def test_arc_length_along_two_coordinates(
+    table: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A flank at 60 degrees has the K_N of a flat contact, and its own width."""
+    x, p, q, _ = np.loadtxt(table, delimiter=",", skiprows=1, unpack=True)
+    rows = np.column_stack([x / 2, np.sqrt(0.75) * x, p, q])
+    path = tmp_path / "flank.csv"
+    np.savetxt(path, rows, delimiter=",", header="COOR1,COOR2,CPRESS,CSHEAR1", comments="")
+    found = numbers_of(capsys, path)
+    assert found["edges"][0]["k_n"]["value"] == pytest.approx(K_N_HERTZ, rel=1e-6)
+    width = found["edges"][1]["position"]["value"] - found["edges"][0]["position"]["value"]
+    assert width == pytest.approx(2, rel=1e-6)
+    assert "x is the arc length along COOR1 and COOR2" in found["remarks"]
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_sign_that_is_not_known_is_asked_for(
+    table: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    sign: int,
+) -> None:
+    x, p, q, _ = np.loadtxt(table, delimiter=",", skiprows=1, unpack=True)
+    path = tmp_path / "marc.csv"
+    header = "Arc Length,Contact Normal Stress,Q"
+    np.savetxt(path, np.column_stack([x, sign * p, q]), delimiter=",", header=header, comments="")
+    code, text = failure(monkeypatch, capsys, path)
+    assert code == 2 and "whose sign is not known: state it with --compression" in text
+    word, other = ("positive", "negative") if sign > 0 else ("negative", "positive")
+    found = numbers_of(capsys, path, "--compression", word)
+    assert found["edges"][0]["k_n"]["value"] == pytest.approx(K_N_HERTZ, rel=1e-6)
+    code, text = failure(monkeypatch, capsys, path, "--compression", other)
+    assert code == 2 and "expected a positive pressure" in text
+
+
+@pytest.mark.parametrize(
+    ("header", "row", "message"),
+    [
+        ("COORD,CPRESS,Pressure", "{0},1,1", "found 'CPRESS' and 'Pressure': name it with --p"),
+        ("arc,COOR1,CPRESS", "{0},{0},1", "found 'arc' and 'COOR1': name it with --x"),
+        ("COORD,CPRESS,CSHEAR1,CSHEAR2", "{0},1,1,0.5", "expected no shear beside that of"),
+        ("COORD,CPRESS", "1,1", "column 'COORD': expected a place that no other row has, found 1"),
+        ("COORD,CPRESS", "{0},-1", "state it with --compression negative"),
+    ],
+)
+def test_columns_that_cannot_be_told(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    header: str,
+    row: str,
+    message: str,
+) -> None:
+    path = tmp_path / "tractions.csv"
+    path.write_text("\n".join([header, *(row.format(number) for number in range(20))]), "utf-8")
+    code, text = failure(monkeypatch, capsys, path)
+    assert code == 2 and message in text

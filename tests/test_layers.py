@@ -49,6 +49,8 @@ LAYERS = (
     "fretfe.results.*",
     "fretfe.quality.*",
     "fretfe.report.*",
+    "fretfe.exchange.*",
+    "fretfe.strength.*",
     "fretfe.sweeps.*",
     "fretfe.work",
     "fretfe.runner",

@@ -15,7 +15,9 @@ import typer
 from fretfe.cli import (
     backends,
     check,
+    compare,
     edges,
+    export,
     info,
     mesh,
     pictures,
@@ -73,6 +75,8 @@ COMMANDS: tuple[tuple[Callable[..., None], str], ...] = (
     (mesh.mesh, mesh.EXAMPLES),
     (templates.templates, templates.EXAMPLES),
     (edges.edges, edges.EXAMPLES),
+    (compare.compare, compare.EXAMPLES),
+    (export.export, export.EXAMPLES),
     (pictures.animate, pictures.ANIMATE_EXAMPLES),
     (pictures.scene, pictures.SCENE_EXAMPLES),
     (info.info, info.EXAMPLES),

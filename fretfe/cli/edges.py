@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -12,6 +12,7 @@ from fretfe.cli.options import examples
 
 EXAMPLES = examples(
     "fretfe edges tractions.csv --friction 0.6",
+    "fretfe edges abaqus.csv --friction 0.6",
     "fretfe edges tractions.csv --x arc --p pressure --q shear --json",
 )
 
@@ -19,15 +20,25 @@ EXAMPLES = examples(
 def edges(
     table: Annotated[Path, typer.Argument(help="CSV file with a header.", show_default=False)],
     friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None,
-    x: Annotated[str, typer.Option(help="Column with the positions along the contact.")] = "x",
-    p: Annotated[str, typer.Option(help="Column with the pressure, positive.")] = "p",
-    q: Annotated[str | None, typer.Option(help="Column with the shear (default: q).")] = None,
-    slip: Annotated[str | None, typer.Option(help="Column with the slip (default: slip).")] = None,
+    x: Annotated[
+        str | None, typer.Option(help="Column with the positions along the contact.")
+    ] = None,
+    p: Annotated[str | None, typer.Option(help="Column with the pressure.")] = None,
+    q: Annotated[str | None, typer.Option(help="Column with the shear.")] = None,
+    slip: Annotated[str | None, typer.Option(help="Column with the slip.")] = None,
+    compression: Annotated[
+        Literal["positive", "negative"] | None,
+        typer.Option(metavar="SIGN", help="Sign of a pressure in the file: positive or negative."),
+    ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print one JSON document in place of tables.")
     ] = False,
 ) -> None:
-    """Find edges, K_N and slip zones in tractions of any program."""
-    from fretfe.cli.edges_report import Columns, analyse_file
+    """Find edges, K_N and slip zones in tractions of any program.
 
-    analyse_file(table, Columns(x, p, q, slip), friction, as_json=as_json)
+    Columns are x, p, q and slip, or those that finite-element programs write.
+    """
+    from fretfe.cli.edges_report import analyse_file
+    from fretfe.exchange.column_names import Columns
+
+    analyse_file(table, Columns(x, p, q, slip), friction, compression, as_json=as_json)

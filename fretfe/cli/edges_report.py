@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +13,10 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from fretfe.case.base import SMALLEST
 from fretfe.edges import EdgeAnalysis, Estimate, TractionAnalysis, analyse_tractions
 from fretfe.errors import CaseError
-from fretfe.loads.csv_file import read_table
+from fretfe.exchange.column_names import Columns
+from fretfe.exchange.traction_file import Sign, TractionTable, read_tractions
 from fretfe.report.texts import MISSING, with_error
 
 ROWS = {
@@ -27,61 +27,41 @@ ROWS = {
 }
 
 
-@dataclass(frozen=True)
-class Columns:
-    """Names of the columns; None for q and slip: a column of that name if there is one."""
-
-    x: str
-    p: str
-    q: str | None
-    slip: str | None
-
-
-def analyse_file(path: Path, columns: Columns, friction: float | None, *, as_json: bool) -> None:
+def analyse_file(
+    path: Path,
+    columns: Columns,
+    friction: float | None,
+    compression: Sign | None,
+    *,
+    as_json: bool,
+) -> None:
     """Print what the tractions in a CSV file tell about the edges of the contact.
 
     Args:
         path: the file.
-        columns: names of its columns.
+        columns: names of its columns that the user gives.
         friction: coefficient f, or None.
+        compression: sign of a pressure in the file, or None.
         as_json: print one JSON document in place of tables.
 
     Raises:
         CaseError: if the file is not as expected, nothing is in contact or f is not positive.
     """
-    analysis = _analyse(path, columns, friction)
+    table = read_tractions(path, columns, compression)
+    try:
+        analysis = analyse_tractions(table.x, table.p, table.q, table.slip, friction)
+    except ValueError as error:
+        raise CaseError(f"{path}: {error}") from None
     if as_json:
-        print(json.dumps(_as_numbers(path, friction, analysis), indent=1, allow_nan=False))
+        print(json.dumps(_as_numbers(path, friction, table, analysis), indent=1, allow_nan=False))
         return
     console = Console()
+    for note in table.notes:
+        console.print(f"Columns: {note}", highlight=False, markup=False)
     console.print(_edge_table(analysis))
     console.print(_resultant_text(analysis), highlight=False)
     for remark in _remarks(analysis):
         console.print(remark, highlight=False, markup=False)
-
-
-def _analyse(path: Path, columns: Columns, friction: float | None) -> TractionAnalysis:
-    given = [name for name in (columns.q, columns.slip) if name is not None]
-    free = [name for name in ("q", "slip") if name not in (columns.x, columns.p, *given)]
-    table = read_table(path, (columns.x, columns.p, *given), free)
-    table.require_increasing(columns.x, "position")
-    x, p = table.columns[columns.x], table.columns[columns.p]
-    q = table.columns.get(columns.q or "q")
-    slip = table.columns.get(columns.slip or "slip")
-    if len(x) < 2 or p.max() <= 0.0:
-        raise CaseError(
-            f"{path}: column {columns.p!r}: expected a positive pressure in two rows or more, "
-            f"found {p.max():g} at most in {len(p)} (is compression negative in this file?)"
-        )
-    if x[-1] - x[0] < SMALLEST:
-        raise CaseError(
-            f"{path}: column {columns.x!r}: expected positions over {SMALLEST:g} or more, found "
-            f"{x[-1] - x[0]:g}"
-        )
-    try:
-        return analyse_tractions(x, p, q, slip, friction)
-    except ValueError as error:
-        raise CaseError(f"{path}: {error}") from None
 
 
 def _edge_table(analysis: TractionAnalysis) -> Table:
@@ -125,16 +105,19 @@ def _remarks(analysis: TractionAnalysis) -> list[str]:
     return lines + [f"Note: {remark}" for remark in analysis.remarks]
 
 
-def _as_numbers(path: Path, friction: float | None, analysis: TractionAnalysis) -> dict[str, Any]:
+def _as_numbers(
+    path: Path, friction: float | None, table: TractionTable, analysis: TractionAnalysis
+) -> dict[str, Any]:
     forces = {name: _number(value) for name, value in asdict(analysis.resultants).items()}
     return {
         "schema": {"name": "fretfe-edges", "version": 1},
         "file": str(path),
         "friction": friction,
+        "columns": table.columns,
         **forces,
         "centre": analysis.centre,
         "edges": [_edge_numbers(edge) for edge in analysis.edges],
-        "remarks": list(analysis.remarks),
+        "remarks": [*table.notes, *analysis.remarks],
     }
 
 

@@ -110,6 +110,18 @@ def read_columns(
     return times, table.columns[value]
 
 
+def possible_headers(path: Path) -> list[tuple[str, ...]]:
+    """Column names of a file by each of the separators that it might have, the comma first.
+
+    Raises:
+        CaseError: if the file cannot be read.
+    """
+    return [
+        tuple(name.strip() for name in next(_rows(path, delimiter))[1])
+        for delimiter in SEPARATORS.values()
+    ]
+
+
 def _told_delimiter(path: Path, names: Sequence[str]) -> str:
     """The delimiter with which the header row has all of the names; a comma if none does.
 

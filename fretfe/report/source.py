@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from fretfe._typing import Indices
+from fretfe.case import Case
 from fretfe.edges.area import AreaSummary, shear_extremes
 from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary, Station
@@ -53,6 +54,19 @@ def work_unit(run: Result) -> str:
     units = run.case.units
     work = f"{units.force}·{units.length}"
     return work if run.areas else f"{work}/{units.length}"
+
+
+def load_unit(case: Case, name: str) -> str:
+    """Unit of the history of a load."""
+    load, units = case.loads[name], case.units
+    if load.type == "traction":
+        return units.stress
+    if load.type == "rotation":
+        return f"1/{units.time}"
+    if load.type == "tilt":
+        return "rad" if load.control == "rotation" else f"{units.force}·{units.length}"
+    prescribed = load.type == "displacement" or load.control == "displacement"
+    return units.length if prescribed else units.force
 
 
 def when(run: Result, state: int) -> str:

@@ -20,7 +20,8 @@ def number(value: float, digits: int = 4) -> str:
 
 def percent(value: float, decimals: int = 2) -> str:
     """A fraction in per cent."""
-    return f"{value:.{decimals}%}" if math.isfinite(value) else MISSING
+    # Without a minus before zero.
+    return f"{round(value, decimals + 2) + 0.0:.{decimals}%}" if math.isfinite(value) else MISSING
 
 
 def with_error(value: float, spread: float) -> str:

@@ -11,7 +11,10 @@ from types import ModuleType
 # By page: what it is about, and the modules whose names it has.
 PAGES = {
     "fretfe": ("Run and evaluate cases", ("fretfe", "fretfe.api", "fretfe.submodel.comparison")),
-    "results": ("Results", ("fretfe.results.solution",)),
+    "results": (
+        "Results",
+        ("fretfe.results.solution", "fretfe.exchange.comparison", "fretfe.exchange.compared"),
+    ),
     "errors": ("Errors", ("fretfe.errors",)),
     "case": ("Case files", ("fretfe.case", "fretfe.loads")),
     "backends": ("Backends", ("fretfe.backends", "fretfe.idealise", "fretfe.halfplane")),

@@ -13,7 +13,7 @@ from fretfe.case import Case
 from fretfe.edges.front import ContactSummary
 from fretfe.loads import History
 from fretfe.report.figures.plot import Plot, envelope, legend_above, make_plot
-from fretfe.report.source import edge_title, span
+from fretfe.report.source import edge_title, load_unit, span
 from fretfe.report.theme import (
     BLUE,
     CYCLE,
@@ -70,7 +70,7 @@ def _draw_loads(figure: Figure, case: Case, history: History) -> None:
         shown = envelope(values)
         mark = ".-" if len(shown) == len(values) else "-"
         panel.plot(history.times[shown], values[shown], mark, ms=4, color=BLUE)
-        panel.set_ylabel(f"{name} [{_unit(case, name)}]")
+        panel.set_ylabel(f"{name} [{load_unit(case, name)}]")
 
 
 def factor_plot(run: Result, contact: ContactSummary, key: str) -> Plot:
@@ -131,19 +131,6 @@ def time_panels(figure: Figure, count: int, case: Case, history: History) -> lis
             panel.axvspan(history.times[first], history.times[last], color=PALE, alpha=0.6, lw=0)
     panels[-1].set_xlabel(f"time [{case.units.time}]")
     return panels
-
-
-def _unit(case: Case, name: str) -> str:
-    """Unit of a load's history."""
-    load, units = case.loads[name], case.units
-    if load.type == "traction":
-        return units.stress
-    if load.type == "rotation":
-        return f"1/{units.time}"
-    if load.type == "tilt":
-        return "rad" if load.control == "rotation" else f"{units.force}·{units.length}"
-    prescribed = load.type == "displacement" or load.control == "displacement"
-    return units.length if prescribed else units.force
 
 
 def path_plot(run: Result, contact: ContactSummary, key: str) -> Plot:

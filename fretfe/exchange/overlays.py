@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Tractions and histories of two results, laid over each other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.integrate import trapezoid
+
+from fretfe._typing import Array, Indices
+from fretfe.edges.area import AreaSummary
+from fretfe.edges.extremes import load_extremes
+from fretfe.edges.front import ContactSummary
+from fretfe.errors import OutputError
+from fretfe.exchange.compared import Curve, HistoryPair, TractionPair
+from fretfe.report.source import force_unit
+from fretfe.results.model import Result
+
+Pairs = Sequence[tuple[Any, Any]]
+# Times that differ by less than this fraction of the clock are the same.
+SAME_TIME = 1e-9
+LAST = "last state"
+
+
+def traction_pairs(
+    first: Result, second: Result, pairs: Pairs
+) -> tuple[tuple[TractionPair, ...], list[str]]:
+    """Tractions at the two load extremes of each result, and why there are none."""
+    if first.areas:
+        return (), [
+            "tractions of solids are not compared: their nodes have no common places; "
+            "fretfe export writes them"
+        ]
+    for result in (first, second):
+        if result.solution is None:
+            return (), [f"no tractions are compared: backend {result.backend!r} has none"]
+    found: list[TractionPair] = []
+    notes: list[str] = []
+    for one, two in pairs:
+        try:
+            found += _contact_tractions(first, second, one, two)
+        except OutputError as error:  # not all states are kept
+            notes.append(f"tractions of contact {one.name} are not compared: {error}")
+    notes += [
+        f"contact {each.contact} has other places x in the two: p and q are not subtracted"
+        for each in found[::2]
+        if math.isnan(each.pressure_difference)
+    ]
+    return tuple(found), notes
+
+
+def _contact_tractions(
+    first: Result, second: Result, one: ContactSummary, two: ContactSummary
+) -> Iterator[TractionPair]:
+    states = [_extremes(result, each) for result, each in ((first, one), (second, two))]
+    for extreme in states[0]:
+        if extreme in states[1]:
+            curves = [
+                _curve(result, each.name, chosen[extreme])
+                for result, each, chosen in zip((first, second), (one, two), states, strict=True)
+            ]
+            yield TractionPair(one.name, extreme, curves[0], curves[1], *_differences(*curves))
+
+
+def _extremes(result: Result, contact: ContactSummary) -> dict[str, int]:
+    """States of largest and smallest load of a contact by what they are, and the last state.
+
+    Extremes are told apart by K_T, not by time: equal loads come back, and which of the states is
+    the extreme one is a matter of round-off.
+    """
+    edges = contact.stations
+    found = load_extremes([e.k_t for e in edges], [e.k_i for e in edges], result.loads.cycle)
+    last = len(result.loads.times) - 1
+    if len(found) < 2:
+        return {LAST: found[0]}
+    left = edges[0]
+    load = left.k_t if np.ptp(left.k_t[found]) > 0 else left.k_i
+    if not np.isfinite(load[found]).all():
+        return {LAST: last}
+    low, high = sorted(found, key=lambda state: float(load[state]))
+    name = "K_T" if load is left.k_t else "K_I"
+    return {f"largest {name} at the left edge": high, f"smallest {name} at the left edge": low}
+
+
+def _curve(result: Result, name: str, state: int) -> Curve:
+    history = result.contact_history(name)
+    pressure, shear = history.mean_traction[state].T
+    return Curve(
+        time=float(result.loads.times[state]),
+        friction=float(history.friction[state]),
+        x=history.arc,
+        pressure=pressure,
+        shear=shear,
+    )
+
+
+def _differences(first: Curve, second: Curve) -> tuple[float, float]:
+    """Of pressure and shear, as of `TractionPair`, over both contacts."""
+    pressed = [each.x[each.pressure > 0] for each in (first, second)]
+    if not all(map(len, pressed)) or max(x[0] for x in pressed) >= min(x[-1] for x in pressed):
+        return math.nan, math.nan
+    x = np.union1d(first.x, second.x)
+    values = {
+        name: [_between(x, each, name) for each in (first, second)]
+        for name in ("pressure", "shear")
+    }
+    pressure = _norm(x, values["pressure"][0])
+    change = {name: _norm(x, two - one) for name, (one, two) in values.items()}
+    bound = first.friction * pressure
+    return (
+        change["pressure"] / pressure if pressure > 0 else math.nan,
+        change["shear"] / bound if bound > 0 else math.nan,
+    )
+
+
+def _between(x: Array, curve: Curve, name: str) -> Array:
+    """(n,) values at places x: linear between nodes, zero beyond the ends of the surface."""
+    return np.asarray(np.interp(x, curve.x, getattr(curve, name), left=0.0, right=0.0))
+
+
+def _norm(x: Array, values: Array) -> float:
+    """Root of the integral of the square."""
+    return float(np.sqrt(trapezoid(values**2, x)))
+
+
+def history_pairs(first: Result, second: Result, pairs: Pairs) -> Iterator[HistoryPair]:
+    """Histories of all contacts that belong together."""
+    units = first.case.units
+    factor = f"{units.stress}·√{units.length}"
+    for one, two in pairs:
+        force = force_unit(first)
+        yield _history(first, second, one, two, one.name, "", "P", force, "normal_force")
+        if isinstance(one, AreaSummary):
+            area = f"{units.length}²"
+            yield _history(first, second, one, two, one.name, "", "area", area, "contact_area")
+            continue
+        yield _history(first, second, one, two, one.name, "", "Q", force, "shear_force")
+        for edge, partner in zip(one.stations, two.stations, strict=True):
+            yield _history(first, second, edge, partner, one.name, edge.front, "K_T", factor, "k_t")
+
+
+def _history(
+    first: Result, second: Result, one: Any, two: Any,
+    contact: str, edge: str, quantity: str, unit: str, attribute: str,
+) -> HistoryPair:  # fmt: skip
+    times = first.loads.times, second.loads.times
+    values = getattr(one, attribute), getattr(two, attribute)
+    places = _common(*times)
+    both = [each[place] for each, place in zip(values, places, strict=True)]
+    known = np.isfinite(both[0]) & np.isfinite(both[1])
+    size = np.abs(both[0][known]).max(initial=0.0)
+    change = np.abs(both[1][known] - both[0][known]).max(initial=0.0)
+    return HistoryPair(
+        contact, edge, quantity, unit, *times, *values,
+        common=int(np.count_nonzero(known)),
+        difference=float(change / size) if size > 0 else math.nan,
+    )  # fmt: skip
+
+
+def _common(first: Array, second: Array) -> tuple[Indices, Indices]:
+    """(n,) places of equal times in both, which increase."""
+    nearest = np.clip(np.searchsorted(second, first), 1, max(len(second) - 1, 1))
+    nearest = np.minimum(nearest, len(second) - 1)
+    before = np.abs(second[nearest - 1] - first) < np.abs(second[nearest] - first)
+    nearest = nearest - before
+    same = np.abs(second[nearest] - first) <= SAME_TIME * max(first[-1], second[-1])
+    return np.flatnonzero(same), nearest[same]

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The tables that a result is exported as: rows of numbers and texts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.edges.front import StationHistory
+from fretfe.exchange import columns
+from fretfe.exchange.columns import Column, Heading, headings
+from fretfe.report.source import load_unit
+from fretfe.results.cycle_file import cycle_records
+from fretfe.results.model import Result
+from fretfe.results.solution import ContactHistory
+from fretfe.results.station_file import station_records
+
+Row = Sequence[Any]
+
+
+@dataclass(frozen=True)
+class ExportTable:
+    """A table: its file, its columns, its rows in their order."""
+
+    file: str
+    headings: Sequence[Heading]
+    rows: Iterator[Row]
+
+
+def export_tables(result: Result) -> Iterator[ExportTable]:
+    """All tables of a result that have rows."""
+    yield _loads(result)
+    yield _contacts(result)
+    if result.contacts or any(area.fronts for area in result.areas):
+        yield _factors(result)
+    if result.contacts:
+        yield _of_records(result, "edges.csv", columns.EDGES, result.edges())
+        # Regular loads have one cycle, which the edges tell.
+        if any(edge.cycles.irregular for each in result.contacts for edge in each.stations):
+            yield _of_records(result, "cycles.csv", columns.CYCLES, cycle_records(result))
+    elif stations := station_records(result.areas):
+        yield _of_records(result, "stations.csv", columns.STATIONS, stations)
+    if result.solution is not None:
+        yield _tractions(result)
+
+
+def _headings(result: Result, names: Sequence[Column]) -> list[Heading]:
+    return headings(names, result.case.units, solid=bool(result.areas))
+
+
+def _loads(result: Result) -> ExportTable:
+    loads = result.loads
+    units = [load_unit(result.case, name).replace("·", "*") for name in loads.channels]
+    named = [
+        Heading(name, unit, "value of the load of this name")
+        for name, unit in zip(loads.channels, units, strict=True)
+    ]
+    rows = (
+        (state, time, *values)
+        for state, (time, values) in enumerate(zip(loads.times, loads.values, strict=True))
+    )
+    return ExportTable("loads.csv", [*_headings(result, columns.STATE), *named], rows)
+
+
+def _of_records(
+    result: Result,
+    file: str,
+    named: Sequence[Column],
+    records: Sequence[Mapping[str, Any]] | Iterator[Mapping[str, Any]],
+) -> ExportTable:
+    rows = ([record[each.name] for each in named] for record in records)
+    return ExportTable(file, _headings(result, named), rows)
+
+
+def _contacts(result: Result) -> ExportTable:
+    named = columns.SOLID_CONTACTS if result.areas else columns.PLANE_CONTACTS
+    own = list(dict.fromkeys(_attribute(each.name) for each in named[3:]))
+    rows = (
+        (each.name, *state)
+        for each in result.summaries
+        for state in _states(result, [getattr(each, name) for name in own])
+    )
+    return ExportTable("contacts.csv", _headings(result, named), rows)
+
+
+def _attribute(column: str) -> str:
+    """The attribute of a summary that a column is a component of, or that it is."""
+    return column[:-2] if column[-2:] in ("_x", "_y", "_z") else column
+
+
+def _factors(result: Result) -> ExportTable:
+    if result.contacts:
+        named = (columns.CONTACT, columns.EDGE, *columns.FACTORS)
+        keyed = [((c.name, edge.front), edge) for c in result.contacts for edge in c.stations]
+        return ExportTable("factors.csv", _headings(result, named), _histories(result, keyed))
+    stations = [
+        ((area.name, front.name, station.number), station)
+        for area in result.areas
+        for front in area.fronts
+        for station in front.stations
+    ]
+    return ExportTable(
+        "factors.csv",
+        _headings(result, (*columns.STATION, *columns.FACTORS)),
+        _histories(result, stations),
+    )
+
+
+def _histories(
+    result: Result, stations: Sequence[tuple[tuple[Any, ...], StationHistory]]
+) -> Iterator[Row]:
+    names = [each.name for each in columns.FACTORS[2:]]
+    for key, station in stations:
+        for state in _states(result, [getattr(station, name) for name in names]):
+            yield (*key, *state)
+
+
+def _states(result: Result, histories: Sequence[Array]) -> Iterator[Row]:
+    """Number, time and values of every state; histories (T,) or (T, 3)."""
+    values = np.column_stack(histories)
+    for state, (time, row) in enumerate(zip(result.loads.times, values, strict=True)):
+        yield (state, time, *row)
+
+
+def _tractions(result: Result) -> ExportTable:
+    solution = result.solution
+    assert solution is not None
+    kept = np.arange(len(solution.times)) if solution.kept is None else solution.kept
+    solid = bool(result.areas)
+    named = columns.SOLID_TRACTIONS if solid else columns.PLANE_TRACTIONS
+    rows = (
+        (contact.name, int(state), solution.times[state], *row[:-2], int(row[-2]), row[-1])
+        for contact in solution.contacts
+        for state in kept
+        for row in (_solid_nodes if solid else _plane_nodes)(contact, int(state))
+    )
+    return ExportTable("tractions.csv", _headings(result, named), rows)
+
+
+def _plane_nodes(contact: ContactHistory, state: int) -> Array:
+    """(N, 7) values of a state, as of `columns.PLANE_TRACTIONS`."""
+    return np.column_stack(
+        [
+            contact.arc,
+            contact.mean_traction[state],
+            contact.slip[state],
+            *_scalars(contact, state),
+        ]
+    )
+
+
+def _solid_nodes(contact: ContactHistory, state: int) -> Array:
+    """(N, 16) values of a state, as of `columns.SOLID_TRACTIONS`."""
+    traction, frames = contact.mean_traction[state], contact.frames
+    shear = np.einsum("nt,ntd->nd", traction[:, 1:], frames[:, 1:])
+    slip = np.einsum("nt,ntd->nd", contact.slip[state], frames[:, 1:])
+    return np.column_stack(
+        [
+            contact.points,
+            frames[:, 0],
+            traction[:, 0],
+            shear,
+            slip,
+            *_scalars(contact, state),
+        ]
+    )
+
+
+def _scalars(contact: ContactHistory, state: int) -> tuple[Array, Array, Array]:
+    """Gap, status and density of the friction work at the nodes."""
+    work = contact.dissipation[state]
+    density = np.divide(work, contact.weights, out=np.zeros_like(work), where=contact.weights > 0)
+    return contact.gap[state], contact.status[state], density

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""`fretfe compare`: differences of two results are those of closed forms, and all else is said."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from launch import fretfe as command
+from pad_cases import cylinder, pad, press, shear
+from solid_runs import solid_result, surface
+from stored_runs import solved, write_run
+
+import fretfe
+from fretfe.api import Comparison, Result
+from fretfe.case import parse_case
+from fretfe.errors import CaseError, OutputError
+from fretfe.exchange.compared import QuantityPair
+
+LOADS = {"press": press(), "shear": shear(steps=8)}
+
+
+def run(backend: str = "halfplane", **tables: Any) -> Result:
+    return fretfe.run(parse_case(pad(**{"loads": LOADS, **tables})), backend)
+
+
+@pytest.fixture(scope="module")
+def wider() -> Comparison:
+    """R = 50 and R = 60."""
+    return fretfe.compare(solved("halfplane"), run(geometry=cylinder(upper_radius=60.0)))
+
+
+def numbers(comparison: Comparison) -> dict[tuple[str, str], QuantityPair]:
+    return {(each.edge, each.quantity): each for each in comparison.quantities}
+
+
+@pytest.mark.parametrize("edge", ["left", "right"])
+@pytest.mark.parametrize(
+    ("quantity", "power"), [("K_N", -0.75), ("ΔK_T", -0.25), ("d_1", 0.5), ("d_2", 0.5)]
+)
+def test_edges_of_two_cylinders(wider: Comparison, edge: str, quantity: str, power: float) -> None:
+    """By Hertz a goes with the root of R, by (4), (9) and Mindlin the others follow."""
+    pair = numbers(wider)[edge, quantity]
+    # Fits and slip zones of half-planes of this fineness.
+    assert pair.difference == pytest.approx(1.2**power - 1, abs=5e-4)
+    assert pair.agrees is False
+    assert pair.difference_spread < abs(pair.difference) / 5
+
+
+def test_tractions_of_two_cylinders(wider: Comparison) -> None:
+    """Against the integral of the difference of two Hertz pressures, by quadrature."""
+    names = [each.extreme for each in wider.tractions]
+    assert names == ["largest K_T at the left edge", "smallest K_T at the left edge"]
+    e_star = 210e3 / (2 * (1 - 0.3**2))
+    x = np.linspace(-1, 1, 200_001)
+
+    def hertz(radius: float) -> np.ndarray[Any, Any]:
+        a = math.sqrt(4 * radius * 600 / (math.pi * e_star))
+        return 2 * 600 / (math.pi * a) * np.sqrt(np.clip(1 - (x / a) ** 2, 0, None))
+
+    one, two = hertz(50), hertz(60)
+    # Means around the nodes, which both have at other places, for exact values.
+    expected = math.sqrt(((two - one) ** 2).sum() / (one**2).sum())
+    for pair in wider.tractions:
+        assert pair.pressure_difference == pytest.approx(expected, rel=0.01)
+        assert 0.02 < pair.shear_difference < 0.2
+
+
+def test_histories_and_notes_of_two_cylinders(wider: Comparison) -> None:
+    found = {(each.quantity, each.edge): each for each in wider.histories}
+    assert {each.common for each in wider.histories} == {21}
+    assert found["P", ""].difference < 1e-9
+    assert found["K_T", "left"].difference == pytest.approx(1 - 1.2**-0.25, abs=5e-4)
+    assert wider.notes == ("geometry.parameters.upper_radius: 50.0 and 60.0",)
+
+
+def test_a_result_agrees_with_itself() -> None:
+    comparison = fretfe.compare(solved("halfplane"), solved("halfplane"))
+    assert {each.difference for each in comparison.quantities} == {0.0}
+    bars = [each for each in comparison.quantities if math.isfinite(each.first_spread)]
+    assert len(bars) == 8 and all(each.agrees for each in bars)
+    assert all(
+        each.pressure_difference == each.shear_difference == 0 for each in comparison.tractions
+    )
+    assert comparison.notes == ()
+
+
+def test_closed_forms_agree_within_the_bars() -> None:
+    comparison = fretfe.compare(solved("halfplane"), solved("analytic"))
+    edges = [
+        each for each in comparison.quantities if each.edge and each.quantity != "friction work"
+    ]
+    assert len(edges) == 8 and all(each.agrees for each in edges)
+    assert comparison.tractions == ()
+    assert "no tractions are compared: backend 'analytic' has none" in comparison.notes
+    with pytest.raises(OutputError, match="expected tractions, found none"):
+        fretfe.plot_comparison(comparison)
+
+
+def test_other_steps_have_common_times_only() -> None:
+    finer = run(loads={"press": press(), "shear": shear(steps=12)})
+    comparison = fretfe.compare(solved("halfplane"), finer)
+    # Pressing, and quarters of both periods.
+    assert {each.common for each in comparison.histories} == {4 + 1 + 8}
+    assert max(each.difference for each in comparison.histories) < 1e-6
+    assert comparison.notes == ("loads.shear.history.2.steps_per_cycle: 8 and 12",)
+
+
+def test_extremes_are_told_by_their_load_not_their_time() -> None:
+    turned = run(loads={"press": press(), "shear": shear(steps=8, phase=180.0)})
+    comparison = fretfe.compare(solved("halfplane"), turned)
+    for pair in comparison.tractions:
+        assert pair.first.time != pair.second.time
+        assert pair.shear_difference < 1e-3
+
+
+def test_other_names_are_said() -> None:
+    case = pad(loads=LOADS)
+    case["contacts"] = {"flank": case["contacts"]["main"]}
+    comparison = fretfe.compare(solved("halfplane"), fretfe.run(parse_case(case), "halfplane"))
+    assert comparison.contacts == (("main", "flank"),)
+    (text,) = (note for note in comparison.notes if "compared with" in note)
+    assert text == "contact main is compared with flank: each result has one contact only"
+
+
+def test_contacts_without_partner_are_said() -> None:
+    result = solid_result({"main": surface(), "second": surface()})
+    comparison = fretfe.compare(result, solid_result({"main": surface()}))
+    assert comparison.contacts == (("main", "main"),)
+    assert "contact second is in the first result only" in comparison.notes
+    assert numbers(comparison)["", "P"].difference == 0
+    with pytest.raises(CaseError, match="found main, second and other"):
+        fretfe.compare(result, solid_result({"other": surface()}))
+
+
+def test_half_cycles_of_other_times_are_said() -> None:
+    comparison = fretfe.compare(solved("halfplane"), solved("no cycle"))
+    assert "main left: the last slip zones end at t = 2.75 and t = 2" in comparison.notes
+    assert numbers(comparison)["left", "ΔK_T"].agrees is None
+
+
+def test_what_cannot_be_compared_is_refused() -> None:
+    with pytest.raises(CaseError, match="found plane bodies and solids"):
+        fretfe.compare(solved("halfplane"), solid_result({"main": surface()}))
+    with pytest.raises(CaseError, match="found mm, N, MPa, s and m, N, MPa, s"):
+        fretfe.compare(solved("halfplane"), run("analytic", units={"length": "m"}))
+
+
+def test_bars_of_a_difference() -> None:
+    pair = QuantityPair("main", "left", "K_N", "", 100.0, 104.0, 3.0, 2.0)
+    assert pair.difference == pytest.approx(0.04)
+    # 104/100·3 % and 2 %.
+    assert pair.difference_spread == pytest.approx(math.hypot(0.0312, 0.02))
+    assert pair.agrees is False
+    unknown = QuantityPair("main", "left", "K_N", "", math.nan, 104.0, 3.0, 2.0)
+    assert unknown.agrees is None
+    assert QuantityPair("main", "left", "ΔK_T", "", 0.0, 0.0, 0.0, 0.0).agrees is None
+
+
+@pytest.mark.pictures
+def test_command(tmp_path: Path) -> None:
+    one, two = (write_run(tmp_path / name, name) for name in ("halfplane", "incomplete"))
+    done = command("compare", one, two, "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    text = " ".join(done.stdout.split())
+    assert "main left K_N [MPa/√mm]" in text and "halfplane incomplete difference" in text
+    assert "Note: the second run is not complete: step 12 of 20" in text
+    written = json.loads((tmp_path / "out" / "comparison.json").read_text("utf-8"))
+    assert written["schema"] == {"name": "fretfe-comparison", "version": 1}
+    assert written["contacts"] == [["main", "main"]]
+    pictures = {path.name for path in (tmp_path / "out").glob("*.png")}
+    assert pictures == {"differences.png", "tractions.png", "histories.png"}
+    printed = command("compare", one, two, "--json")
+    assert json.loads(printed.stdout) == written
+
+
+def test_a_folder_of_results_is_refused(tmp_path: Path) -> None:
+    one = write_run(tmp_path / "one", "analytic")
+    done = command("compare", one, one, "-o", one)
+    assert done.returncode == 2 and "expected a folder without results of a run" in done.stderr

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""`fretfe export`: tables that other programs read have the numbers of the result."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from launch import fretfe as command
+from pad_cases import HOLD, TOP, pad, press
+from solid_runs import NORMAL, write_solid
+from stored_runs import write_run
+
+import fretfe
+from fretfe.case import Units, parse_case
+from fretfe.errors import CaseError, OutputError
+from fretfe.exchange import columns
+from fretfe.exchange.columns import headings
+
+# Hertz: R = 50, P = 600, two equal bodies of steel.
+E_STAR = 210e3 / (2 * (1 - 0.3**2))
+HALF_WIDTH = np.sqrt(4 * 50 * 600 / (np.pi * E_STAR))
+K_N = E_STAR / (2 * 50) * np.sqrt(2 * HALF_WIDTH)
+GUIDE = (Path(__file__).parents[1] / "docs" / "exchange.md").read_text("utf-8")
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_run(tmp_path_factory.mktemp("run"), "halfplane")
+
+
+@pytest.fixture(scope="module")
+def tables(run: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, pd.DataFrame]:
+    folder = tmp_path_factory.mktemp("tables")
+    return read(fretfe.export(fretfe.load_result(run), folder))
+
+
+def read(files: tuple[Path, ...]) -> dict[str, pd.DataFrame]:
+    return {path.name: pd.read_csv(path) for path in files}
+
+
+def test_tables_of_plane_bodies(tables: dict[str, pd.DataFrame]) -> None:
+    assert list(tables) == [
+        "loads.csv", "contacts.csv", "factors.csv", "edges.csv", "tractions.csv", "columns.csv"
+    ]  # fmt: skip
+    edges = tables["edges.csv"]
+    # A closed form; the fit of the pressure of a fine half-plane is good to .02 %.
+    assert edges["k_n [MPa/mm^0.5]"].to_numpy() == pytest.approx(K_N, rel=2e-4)
+    loads = tables["loads.csv"]
+    assert loads["press [N]"].iloc[-1] == -600 and loads["shear [N]"].max() == pytest.approx(60)
+
+
+def test_tractions_are_those_of_the_resultants(tables: dict[str, pd.DataFrame]) -> None:
+    tractions, contacts = tables["tractions.csv"], tables["contacts.csv"].set_index("state")
+    for state, rows in tractions.groupby("state"):
+        x, p, q = (rows[name].to_numpy() for name in ("x [mm]", "p [MPa]", "q [MPa]"))
+        # Trapezoids below a root at either end.
+        for values, name in ((p, "normal_force [N/mm]"), (q, "shear_force [N/mm]")):
+            sum_ = float(((values[1:] + values[:-1]) / 2 * np.diff(x)).sum())
+            assert sum_ == pytest.approx(contacts[name][state], rel=2e-3, abs=0.1)
+
+
+def test_what_does_not_exist_is_empty(tables: dict[str, pd.DataFrame], run: Path) -> None:
+    result = fretfe.load_result(run)
+    left = tables["factors.csv"].query("edge == 'left'")
+    np.testing.assert_array_equal(left["k_n [MPa/mm^0.5]"], result.contacts[0].stations[0].k_n)
+    assert np.isnan(left["k_n [MPa/mm^0.5]"].iloc[0])
+
+
+def test_all_columns_are_listed_and_documented(tables: dict[str, pd.DataFrame]) -> None:
+    listing = tables["columns.csv"]
+    for name, table in tables.items():
+        if name != "columns.csv":
+            own = listing[listing["file"] == name]
+            assert list(own["header"]) == list(table.columns)
+            assert own["meaning"].str.len().min() > 3
+    named = [columns.PLANE_CONTACTS, columns.SOLID_CONTACTS, columns.FACTORS, columns.EDGES]
+    named += [columns.CYCLES, columns.STATIONS, columns.PLANE_TRACTIONS, columns.SOLID_TRACTIONS]
+    for each in {column.name for group in named for column in group}:
+        stem = each.removesuffix("_x").removesuffix("_y").removesuffix("_z")
+        assert f"`{each}`" in GUIDE or f"`{stem}_x`" in GUIDE, each
+    for kind in ("k_n", "k_t"):
+        assert columns.PLANE_UNITS[kind] == columns.SOLID_UNITS[kind]
+
+
+def test_units_are_those_of_the_case() -> None:
+    units = Units(length="in", force="lbf", stress="psi", time="min")
+    one, two = (headings(columns.PLANE_CONTACTS, units, solid=solid) for solid in (False, True))
+    texts = {heading.name: heading.text for heading in one}
+    assert texts["time"] == "time [min]" and texts["normal_force"] == "normal_force [lbf/in]"
+    assert texts["moment"] == "moment [lbf]" and texts["contact"] == "contact"
+    assert {heading.name: heading.unit for heading in two}["moment"] == "lbf*in"
+    factors = {each.name: each.unit for each in headings(columns.FACTORS, units, solid=False)}
+    assert (factors["k_n"], factors["k_t"]) == ("psi/in^0.5", "psi*in^0.5")
+
+
+def test_irregular_loads_have_a_table_of_cycles(tmp_path: Path) -> None:
+    points = [(1.0, 0.0), (2.0, 60.0), (3.0, 10.0), (4.0, 40.0), (5.0, -30.0), (6.0, 0.0)]
+    history = [HOLD, *({"ramp": q, "until": t, "steps": 2} for t, q in points[1:])]
+    loads = {"press": press(), "shear": {**TOP, "direction": "x", "history": history}}
+    result = fretfe.run(parse_case(pad(loads=loads)), "analytic")
+    found = read(fretfe.export(result, tmp_path))
+    cycles = found["cycles.csv"]
+    (worst,) = cycles.query("edge == 'left' and worst == 1")["k_t_range [MPa*mm^0.5]"]
+    # From Q = 60 to -30, by (4).
+    assert worst == pytest.approx(90 / (np.pi * np.sqrt(2 * HALF_WIDTH)), rel=1e-3)
+    assert "tractions.csv" not in found
+
+
+def test_tables_of_an_earlier_export_do_not_stay(run: Path, tmp_path: Path) -> None:
+    own = tmp_path / "notes.csv"
+    own.write_text("mine")
+    fretfe.export(fretfe.load_result(run), tmp_path)
+    fretfe.export(fretfe.load_result(write_run(tmp_path / "run", "analytic")), tmp_path)
+    assert not (tmp_path / "tractions.csv").exists() and own.read_text() == "mine"
+
+
+def test_a_listing_leads_nowhere_else(run: Path, tmp_path: Path) -> None:
+    outside = tmp_path / "outside.csv"
+    outside.write_text("mine")
+    folder = tmp_path / "tables"
+    folder.mkdir()
+    (folder / "columns.csv").write_text("file\n../outside.csv\n")
+    fretfe.export(fretfe.load_result(run), folder)
+    assert outside.read_text() == "mine"
+
+
+def test_solids(tmp_path: Path) -> None:
+    found = read(fretfe.export(fretfe.load_result(write_solid(tmp_path / "run")), tmp_path / "out"))
+    contacts = found["contacts.csv"]
+    # Facets cost .5 %.
+    assert contacts["normal_force [N]"].iloc[-1] == pytest.approx(NORMAL, rel=0.006)
+    nodes = found["tractions.csv"].query("state == 4")
+    normal = nodes[[f"normal_{axis}" for axis in "xyz"]].to_numpy()
+    shear = nodes[[f"q_{axis} [MPa]" for axis in "xyz"]].to_numpy()
+    np.testing.assert_allclose((normal * shear).sum(axis=1), 0, atol=1e-9)
+    assert nodes["p [MPa]"].max() == pytest.approx(300)
+
+
+def test_command(run: Path, tmp_path: Path) -> None:
+    done = command("export", run, "-o", tmp_path / "out")
+    assert done.returncode == 0
+    assert f"{tmp_path / 'out' / 'edges.csv'}: 2 rows" in done.stdout
+    with (tmp_path / "out" / "edges.csv").open() as file:
+        assert len(list(csv.reader(file))) == 3
+
+
+def test_a_run_that_ended_early_says_so(tmp_path: Path) -> None:
+    run = write_run(tmp_path / "run", "incomplete")
+    done = command("export", run, "-o", tmp_path / "out")
+    assert "Note: the run is not complete: step 12 of 20 did not converge: <b>" in done.stdout
+
+
+def test_mistakes(run: Path, tmp_path: Path) -> None:
+    result = fretfe.load_result(run)
+    with pytest.raises(CaseError, match="expected a folder without results of a run"):
+        fretfe.export(result, run)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError, match="expected a folder that files can be written to"):
+        fretfe.export(result, tmp_path / "file")
+    done = command("export", tmp_path / "none", "-o", tmp_path / "out")
+    assert done.returncode == 6 and "expected a folder with the results" in done.stderr
