@@ -44,7 +44,8 @@ def read(files: tuple[Path, ...]) -> dict[str, pd.DataFrame]:
 
 def test_tables_of_plane_bodies(tables: dict[str, pd.DataFrame]) -> None:
     assert list(tables) == [
-        "loads.csv", "contacts.csv", "factors.csv", "edges.csv", "tractions.csv", "columns.csv"
+        "loads.csv", "contacts.csv", "factors.csv", "edges.csv", "tractions.csv", "local.csv",
+        "columns.csv",
     ]  # fmt: skip
     edges = tables["edges.csv"]
     # A closed form; the fit of the pressure of a fine half-plane is good to .02 %.

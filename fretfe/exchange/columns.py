@@ -211,3 +211,17 @@ SOLID_TRACTIONS = (
     Column("status", "", "0 open, 1 stuck, 2 slipping in the step to the state"),
     Column("dissipation", "density", "friction work in that step per area"),
 )
+PLANE_LOCAL = (
+    CONTACT,
+    Column("x", "length", "place along the contact"),
+    Column("slip_range", "length", "range of the slip in the evaluated cycle"),
+    Column("path", "length", "way that slips in it"),
+    Column("work", "density", "friction work per area in it"),
+    Column("pressed_path", "density", "integral of p |ds| in it: wear after Archard"),
+    Column("ruiz", "density", "largest |q| times slip_range"),
+)
+SOLID_LOCAL = (
+    CONTACT,
+    *(Column(axis, "length", "place of the node before deformation") for axis in "xyz"),
+    *PLANE_LOCAL[2:],
+)

@@ -11,6 +11,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.edges.front import StationHistory
+from fretfe.edges.local_parameters import evaluated_states
 from fretfe.exchange import columns
 from fretfe.exchange.columns import Column, Heading, headings
 from fretfe.report.source import load_unit
@@ -46,6 +47,8 @@ def export_tables(result: Result) -> Iterator[ExportTable]:
         yield _of_records(result, "stations.csv", columns.STATIONS, stations)
     if result.solution is not None:
         yield _tractions(result)
+        if result.solution.keeps(*evaluated_states(result.solution)):
+            yield _local(result)
 
 
 def _headings(result: Result, names: Sequence[Column]) -> list[Heading]:
@@ -139,6 +142,24 @@ def _tractions(result: Result) -> ExportTable:
         for row in (_solid_nodes if solid else _plane_nodes)(contact, int(state))
     )
     return ExportTable("tractions.csv", _headings(result, named), rows)
+
+
+def _local(result: Result) -> ExportTable:
+    assert result.solution is not None
+    named = columns.SOLID_LOCAL if result.areas else columns.PLANE_LOCAL
+    own = [each.name for each in columns.PLANE_LOCAL[2:]]
+    rows = (
+        (contact.name, *row)
+        for contact in result.solution.contacts
+        for found in [result.local_parameters(contact.name)]
+        for row in np.column_stack(
+            [
+                contact.points if result.areas else contact.arc,
+                *(getattr(found, name) for name in own),
+            ]
+        )
+    )
+    return ExportTable("local.csv", _headings(result, named), rows)
 
 
 def _plane_nodes(contact: ContactHistory, state: int) -> Array:

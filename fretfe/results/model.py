@@ -18,6 +18,7 @@ from fretfe.case import Case
 from fretfe.edges.area import AreaSummary
 from fretfe.edges.front import ContactSummary
 from fretfe.edges.limits import ModelLimit
+from fretfe.edges.local_parameters import LocalParameters, evaluated_states, local_parameters
 from fretfe.edges.refinement import Refinement
 from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.loads import History
@@ -159,6 +160,24 @@ class Result:
                 return each
         known = ", ".join(each.name for each in self.solution.contacts)
         raise OutputError(f"expected one of the contacts {known}, found {contact!r}")
+
+    def local_parameters(self, contact: str) -> LocalParameters:
+        """Range of slip, friction work, wear and Ruiz's parameter at the nodes of a contact.
+
+        Of the evaluated cycle, or of the whole history without one.
+
+        Raises:
+            OutputError: as for `contact_history`, or if not all states of the cycle are kept.
+        """
+        history = self.contact_history(contact)
+        assert self.solution is not None
+        states = evaluated_states(self.solution)
+        if not self.solution.keeps(*states):
+            raise OutputError(
+                f"expected the tractions of states {states[0]} to {states[1]}, found those of some "
+                "of them only: run the case with [output] tractions of all states"
+            )
+        return local_parameters(history, states)
 
     def to_dataframe(self) -> pd.DataFrame:
         """The flat records as a table.

@@ -184,9 +184,9 @@ def test_many_contacts(tmp_path: Path) -> None:
     text = render(write_many_contacts(tmp_path, 2))
     page = check_alone(text)
     assert len(page.rows("Contact edges")) == 2 * 2 * 2
-    # For each contact: tractions, edges, slip map, factors, path, loop; for all: loads, one
-    # boundary that works, iterations, certificate.
-    assert page.tags.count("svg") == 2 * 7 + 4
+    # For each contact: tractions, edges, slip map, local parameters, factors, path, loop; for all:
+    # loads, one boundary that works, iterations, certificate.
+    assert page.tags.count("svg") == 2 * 8 + 4
     assert len(text) < 4e6
 
 

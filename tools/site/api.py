@@ -13,7 +13,12 @@ PAGES = {
     "fretfe": ("Run and evaluate cases", ("fretfe", "fretfe.api", "fretfe.submodel.comparison")),
     "results": (
         "Results",
-        ("fretfe.results.solution", "fretfe.exchange.comparison", "fretfe.exchange.compared"),
+        (
+            "fretfe.results.solution",
+            "fretfe.edges.local_parameters",
+            "fretfe.exchange.comparison",
+            "fretfe.exchange.compared",
+        ),
     ),
     "errors": ("Errors", ("fretfe.errors",)),
     "case": ("Case files", ("fretfe.case", "fretfe.loads")),

@@ -67,7 +67,7 @@ def _draw(figure: Figure, shown: Shown) -> None:
     irregular = any(edge.cycles.irregular for edge in shown.summary.stations)
     for edge in shown.summary.stations:
         axes = panels[edge.front]
-        window = _window(shown, edge, first, last)
+        window = edge_window(shown, edge, first, last)
         if irregular:
             draw_envelope(axes, shown, edge, window, (first, last))
         else:
@@ -104,7 +104,7 @@ def _limits(shown: Shown, positions: Array) -> tuple[float, float]:
     return max(places.min() - margin, arc[0]), min(places.max() + margin, arc[-1])
 
 
-def _window(shown: Shown, edge: Station, first: int, last: int) -> tuple[float, float]:
+def edge_window(shown: Shown, edge: Station, first: int, last: int) -> tuple[float, float]:
     """Places that an edge and its slip zones reach in some states, and as much again."""
     places = edge.position[first : last + 1]
     half_width = np.nanmax(shown.summary.half_width, initial=0.0)

@@ -12,6 +12,7 @@ from fretfe.report.figures import (
     edges,
     fronts,
     history,
+    local,
     loops,
     slip,
     solver,
@@ -79,6 +80,7 @@ def _sections(run: Result) -> tuple[Section, ...]:
         _section("edges", "Next to the edges", edges.INTRO, asymptotes),
         _section("slip", "Stick and slip", _slip_intro(run), map(slip.slip_plot, shown)),
         _section("cycles", "Counted cycles", cycles.INTRO, counted),
+        _section("local", "Local parameters", local.INTRO, map(local.local_plot, shown)),
         *histories,
         _section("loops", "Hysteresis", loops.INTRO, _loops(run, shown)),
     )
