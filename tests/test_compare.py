@@ -138,6 +138,14 @@ def test_contacts_without_partner_are_said() -> None:
         fretfe.compare(result, solid_result({"other": surface()}))
 
 
+def test_extremes_of_other_kinds_are_said() -> None:
+    """Without shear K_I takes the place of K_T."""
+    pressed = run(loads={"press": press(force=500.0, steps=2)})
+    comparison = fretfe.compare(solved("halfplane"), pressed)
+    assert comparison.tractions == ()
+    assert any("its load extremes are of other kinds" in note for note in comparison.notes)
+
+
 def test_half_cycles_of_other_times_are_said() -> None:
     comparison = fretfe.compare(solved("analytic"), solved("no cycle, analytic"))
     assert "main left: the last slip zones end at t = 2.75 and t = 2" in comparison.notes

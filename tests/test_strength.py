@@ -39,7 +39,7 @@ def made_up(
 ) -> tuple[Array, Array, Array, Bools]:
     """K_N, ΔK_T, life and run-out of tests that end after some cycles."""
     random = np.random.default_rng(seed)
-    factors = np.exp(random.uniform(*np.log(k_n), count))
+    factors = np.exp(random.uniform(math.log(k_n[0]), math.log(k_n[1]), count))
     ranges = 10 ** random.uniform(1.45, 1.8, count)
     logs = np.column_stack([np.ones(count), np.log10(ranges), np.log10(factors)])
     life = 10 ** (logs @ TRUE + SCATTER * random.standard_normal(count))
