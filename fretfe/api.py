@@ -24,6 +24,7 @@ from fretfe.quality.verify.run import Verification, verify
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.runner import Runner, draw_report
+from fretfe.strength.margins import StrengthMap, strength_map
 from fretfe.sweeps import Sweep
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ __all__ = [
     "Comparison",
     "Observer",
     "Result",
+    "StrengthMap",
     "Sweep",
     "Validation",
     "Verification",
@@ -48,9 +50,11 @@ __all__ = [
     "plot_comparison",
     "plot_factors",
     "plot_loads",
+    "plot_strength",
     "plot_tractions",
     "run",
     "run_station",
+    "strength_map",
     "sweep",
     "validate",
     "verify",
@@ -232,6 +236,13 @@ def plot_comparison(comparison: Comparison) -> Figure:
     from fretfe.exchange.figures import plot_tractions as draw
 
     return draw(comparison)
+
+
+def plot_strength(found: StrengthMap) -> Figure:
+    """Draw tests, strength and component edges over K_N and ΔK_T."""
+    from fretfe.strength.figure import plot_strength as draw
+
+    return draw(found)
 
 
 def plot_loads(result: Result) -> Figure:

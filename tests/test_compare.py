@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from stored_runs import solved, write_run
 import fretfe
 from fretfe.api import Comparison, Result
 from fretfe.case import parse_case
-from fretfe.errors import CaseError, OutputError
+from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.exchange.compared import QuantityPair
 
 LOADS = {"press": press(), "shear": shear(steps=8)}
@@ -102,12 +103,12 @@ def test_closed_forms_agree_within_the_bars() -> None:
 
 
 def test_other_steps_have_common_times_only() -> None:
-    finer = run(loads={"press": press(), "shear": shear(steps=12)})
-    comparison = fretfe.compare(solved("halfplane"), finer)
+    finer = run("analytic", loads={"press": press(), "shear": shear(steps=12)})
+    comparison = fretfe.compare(solved("analytic"), finer)
     # Pressing, and quarters of both periods.
     assert {each.common for each in comparison.histories} == {4 + 1 + 8}
     assert max(each.difference for each in comparison.histories) < 1e-6
-    assert comparison.notes == ("loads.shear.history.2.steps_per_cycle: 8 and 12",)
+    assert "loads.shear.history.2.steps_per_cycle: 8 and 12" in comparison.notes
 
 
 def test_extremes_are_told_by_their_load_not_their_time() -> None:
@@ -121,7 +122,7 @@ def test_extremes_are_told_by_their_load_not_their_time() -> None:
 def test_other_names_are_said() -> None:
     case = pad(loads=LOADS)
     case["contacts"] = {"flank": case["contacts"]["main"]}
-    comparison = fretfe.compare(solved("halfplane"), fretfe.run(parse_case(case), "halfplane"))
+    comparison = fretfe.compare(solved("analytic"), fretfe.run(parse_case(case), "analytic"))
     assert comparison.contacts == (("main", "flank"),)
     (text,) = (note for note in comparison.notes if "compared with" in note)
     assert text == "contact main is compared with flank: each result has one contact only"
@@ -137,10 +138,24 @@ def test_contacts_without_partner_are_said() -> None:
         fretfe.compare(result, solid_result({"other": surface()}))
 
 
+def test_extremes_of_other_kinds_are_said() -> None:
+    """Without shear K_I takes the place of K_T."""
+    pressed = run(loads={"press": press(force=500.0, steps=2)})
+    comparison = fretfe.compare(solved("halfplane"), pressed)
+    assert comparison.tractions == ()
+    assert any("its load extremes are of other kinds" in note for note in comparison.notes)
+
+
 def test_half_cycles_of_other_times_are_said() -> None:
-    comparison = fretfe.compare(solved("halfplane"), solved("no cycle"))
+    comparison = fretfe.compare(solved("analytic"), solved("no cycle, analytic"))
     assert "main left: the last slip zones end at t = 2.75 and t = 2" in comparison.notes
     assert numbers(comparison)["left", "ΔK_T"].agrees is None
+
+
+def test_a_run_that_ended_early_says_so() -> None:
+    ended = replace(solved("analytic"), failure=ConvergenceError("step 12 did not converge"))
+    comparison = fretfe.compare(solved("analytic"), ended)
+    assert "the second run is not complete: step 12 did not converge" in comparison.notes
 
 
 def test_what_cannot_be_compared_is_refused() -> None:
@@ -163,12 +178,12 @@ def test_bars_of_a_difference() -> None:
 
 @pytest.mark.pictures
 def test_command(tmp_path: Path) -> None:
-    one, two = (write_run(tmp_path / name, name) for name in ("halfplane", "incomplete"))
+    one, two = (write_run(tmp_path / name, "halfplane") for name in ("one", "two"))
     done = command("compare", one, two, "-o", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     text = " ".join(done.stdout.split())
-    assert "main left K_N [MPa/√mm]" in text and "halfplane incomplete difference" in text
-    assert "Note: the second run is not complete: step 12 of 20" in text
+    assert "main left K_N [MPa/√mm]" in text and "one two difference" in text
+    assert "p differs by 0.00%, q by 0.00% of f p" in text
     written = json.loads((tmp_path / "out" / "comparison.json").read_text("utf-8"))
     assert written["schema"] == {"name": "fretfe-comparison", "version": 1}
     assert written["contacts"] == [["main", "main"]]

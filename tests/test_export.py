@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +13,14 @@ import pytest
 from launch import fretfe as command
 from pad_cases import HOLD, TOP, pad, press
 from solid_runs import NORMAL, write_solid
-from stored_runs import write_run
+from stored_runs import solved, write_run
 
 import fretfe
 from fretfe.case import Units, parse_case
-from fretfe.errors import CaseError, OutputError
+from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.exchange import columns
 from fretfe.exchange.columns import headings
+from fretfe.results.writer import write_results
 
 # Hertz: R = 50, P = 600, two equal bodies of steel.
 E_STAR = 210e3 / (2 * (1 - 0.3**2))
@@ -150,9 +152,11 @@ def test_command(run: Path, tmp_path: Path) -> None:
 
 
 def test_a_run_that_ended_early_says_so(tmp_path: Path) -> None:
-    run = write_run(tmp_path / "run", "incomplete")
+    run = tmp_path / "run"
+    run.mkdir()
+    write_results(run, replace(solved("analytic"), failure=ConvergenceError("step 12 [b]")))
     done = command("export", run, "-o", tmp_path / "out")
-    assert "Note: the run is not complete: step 12 of 20 did not converge: <b>" in done.stdout
+    assert "Note: the run is not complete: step 12 [b]" in done.stdout
 
 
 def test_mistakes(run: Path, tmp_path: Path) -> None:

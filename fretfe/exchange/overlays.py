@@ -41,7 +41,13 @@ def traction_pairs(
     notes: list[str] = []
     for one, two in pairs:
         try:
-            found += _contact_tractions(first, second, one, two)
+            compared = list(_contact_tractions(first, second, one, two))
+            if not compared:
+                notes.append(
+                    f"tractions of contact {one.name} are not compared: its load extremes are of "
+                    "other kinds in the two (K_T, K_I, or a constant load)"
+                )
+            found += compared
         except OutputError as error:  # not all states are kept
             notes.append(f"tractions of contact {one.name} are not compared: {error}")
     notes += [

@@ -20,6 +20,10 @@ PAGES = {
             "fretfe.exchange.compared",
         ),
     ),
+    "strength": (
+        "Strength of edges",
+        ("fretfe.strength.margins", "fretfe.strength.fit", "fretfe.strength.tests_file"),
+    ),
     "errors": ("Errors", ("fretfe.errors",)),
     "case": ("Case files", ("fretfe.case", "fretfe.loads")),
     "backends": ("Backends", ("fretfe.backends", "fretfe.idealise", "fretfe.halfplane")),
