@@ -17,6 +17,8 @@ from fretfe.backends.observer import SILENT
 from fretfe.case import Case, load_case
 from fretfe.checked import Checked, check, make_mesh
 from fretfe.errors import OutputError
+from fretfe.matching.match import compare_tests, match_test
+from fretfe.matching.rig import load_rig
 from fretfe.quality.validate import Validation
 from fretfe.quality.verify.run import Verification, verify
 from fretfe.results.model import Result
@@ -37,9 +39,12 @@ __all__ = [
     "Validation",
     "Verification",
     "check",
+    "compare_tests",
     "load_case",
     "load_result",
+    "load_rig",
     "make_mesh",
+    "match_test",
     "plot_factors",
     "plot_loads",
     "plot_tractions",

@@ -54,6 +54,7 @@ LAYERS = (
     "fretfe.runner",
     "fretfe.checked",
     "fretfe.submodel.*",
+    "fretfe.matching.*",
     "fretfe.api",
     "fretfe.cli.*",
     "fretfe.__main__",
