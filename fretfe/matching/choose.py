@@ -26,7 +26,7 @@ RADII, MEMBERS, LISTED = 10, 9, 5
 # Difference of misfits that is none.
 AS_GOOD = 0.01
 # Pressure at which a line contact yields below the surface, over the yield stress in tension, by
-# Tresca and without shear (Johnson 1985, section 6.2). Of other pads than cylinders an estimate.
+# Tresca and without shear (Johnson 1985, section 6.1). Of other pads than cylinders an estimate.
 YIELD = 1.67
 # Half-width of a contact over that of a body up to which there is a body around it.
 WIDEST = 0.5

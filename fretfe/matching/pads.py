@@ -111,7 +111,7 @@ class PadTest:
 def pad_test(profile: Profile, factors: Factors) -> PadTest:
     """The loads that give the edges of a pad some factors.
 
-    K_N gives the half-width by (A0), that the mean of P. With an in-phase P the increments are
+    K_N gives the half-width by (5), and that the mean of P. With an in-phase P the increments are
     dK_I = dP/(pi sqrt(2a)) and dK_T = dQ/(pi sqrt(2a)), a that of the moment, so that the
     amplitudes are in the ratio of the ranges. At constant P the range is (10), solved for Q.
 
@@ -148,7 +148,7 @@ def closed_form(test: PadTest) -> Factors:
 
 
 def half_width_for(profile: Profile, k_n: float) -> float:
-    """The half-width at which a profile has K_N, from the table behind (A0)."""
+    """The half-width at which a profile has K_N, from the closed forms behind (5)."""
     if isinstance(profile, Hertz):
         return 2 * (k_n * profile.radius / profile.e_star) ** 2
     if isinstance(profile, Wedge):

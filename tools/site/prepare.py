@@ -30,7 +30,7 @@ SECTIONS = {
     ),
     "Input": ("case-file", "templates", "geometry", "solids", "refinement", "mesh"),
     "Output": ("report", "results"),
-    "Use": ("command-line", "python", "api/index", "edges", "backends"),
+    "Use": ("command-line", "python", "api/index", "edges", "match", "backends"),
     "Trust": ("theory", "method", "validate", "verify", "security"),
     "Behind it": ("architecture", "performance", "changes"),
 }
