@@ -19,6 +19,8 @@ from fretfe.checked import Checked, check, make_mesh
 from fretfe.errors import OutputError
 from fretfe.exchange.comparison import Comparison, compare
 from fretfe.exchange.export import export_result
+from fretfe.matching.match import compare_tests, match_test
+from fretfe.matching.rig import load_rig
 from fretfe.quality.validate import Validation
 from fretfe.quality.verify.run import Verification, verify
 from fretfe.results.model import Result
@@ -43,10 +45,13 @@ __all__ = [
     "Verification",
     "check",
     "compare",
+    "compare_tests",
     "export",
     "load_case",
     "load_result",
+    "load_rig",
     "make_mesh",
+    "match_test",
     "plot_comparison",
     "plot_factors",
     "plot_loads",

@@ -56,6 +56,7 @@ LAYERS = (
     "fretfe.runner",
     "fretfe.checked",
     "fretfe.submodel.*",
+    "fretfe.matching.*",
     "fretfe.api",
     "fretfe.cli.*",
     "fretfe.__main__",

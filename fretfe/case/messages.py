@@ -8,9 +8,10 @@ import re
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from pydantic import ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from fretfe.case.base import TAG, Table
@@ -101,8 +102,13 @@ def key_path(key: Key) -> str:
     return path
 
 
-def field_problems(error: ValidationError) -> list[Problem]:
-    """The problems that the validation found, contradictions between tables included."""
+def field_problems(error: ValidationError, top: type[Table] = Case) -> list[Problem]:
+    """The problems that the validation found, contradictions between tables included.
+
+    Args:
+        error: of the validation.
+        top: the table that the whole file is; the tables of another one than a case are its fields.
+    """
     problems: list[Problem] = []
     details = error.errors(include_url=False)
     misspelt = _misspelt(details)
@@ -115,7 +121,7 @@ def field_problems(error: ValidationError) -> list[Problem]:
                 text = f"unknown key; did you mean {wanted!r}, which is required?"
                 problems.append(Problem(_key(detail["loc"]), text))
         elif not _consequence(detail):
-            problems.append(_problem(detail))
+            problems.append(_problem(detail, top))
     return problems
 
 
@@ -147,10 +153,10 @@ def _key(location: Iterable[str | int]) -> Key:
     return tuple(part for part in parts if part != "[key]")
 
 
-def _problem(detail: ErrorDetails) -> Problem:
+def _problem(detail: ErrorDetails, top: type[Table]) -> Problem:
     key = _key(detail["loc"])
     if not detail["type"].startswith("union_tag"):
-        return Problem(key, _text(detail))
+        return Problem(key, _text(detail, top))
     if not isinstance(detail["input"], Mapping):
         return Problem(key, f"expected a table, found {found(detail['input'])}")
     if "history" in key[2:]:
@@ -158,13 +164,13 @@ def _problem(detail: ErrorDetails) -> Problem:
     return Problem((*key, "type"), _no_load_type(detail["input"]))
 
 
-def _text(detail: ErrorDetails) -> str:
+def _text(detail: ErrorDetails, top: type[Table]) -> str:
     kind, value, context = detail["type"], detail["input"], detail.get("ctx", {})
     match kind:
         case "missing":
             return MISSING
         case "extra_forbidden":
-            return _unknown_key(detail["loc"])
+            return _unknown_key(detail["loc"], top)
         case "literal_error":
             also = ", or a list of numbers" if f"{TAG}name" in detail["loc"] else ""
             return _not_among(context["expected"] + also, value)
@@ -206,23 +212,31 @@ def found(value: Any) -> str:
     return str(value)
 
 
-def _unknown_key(location: tuple[str | int, ...]) -> str:
+def _unknown_key(location: tuple[str | int, ...], top: type[Table]) -> str:
     name = str(location[-1])
-    valid = list(_table(location).model_fields)
+    valid = list(_table(location, top).model_fields)
     near = get_close_matches(name.lower(), valid, n=3, cutoff=0.6)
     if near:
         return f"unknown key; did you mean {' or '.join(map(repr, near))}?"
     return f"unknown key, expected one of {', '.join(map(repr, valid))}"
 
 
-def _table(location: tuple[str | int, ...]) -> type[Table]:
+def _table(location: tuple[str | int, ...], top: type[Table]) -> type[Table]:
     """The table that the last part of a location is a key of."""
     tags = [part for part in location if part in TAGGED]
     if tags:
         return TAGGED[str(tags[-1])]
     if len(location) > 2 and location[:2] in NESTED:
         return NESTED[location[:2]]
-    return SECTIONS[str(location[0])] if len(location) > 1 else Case
+    if len(location) == 1:
+        return top
+    fields = top.model_fields
+    return SECTIONS[str(location[0])] if top is Case else _class(fields[str(location[0])])
+
+
+def _class(field: FieldInfo) -> type[Table]:
+    """The table that a field is."""
+    return cast("type[Table]", field.annotation)
 
 
 def _no_load_type(load: Mapping[str, Any]) -> str:

@@ -45,7 +45,21 @@ def load_case(
             line per problem: file, key, what was expected and what was found.
     """
     source = Path(path)
-    text = _read(source)
+    data = read_tables(source, "a case file (TOML)")
+    return parse_case(with_overrides(data, overrides or {}, source), source, trust_geo=trust_geo)
+
+
+def read_tables(source: Path, what: str) -> dict[str, Any]:
+    """Read the tables of a TOML file.
+
+    Args:
+        source: the file.
+        what: it is expected to be, for messages.
+
+    Raises:
+        CaseError: if it cannot be read, or is not TOML.
+    """
+    text = _read(source, what)
     try:
         data = tomllib.loads(text)
         _require_shallow(data)
@@ -56,7 +70,7 @@ def load_case(
     except ValueError as error:
         # A number with more digits than Python reads.
         raise CaseError(f"{source}: expected numbers that can be read, found: {error}") from None
-    return parse_case(with_overrides(data, overrides or {}, source), source, trust_geo=trust_geo)
+    return data
 
 
 def _require_shallow(data: Any, depth: int = 0) -> None:
@@ -112,8 +126,8 @@ def parse_case(
     return case
 
 
-def _read(source: Path) -> str:
-    require_file(source, "a case file (TOML)", CaseError)
+def _read(source: Path, what: str) -> str:
+    require_file(source, what, CaseError)
     try:
         return source.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -121,7 +135,7 @@ def _read(source: Path) -> str:
         found = f"bytes in line {line} that are not UTF-8 text"
     except OSError as error:
         found = f"a file that cannot be read ({error.strerror})"
-    raise CaseError(f"{source}: expected a case file (TOML), found {found}")
+    raise CaseError(f"{source}: expected {what}, found {found}")
 
 
 def _syntax_problem(message: str, text: str) -> str:

@@ -28,6 +28,10 @@ PAGES = {
     "case": ("Case files", ("fretfe.case", "fretfe.loads")),
     "backends": ("Backends", ("fretfe.backends", "fretfe.idealise", "fretfe.halfplane")),
     "edges": ("Edges in tractions of any code", ("fretfe.edges",)),
+    "match": (
+        "Matched laboratory tests",
+        ("fretfe.matching.match", "fretfe.matching.choose", "fretfe.matching.rig"),
+    ),
     "profiles": (
         "Closed forms: normal contact",
         (

@@ -29,7 +29,7 @@ SECTIONS = {
         "how-report",
     ),
     "Input": ("case-file", "templates", "geometry", "solids", "refinement", "mesh"),
-    "Output": ("report", "results", "exchange", "strength", "local"),
+    "Output": ("report", "results", "exchange", "match", "strength", "local"),
     "Use": ("command-line", "python", "api/index", "edges", "backends"),
     "Trust": ("theory", "method", "validate", "verify", "security"),
     "Behind it": ("architecture", "performance", "changes"),

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""From the edge of a component to tests with the same factors, and back from the tests."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from fretfe.errors import CaseError, ModelError
+from fretfe.matching.agreement import Agreement, compare_edges
+from fretfe.matching.choose import Choices, choose
+from fretfe.matching.corrected import corrected
+from fretfe.matching.pads import Factors, PadTest
+from fretfe.matching.rig import Rig
+from fretfe.matching.target import NORMAL_COUNTS, Target, read_target
+from fretfe.results.model import Result
+
+# Coefficients of friction, or moduli, that differ by less than this fraction are the same.
+SAME = 0.01
+
+
+@dataclass(frozen=True)
+class Match:
+    """Tests for an edge of a component.
+
+    Attributes:
+        target: the edge.
+        rig: that they are for.
+        factors: that the tests have.
+        shapes: choices for each shape of pad.
+        notes: what differs from the component all the same.
+    """
+
+    target: Target
+    rig: Rig
+    factors: Factors
+    shapes: tuple[Choices, ...]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Solved tests beside the component.
+
+    Attributes:
+        agreements: one for each test.
+        corrected: the same pads with loads corrected by what was found.
+    """
+
+    agreements: tuple[Agreement, ...]
+    corrected: tuple[PadTest, ...]
+
+
+def match_test(result: Result, edge: str, rig: Rig) -> Match:
+    """Find laboratory tests with the edge factors of a component.
+
+    Args:
+        result: of the component.
+        edge: "CONTACT.left" or "CONTACT.right".
+        rig: bounds of the laboratory.
+
+    Raises:
+        FretfeError: if there is no such edge, its factors are not known, or units or friction of
+            the rig are others. Bounds that no test can meet are no error: `shapes` names them.
+    """
+    target = read_target(result, edge)
+    _require_same(result, target, rig)
+    factors = _factors(target, rig)
+    shapes = tuple(choose(target, rig, factors, shape) for shape in rig.pad.shapes)
+    return Match(target, rig, factors, shapes, _notes(target, factors))
+
+
+def compare_tests(match: Match, tests: Sequence[tuple[str, Result]]) -> Comparison:
+    """Lay the tractions of solved tests over those of the component.
+
+    Args:
+        match: of the component.
+        tests: names and results; the left edge of each is compared.
+
+    Raises:
+        FretfeError: if a test has no tractions or factors to compare.
+    """
+    agreements = tuple(compare_edges(match.target, result, name) for name, result in tests)
+    return Comparison(
+        agreements,
+        tuple(
+            corrected(match.factors, each.test, result)
+            for each, (_, result) in zip(agreements, tests, strict=True)
+        ),
+    )
+
+
+def _factors(target: Target, rig: Rig) -> Factors:
+    follows = rig.forces.normal_amplitude is not None and target.in_step != 0
+    return Factors(
+        k_n=target.k_n,
+        k_t_range=target.k_t_range,
+        k_i_range=target.k_i_range if follows else 0.0,
+        in_step=target.in_step or 1,
+        friction=target.friction,
+        bulk_range=rig.forces.bulk_range,
+        bulk_phase=math.radians(rig.forces.bulk_phase),
+    )
+
+
+def _require_same(result: Result, target: Target, rig: Rig) -> None:
+    """Check that numbers of rig and component mean the same."""
+    own, other = result.case.units, rig.units
+    for key in ("length", "force", "stress"):
+        if getattr(own, key) != getattr(other, key):
+            raise CaseError(
+                f"rig: units.{key}: expected {getattr(own, key)!r} as in the component, found "
+                f"{getattr(other, key)!r}"
+            )
+    if not target.friction > 0:
+        raise ModelError(f"edge {target.name}: expected friction, found none")
+    if rig.friction is not None and abs(rig.friction / target.friction - 1) > SAME:
+        raise ModelError(
+            f"rig: friction: expected {target.friction:g} as in the component, found "
+            f"{rig.friction:g}: with the same K_N and range of K_T the slip zones would differ"
+        )
+
+
+def _notes(target: Target, factors: Factors) -> tuple[str, ...]:
+    """What differs from the component although the factors are the same."""
+    normal = target.friction * target.k_i_range
+    if factors.k_i_range > 0 or normal <= NORMAL_COUNTS * target.k_t_range:
+        return target.warnings
+    scale = target.friction * target.k_n
+    lengths = (target.k_t_range + normal) / scale, max(target.k_t_range - normal, 0.0) / scale
+    return (
+        *target.warnings,
+        f"the normal force of the tests is constant, but f ΔK_I of the component is "
+        f"{normal / target.k_t_range:.0%} of ΔK_T: slip zones become "
+        f"{target.k_t_range / scale:.3g} in place of {lengths[0]:.3g} and {lengths[1]:.3g}; "
+        "forces.normal_amplitude lets the tests match K_I too",
+    )

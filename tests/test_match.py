@@ -1,0 +1,315 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Tests matched to an edge: closed forms back and forth, bounds, refusals, and overlays."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tomli_w
+from pad_cases import PAD, wave
+from scipy.integrate import quad
+from scipy.optimize import brentq
+from typer.testing import CliRunner
+
+import fretfe
+from fretfe.analytic.edges import factor_range_phase_shifted
+from fretfe.analytic.profiles import (
+    FlatRounded,
+    Hertz,
+    Profile,
+    Wedge,
+    composite_modulus,
+    edge_factor_k_n,
+)
+from fretfe.case import changed, parse_case
+from fretfe.cli.app import app
+from fretfe.errors import CaseError, FretfeError, ModelError
+from fretfe.matching.agreement import compare_edges
+from fretfe.matching.casefile import case_tables
+from fretfe.matching.corrected import corrected
+from fretfe.matching.match import Match, match_test
+from fretfe.matching.pads import Factors, closed_form, pad_test
+from fretfe.matching.rig import parse_rig
+from fretfe.matching.target import read_target
+from fretfe.results.model import Result
+
+E_STAR = composite_modulus(210e3, 0.3, 210e3, 0.3)
+PROFILES = [Hertz(50.0, E_STAR), FlatRounded(1.0, 30.0, E_STAR), Wedge(0.02, E_STAR)]
+RIG: dict[str, Any] = {
+    "pad": {
+        "shapes": ["cylinder"], "young": 210e3, "poisson": 0.3, "radius": [50.0, 50.0],
+        "half_width": 12.0, "height": 12.0,
+    },
+    "specimen": {"young": 210e3, "poisson": 0.3, "thickness": 12.0, "half_width": 12.0},
+    "forces": {"normal": [100.0, 5000.0], "shear": [0.0, 500.0]},
+}  # fmt: skip
+
+
+def rig(**tables: dict[str, Any]) -> Any:
+    data = copy.deepcopy(RIG)
+    for name, values in tables.items():
+        data[name] |= values
+    return parse_rig(data)
+
+
+def case(amplitude: float = 60.0) -> Any:
+    tables = copy.deepcopy(PAD)
+    tables["loads"]["shear"]["history"] = [{"hold": True, "until": 1}, wave(amplitude)]
+    return parse_case(tables)
+
+
+@pytest.fixture(scope="module")
+def exact() -> Result:
+    return fretfe.run(case(), backend="analytic")
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory: pytest.TempPathFactory) -> Result:
+    folder = tmp_path_factory.mktemp("match") / "pad"
+    fretfe.run(case(), backend="halfplane", output=folder)
+    return fretfe.load_result(folder)
+
+
+def only(match: Match) -> Any:
+    (shape,) = match.shapes
+    assert shape.infeasible == ()
+    return shape.choices[shape.best].test
+
+
+@pytest.mark.parametrize("profile", PROFILES, ids=["hertz", "flat", "wedge"])
+@pytest.mark.parametrize(("k_i_range", "bulk"), [(0.0, 0.0), (0.0, 20.0), (25.0, 0.0)])
+def test_loads_and_factors_are_inverse(profile: Profile, k_i_range: float, bulk: float) -> None:
+    half_width = 0.6 if not profile.kinks else profile.kinks[-1] + 0.5
+    k_n = float(edge_factor_k_n(profile, half_width))
+    factors = Factors(k_n, 40.0, k_i_range, -1, 0.4, bulk, 0.7)
+    test = pad_test(profile, factors)
+    assert test.half_width == pytest.approx(half_width, rel=1e-10)
+    assert test.normal_force == pytest.approx(float(profile.load(half_width)), rel=1e-10)
+    found = closed_form(test)
+    assert [found.k_n, found.k_t_range, found.k_i_range] == pytest.approx(
+        [k_n, 40.0, k_i_range], rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("profile", PROFILES, ids=["hertz", "flat", "wedge"])
+def test_k_i_adds_up_over_the_load(profile: Profile) -> None:
+    # dK_I = dP/(pi sqrt(2a)), adaptive quadrature over the load.
+    k_n = float(edge_factor_k_n(profile, 1.5))
+    test = pad_test(profile, Factors(k_n, 40.0, 60.0, 1, 0.4))
+    ends = test.normal_force + test.normal_amplitude * np.array([-1, 1])
+    k_i, _ = quad(lambda p: 1 / (math.pi * math.sqrt(2 * float(profile.half_width(p)))), *ends)
+    assert k_i == pytest.approx(60.0, rel=1e-8)
+    assert test.shear_amplitude == pytest.approx(test.normal_amplitude * 40 / 60, rel=1e-12)
+
+
+def test_k_i_beyond_lift_off_needs_a_larger_amplitude_than_the_load() -> None:
+    test = pad_test(PROFILES[0], Factors(1200.0, 40.0, 1e4, 1, 0.4))
+    assert test.normal_amplitude > test.normal_force
+    assert test.shear_ratio == math.inf
+
+
+@pytest.mark.parametrize("backend", ["analytic", "halfplane"])
+def test_a_hertz_contact_is_matched_by_itself(exact: Result, solved: Result, backend: str) -> None:
+    # The radius is given: K_N gives P and the range of K_T gives Q. Fits to the tractions of
+    # half-planes find K_N to 6e-6, of which P has four times as much.
+    result, tolerance = (exact, 1e-9) if backend == "analytic" else (solved, 4e-5)
+    test = only(match_test(result, "main.left", rig()))
+    assert test.normal_force == pytest.approx(600.0, rel=tolerance)
+    assert test.shear_amplitude == pytest.approx(60.0, rel=tolerance)
+
+
+def test_a_given_load_leads_to_the_radius(exact: Result) -> None:
+    given = rig(pad={"radius": [10.0, 200.0]}, forces={"normal": [600.0, 600.0]})
+    test = only(match_test(exact, "main.left", given))
+    assert test.profile.radius == pytest.approx(50.0, rel=1e-6)
+    assert test.shear_amplitude == pytest.approx(60.0, rel=1e-6)
+
+
+def test_bounds_that_bind_are_named(exact: Result) -> None:
+    given = rig(pad={"radius": [5.0, 200.0]}, forces={"normal": [300.0, 2000.0], "shear": [0, 80]})
+    (shape,) = match_test(exact, "main.left", given).shapes
+    first, last = shape.choices[0], shape.choices[-1]
+    assert first.binding == ("smallest normal force",)
+    assert first.test.normal_force == pytest.approx(300.0)
+    assert last.binding == ("amplitude of the shear force",)
+    assert last.test.shear_amplitude == pytest.approx(80.0)
+    # P ~ R^3 and Q ~ R at given factors.
+    assert first.test.profile.radius == pytest.approx(50 * 0.5 ** (1 / 3), rel=1e-9)
+    assert last.test.profile.radius == pytest.approx(50 * 80 / 60, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("tables", "text"),
+    [
+        ({"forces": {"normal": [10.0, 100.0]}}, "largest normal force: the rig allows at most 100"),
+        (
+            {"forces": {"shear": [0.0, 20.0]}},
+            "amplitude of the shear force: the rig allows at most",
+        ),
+        ({"specimen": {"yield_stress": 100.0}}, "largest pressure, by the yield stress"),
+        (
+            {"pad": {"radius": [10.0, 200.0]}, "forces": {"normal": [900, 2000], "shear": [0, 60]}},
+            "smallest normal force and amplitude of the shear force exclude each other",
+        ),
+    ],
+)
+def test_infeasible_bounds_are_named(
+    exact: Result, tables: dict[str, dict[str, Any]], text: str
+) -> None:
+    (shape,) = match_test(exact, "main.left", rig(**tables)).shapes
+    assert shape.choices == ()
+    assert any(text in reason for reason in shape.infeasible), shape.infeasible
+
+
+def test_error_bars_reach_the_loads(exact: Result) -> None:
+    (shape,) = match_test(exact, "main.left", rig()).shapes
+    (choice,) = shape.choices
+    target = read_target(exact, "main.left")
+    relative = target.k_n_spread / target.k_n
+    # At a given radius a ~ K_N^2, P ~ a^2 and Q ~ sqrt(a).
+    assert choice.force_spread == pytest.approx(4 * relative * 600.0, rel=0.05)
+    expected = math.hypot(relative, target.k_t_range_spread / target.k_t_range) * 60.0
+    assert choice.shear_spread == pytest.approx(expected, rel=0.05)
+
+
+def test_a_bulk_stress_takes_its_part_of_the_range(exact: Result) -> None:
+    given = rig(forces={"bulk_range": 60.0, "bulk_phase": 50.0})
+    test = only(match_test(exact, "main.left", given))
+    found = factor_range_phase_shifted(
+        test.shear_amplitude, 30.0, math.radians(50.0), test.half_width, "left"
+    )
+    assert float(found) == pytest.approx(exact.contacts[0].stations[0].k_t_range, rel=1e-9)
+
+
+def test_the_case_of_a_bulk_stress_has_the_factors(exact: Result) -> None:
+    given = rig(forces={"bulk_range": 60.0, "bulk_phase": 50.0})
+    match = match_test(exact, "main.left", given)
+    tables = case_tables(only(match), given, "test")
+    # Half-planes feel no arm of Q, and know no load that takes it back.
+    del tables["loads"]["level"], tables["edges"]
+    (left, _) = fretfe.run(parse_case(tables), backend="analytic").contacts[0].stations
+    assert left.k_n[-1] == pytest.approx(match.target.k_n, rel=1e-9)
+    # 40 states in a cycle miss its extremes by (pi/40)^2/2 at most.
+    assert left.k_t_range == pytest.approx(match.target.k_t_range, rel=4e-3)
+
+
+def with_station(result: Result, **values: Any) -> Result:
+    (contact,) = result.contacts
+    fronts = tuple(
+        replace(front, stations=(replace(front.stations[0], **values),)) for front in contact.fronts
+    )
+    return replace(result, contacts=(replace(contact, fronts=fronts),))
+
+
+def test_what_is_not_known_is_not_matched(exact: Result) -> None:
+    (left, _) = exact.contacts[0].stations
+    gross = tuple(replace(zone, gross=True) for zone in left.slip_zones)
+    for values, text in (
+        ({"k_n": np.full_like(left.k_n, np.nan)}, "expected K_N to be known"),
+        ({"k_n_spread": left.k_n}, "error bar of less than half"),
+        ({"k_t_range": math.nan}, "expected the range of K_T to be known"),
+        ({"k_t_range_spread": math.nan}, "found no error bar"),
+        ({"slip_zones": gross}, "the whole contact slips"),
+    ):
+        with pytest.raises(ModelError, match=text):
+            read_target(with_station(exact, **values), "main.left")
+    with pytest.raises(CaseError, match=r"one of the edges main.left, main.right, found 'main'"):
+        read_target(exact, "main")
+
+
+def test_other_friction_or_units_are_refused(exact: Result) -> None:
+    with pytest.raises(ModelError, match=r"friction: expected 0.4 as in the component, found 0.5"):
+        match_test(exact, "main.left", parse_rig(RIG | {"friction": 0.5}))
+    with pytest.raises(CaseError, match=r"units.length: expected 'mm' as in the component"):
+        match_test(exact, "main.left", parse_rig(RIG | {"units": {"length": "m"}}))
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "value", "text"),
+    [
+        ("pad", "radius", [50.0, 10.0], "pad.radius: expected the smaller bound first"),
+        ("pad", "radius", None, "pad: expected 'radius' for the shape 'cylinder', found none"),
+        ("pad", "radios", [1.0, 2.0], "pad.radios: unknown key; did you mean 'radius'?"),
+        ("pad", "shapes", ["ball"], "pad.shapes[item 1]: expected"),
+        ("forces", "normal", [0.0, 1.0], "forces.normal[item 1]: expected a number > 0"),
+        ("specimen", "thickness", "thick", "specimen.thickness: expected a number"),
+    ],
+)  # fmt: skip
+def test_mistakes_in_a_rig_are_told(table: str, key: str, value: Any, text: str) -> None:
+    data = copy.deepcopy(RIG)
+    data[table][key] = value
+    if value is None:
+        del data[table][key]
+    with pytest.raises(CaseError) as error:
+        parse_rig(data)
+    assert text in str(error.value)
+
+
+def test_a_result_agrees_with_itself(solved: Result) -> None:
+    target = read_target(solved, "main.left")
+    found = compare_edges(target, solved, "itself")
+    assert [each.whole for each in found.pressure_reach + found.shear_reach] == [True] * 4
+    assert found.remark == ""
+
+
+def test_how_far_two_cylinders_agree(solved: Result) -> None:
+    # p = K_N sqrt(s (1 - s/(2a))): the ratio of both is 1.05 at one s only.
+    match = match_test(solved, "main.left", rig(pad={"radius": [40.0, 40.0]}))
+    tables = {"geometry.parameters.upper_radius": 40.0}
+    test = only(match)
+    loads = {
+        "loads.press.history": [{"ramp": -test.normal_force, "until": 1, "steps": 4}],
+        "loads.shear.history": [{"hold": True, "until": 1}, wave(test.shear_amplitude)],
+    }
+    other = fretfe.run(changed(case(), tables | loads), backend="halfplane")
+    found = compare_edges(match.target, other, "narrow")
+    wide, narrow = match.target.half_width, test.half_width
+
+    def excess(s: float) -> float:
+        return 1 - math.sqrt((1 - s / (2 * narrow)) / (1 - s / (2 * wide))) - 0.05
+
+    expected = brentq(excess, 1e-3, narrow)
+    # An element is 0.01 a.
+    assert found.pressure_reach[0].length == pytest.approx(expected, abs=0.01 * wide)
+    assert "falls from" in found.remark
+    # Nothing is to be corrected between half-planes.
+    again = corrected(match.factors, found.test, other)
+    assert again.normal_force == pytest.approx(test.normal_force, rel=1e-4)
+    assert again.shear_amplitude == pytest.approx(test.shear_amplitude, rel=1e-3)
+
+
+@pytest.mark.pictures
+def test_the_command_writes_cases_and_numbers(solved: Result, tmp_path: Path) -> None:
+    (tmp_path / "rig.toml").write_text(tomli_w.dumps(RIG))
+    words = ["match", str(solved.directory), "--edge", "main.left", "--rig",
+             str(tmp_path / "rig.toml"), "-o", str(tmp_path / "tests")]  # fmt: skip
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 0, done.output
+    assert fretfe.load_case(tmp_path / "tests" / "cylinder.toml").title.endswith("cylinder")
+    numbers = json.loads((tmp_path / "tests" / "match.json").read_text())
+    assert numbers["schema"] == {"name": "fretfe-match", "version": 1}
+    (choice,) = numbers["shapes"][0]["choices"]
+    assert choice["normal_force"] == pytest.approx(600.0, rel=4e-5)
+    done = CliRunner().invoke(app, [*words, "--against", str(solved.directory)])
+    assert done.exit_code == 0, done.output
+    numbers = json.loads((tmp_path / "tests" / "match.json").read_text())
+    assert numbers["tests"][0]["pressure"][0]["whole"]
+    assert (tmp_path / "tests" / "match.png").stat().st_size > 10_000
+
+
+def test_a_rig_that_can_do_nothing_is_an_error(solved: Result, tmp_path: Path) -> None:
+    data = RIG | {"forces": {"normal": [10.0, 20.0], "shear": [0.0, 1.0]}}
+    (tmp_path / "rig.toml").write_text(tomli_w.dumps(data))
+    words = ["match", str(solved.directory), "--edge", "main.left", "--rig",
+             str(tmp_path / "rig.toml"), "-o", str(tmp_path / "tests")]  # fmt: skip
+    done = CliRunner().invoke(app, words)
+    assert isinstance(done.exception, FretfeError)
+    assert "largest normal force: the rig allows at most 20" in str(done.exception)
+    assert not (tmp_path / "tests").exists()
