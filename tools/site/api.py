@@ -13,7 +13,7 @@ PAGES = {
     "fretfe": ("Run and evaluate cases", ("fretfe", "fretfe.api", "fretfe.submodel.comparison")),
     "results": (
         "Results",
-        ("fretfe.results.solution", "fretfe.exchange.comparison", "fretfe.exchange.compared"),
+        ("fretfe.results.solution", "fretfe.exchange.compared"),
     ),
     "strength": (
         "Strength of edges",
