@@ -16,7 +16,7 @@ from fretfe.exchange.compared import Curve, HistoryPair, QuantityPair, TractionP
 from fretfe.exchange.comparison import Comparison
 from fretfe.exchange.quantities import K_N, K_T, ZONES
 from fretfe.report.figures.plot import envelope
-from fretfe.report.theme import BLUE, FILE_DPI, GREY, SINGLE, STYLE, VERMILLION, WIDTH
+from fretfe.report.theme import BLUE, FILE_DPI, GREY, LOW, SINGLE, STYLE, VERMILLION, WIDTH
 
 # The first result lies wide and pale under the second one, so that both are seen where they agree.
 FIRST: dict[str, Any] = {"lw": 4.0, "alpha": 0.35, "solid_capstyle": "butt"}
@@ -25,7 +25,6 @@ SECOND: dict[str, Any] = {"lw": 1.1, "ls": (0, (4.0, 1.5))}
 MARGIN = 0.05
 # Inches of a row of the figure of differences, and of what stands around them.
 ROW, AROUND = 0.32, 1.3
-COLUMNS = ("P", "Q", "K_T")
 
 
 def plot_tractions(comparison: Comparison) -> Figure:
@@ -44,12 +43,13 @@ def plot_tractions(comparison: Comparison) -> Figure:
 
 
 def plot_histories(comparison: Comparison) -> Figure:
-    """P, Q and K_T over time, one row per contact."""
+    """P, Q and K_T over time, of solids P and the contact area; one row per contact."""
+    quantities = list(dict.fromkeys(each.quantity for each in comparison.histories))
     contacts = [first for first, _ in comparison.contacts]
     with mpl.rc_context(STYLE):
-        figure, rows = _grid(len(contacts), len(COLUMNS))
+        figure, rows = _grid(len(contacts), len(quantities))
         for contact, panels in zip(contacts, rows, strict=True):
-            for panel, quantity in zip(panels, COLUMNS, strict=True):
+            for panel, quantity in zip(panels, quantities, strict=True):
                 own = [
                     each
                     for each in comparison.histories
@@ -103,9 +103,13 @@ def _draw_differences(
     panel.set_xlim(-reach, reach)
 
 
-def _grid(rows: int, columns: int) -> tuple[Figure, Sequence[Sequence[Axes]]]:
-    figure = Figure(figsize=(2 * WIDTH, SINGLE * rows), layout="constrained")
-    return figure, list(figure.subplots(rows, columns, squeeze=False))
+def _grid(contacts: int, panels: int) -> tuple[Figure, Sequence[Sequence[Axes]]]:
+    """A row of panels for each contact; those of a single one below each other, to be larger."""
+    if contacts == 1:
+        figure = Figure(figsize=(WIDTH, LOW * panels), layout="constrained")
+        return figure, [list(figure.subplots(panels, 1))]
+    figure = Figure(figsize=(2 * WIDTH, SINGLE * contacts), layout="constrained")
+    return figure, list(figure.subplots(contacts, panels))
 
 
 def _name_results(figure: Figure, labels: tuple[str, str]) -> None:
@@ -143,9 +147,6 @@ def _limits(*curves: Curve) -> tuple[float, float]:
 
 
 def _draw_histories(panel: Axes, comparison: Comparison, pairs: Sequence[HistoryPair]) -> None:
-    if not pairs:
-        panel.set_axis_off()
-        return
     for pair, colour in zip(pairs, (BLUE, VERMILLION), strict=False):
         for times, values, style in (
             (pair.first_times, pair.first, FIRST),

@@ -25,6 +25,8 @@ from fretfe._typing import Array, Bools
 SPARE = 4
 # K_N (or ΔK_T) that vary by less than this factor are the same.
 SAME = 1.02
+# Condition number of the logarithms, scaled, from which on their effects cannot be told apart.
+WORST = 1e3
 # Coverage of intervals, two-sided.
 COVERAGE = 0.95
 
@@ -80,26 +82,21 @@ def fit_life(k_n: Array, k_t_range: Array, life: Array, runout: Bools) -> LifeFi
     count = 3 if varied else 2
     if failures < count + SPARE:
         return f"{count + SPARE} failures are needed for {count} coefficients, found {failures}"
-    logs = np.column_stack(
-        [np.ones(len(life)), np.log10(k_t_range), *([np.log10(k_n)] if varied else [])]
-    )
     if k_t_range[~runout].max() < SAME * k_t_range[~runout].min():
         return "all failures have the same ΔK_T"
+    logs = np.column_stack([np.ones(len(life)), np.log10(k_t_range), np.log10(k_n)])[:, :count]
     centre = logs.mean(axis=0) * (np.arange(count) > 0)
     design = logs - centre
-    if np.linalg.cond(design[~runout] / np.linalg.norm(design[~runout], axis=0)) > 1e3:
+    if np.linalg.cond(design[~runout] / np.linalg.norm(design[~runout], axis=0)) > WORST:
         return "K_N and ΔK_T of the failures vary together: their effects cannot be told apart"
     found = _most_likely(design, np.log10(life), runout)
     if isinstance(found, str):
         return found
     estimate, scatter, covariance = found
-    freedom = failures - count
-    widened = failures / freedom
-    # Back from centred logarithms; the plane goes through the same points.
-    back = np.eye(count)
-    back[0] -= centre
-    full = np.zeros((3, count))
-    full[:count] = back
+    widened = failures / (failures - count)
+    # Back from centred logarithms: the plane goes through the same points.
+    full = np.eye(3, count)
+    full[0] -= centre
     coefficients = full @ estimate
     if coefficients[1] >= 0:
         return f"lives do not fall with ΔK_T: c1 = {coefficients[1]:.3g}"
@@ -109,7 +106,7 @@ def fit_life(k_n: Array, k_t_range: Array, life: Array, runout: Bools) -> LifeFi
         covariance=full @ covariance @ full.T * widened,
         failures=failures,
         runouts=int(np.count_nonzero(runout)),
-        freedom=freedom,
+        freedom=failures - count,
         tested=(float(k_n.min()), float(k_n.max())),
     )
 

@@ -13,12 +13,7 @@ PAGES = {
     "fretfe": ("Run and evaluate cases", ("fretfe", "fretfe.api", "fretfe.submodel.comparison")),
     "results": (
         "Results",
-        (
-            "fretfe.results.solution",
-            "fretfe.edges.local_parameters",
-            "fretfe.exchange.comparison",
-            "fretfe.exchange.compared",
-        ),
+        ("fretfe.results.solution", "fretfe.edges.local_parameters", "fretfe.exchange.compared"),
     ),
     "strength": (
         "Strength of edges",
