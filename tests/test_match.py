@@ -188,6 +188,19 @@ def test_a_bulk_stress_takes_its_part_of_the_range(exact: Result) -> None:
     assert float(found) == pytest.approx(exact.contacts[0].stations[0].k_t_range, rel=1e-9)
 
 
+def test_a_bulk_stress_bounds_the_width(exact: Result) -> None:
+    # B = (range/8) sqrt(a/2) alone has the range of K_T at some a: no pad is wider.
+    forces = {"bulk_range": 100.0, "normal": [10.0, 5e4]}
+    given = rig(pad={"radius": [20.0, 200.0]}, forces=forces)
+    (shape,) = match_test(exact, "main.left", given).shapes
+    k_t_range = exact.contacts[0].stations[0].k_t_range
+    widest = 2 * (k_t_range / 2 / (100 / 8)) ** 2
+    assert shape.choices[-1].test.half_width == pytest.approx(widest, rel=1e-6)
+    assert shape.choices[0].binding == ("Q/(f P), which is sliding at 1",)
+    (shape,) = match_test(exact, "main.left", rig(forces={"bulk_range": 900.0})).shapes
+    assert any("no value gives the range of K_T" in text for text in shape.infeasible)
+
+
 def test_the_case_of_a_bulk_stress_has_the_factors(exact: Result) -> None:
     given = rig(forces={"bulk_range": 60.0, "bulk_phase": 50.0})
     match = match_test(exact, "main.left", given)
