@@ -35,13 +35,13 @@ from fretfe.matching.agreement import compare_edges
 from fretfe.matching.casefile import case_tables
 from fretfe.matching.corrected import corrected
 from fretfe.matching.match import Match, match_test
-from fretfe.matching.pads import Factors, closed_form, pad_test
+from fretfe.matching.pads import Factors, PadTest, closed_form, pad_test
 from fretfe.matching.rig import parse_rig
 from fretfe.matching.target import read_target
 from fretfe.results.model import Result
 
 E_STAR = composite_modulus(210e3, 0.3, 210e3, 0.3)
-PROFILES = [Hertz(50.0, E_STAR), FlatRounded(1.0, 30.0, E_STAR), Wedge(0.02, E_STAR)]
+PROFILES: list[Profile] = [Hertz(50.0, E_STAR), FlatRounded(1.0, 30.0, E_STAR), Wedge(0.02, E_STAR)]
 RIG: dict[str, Any] = {
     "pad": {
         "shapes": ["cylinder"], "young": 210e3, "poisson": 0.3, "radius": [50.0, 50.0],
@@ -77,7 +77,12 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> Result:
     return fretfe.load_result(folder)
 
 
-def only(match: Match) -> Any:
+def radius(test: PadTest) -> float:
+    assert isinstance(test.profile, Hertz)
+    return test.profile.radius
+
+
+def only(match: Match) -> PadTest:
     (shape,) = match.shapes
     assert shape.infeasible == ()
     return shape.choices[shape.best].test
@@ -128,7 +133,7 @@ def test_a_hertz_contact_is_matched_by_itself(exact: Result, solved: Result, bac
 def test_a_given_load_leads_to_the_radius(exact: Result) -> None:
     given = rig(pad={"radius": [10.0, 200.0]}, forces={"normal": [600.0, 600.0]})
     test = only(match_test(exact, "main.left", given))
-    assert test.profile.radius == pytest.approx(50.0, rel=1e-6)
+    assert radius(test) == pytest.approx(50.0, rel=1e-6)
     assert test.shear_amplitude == pytest.approx(60.0, rel=1e-6)
 
 
@@ -141,8 +146,8 @@ def test_bounds_that_bind_are_named(exact: Result) -> None:
     assert last.binding == ("amplitude of the shear force",)
     assert last.test.shear_amplitude == pytest.approx(80.0)
     # P ~ R^3 and Q ~ R at given factors.
-    assert first.test.profile.radius == pytest.approx(50 * 0.5 ** (1 / 3), rel=1e-9)
-    assert last.test.profile.radius == pytest.approx(50 * 80 / 60, rel=1e-9)
+    assert radius(first.test) == pytest.approx(50 * 0.5 ** (1 / 3), rel=1e-9)
+    assert radius(last.test) == pytest.approx(50 * 80 / 60, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -186,6 +191,19 @@ def test_a_bulk_stress_takes_its_part_of_the_range(exact: Result) -> None:
         test.shear_amplitude, 30.0, math.radians(50.0), test.half_width, "left"
     )
     assert float(found) == pytest.approx(exact.contacts[0].stations[0].k_t_range, rel=1e-9)
+
+
+def test_a_bulk_stress_bounds_the_width(exact: Result) -> None:
+    # B = (range/8) sqrt(a/2) alone has the range of K_T at some a: no pad is wider.
+    forces = {"bulk_range": 100.0, "normal": [10.0, 5e4]}
+    given = rig(pad={"radius": [20.0, 200.0]}, forces=forces)
+    (shape,) = match_test(exact, "main.left", given).shapes
+    k_t_range = exact.contacts[0].stations[0].k_t_range
+    widest = 2 * (k_t_range / 2 / (100 / 8)) ** 2
+    assert shape.choices[-1].test.half_width == pytest.approx(widest, rel=1e-6)
+    assert shape.choices[0].binding == ("Q/(f P), which is sliding at 1",)
+    (shape,) = match_test(exact, "main.left", rig(forces={"bulk_range": 900.0})).shapes
+    assert any("no value gives the range of K_T" in text for text in shape.infeasible)
 
 
 def test_the_case_of_a_bulk_stress_has_the_factors(exact: Result) -> None:

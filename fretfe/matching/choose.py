@@ -23,6 +23,8 @@ from fretfe.matching.target import Target
 
 # Radii of rounded ends, and members of a family, that are looked at, and choices that are listed.
 RADII, MEMBERS, LISTED = 10, 9, 5
+# Tests along a family that are tried first with a bulk stress.
+SAMPLES = 40
 # Difference of misfits that is none.
 AS_GOOD = 0.01
 # Pressure at which a line contact yields below the surface, over the yield stress in tension, by
@@ -30,6 +32,8 @@ AS_GOOD = 0.01
 YIELD = 1.67
 # Half-width of a contact over that of a body up to which there is a body around it.
 WIDEST = 0.5
+# Margin that stands for values that are infinite or not known, over the limit.
+FAR = 1e3
 # Bounds that are equal are met to this, relative.
 EQUAL = 1e-9
 
@@ -141,7 +145,7 @@ class _Search:
         found: list[Choice] = []
         problems: list[tuple[str, ...]] = []
         for family in families:
-            low, high, binding, reasons = _interval(family, self.factors, self.bounds)
+            low, high, binding, reasons = _allowed(family, self.factors, self.bounds)
             if reasons:
                 problems.append(reasons)
                 continue
@@ -265,6 +269,25 @@ def _shoulder(test: PadTest) -> float:
     return test.governing_length / getattr(test.profile, "radius", math.inf)
 
 
+def _allowed(
+    family: _Family, factors: Factors, bounds: tuple[Bound, ...]
+) -> tuple[float, float, tuple[str, str], tuple[str, ...]]:
+    """The interval of a family that all bounds leave.
+
+    With a bulk stress Q rises and falls along a family: then to both sides of a test inside.
+    """
+    if factors.bulk_range == 0:
+        return _interval(family, factors, bounds)
+    sizes = np.geomspace(family.low, family.high, SAMPLES).tolist()
+    inside = [size for size in sizes if not _broken(bounds, pad_test(family.make(size), factors))]
+    if not inside:
+        return _interval(family, factors, bounds)
+    middle = inside[len(inside) // 2]
+    low, _, first, _ = _interval(replace(family, high=middle), factors, bounds)
+    _, high, last, _ = _interval(replace(family, low=middle), factors, bounds)
+    return low, high, (first[0], last[1]), ()
+
+
 def _interval(
     family: _Family, factors: Factors, bounds: tuple[Bound, ...]
 ) -> tuple[float, float, tuple[str, str], tuple[str, ...]]:
@@ -278,7 +301,7 @@ def _interval(
             if max(margins) < 0:
                 reasons.append(_outside(bound, limit, sign, ends))
             elif min(margins) < 0:
-                end = _crossing(family, factors, bound, limit)
+                end = _crossing(family, factors, bound, limit, sign)
                 if margins[0] < 0 and end > low:
                     low, binding[0] = end, bound.name
                 if margins[1] < 0 and end < high:
@@ -297,14 +320,16 @@ def _margin(bound: Bound, limit: float, sign: float, test: PadTest) -> float:
     return 0.0 if abs(distance) <= EQUAL * abs(limit) else distance
 
 
-def _crossing(family: _Family, factors: Factors, bound: Bound, limit: float) -> float:
-    def excess(size: float) -> float:
-        value = bound.value(pad_test(family.make(math.exp(size)), factors))
-        # Beyond all measure, but finite for the search.
-        return min(value - limit, 1e3 * max(limit, 1.0)) if math.isfinite(value) else 1e3
+def _crossing(family: _Family, factors: Factors, bound: Bound, limit: float, sign: float) -> float:
+    """The parameter at which a family reaches a limit that only one of its ends is inside of."""
+
+    def inside(size: float) -> float:
+        test = pad_test(family.make(math.exp(size)), factors)
+        # Unknown or infinite values are far outside.
+        return max(_margin(bound, limit, sign, test), -FAR * max(limit, 1.0))
 
     ends = math.log(family.low), math.log(family.high)
-    return math.exp(brentq(excess, *ends, xtol=1e-13, rtol=1e-13))
+    return math.exp(brentq(inside, *ends, xtol=1e-13, rtol=1e-13))
 
 
 def _outside(bound: Bound, limit: float, sign: float, ends: tuple[PadTest, PadTest]) -> str:

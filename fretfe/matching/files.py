@@ -35,6 +35,7 @@ def write_match(match: Match, comparison: Comparison | None, folder: Path) -> tu
     texts = _corrected_cases(match, comparison) if comparison else _cases(match)
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        (folder / PICTURE).unlink(missing_ok=True)  # of another match
         cases = tuple(folder / f"{name}.toml" for name in texts)
         for path, text in zip(cases, texts.values(), strict=True):
             path.write_text(text, encoding="utf-8")
