@@ -24,6 +24,8 @@ Complex = NDArray[Any]
 
 # Signs of the axes of a half-space, depth last, and the axes of the model that they lie along.
 AXES = np.array([0, 2, 1])
+# Depth at which displacements of the surface are computed; they differ by its square root.
+BELOW = 1e-12
 SIGNS = {True: np.array([1.0, -1.0, 1.0]), False: np.array([1.0, 1.0, -1.0])}
 
 
@@ -31,22 +33,21 @@ def displacements(points: Array, upper: bool, shear_modulus: float, poisson: flo
     """(n, 3, 3) displacements of points (n, 3) of one body by a unit of P, Q and M."""
     signs = SIGNS[upper]
     x, y, z = points[:, AXES].T * signs[:, None]
-    z = np.abs(z)  # points of the surface may be outside by round-off
+    # Points of the surface may be outside by round-off; on the circle the potentials have no slopes.
+    z = np.maximum(np.abs(z), BELOW)
     # Body 1 has the opposite shear and moment; M turns about y, which points out of body 2.
     sign = -1.0 if upper else 1.0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        fields = np.stack(
-            [
-                normal(x, y, z, poisson),
-                sign * tangential(x, y, z, poisson),
-                -torsion(x, y, z),
-            ],
-            axis=2,
-        )
+    fields = np.stack(
+        [
+            normal(x, y, z, poisson),
+            sign * tangential(x, y, z, poisson),
+            -torsion(x, y, z),
+        ],
+        axis=2,
+    )
     found = np.empty_like(fields)
     found[:, AXES] = fields * signs[:, None]
-    # On the circle the potentials have no slopes.
-    return np.nan_to_num(found / shear_modulus)
+    return found / shear_modulus
 
 
 def potentials(x: Array, y: Array, z: Array) -> tuple[Complex, Complex, Complex, Complex]:
