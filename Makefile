@@ -83,7 +83,7 @@ clean:  ## remove environments, builds and caches; results stay
 .venv/.installed: $(BUILD_INPUTS)
 	@mkdir -p build && touch build/started
 	tools/install.sh .venv $(SETTINGS) -e '.[fem,report,test,lint,docs]'
-	$(BIN)/python tools/check_libraries.py
+	$(BIN)/fretfe info >/dev/null
 	@mv build/started $@
 
 # Not editable: this is what a user gets from pip install.
