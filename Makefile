@@ -35,7 +35,7 @@ SLOW_LIMITS := --timeout=1800 -o faulthandler_timeout=1860
 SUITE ?= trixie
 FRESH ?=
 
-.PHONY: help demo bench test test-light test-debian lint docs clean
+.PHONY: help demo bench test test-light test-debian wheels lint docs clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
@@ -60,6 +60,9 @@ test-light: .venv-light/.installed  ## the tests of the parts without DOLFINx, i
 
 test-debian:  ## install on Debian (SUITE=trixie, sid) as docs/install.md says and test there; as root
 	tools/debian/test.sh $(SUITE) $(if $(call is_set,$(FRESH)),fresh)
+
+wheels:  ## source package and wheel for PyPI in build/dist, checked by auditwheel and twine
+	tools/wheels.sh $(PYTHON)
 
 lint: .venv/.installed  ## ruff, mypy, clang-format
 	$(BIN)/ruff check
