@@ -31,11 +31,11 @@ SHARED_OUT := --numprocesses=auto --maxprocesses=4 --dist=loadfile
 WITHOUT ?=
 SLOW_LIMITS := --timeout=1800 -o faulthandler_timeout=1860
 
-# The Debian that `make test-debian` tests on; FRESH=1 does without the system of the last time.
+# The Debian of `make test-debian` and `make deb`; FRESH=1 does without the system of the last time.
 SUITE ?= trixie
 FRESH ?=
 
-.PHONY: help demo bench test test-light test-debian wheels lint docs clean
+.PHONY: help demo bench test test-light test-debian deb wheels lint docs clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
@@ -60,6 +60,9 @@ test-light: .venv-light/.installed  ## the tests of the parts without DOLFINx, i
 
 test-debian:  ## install on Debian (SUITE=trixie, sid) as docs/install.md says and test there; as root
 	tools/debian/test.sh $(SUITE) $(if $(call is_set,$(FRESH)),fresh)
+
+deb:  ## build the Debian package on SUITE=trixie or sid into build/deb, install and try it; as root
+	tools/debian/deb.sh $(SUITE)
 
 wheels:  ## source package and wheel for PyPI in build/dist, checked by auditwheel and twine
 	tools/wheels.sh $(PYTHON)
