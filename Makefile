@@ -31,11 +31,11 @@ SHARED_OUT := --numprocesses=auto --maxprocesses=4 --dist=loadfile
 WITHOUT ?=
 SLOW_LIMITS := --timeout=1800 -o faulthandler_timeout=1860
 
-# The Debian that `make test-debian` tests on; FRESH=1 does without the system of the last time.
+# The Debian of `make test-debian` and `make deb`; FRESH=1 does without the system of the last time.
 SUITE ?= trixie
 FRESH ?=
 
-.PHONY: help demo bench test test-light test-debian lint docs clean
+.PHONY: help demo bench test test-light test-debian deb wheels lint docs clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
@@ -61,6 +61,12 @@ test-light: .venv-light/.installed  ## the tests of the parts without DOLFINx, i
 test-debian:  ## install on Debian (SUITE=trixie, sid) as docs/install.md says and test there; as root
 	tools/debian/test.sh $(SUITE) $(if $(call is_set,$(FRESH)),fresh)
 
+deb:  ## build the Debian package on SUITE=trixie or sid into build/deb, install and try it; as root
+	tools/debian/deb.sh $(SUITE)
+
+wheels:  ## source package and wheel for PyPI in build/dist, checked by auditwheel and twine
+	tools/wheels.sh $(PYTHON)
+
 lint: .venv/.installed  ## ruff, mypy, clang-format
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
@@ -83,7 +89,7 @@ clean:  ## remove environments, builds and caches; results stay
 .venv/.installed: $(BUILD_INPUTS)
 	@mkdir -p build && touch build/started
 	tools/install.sh .venv $(SETTINGS) -e '.[fem,report,test,lint,docs]'
-	$(BIN)/python tools/check_libraries.py
+	$(BIN)/fretfe info >/dev/null
 	@mv build/started $@
 
 # Not editable: this is what a user gets from pip install.

@@ -33,7 +33,7 @@ def displacements(points: Array, upper: bool, shear_modulus: float, poisson: flo
     """(n, 3, 3) displacements of points (n, 3) of one body by a unit of P, Q and M."""
     signs = SIGNS[upper]
     x, y, z = points[:, AXES].T * signs[:, None]
-    # Points of the surface may be outside by round-off; on the circle the potentials have no slopes.
+    # Points of the surface may be outside by round-off; on the circle potentials have no slopes.
     z = np.maximum(np.abs(z), BELOW)
     # Body 1 has the opposite shear and moment; M turns about y, which points out of body 2.
     sign = -1.0 if upper else 1.0

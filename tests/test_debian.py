@@ -4,12 +4,15 @@
 from __future__ import annotations
 
 import importlib.util
+import re
+import tomllib
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
-TOOL = Path(__file__).parents[1] / "tools" / "debian" / "check_packages.py"
+ROOT = Path(__file__).parents[1]
+TOOL = ROOT / "tools" / "debian" / "check_packages.py"
 
 
 @pytest.fixture(scope="module")
@@ -50,3 +53,31 @@ def test_a_package_that_is_missing_or_too_old_is_named(
     names = [each.partition(":")[0] for each in found]
     assert names == ["python3-numpy", "python3-not-there", "g++"]
     assert "expected numpy>=999, found" in found[0] and "no-such-command" in found[2]
+
+
+def field(file: str, name: str) -> set[str]:
+    """Packages in a field of a control file, without versions and substitutions."""
+    text = (ROOT / "debian" / file).read_text("utf-8")
+    (value,) = re.findall(rf"^{name}:((?:.*\n)(?: .*\n)*)", text, re.MULTILINE)
+    return set(
+        re.findall(r"(?<![\w{:])[a-z0-9][a-z0-9.+-]+(?![\w:}])", value.replace("(= 13)", ""))
+    )
+
+
+def installed(page: str, comment: str) -> set[str]:
+    """What the command below a comment of docs/install.md installs."""
+    (command,) = re.findall(rf"^# {comment}.*\n(apt install(?:.*\\\n)*.*)", page, re.MULTILINE)
+    return {word for word in command.split()[2:] if word not in ("\\", "--no-install-recommends")}
+
+
+def test_the_package_depends_on_what_the_page_installs(tool: ModuleType) -> None:
+    """What the metadata of the wheel require is added to Depends when the package is built."""
+    page = tool.PAGE.read_text("utf-8")
+    project = tomllib.loads(tool.PYPROJECT.read_text("utf-8"))["project"]
+    required = {tool.package_of(each) for each in project["dependencies"]}
+    assert field("control", "Depends") | required == installed(page, "to run")
+    assert field("control", "Recommends") == installed(page, "for pictures")
+    assert field("tests/control", "Depends") == installed(page, "for the tests")
+    # g++ is in build-essential, python3-venv for the way without the package
+    build = installed(page, "to build") - {"g++", "python3-venv"}
+    assert build <= field("control", "Build-Depends")

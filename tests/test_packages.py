@@ -119,13 +119,17 @@ def test_source_package_has_the_sources_and_no_more(source_files: set[str]) -> N
 def test_wheel_has_the_package_and_no_more(wheel_files: set[str]) -> None:
     package = {name for name in wheel_files if ".dist-info/" not in name}
     (extension,) = (name for name in package if name.endswith(".so"))
-    assert extension.startswith("fretfe/_core/_kernels.")
+    assert extension == "fretfe/_core/_kernels.abi3.so"
     python = {name for name in sources(Path("fretfe")) if not name.endswith((".cpp", ".hpp"))}
     templates = {f"fretfe/{name}" for name in sources(Path("meshes"))}
     assert package == python | templates | {extension}
     # The report and a check read these files when they run.
     assert {"fretfe/report/page/report.css", "fretfe/report/page/report.html.j2"} < package
     assert {"fretfe/meshes/dovetail.geo", "fretfe/quality/verify/sliding_wedge.msh"} < package
+
+
+def test_wheel_is_for_all_pythons_from_3_12_on(wheel: Path) -> None:
+    assert "-cp312-abi3-linux_" in wheel.name
 
 
 def test_licences_are_in_the_wheel(wheel_files: set[str], metadata: Message) -> None:

@@ -35,7 +35,7 @@ from fretfe.cli import (
 from fretfe.environment import memory_shortage, missing_package, rank_from_environment
 from fretfe.errors import DependencyError, FretfeError, MemoryShortError
 
-HELP = """Fretting contacts by finite elements: edge factors and slip zones of two-body contacts.
+HELP = """Edge factors and slip zones of two-body fretting contacts, by finite elements.
 
 \b
   fretfe check pad.toml           what would be solved

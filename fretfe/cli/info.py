@@ -9,12 +9,16 @@ EXAMPLES = examples("fretfe info", "mpirun -n 2 fretfe info")
 
 
 def info() -> None:
-    """Show versions, MPI and the linear-algebra library in use."""
+    """Show versions, MPI and the linear-algebra library in use.
+
+    Ends with an error that names what is missing if Gmsh does not load.
+    """
     from rich.console import Console
 
     from fretfe.environment import blas_libraries, reference_blas, versions
     from fretfe.fem import _compat
     from fretfe.fem._compat import MPI
+    from fretfe.geometry.gmsh_library import import_gmsh
 
     if MPI.COMM_WORLD.rank != 0:
         return
@@ -32,3 +36,4 @@ def info() -> None:
             highlight=False,
             soft_wrap=True,
         )
+    import_gmsh()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The Gmsh session: loading the library, and the groups, nodes and elements of its model.
+"""The Gmsh session: the groups, nodes and elements of its model.
 
 Everything here runs on one process. A Gmsh error becomes a `MeshError` with Gmsh's own message.
 """
@@ -7,7 +7,6 @@ Everything here runs on one process. A Gmsh error becomes a `MeshError` with Gms
 from __future__ import annotations
 
 import contextlib
-import re
 import signal
 import threading
 from collections.abc import Iterator, Mapping
@@ -19,17 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fretfe._typing import Array, Indices
-from fretfe.errors import DependencyError, MeshError
+from fretfe.errors import MeshError
+from fretfe.geometry.gmsh_library import import_gmsh
 from fretfe.geometry.templates import Template, check_parameters, parameter_error
 
 # What Gmsh calls the groups of bodies and of boundaries, by dimension of the mesh.
 BODY_KINDS, BOUNDARY_KINDS = {2: "surface", 3: "volume"}, {2: "curve", 3: "surface"}
-DEBIAN_PACKAGES = (
-    "libglu1-mesa libxrender1 libxcursor1 libxft2 libxinerama1 libxfixes3 libfontconfig1"
-)
-
-# What the loader says of a library for which there is no memory.
-NO_ROOM = re.compile("failed to map segment|[Cc]annot allocate memory")
 
 
 @dataclass(frozen=True)
@@ -55,32 +49,6 @@ class RawMesh:
     dimension: int
     bodies: dict[str, list[ElementBlock]]
     boundaries: dict[str, list[ElementBlock]]
-
-
-def import_gmsh() -> ModuleType:
-    """Import gmsh.
-
-    Raises:
-        DependencyError: gmsh is not installed, or a shared library that it needs is missing.
-        MemoryError: there is no room for a library.
-    """
-    try:
-        import gmsh
-    except ImportError as error:
-        raise DependencyError(
-            f"reading and making meshes needs the Python package gmsh, which does not import"
-            f" ({error}). Install it with `pip install gmsh` or from your distribution (Debian:"
-            " python3-gmsh)"
-        ) from error
-    except OSError as error:
-        if NO_ROOM.search(str(error)):
-            raise MemoryError from error
-        library = str(error).partition(":")[0]
-        raise DependencyError(
-            f"gmsh is installed but needs the shared library {library}, which was not found"
-            f" ({error}). On Debian or Ubuntu: apt install {DEBIAN_PACKAGES}"
-        ) from error
-    return gmsh
 
 
 @contextlib.contextmanager

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 from pathlib import Path
 
 import gmsh
@@ -14,8 +13,8 @@ import pytest
 from meshes_b1 import RADIUS, ZONE, write_b1
 from tiny_meshes import CURVED_QUADRILATERAL, CURVED_TRIANGLE, TWO_SQUARES, TinyMesh
 
-from fretfe.errors import DependencyError, MeshError
-from fretfe.geometry.gmsh_model import gmsh_model, import_gmsh
+from fretfe.errors import MeshError
+from fretfe.geometry.gmsh_model import gmsh_model
 from fretfe.mesh.cell_geometry import (
     directed_facets,
     exterior_facets,
@@ -253,34 +252,3 @@ def test_a_session_of_the_caller_survives(tmp_path: Path) -> None:
 def test_gmsh_is_left_as_found(tmp_path: Path) -> None:
     read_mesh(TWO_SQUARES.write(tmp_path / "m.msh"))
     assert not gmsh.isInitialized()
-
-
-@pytest.mark.parametrize(
-    ("cause", "message"),
-    [
-        (
-            'raise OSError("libGLU.so.1: cannot open shared object file: No such file")',
-            r"shared library libGLU\.so\.1, which was not found.*apt install libglu1-mesa",
-        ),
-        ('raise ImportError("broken")', "pip install gmsh"),
-    ],
-    ids=["shared library", "not installed"],
-)
-def test_gmsh_that_does_not_load(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cause: str, message: str
-) -> None:
-    (tmp_path / "gmsh.py").write_text(cause)
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.delitem(sys.modules, "gmsh")
-    with pytest.raises(DependencyError, match=message):
-        import_gmsh()
-
-
-def test_gmsh_for_which_there_is_no_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "gmsh.py").write_text(
-        'raise OSError("libX11.so.6: failed to map segment from shared object")'
-    )
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.delitem(sys.modules, "gmsh")
-    with pytest.raises(MemoryError):
-        import_gmsh()
