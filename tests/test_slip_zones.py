@@ -147,7 +147,8 @@ def test_slip_that_goes_on_behind_the_first_sticking_node(side: Side) -> None:
 def test_fewer_than_three_sticking_nodes_are_no_stick_zone(sticking: int, resolved: bool) -> None:
     inside = np.flatnonzero(CLOSED)
     middle = inside[len(inside) // 2 - 1 :][:sticking]
-    slip = np.where(CLOSED, 1.0, 0.0) * np.maximum(np.abs(X - X[middle].mean()), H) ** 1.5
+    # Zero at the outer one of three sticking nodes.
+    slip = np.where(CLOSED, 1.0, 0.0) * np.maximum(np.abs(X - X[middle].mean()) - H, 0.0) ** 1.5
     slip[middle] = 0.0
     contact = history(np.array([0 * X, slip]))
     front = plane_front("left")
