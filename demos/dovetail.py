@@ -26,7 +26,7 @@ result = fretfe.run(case)
 left, right = result.contacts
 
 # Pressure and shear of both flanks, projected on the direction of the pull. The shear of the
-# right flank is positive towards its lower end, that of the left one negative.
+# right flank is positive towards its upper end, that of the left one negative.
 pressure = left.normal_force + right.normal_force
 shear = right.shear_force - left.shear_force
 carried = np.cos(FLANK_ANGLE) * pressure + np.sin(FLANK_ANGLE) * shear
@@ -35,8 +35,8 @@ largest = int(np.argmax(pull))
 rows = [Row("pull carried by both flanks [N/mm]", carried[largest], pull[largest], 1e-8)]
 
 for name, edge, mirrored in (
-    ("upper", right.stations[0], left.stations[1]),
-    ("lower", right.stations[1], left.stations[0]),
+    ("lower", right.stations[0], left.stations[1]),
+    ("upper", right.stations[1], left.stations[0]),
 ):
     rows += [
         # The mesh mirrors itself to 1e-6.
