@@ -24,7 +24,7 @@ flank_angle = math.radians(case.geometry.parameters.get("flank_angle", 45.0))
 carried = 0.0
 lobes = {}
 for contact in result.contacts:
-    # The shear of a right flank is positive towards its lower end, that of a left one negative.
+    # The shear of a right flank is positive towards its upper end, that of a left one negative.
     side = 1.0 if "right" in contact.name else -1.0
     share = math.cos(flank_angle) * contact.normal_force
     share = share + side * math.sin(flank_angle) * contact.shear_force
