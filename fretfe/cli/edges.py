@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from fretfe.cli.options import examples
+from fretfe.exchange.sign import Sign
 
 EXAMPLES = examples(
     "fretfe edges tractions.csv --friction 0.6",
@@ -27,7 +28,7 @@ def edges(
     q: Annotated[str | None, typer.Option(help="Column with the shear.")] = None,
     slip: Annotated[str | None, typer.Option(help="Column with the slip.")] = None,
     compression: Annotated[
-        Literal["positive", "negative"] | None,
+        Sign | None,
         typer.Option(metavar="SIGN", help="Sign of a pressure in the file: positive or negative."),
     ] = None,
     as_json: Annotated[

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
@@ -13,9 +12,9 @@ from fretfe._typing import Array, Indices
 from fretfe.case.base import SMALLEST
 from fretfe.errors import CaseError
 from fretfe.exchange.column_names import Columns, Recognised, recognise
+from fretfe.exchange.sign import Sign
 from fretfe.loads.csv_file import Table, read_table
 
-Sign = Literal["positive", "negative"]
 # Shear across the plane up to this fraction of that in it is none.
 NO_SHEAR = 0.01
 # A second coordinate that varies by less than this fraction of the first one is constant.
@@ -84,7 +83,7 @@ def _pressure(
             f"{place}: expected a pressure, found a normal stress whose sign is not known: state "
             "it with --compression positive or --compression negative"
         )
-    pressure = -values if compression == "negative" else values
+    pressure = -values if compression == Sign.NEGATIVE else values
     if len(values) < 2 or pressure.max() <= max(0.0, -pressure.min()):
         raise CaseError(
             f"{place}: expected a positive pressure in two rows or more, found "
