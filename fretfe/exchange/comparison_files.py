@@ -8,12 +8,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-from fretfe.errors import CaseError, OutputError
+from fretfe.errors import OutputError
 from fretfe.exchange.comparison import Comparison
 from fretfe.exchange.figures import FIGURES
 from fretfe.results.files import disk_reason, replace_text
-from fretfe.results.run_folder import MARK
-from fretfe.results.writer import NUMBERS, prepare_directory
+from fretfe.results.writer import prepare_other
 
 SCHEMA = {"name": "fretfe-comparison", "version": 1}
 COMPARISON = "comparison.json"
@@ -70,9 +69,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> tuple[Path, ...]:
         CaseError: if the folder holds results of a run.
         OutputError: if a file cannot be written.
     """
-    if any((folder / name).exists() for name in (NUMBERS, MARK)):
-        raise CaseError(f"{folder}: expected a folder without results of a run, found {NUMBERS}")
-    prepare_directory(folder)
+    prepare_other(folder)
     text = json.dumps(comparison_numbers(comparison), indent=1, allow_nan=False) + "\n"
     files = [folder / COMPARISON]
     try:

@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fretfe.errors import CaseError, OutputError
+from fretfe.errors import OutputError
 from fretfe.exchange.tables import ExportTable, Row, export_tables
 from fretfe.results.files import disk_reason, replacing
 from fretfe.results.model import Result
-from fretfe.results.run_folder import MARK
-from fretfe.results.writer import NUMBERS, prepare_directory
+from fretfe.results.writer import prepare_other
 
 # Lists all columns of the other files.
 COLUMNS = "columns.csv"
@@ -43,9 +42,7 @@ def export_result(result: Result, folder: Path) -> tuple[Exported, ...]:
         CaseError: if the folder holds results of a run.
         OutputError: if a file cannot be written.
     """
-    if any((folder / name).exists() for name in (NUMBERS, MARK)):
-        raise CaseError(f"{folder}: expected a folder without results of a run, found {NUMBERS}")
-    prepare_directory(folder)
+    prepare_other(folder)
     tables = list(export_tables(result))
     try:
         _remove_earlier(folder)

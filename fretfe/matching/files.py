@@ -16,6 +16,8 @@ from fretfe.matching.choose import Choice, Choices, length_that_counts
 from fretfe.matching.match import Comparison, Match
 from fretfe.matching.pads import PadTest
 from fretfe.matching.target import Target
+from fretfe.results.files import disk_reason, replace_text
+from fretfe.results.writer import prepare_other
 
 NUMBERS, PICTURE = "match.json", "match.png"
 SCHEMA = {"name": "fretfe-match", "version": 1}
@@ -28,25 +30,26 @@ def write_match(match: Match, comparison: Comparison | None, folder: Path) -> tu
         The case files.
 
     Raises:
+        CaseError: if the folder holds results of a run.
         OutputError: if that fails.
     """
     from fretfe.matching.figure import draw_agreement, draw_choices
 
     texts = _corrected_cases(match, comparison) if comparison else _cases(match)
+    prepare_other(folder)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         (folder / PICTURE).unlink(missing_ok=True)  # of another match
         cases = tuple(folder / f"{name}.toml" for name in texts)
         for path, text in zip(cases, texts.values(), strict=True):
-            path.write_text(text, encoding="utf-8")
+            replace_text(path, text)
         numbers = json.dumps(_plain(match_numbers(match, comparison)), indent=1, allow_nan=False)
-        (folder / NUMBERS).write_text(numbers + "\n", encoding="utf-8")
+        replace_text(folder / NUMBERS, numbers + "\n")
         if comparison is not None:
             draw_agreement(match, comparison, folder / PICTURE)
         elif match.target.profile is not None:
             draw_choices(match, folder / PICTURE)
     except OSError as error:
-        raise OutputError(f"{folder}: cannot write the match: {error}") from error
+        raise OutputError(f"{folder}: cannot write the match: {disk_reason(error)}") from error
     return cases
 
 

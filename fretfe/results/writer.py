@@ -29,7 +29,7 @@ from fretfe.edges.area import AreaSummary
 from fretfe.edges.front import ContactSummary, SlipZone, Station
 from fretfe.edges.refinement import Refinement
 from fretfe.environment import versions
-from fretfe.errors import OutputError
+from fretfe.errors import CaseError, OutputError
 from fretfe.results.contact_file import SURFACES, write_surfaces
 from fretfe.results.cycle_file import CYCLES, write_cycles
 from fretfe.results.dataset import NODAL
@@ -39,6 +39,7 @@ from fretfe.results.files import disk_reason, replace_text, replacing
 from fretfe.results.hdf5_file import new_hdf5, room, store
 from fretfe.results.kept import LONG, kept_states
 from fretfe.results.model import BodyArrays, Result
+from fretfe.results.run_folder import MARK
 from fretfe.results.solution import ContactHistory, Solution
 from fretfe.results.states import StateArray, states_in_block
 from fretfe.results.station_file import STATIONS, write_stations
@@ -72,6 +73,19 @@ def prepare_directory(directory: Path) -> None:
         raise OutputError(
             f"{directory}: expected a folder that files can be written to, found: {error.strerror}"
         ) from error
+
+
+def prepare_other(directory: Path) -> None:
+    """Make a folder for files about results, which must not lie among those of a run.
+
+    Raises:
+        CaseError: if the folder holds results of a run.
+        OutputError: as for `prepare_directory`.
+    """
+    found = next((name for name in (NUMBERS, MARK) if (directory / name).exists()), None)
+    if found:
+        raise CaseError(f"{directory}: expected a folder without results of a run, found {found}")
+    prepare_directory(directory)
 
 
 def remove_results(directory: Path) -> None:

@@ -8,10 +8,9 @@ import math
 from pathlib import Path
 from typing import Any
 
-from fretfe.errors import CaseError, OutputError
+from fretfe.errors import OutputError
 from fretfe.results.files import disk_reason, replace_text
-from fretfe.results.run_folder import MARK
-from fretfe.results.writer import NUMBERS, prepare_directory
+from fretfe.results.writer import prepare_other
 from fretfe.strength.figure import write_strength
 from fretfe.strength.fit import COVERAGE, LifeFit
 from fretfe.strength.margins import Margin, StrengthMap
@@ -53,9 +52,7 @@ def write_map(found: StrengthMap, folder: Path) -> tuple[Path, ...]:
         CaseError: if the folder holds results of a run.
         OutputError: if a file cannot be written.
     """
-    if any((folder / name).exists() for name in (NUMBERS, MARK)):
-        raise CaseError(f"{folder}: expected a folder without results of a run, found {NUMBERS}")
-    prepare_directory(folder)
+    prepare_other(folder)
     try:
         text = json.dumps(strength_numbers(found), indent=1, allow_nan=False)
         replace_text(folder / STRENGTH, text + "\n")
