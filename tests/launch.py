@@ -55,11 +55,12 @@ def command_line(*arguments: str | Path, ranks: int = 1) -> list[str]:
 
 
 def python(
-    *arguments: str | Path, ranks: int = 1, timeout: float = 120
+    *arguments: str | Path, ranks: int = 1, timeout: float = 120, folder: Path | None = None
 ) -> subprocess.CompletedProcess[str]:
-    """Run the interpreter of the tests and return what it printed."""
+    """Run the interpreter of the tests, perhaps in a folder, and return what it printed."""
     done = subprocess.run(
         command_line(*arguments, ranks=ranks),
+        cwd=folder,
         capture_output=True,
         text=True,
         timeout=timeout,

@@ -25,7 +25,7 @@ def test_a_value_that_is_off_makes_a_demo_fail() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("script", SCRIPTS, ids=[path.stem for path in SCRIPTS])
-def test_demo(script: Path) -> None:
-    done = python(script, timeout=600)
+def test_demo(script: Path, tmp_path: Path) -> None:
+    done = python(script, timeout=600, folder=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "computed" in done.stdout
