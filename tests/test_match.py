@@ -218,6 +218,28 @@ def test_the_case_of_a_bulk_stress_has_the_factors(exact: Result) -> None:
     assert left.k_t_range == pytest.approx(match.target.k_t_range, rel=4e-3)
 
 
+@pytest.mark.parametrize("phase", [0.0, 60.0])
+@pytest.mark.parametrize("shape", ["cylinder", "flat_rounded"])
+def test_the_slip_zone_to_expect_with_a_bulk_stress(
+    exact: Result, shape: str, phase: float
+) -> None:
+    # A quarter to a half of the range of K_T comes from the bulk stress.
+    pad = {"shapes": [shape], "radius": [40.0, 60.0], "flat_half_width": [0.3, 0.3]}
+    given = rig(pad=pad, forces={"bulk_range": 100.0, "bulk_phase": phase})
+    (found,) = match_test(exact, "main.left", given).shapes
+    test = found.choices[found.best].test
+    assert 0.25 < test.tension_share < 0.6
+    tables = case_tables(test, given, "test")
+    del tables["loads"]["level"], tables["edges"]
+    tables["contacts"]["pad"]["friction_from"] = 1.0
+    (left, _) = fretfe.run(parse_case(tables), backend="halfplane").contacts[0].stations
+    # The longer of the last two: 40 states in a cycle miss the extremes by 3e-3 of their range.
+    zone = max(left.slip_zones[-2:], key=lambda each: each.length)
+    length = test.slip[0] / (1 + test.asymptote_error)
+    assert zone.length == pytest.approx(length, rel=0.01)
+    assert abs(zone.length / test.slip[0] - 1) > 0.005
+
+
 def with_station(result: Result, **values: Any) -> Result:
     (contact,) = result.contacts
     fronts = tuple(

@@ -17,6 +17,10 @@ from fretfe._typing import Array
 from fretfe.analytic._arguments import check_positive, check_range
 from fretfe.analytic.profiles import Profile
 
+# Step of a numerical derivative, over the length of the rounded part: round-off and truncation are
+# both below 1e-8.
+STEP = 1e-4
+
 
 def asymptote_error(profile: Profile, half_width: ArrayLike, slip_length: ArrayLike) -> Array:
     """Return predicted/exact - 1 of the cyclic slip length under a shear force alone.
@@ -46,6 +50,54 @@ def asymptote_error(profile: Profile, half_width: ArrayLike, slip_length: ArrayL
     known = (remaining > 0.0) & (exact > 0.0)
     error = np.divide(d, exact, out=np.ones_like(d), where=known) - 1.0
     return np.where(remaining > 0.0, error, np.nan)
+
+
+def mixed_asymptote_error(
+    profile: Profile, half_width: ArrayLike, slip_length: ArrayLike, tension_share: ArrayLike
+) -> Array:
+    """Return predicted/exact - 1 of the cyclic slip length under a shear force and a bulk tension.
+
+    The tension has the share r in the range of K_T at this edge, of which the formula predicts d.
+    Of that (1 - r) d belong to the shear force, and the other edge slips over (1 - 2r) d, the other
+    way if that is negative. To second order in d
+
+        exact - d = [exact - d]((1 - r) d, shear alone) + (P''/P' - 1/a) (2r - r^2) d^2/2
+                    - (2r - 1)^2 d^2/(4a), the last term for r > 1/2 alone.
+
+    For Hertz the middle term is zero; the formula is then exact where both edges slip the same way
+    (Nowell and Hills 1987: the stick zone of Mindlin, moved), and has the expansion of
+    `hertz_tension_asymptote_error` for tension alone. The middle term is the first term's share of
+    what the pressure next to an edge depends on with the profile; the shear at full stick does not.
+
+    Args:
+        profile: symmetric profile.
+        half_width: a > 0, any shape that broadcasts with the others.
+        slip_length: d as predicted, zero or more.
+        tension_share: r from 0 (shear force alone) to 1 (tension alone), or outside where the two
+            work against each other. Where the tension lags behind the shear force, its share
+            between the extremes of K_T at this edge; that the other edge turns round in between is
+            left out.
+
+    Returns:
+        Relative error; the exact length is d/(1 + error). NaN where the shear force would make the
+        contact slide, or the expansion says that nothing slips.
+
+    Raises:
+        ValueError: if ``half_width`` is not positive or ``slip_length`` is negative.
+    """
+    a, r = check_positive("half_width", half_width), np.asarray(tension_share, dtype=np.float64)
+    d = check_range("slip_length", slip_length, low=0.0)
+    by_shear = np.abs(1.0 - r) * d
+    of_shear = by_shear / (1.0 + asymptote_error(profile, a, by_shear)) - by_shear
+    step = STEP * (a - max(profile.kinks, default=0.0))
+    low, high = (profile.load_slope(a + each) for each in (-step, step))
+    stiffening = (high - low) / (2.0 * step * profile.load_slope(a))
+    of_profile = (stiffening - 1.0 / a) * (2.0 * r - r**2) * d**2 / 2.0
+    of_opposite_slip = np.maximum(2.0 * r - 1.0, 0.0) ** 2 * d**2 / (4.0 * a)
+    exact = d + of_shear + of_profile - of_opposite_slip
+    known = exact > 0.0
+    error = np.divide(d, exact, out=np.ones_like(exact), where=known) - 1.0
+    return np.where(known | (d == 0.0), error, np.nan)
 
 
 def hertz_tension_asymptote_error(half_width: ArrayLike, slip_length: ArrayLike) -> Array:

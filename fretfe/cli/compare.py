@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fretfe.cli.options import examples
+from fretfe.cli.options import AsJson, examples
 from fretfe.environment import rank_from_environment
 
 if TYPE_CHECKING:
@@ -21,8 +21,6 @@ EXAMPLES = examples(
     "fretfe compare pad pad_fine",
     "fretfe compare pad pad_fine -o difference",
 )
-# Wide enough for all columns: a narrow terminal wraps lines rather than cuts numbers.
-NARROWEST = 116
 
 
 def compare(
@@ -39,9 +37,7 @@ def compare(
             show_default=False,
         ),
     ] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON document in place of tables.")
-    ] = False,
+    as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Compare two results: edges, tractions, histories."""
     if rank_from_environment() > 0:
@@ -57,7 +53,7 @@ def compare(
     if as_json:
         print(json.dumps(comparison_numbers(comparison), indent=1, allow_nan=False))
     else:
-        _print(Console(width=max(Console().width, NARROWEST)), comparison)
+        _print(Console(), comparison)
     if output is not None:
         files = write_comparison(comparison, output)
         if not as_json:
@@ -66,15 +62,17 @@ def compare(
 
 
 def _print(console: Console, comparison: Comparison) -> None:
+    from fretfe.report.page.listings import print_whole
     from fretfe.report.texts import number, percent
 
-    console.print(_numbers(comparison))
+    print_whole(_numbers(comparison))
     for each in comparison.tractions:
         console.print(
             f"{each.contact}, {each.extreme}: p differs by {percent(each.pressure_difference)}, "
             f"q by {percent(each.shear_difference)} of f p (root mean square)",
             highlight=False,
             markup=False,
+            soft_wrap=True,
         )
     for history in comparison.histories:
         place = " ".join(filter(None, (history.contact, history.edge)))
@@ -88,9 +86,10 @@ def _print(console: Console, comparison: Comparison) -> None:
             f"{place}: {history.quantity} over time ({value} {history.unit}) {differs}",
             highlight=False,
             markup=False,
+            soft_wrap=True,
         )
     for note in comparison.notes:
-        console.print(f"Note: {note}", highlight=False, markup=False)
+        console.print(f"Note: {note}", highlight=False, markup=False, soft_wrap=True)
 
 
 def _numbers(comparison: Comparison) -> Table:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from fretfe.cli.options import examples
+from fretfe.cli.options import AsJson, examples
 from fretfe.exchange.sign import Sign
 
 EXAMPLES = examples(
@@ -31,9 +31,7 @@ def edges(
         Sign | None,
         typer.Option(metavar="SIGN", help="Sign of a pressure in the file: positive or negative."),
     ] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON document in place of tables.")
-    ] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Find edges, K_N and slip zones in tractions of any program.
 

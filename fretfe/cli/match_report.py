@@ -17,9 +17,12 @@ from fretfe.matching.files import write_match
 from fretfe.matching.match import Comparison, Match, compare_tests, match_test
 from fretfe.matching.rig import load_rig
 from fretfe.matching.target import Target
-from fretfe.report.page.listings import plain_table
+from fretfe.report.page.listings import plain_table, print_whole
 from fretfe.report.texts import number, percent, with_error
 from fretfe.results.reader import load_result
+
+# Part of ΔK_T below which ΔK_I is none.
+SMALL = 0.01
 
 
 def report_match(
@@ -46,7 +49,7 @@ def report_match(
     cases = write_match(match, comparison, output)
     console.print(_component(match.target), highlight=False, soft_wrap=True)
     for table in (comparison_tables if comparison else choice_tables)(match, comparison):
-        console.print(table)
+        print_whole(table)
     for line in _remarks(match, comparison):
         console.print(line, highlight=False, soft_wrap=True)
     console.print(f"Cases {', '.join(map(str, cases))}", highlight=False, soft_wrap=True)
@@ -114,7 +117,9 @@ def comparison_tables(match: Match, comparison: Comparison | None) -> Iterator[T
     rows = (("K_N", "k_n"), ("ΔK_T", "k_t_range"), ("ΔK_I", "k_i_range"))
     for label, key in rows:
         own = getattr(match.target, key)
-        cells = (f"{number(getattr(test, key))} ({_change(getattr(test, key), own)})"
+        # Beside ΔK_T it does nothing; its relative change is noise.
+        told = own if key != "k_i_range" or own > SMALL * match.target.k_t_range else 0.0
+        cells = (f"{number(getattr(test, key))} ({_change(getattr(test, key), told)})"
                  for test in tests)  # fmt: skip
         table.add_row(label, number(own), *cells)
     for n, label in enumerate(("longer slip zone", "shorter slip zone")):

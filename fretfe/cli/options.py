@@ -42,6 +42,7 @@ TrustGeo = Annotated[
 Results = Annotated[
     Path, typer.Argument(metavar="DIR", help="Folder with results.", show_default=False)
 ]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document in place of tables.")]
 
 
 def verbosity_of(quiet: bool, verbose: bool) -> Verbosity:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fretfe.cli.options import examples
+from fretfe.cli.options import AsJson, examples
 from fretfe.environment import rank_from_environment
 
 if TYPE_CHECKING:
@@ -21,7 +21,6 @@ EXAMPLES = examples(
     "fretfe strength tests.csv dovetail --life 1e6",
     "fretfe strength tests.csv dovetail pad --life 2e5 -o map",
 )
-NARROWEST = 116
 
 
 def strength(
@@ -40,9 +39,7 @@ def strength(
             show_default=False,
         ),
     ] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON document in place of tables.")
-    ] = False,
+    as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Compare component edges with the strength of tests."""
     if rank_from_environment() > 0:
@@ -52,17 +49,17 @@ def strength(
     from rich.console import Console
 
     from fretfe.api import load_result, strength_map
+    from fretfe.report.page.listings import print_whole
     from fretfe.strength.files import strength_numbers, write_map
 
     found = strength_map(tests, [load_result(each) for each in results], life)
     if as_json:
         print(json.dumps(strength_numbers(found), indent=1, allow_nan=False))
     else:
-        console = Console(width=max(Console().width, NARROWEST))
-        shown = _shown(found)
-        console.print(_table(found, shown))
+        console, shown = Console(), _shown(found)
+        print_whole(_table(found, shown))
         for text in _texts(found, shown):
-            console.print(text, highlight=False, markup=False)
+            console.print(text, highlight=False, markup=False, soft_wrap=True)
     if output is not None:
         files = write_map(found, output)
         if not as_json:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fretfe.cli.options import (
+    AsJson,
     Backend,
     CaseFile,
     Overrides,
@@ -40,9 +41,7 @@ def validate(
     resume: Resume = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON document in place of the table.")
-    ] = False,
+    as_json: AsJson = False,
     trust_geo: TrustGeo = False,
 ) -> None:
     """Run a case and its companions: can its numbers be trusted?

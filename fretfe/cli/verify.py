@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from fretfe.cli.options import examples
+from fretfe.cli.options import AsJson, examples
 from fretfe.environment import rank_from_environment
 
 EXAMPLES = examples("fretfe verify", "fretfe verify --backend halfplane --backend analytic")
@@ -18,9 +18,7 @@ def verify(
     backend: Annotated[
         list[str] | None, typer.Option(help="Only this backend; can be given several times.")
     ] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON document in place of tables.")
-    ] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Run benchmarks with known answers.
 

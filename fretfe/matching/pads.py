@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 from fretfe.analytic.edges import factor_range_phase_shifted
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
-from fretfe.analytic.validity import asymptote_error
+from fretfe.analytic.validity import mixed_asymptote_error
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(16)
 # Tolerances of roots, relative.
@@ -103,9 +103,23 @@ class PadTest:
         return long, short
 
     @property
+    def tension_share(self) -> float:
+        """Share of the bulk stress in the range of K_T, between the extremes of K_T."""
+        given = self.factors
+        half = (given.k_t_range / 2) or math.nan
+        tension = given.bulk_range / 2 / 4 * math.sqrt(self.half_width / 2) / half
+        across, along = math.sin(given.bulk_phase), math.cos(given.bulk_phase)
+        # Both parts add up to the amplitude of K_T, in whose direction each is counted.
+        shear = math.sqrt(max(1 - (tension * across) ** 2, 0.0)) - tension * along
+        return tension * (tension + shear * along)
+
+    @property
     def asymptote_error(self) -> float:
-        """Predicted/exact - 1 of the longer slip length under a shear force alone; or NaN."""
-        return float(asymptote_error(self.profile, self.half_width, self.slip[0]))
+        """Predicted/exact - 1 of the longer slip length at constant normal force; or NaN."""
+        error = mixed_asymptote_error(
+            self.profile, self.half_width, self.slip[0], self.tension_share
+        )
+        return float(error)
 
 
 def pad_test(profile: Profile, factors: Factors) -> PadTest:

@@ -10,7 +10,11 @@ from scipy.integrate import quad
 from fretfe.analytic.edges import slip_length_cyclic, tangential_factor
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
-from fretfe.analytic.validity import asymptote_error, hertz_tension_asymptote_error
+from fretfe.analytic.validity import (
+    asymptote_error,
+    hertz_tension_asymptote_error,
+    mixed_asymptote_error,
+)
 
 HERTZ, WEDGE, ROUNDED = Hertz(2.0, 60.0), Wedge(0.1, 60.0), FlatRounded(0.3, 2.0, 60.0)
 
@@ -98,6 +102,35 @@ def test_tension_against_a_numerical_solution(tension: float, exact: float) -> N
     predicted = tension / 4
     found = predicted / (1 + hertz_tension_asymptote_error(1.0, predicted))
     assert found == pytest.approx(exact, abs=0.005)
+
+
+@pytest.mark.parametrize("profile", [HERTZ, WEDGE, ROUNDED])
+def test_without_tension_the_mixed_error_is_that_of_shear(profile: Profile) -> None:
+    d = np.array([0.0, 0.01, 0.05])
+    found = mixed_asymptote_error(profile, 0.5, d, 0.0)
+    assert found == pytest.approx(asymptote_error(profile, 0.5, d), abs=1e-14)
+
+
+@pytest.mark.parametrize("share", [-0.5, 0.2, 0.5])
+def test_a_little_tension_moves_the_stick_zone_of_a_cylinder(share: float) -> None:
+    # Nowell and Hills 1987: half-width a sqrt(1 - Q/(f P)), moved by a sigma/(4 f p0).
+    a, d = 3.0, np.array([0.01, 0.2, 0.5])
+    by_shear, by_tension = (1 - share) * d, share * d
+    exact = a - a * np.sqrt(1 - 2 * by_shear / a) + by_tension
+    found = mixed_asymptote_error(HERTZ, a, d, share)
+    assert found == pytest.approx(d / exact - 1, abs=1e-12)
+
+
+def test_tension_alone_is_met_to_second_order() -> None:
+    d = np.array([0.01, 0.1])
+    difference = mixed_asymptote_error(HERTZ, 1.0, d, 1.0) - hertz_tension_asymptote_error(1.0, d)
+    # Beyond the first term, about d/4, is another d^2/16.
+    assert difference == pytest.approx(-(d**2) / 16, rel=0.05)
+
+
+def test_the_mixed_error_is_unknown_where_the_contact_slides() -> None:
+    assert np.isnan(mixed_asymptote_error(HERTZ, 1.0, 0.7, 0.2))
+    assert mixed_asymptote_error(HERTZ, 1.0, 0.0, 0.5) == 0.0
 
 
 def test_tension_makes_the_prediction_long() -> None:

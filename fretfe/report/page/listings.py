@@ -7,13 +7,18 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rich import box
+from rich.console import Console
 from rich.markup import escape
+from rich.measure import Measurement
 from rich.table import Table
 
 if TYPE_CHECKING:
     from fretfe.backends import Installed
     from fretfe.case import Case
     from fretfe.geometry.templates import Parameter, Template
+
+# Characters in a line of a table, more than any has.
+WIDEST = 1000
 
 
 def plain_table(title: str, headers: tuple[str, ...], text: int) -> Table:
@@ -24,6 +29,13 @@ def plain_table(title: str, headers: tuple[str, ...], text: int) -> Table:
     for place, header in enumerate(headers):
         table.add_column(header, justify="left" if place < text else "right", no_wrap=True)
     return table
+
+
+def print_whole(table: Table) -> None:
+    """Print a table as wide as it is: a narrow terminal wraps lines rather than cuts numbers."""
+    console = Console()
+    width = Measurement.get(console, console.options.update(max_width=WIDEST), table).maximum
+    Console(width=max(width, console.width)).print(table)
 
 
 def backend_table(backends: tuple[Installed, ...], case: Case | None) -> Table:
