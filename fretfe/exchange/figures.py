@@ -98,6 +98,10 @@ def _draw_differences(
                 ms=4.5, capsize=3, color=BLUE if pair.agrees is not False else VERMILLION,
             )  # fmt: skip
     panel.set_xlabel(f"{title} [%]")
+    if not any(np.isfinite(pair.difference) for pair in pairs):
+        panel.text(
+            0.5, 0.5, "not known", transform=panel.transAxes, ha="center", backgroundcolor="w"
+        )
     # Equal results are a point in the middle, not an axis of round-off.
     reach = max(0.1, *(abs(each) for each in panel.get_xlim()))
     panel.set_xlim(-reach, reach)
