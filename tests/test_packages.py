@@ -122,7 +122,8 @@ def test_wheel_has_the_package_and_no_more(wheel_files: set[str]) -> None:
     assert extension == "fretfe/_core/_kernels.abi3.so"
     python = {name for name in sources(Path("fretfe")) if not name.endswith((".cpp", ".hpp"))}
     templates = {f"fretfe/{name}" for name in sources(Path("meshes"))}
-    assert package == python | templates | {extension}
+    glossary = "fretfe/report/page/glossary.md"
+    assert package == python | templates | {extension, glossary}
     # The report and a check read these files when they run.
     assert {"fretfe/report/page/report.css", "fretfe/report/page/report.html.j2"} < package
     assert {"fretfe/meshes/dovetail.geo", "fretfe/quality/verify/sliding_wedge.msh"} < package

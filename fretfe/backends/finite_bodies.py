@@ -35,7 +35,7 @@ def size_limit(contact: str, problem: HalfPlaneProblem) -> ModelLimit:
     """The larger of the errors of K_N and K_T of a contact that the size of the bodies makes."""
     return ModelLimit(
         contact,
-        "error of K_N or ΔK_T because the bodies are no half-planes",
+        "error of K_N or ΔK_T because the bodies are not half-planes",
         max(problem.k_n_error, problem.k_t_error),
         LARGEST_SIZE_ERROR,
         "the bodies are too low or too narrow for the width of the contact; use the backend 'fem'",

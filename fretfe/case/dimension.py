@@ -62,8 +62,8 @@ def _plane_only(case: Case) -> Iterator[Problem]:
     if case.edges.tolerance is not None:
         yield Problem(
             ("edges", "tolerance"),
-            "expected a plane mesh: one of solids does not refine itself; leave the tolerance out "
-            "and set the element sizes of the geometry",
+            "expected a plane mesh, because a mesh of solids cannot be refined here; leave the "
+            "tolerance out and set the element sizes of the geometry",
         )
 
 

@@ -89,7 +89,7 @@ class CsvPoints(Table):
     )
     repeat: Count = Field(
         default=1,
-        description="How often the rows of the file follow one another; >= 1. More than once the "
+        description="How often the rows of the file are run through; >= 1. More than once the "
         "first and the last value must be the same.",
     )
     separator: Literal[",", ";", "tab", "space"] | None = Field(

@@ -35,12 +35,15 @@ class Case(Table):
     bodies: dict[Name, Body] = Field(
         min_length=2, description="Bodies; the key is the physical surface group of the mesh."
     )
-    contacts: dict[Name, Contact] = Field(min_length=1, description="Contacts, by a name of yours.")
+    contacts: dict[Name, Contact] = Field(
+        min_length=1, description="Contacts, by names that you choose."
+    )
     supports: dict[Name, Support] = Field(
-        default={}, description="Held boundaries, by a name of yours."
+        default={}, description="Held boundaries, by names that you choose."
     )
     loads: dict[Name, AnyLoad] = Field(
-        default={}, description="Loads, by a name of yours; each is one channel with one history."
+        default={},
+        description="Loads, by names that you choose; each is one channel with one history.",
     )
     cycle: Cycle = Field(
         default=Cycle(),
@@ -51,7 +54,9 @@ class Case(Table):
         description="Accuracy of the edge factors; without a tolerance the mesh is that of the "
         "geometry.",
     )
-    output: Output = Field(default=Output(), description="What is written besides the results.")
+    output: Output = Field(
+        default=Output(), description="What is written in addition to the results."
+    )
 
     _source: Path = PrivateAttr(default=Path("case.toml"))
     _trust_geo: bool = PrivateAttr(default=False)

@@ -110,7 +110,7 @@ class Geometry(Table):
         default={},
         description="What the names of boundaries stand for in a CAD, XDMF or .inp file.",
     )
-    solid: Solid | None = Field(default=None, description="Extrude plane bodies to solid ones.")
+    solid: Solid | None = Field(default=None, description="Extrude plane bodies into solids.")
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -196,13 +196,14 @@ class Edges(Table):
     )
     unknowns: Count = Field(
         default=200_000,
-        description="Displacements of the largest mesh that is solved; refinement ends there.",
+        description="Number of displacements of the largest mesh that is solved; refinement ends "
+        "there.",
     )
     stations: int = Field(
         default=STATIONS,
         ge=8,
         le=1000,
-        description="Stations of each contact front of solids, at an even spacing.",
+        description="Number of stations, evenly spaced, on each contact front of solids.",
     )
 
 

@@ -17,7 +17,7 @@ EXAMPLES = examples("fretfe backends", "fretfe backends pad.toml")
 def backends(
     case: Annotated[
         Path | None,
-        typer.Argument(metavar="CASE", help="Say which backends can solve this one."),
+        typer.Argument(metavar="CASE", help="Say which backends can solve this case."),
     ] = None,
 ) -> None:
     """List the installed backends, and why one cannot be used."""

@@ -28,7 +28,7 @@ def compare(
         Path, typer.Argument(metavar="DIR1", help="Folder with results.", show_default=False)
     ],
     second: Annotated[
-        Path, typer.Argument(metavar="DIR2", help="Folder with others.", show_default=False)
+        Path, typer.Argument(metavar="DIR2", help="Folder with other results.", show_default=False)
     ],
     output: Annotated[
         Path | None,

@@ -18,7 +18,7 @@ Overrides = Annotated[
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
-        help="Value in place of that of the case file; can be given several times.",
+        help="Replace a value of the case file; can be given several times.",
         show_default=False,
     ),
 ]
@@ -27,9 +27,9 @@ Backend = Annotated[
 ]
 Resume = Annotated[
     bool,
-    typer.Option("--resume", help="Go on with the same run in the folder, if there is one."),
+    typer.Option("--resume", help="Continue the same run in the folder, if there is one."),
 ]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only warnings and errors.")]
 Verbose = Annotated[
     bool, typer.Option("--verbose", "-v", help="Print every step, on terminals too, and timings.")
 ]

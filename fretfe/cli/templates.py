@@ -14,7 +14,9 @@ EXAMPLES = examples("fretfe templates", "fretfe templates dovetail")
 
 
 def templates(
-    name: Annotated[str | None, typer.Argument(help="Template: list its parameters.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(help="Template whose parameters are listed.")
+    ] = None,
 ) -> None:
     """List the geometry templates, or the parameters of one of them."""
     from rich.console import Console

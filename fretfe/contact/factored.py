@@ -139,7 +139,7 @@ class ContactOrder:
             raise ModelError(
                 "expected a compliance of the contact nodes that is positive definite, found that "
                 f"{error}: some nodes of the surface that carries the multipliers face nothing, or "
-                "round-off has eaten the stiffness of a body"
+                "round-off has destroyed the stiffness of a body"
             ) from None
         self.rows = InverseRows(self.inverse, self.motion)
 

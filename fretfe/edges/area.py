@@ -199,8 +199,8 @@ def _warnings(
         )
     if fronts is not None and not fronts:
         yield (
-            "the boundary of the contact area cannot be told at the end of the cycle: K_N, K_T, "
-            "K_S and slip zones are unknown; they take ten elements over the width of the contact"
+            "the boundary of the contact area cannot be found at the end of the cycle: K_N, K_T, "
+            "K_S and slip zones are unknown; they need ten elements over the width of the contact"
         )
     at_border = np.flatnonzero(closed & _border(contact))
     if len(at_border):

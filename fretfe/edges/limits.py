@@ -92,7 +92,7 @@ def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:
         "sliding over the width of the contact",
         extent.sliding / extent.width,
         LARGEST_SLIDING,
-        "points are paired where they are before deformation, which is no longer a good pairing; "
+        "points are paired in the undeformed position, which is no longer a good pairing; "
         "use smaller loads or more friction, or a code for large sliding",
     )
     modulus = min(

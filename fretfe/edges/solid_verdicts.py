@@ -46,8 +46,8 @@ def judge(station: SolidStation, zone: SlipZone) -> Verdict:
     if expected > LARGEST_ERROR:
         return Verdict(
             OUTSIDE,
-            f"the zone is {expected:.0%} of the length over which the edge makes the pressure, "
-            f"more than {LARGEST_ERROR:.0%}: the formulas say only how long it is about",
+            f"the zone is {expected:.0%} of the length over which the edge determines the "
+            f"pressure, more than {LARGEST_ERROR:.0%}: the formulas say only about how long it is",
         )
     relative = math.hypot(
         station.k_n_spread[zone.end] / station.k_n[zone.end],
@@ -70,9 +70,12 @@ def judge(station: SolidStation, zone: SlipZone) -> Verdict:
 def _excuse(station: SolidStation, zone: SlipZone) -> tuple[str, str]:
     """Why there is nothing to compare, as a word and a reason; two empty texts if there is."""
     if station.end:
-        return END, "within a local length of a free end of the front, where fields are others"
+        return (
+            END,
+            "within a local length of a free end, where the fields are not those of an edge",
+        )
     if zone.gross:
-        return GROSS, "all of the contact slips as far as its middle"
+        return GROSS, "the contact slips as far as its middle"
     if not zone.resolved or (math.isnan(zone.told_length) and zone.length > 0):
         return NOT_RESOLVED, "too few elements over the slip zone"
     if math.isnan(zone.prediction):

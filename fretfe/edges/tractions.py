@@ -139,7 +139,7 @@ def _remarks(x: Array, p: Array, edges: tuple[EdgeAnalysis, ...]) -> tuple[str, 
     if len(patches) > 1:
         remarks.append(
             f"{len(patches)} separate patches are in contact: edges are those of the one that "
-            "carries most force, resultants those of all"
+            "carries the largest force, resultants those of all"
         )
     for edge in edges:
         one, other = edge.slip_from_slip, edge.slip_from_traction

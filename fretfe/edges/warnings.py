@@ -131,7 +131,7 @@ def _surfaces(contact: ContactHistory) -> Iterator[str]:
         if front.from_front(closed)[0]:
             yield (
                 f"the contact reaches the {front.name} end of its surface: extend the physical "
-                "group, the edge there is not that of the contact"
+                "group; the edge found there is not a true contact edge"
             )
 
 

@@ -77,9 +77,9 @@ def imbalance(solution: Solution) -> ConvergenceError | None:
         if ratio[worst] > LARGEST_IMBALANCE:
             return ConvergenceError(
                 f"step {worst}: expected {kind}s that balance on every body, found a sum of "
-                f"{ratio[worst]:.1e} of the largest of them: round-off has eaten the solution. "
-                "Check the stiffnesses of the bodies, which may differ by 1e8 or so at most, and "
-                "the units; all steps are kept, none can be trusted."
+                f"{ratio[worst]:.1e} of the largest of them: round-off has destroyed the solution. "
+                "Check the stiffnesses of the bodies, which may differ by a factor of about 1e8 at "
+                "most, and the units; all steps are kept, but none can be trusted."
             )
     return None
 
@@ -140,7 +140,7 @@ def _balance_limit(solution: Solution, kind: str) -> ModelLimit:
         f"sum of the {kind}s on a body over the largest of them",
         float(_imbalance(solution, kind).max()),
         LARGEST_IMBALANCE,
-        "round-off has eaten the solution",
+        "round-off has destroyed the solution",
     )
 
 
@@ -178,8 +178,8 @@ def _dissimilar(case: Case, history: ContactHistory) -> Iterator[ModelLimit]:
         "Dundurs' beta of the bodies, with friction",
         abs(dissimilarity(*bodies, case.model.plane)),
         SIMILAR,
-        "the tractions of full stick oscillate next to an edge, and K_T, K_I and what follows from "
-        "them neglect that; rely on tractions and slip zones",
+        "the tractions of full stick oscillate next to an edge, which K_T, K_I and what follows "
+        "from them neglect; rely on tractions and slip zones",
     )
 
 
@@ -244,7 +244,7 @@ def _penetration(history: ContactHistory, extent: ContactExtent, deepest: float)
         "penetration of the surfaces where nothing is paired, over the width of the contact",
         deepest / extent.width,
         LARGEST_PENETRATION,
-        "contact is looked for only between places that face each other before deformation, up to "
+        "contact is looked for only between points that face each other before deformation, up to "
         "half the length of the shorter surface apart: put the bodies where they touch, or make a "
         "contact of these parts",
     )

@@ -12,7 +12,7 @@ from fretfe.quality.validate import validate
 from fretfe.quality.validate.report import summary
 
 HALF_WIDTH = 0.5749
-QUANTITY = "error of K_N or ΔK_T because the bodies are no half-planes"
+QUANTITY = "error of K_N or ΔK_T because the bodies are not half-planes"
 # K_N of finite elements with the lower body so many half-widths high, over that of one 42 high.
 K_N_BY_HEIGHT = {3.0: 1.0256}
 

@@ -19,6 +19,7 @@ from stored_runs import REASON, RUNS, edit_numbers, solved, write_many_contacts,
 from fretfe.case import parse_case
 from fretfe.edges.refinement import Pass, Refinement, StationValues
 from fretfe.errors import OutputError
+from fretfe.report.page.glossary import HEADERS, PLANE_TERMS, SOLID_TERMS, TERMS, Glossary
 from fretfe.report.page.html import render, write_report
 from fretfe.results.writer import REPORT, write_results
 
@@ -98,6 +99,23 @@ def test_page_is_one_file_that_loads_nothing(pages: dict[str, str], name: str) -
     assert page.tags.count("table") >= 5
     assert ("gives no tractions along the contact" in pages[name]) == (not arrays)
     assert ("Not all load steps were solved" in pages[name]) == (name == "incomplete")
+
+
+def test_terms_of_the_tables_are_explained_below(pages: dict[str, str]) -> None:
+    text = pages["halfplane"]
+    head, terms = text.split('<h2 id="terms">')
+    links = re.findall(r'class="term" href="#([\w-]+)" title="[^"]{20,}"', head)
+    assert {"term-k_n", "term-k_t", "term-slip-zone", "term-verdict"} <= set(links)
+    assert all(f'<dt id="{link}">' in terms for link in links)
+    assert terms.count("<dd>") == len(TERMS | PLANE_TERMS)
+    # What is left of the links of the documents would lead nowhere.
+    assert not re.search(r"\.md|\]\(|[*`]", terms)
+
+
+def test_terms_are_those_of_the_glossary() -> None:
+    plane, solid = ({term.name for term in Glossary(solid).terms} for solid in (False, True))
+    assert (plane, solid) == (TERMS | PLANE_TERMS, TERMS | SOLID_TERMS)
+    assert set(HEADERS.values()) <= plane | solid
 
 
 def test_answer_comes_first_with_numbers_and_verdicts(pages: dict[str, str]) -> None:

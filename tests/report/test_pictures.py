@@ -91,7 +91,7 @@ def test_captions_tell_states_scale_and_where_colours_end(drawn: Path) -> None:
     bodies, edges, status = (each["caption"] for each in listed(drawn)["pictures"])
     assert "t = 2.25 s and t = 2.75 s" in bodies and "t = 3 s" in edges
     # The initial gap at the edges, a²/2R = 3.3e-3 mm, may overlap by 0.3 % of 6 mm: 6.4 times.
-    assert "displacements drawn 5 times as large" in bodies
+    assert "displacements enlarged 5 times" in bodies
     # √(1 − ν + ν²) (100 + 10 · 3 · 2.75) MPa = 162.2 MPa at x = 3 mm
     assert "The largest stress is 162 MPa" in bodies
     assert "t = 2.25 s and t = 2.75 s" in status

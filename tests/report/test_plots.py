@@ -101,7 +101,7 @@ def test_loop_of_the_boundary_has_the_area_of_the_friction_work(run: Result) -> 
     # Area of this loop, of all loops, friction work: 8 steps for the cycle.
     assert found == pytest.approx([exact] * 3, rel=0.15)
     assert found[0] == found[1]
-    assert "equal but for the size of the load steps" in plot.caption
+    assert "equal up to the size of the load steps" in plot.caption
 
 
 def test_tension_of_round_off_is_not_shown(run: Result) -> None:

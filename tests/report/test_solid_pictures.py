@@ -94,7 +94,7 @@ def test_vectors_along_the_surface_keep_their_lengths() -> None:
 
 def test_a_surface_that_bends_both_ways_is_projected() -> None:
     found = unrolled(sphere(radius=3.0))
-    assert "projected: at its slopes lengths appear up to 29% shorter" in found.how
+    assert "projected: on its slopes lengths appear up to 29% shorter" in found.how
     shape = sphere(radius=3.0)
     np.testing.assert_allclose(found.places, shape.plane * [1, -1], atol=1e-9)
 

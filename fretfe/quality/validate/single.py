@@ -75,7 +75,7 @@ def _contact_rows(contact: ContactSummary) -> Iterator[Row]:
             1 + contact.shear_mismatch,
             1.0,
             SHEAR_AGREEMENT,
-            "no free parameter, but bodies are no half-planes: outside, use K_T as computed",
+            "no free parameter, but the bodies are not half-planes: outside, use K_T as computed",
             "outside",
         )
     yield steady_row(contact.name, contact.cycle_change)
@@ -130,8 +130,8 @@ def _moving_row(name: str, station: Station) -> Row:
     k_n, moved, spread = float(station.k_n[-1]), station.k_n_moved, station.k_n_moved_spread
     if math.isnan(moved):
         reason = (
-            "no two load levels: the edge does not move, or reaches the end of its surface; or the "
-            "bodies are dissimilar and there is friction"
+            "there are no two load levels: the edge does not move, or reaches the end of its "
+            "surface; or the bodies are dissimilar and there is friction"
         )
         return missing(name, side, quantity, reason)
     if spread > LOOSE * moved:
@@ -246,7 +246,7 @@ def asymptote_row(
     longest = max(each.length for each in station.slip_zones[-2:] if not each.gross)
     error = expected_error(station, longest)
     if math.isnan(error):
-        reason = "the error to expect of the formula is not known: the edge does not move"
+        reason = "the expected error of the formula is not known: the edge does not move"
         return missing(name, side, label, reason)
     resolution = BORDER_ELEMENTS * size
     # An estimate of a large error is none: it must not excuse whatever comes out.

@@ -59,7 +59,7 @@ def _front_rows(area: AreaSummary, front: SolidFront) -> Iterator[Row]:
         unknown = np.count_nonzero(np.isnan(values))
         if unknown > (1 - WITHIN) * len(values):
             text = (
-                f"not known to half of itself at {unknown} of {len(values)} stations: take "
+                f"not known to within half of it at {unknown} of {len(values)} stations: take "
                 "smaller elements along the front"
             )
             yield missing(area.name, front.name, quantity, text, "unknown")

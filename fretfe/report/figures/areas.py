@@ -19,9 +19,9 @@ from fretfe.results.model import Result
 
 INTRO = (
     "P is the integral of the pressure, Q that of the shear that body 1 exerts on body 2, in the "
-    "axes of the case. A node counts as a whole for the areas: they grow in steps of an element. "
-    "The largest pressure is a mean around a node; friction work is that of the step to each "
-    "state. Shaded: the evaluated cycle."
+    "axes of the case. Each node counts with its whole area, so the areas grow in steps of an "
+    "element. The largest pressure is a mean around a node; friction work is that of the step to "
+    "each state. Shaded: the evaluated cycle."
 )
 # Of lines that are told apart.
 STYLES = ((BLUE, "-", "o"), (VERMILLION, "--", "s"), (GREEN, ":", "^"))

@@ -18,8 +18,8 @@ from fretfe.report.theme import BLUE, COLOURS, DOUBLE, GREY, VERMILLION
 CLASSES = 32
 INTRO = (
     "Cycles of K_T, or of K_T ∓ f K_I where P varies, counted by the rainflow method (ASTM E1049). "
-    "Above: how often ΔK_T lies in each class; dashed: the worst cycle. Below: K_T at the "
-    "reversals where cycles begin and end; circle: the worst cycle, line: cycles of no "
+    "Above: the number of cycles in each class of ΔK_T; dashed: the worst cycle. Below: K_T at the "
+    "reversals at which cycles begin and end; circle: the worst cycle, line: cycles without a "
     "range. The table has the worst cycle of each edge; cycles.csv has all of them."
 )
 

@@ -27,17 +27,18 @@ DECADES = 4
 # Edges that move by less than this fraction of the half-width stay where they are.
 SMALL_MOVE = 1e-3
 INTRO = (
-    "s is the distance from the edge in the later of two states. All axes are logarithmic, so that "
+    "s is the distance from the edge in the later of two states. All axes are logarithmic, so "
     "asymptotes are straight lines. Above: the pressure and its asymptote K_N √s. Below, positive "
-    "in the sense of ΔK_T: the change of the shear between the two states; the same for a contact "
-    "that is kept from slipping, summed up over the steps like K_T, and its asymptote ΔK_T/√s; and "
-    "the most that friction allows, f times the pressures of both states (of the later one for "
-    "first loading). A contact that slips has no shear like 1/√s: its change follows the stuck one "
-    "far from the edge and the friction bound in the slip zone, which ends where they part."
+    "in the sense of ΔK_T: the change of the shear between the two states; the same in full stick, "
+    "summed over the steps like K_T, and its asymptote ΔK_T/√s; and the most that friction allows, "
+    "f times the sum of the pressures of both states (for first loading, the pressure of the later "
+    "one). In a contact that slips, the shear does not go like 1/√s: its change follows the line "
+    "of full stick far from the edge and the friction bound in the slip zone, which ends where it "
+    "leaves the bound."
 )
 MOVED = (
-    " This edge moves by {:.2g} {} between them: nearer to it than that, asymptotes of one edge "
-    "position do not apply."
+    " This edge moves by {:.2g} {} between them: closer to it than that, the asymptotes for one "
+    "edge position do not apply."
 )
 
 
@@ -146,7 +147,7 @@ def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line:
     stuck = _stuck_change(solution, shown, near)
     if stuck is not None:
         axes.plot(
-            s, _positive(near.sign * stuck[inside]), "-.", color=GREEN, label="the same, kept stuck"
+            s, _positive(near.sign * stuck[inside]), "-.", color=GREEN, label="the same, full stick"
         )
     axes.plot(line, near.range / np.sqrt(line), "--", color=VERMILLION, label="ΔK_T/√s")
     finite = np.concatenate([_positive(change), _positive(bound)])

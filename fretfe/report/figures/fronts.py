@@ -16,10 +16,11 @@ from fretfe.report.theme import BLUE, GREEN, GREY, ORANGE, TRIPLE, VERMILLION
 from fretfe.results.model import Result
 
 INTRO = (
-    "Stations along the boundary of the contact area, by their distance along it. K_N is that of "
+    "Stations along the boundary of the contact area, over their distance along it. K_N is that of "
     "the last state; ΔK_T, ΔK_S and their vector sum |ΔK| are ranges over the evaluated cycle. "
-    "Bars are meant to hold the truth with 95 %. d is the width of the slip zone, inward, in the "
-    "last half cycle, and what K_N and |ΔK| predict for it. Grey: stations too near a free end."
+    "Error bars are meant to contain the true value with a probability of 95 %. d is the width of "
+    "the slip zone, inward, in the last half cycle, as found and as predicted by K_N and |ΔK|. "
+    "Grey: stations too near a free end."
 )
 
 
@@ -57,19 +58,19 @@ def front_plot(run: Result, area: AreaSummary, front: SolidFront, key: str) -> P
 def _closure(found: Closure) -> str:
     """The factors against those of half-spaces, in words; empty if there is nothing to tell."""
     ratios = {
-        "K_T and K_S by Q": found.shear,
-        "K_S by torsion": found.twist,
-        "K_I by P": found.normal,
-        "K_N by dP/da": found.pressure,
+        "K_T and K_S due to Q": found.shear,
+        "K_S due to torsion": found.twist,
+        "K_I due to P": found.normal,
+        "K_N from dP/da": found.pressure,
     }
     told = [f"{name} {ratio:.3f}" for name, ratio in ratios.items() if np.isfinite(ratio)]
     if not told:
         return ""
     axes = " and ".join(number(float(each)) for each in found.half_axes)
     return (
-        f"Factors over those of half-spaces with an elliptic contact, half axes {axes}, under the "
-        f"forces of this one, on average along the front: {', '.join(told)}. Bodies of finite size "
-        "differ from 1 by some per cent."
+        f"Factors over those of half-spaces with an elliptical contact, half-axes {axes}, under "
+        f"the same forces, on average along the front: {', '.join(told)}. For bodies of finite "
+        "size the ratios differ from 1 by some per cent."
     )
 
 

@@ -29,16 +29,17 @@ from fretfe.report.theme import (
 from fretfe.results.model import Result
 
 FACTORS_INTRO = (
-    "K_T belongs to the shear and is positive if that on body 2 points inward; K_I belongs to the "
-    "changes of the pressure. Both are summed up from the first state, as if nothing slipped. "
-    "While the contact grows much the sums are not the factors of its edge. Shaded: the evaluated "
+    "K_T belongs to the shear and is positive if the shear on body 2 points inward; K_I belongs to "
+    "the changes of the pressure. Both are summed from the first state, as if nothing slipped. "
+    "While the contact grows much, the sums are not the factors of its edge. Shaded: the evaluated "
     "cycle."
 )
 LOADS_INTRO = (
     "Shaded: the evaluated cycle. Load paths are those of the resultants P and Q of each contact, "
-    "thick in the evaluated cycle, or everywhere without one, whose first state is the dot; on the "
-    "dotted lines |Q| = f P the whole contact slides. σ0 is shown where it varies: the tension "
-    "that gives half-planes the same mean of K_T over the two edges, counted from the first state."
+    "thick in the evaluated cycle (or everywhere if there is none), with a dot at its first state. "
+    "On the dotted lines |Q| = f P the whole contact slides. σ0 is shown if it varies: it is the "
+    "tension that gives half-planes the same mean of K_T over the two edges, counted from the "
+    "first state."
 )
 # A tension that varies by less than this fraction of what matters is constant.
 CONSTANT = 1e-3
@@ -48,7 +49,7 @@ def load_plot(run: Result) -> Plot | None:
     """All loads over time, one panel each; None without loads."""
     if not run.loads.channels:
         return None
-    caption = "As the case prescribes them; each dot is a load step."
+    caption = "As prescribed in the case; each dot is a load step."
     height = LOAD * (len(run.loads.channels) + 0.4)
     return make_plot(
         "loads", "Loads", caption, height, lambda figure: _draw_loads(figure, run.case, run.loads)

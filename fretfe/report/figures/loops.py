@@ -27,12 +27,12 @@ from fretfe.results.states import blocks
 INTRO = (
     "Contacts: the shear force over the displacement of body 1 relative to body 2, as a mean over "
     "the nodes that stay in contact; the area is the friction work only if all nodes slip alike. "
-    "Boundaries that are driven: the force per unit thickness over the displacement, and to the "
-    "right the same without the part of the displacement that goes with the force; that leaves the "
-    "area as it is, the work that is done in the cycle."
+    "Driven boundaries: the force per unit thickness over the displacement, and to the right the "
+    "same without the part of the displacement that is proportional to the force. This does not "
+    "change the area, which is the work done in the cycle."
 )
 SOLID_INTRO = INTRO.replace(" per unit thickness", "").replace("the shear force", "Q")
-WORST = "Shown is the worst counted cycle alone, without smaller ones on its way."
+WORST = "Only the worst counted cycle is shown, without the smaller cycles within it."
 # A boundary whose force times displacement is below this fraction of the largest does no work.
 NO_WORK = 1e-6
 ROUND_OFF = 1e-9
@@ -147,7 +147,7 @@ def _balance(run: Result, solution: Solution, total: float) -> str:
     ]
     if others:
         return f"{text} They differ by the work of {', '.join(others)}."
-    return f"{text} In a steady cycle they are equal but for the size of the load steps."
+    return f"{text} In a steady cycle they are equal up to the size of the load steps."
 
 
 def _work_loop(

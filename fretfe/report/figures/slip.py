@@ -33,16 +33,16 @@ ZONES, NARROWEST = 2.5, 0.02
 MOST_ROWS, MOST_ZONES = 1500, 50
 INTRO = (
     "Each row is a load step. Body 1 slips over body 2 towards larger x where q > 0, towards "
-    "smaller x where q < 0. Lines: the contact edges. Above: the whole contact and history, the "
-    "evaluated cycle between dashed lines. Below: the two edges in the evaluated cycle, or in the "
-    "whole history without one; circles mark the inner ends of the slip zones that were found, "
-    "crosses those that were predicted. A row in which the load turns round may show slip beyond "
-    "the circle that is too small to count."
+    "smaller x where q < 0. Lines: the contact edges. Above: the whole contact and history, with "
+    "the evaluated cycle between dashed lines. Below: the two edges in the evaluated cycle, or in "
+    "the whole history if there is none; circles mark the inner ends of the slip zones found, "
+    "crosses those predicted. A row in which the load reverses may show slip beyond the circle; it "
+    "is too small to count."
 )
 ENVELOPE_INTRO = (
-    " Where loads are irregular, below: how far each place slips to and fro in the evaluated "
-    "cycle, or in the whole history without one; grey: it sticks at all times. Circles and crosses "
-    "belong to the worst counted cycle."
+    " If loads are irregular, the lower panels show how far each point slips to and fro in the "
+    "evaluated cycle, or in the whole history if there is none; grey: points that stick at all "
+    "times. Circles and crosses belong to the worst counted cycle."
 )
 
 

@@ -24,7 +24,7 @@ def iteration_plot(solution: Solution) -> Plot:
     text = "once" if slow == 1 else f"{slow} times" if slow else "nowhere"
     caption = (
         f"{int(solution.iterations.sum())} iterations in {len(solution.times) - 1} steps. "
-        f"{cut or 'No'} step{'' if cut == 1 else 's'} had to be cut into parts; the slow method "
+        f"{cut or 'No'} step{'' if cut == 1 else 's'} had to be divided; the slow method "
         f"was needed {text}."
     )
     return make_plot(
@@ -42,7 +42,7 @@ def _iterations(figure: Figure, solution: Solution) -> None:
     else:
         axes.plot(steps[shown], iterations, lw=0.8, color=BLUE, label=label)
     for values, mark, colour, label in (
-        (np.where(solution.parts > 1, solution.parts, 0), "s", ORANGE, "parts of a cut step"),
+        (np.where(solution.parts > 1, solution.parts, 0), "s", ORANGE, "parts of a divided step"),
         (solution.fallbacks, "x", VERMILLION, "fallbacks"),
     ):
         there = np.flatnonzero(values[1:] > 0)
@@ -77,7 +77,7 @@ def certificate_plot(solution: Solution) -> Plot | None:
         "certificate",
         "Certificate of each step",
         "The largest violation of a contact condition over its scale, and the largest sum of all "
-        "forces on a body over the largest force. Zeros are not drawn. They say that the discrete "
+        "forces on a body over the largest force. Zeros are not drawn. They show that the discrete "
         "equations are solved, not that the mesh is fine enough.",
         LOW,
         draw,

@@ -18,10 +18,10 @@ from fretfe.report.theme import BLUE, GREY, SINGLE, STYLE, VERMILLION, WIDTH
 from fretfe.results.solution import ContactHistory, Solution
 
 INTRO = (
-    "Means around each node. Dotted: pressure p; dashed, shaded between: friction bound ±f p; "
-    "full: shear q on body 2. Where the full line lies on the dashed one the contact slips or has "
-    "just slipped. The two states are the extremes of the load: largest and smallest K_T, at the "
-    "edge where it varies most, in the evaluated cycle or in the whole history without one."
+    "Means around each node. Dotted: pressure p; dashed, with shading between: friction bound ±f "
+    "p; solid: shear q on body 2. Where the solid line lies on the dashed one, the contact slips "
+    "or has just slipped. The two states are the load extremes: largest and smallest K_T at the "
+    "edge where it varies most, in the evaluated cycle or, if there is none, in the whole history."
 )
 
 

@@ -105,7 +105,7 @@ def _solid_text(run: Result) -> str:
     """Fronts and the verdicts on the last slip zones of their stations."""
     fronts = [front for area in run.areas for front in area.fronts]
     if not fronts:
-        return "No boundary of a contact area could be told: there are no edge factors."
+        return "No boundary of a contact area could be found: there are no edge factors."
     stations = [station for front in fronts for station in front.stations]
     words = Counter(
         judge(station, station.slip_zones[-1]).word for station in stations if station.slip_zones
@@ -116,8 +116,8 @@ def _solid_text(run: Result) -> str:
     agreeing, all_words = words.pop(AGREES, 0), words.total()
     others = ", ".join(f"{count} {word}" for word, count in words.items())
     return (
-        f"{text}stations. At {agreeing} of {agreeing + all_words} the last slip zone that was "
-        "found agrees with the one that the edge factors predict"
+        f"{text}stations. At {agreeing} of {agreeing + all_words} the last slip zone found "
+        "agrees with the one predicted by the edge factors"
         f"{f' ({others})' if others else ''}."
     )
 
@@ -133,7 +133,7 @@ def _zone_text(answers: tuple[EdgeAnswer, ...], irregular: bool) -> str:
         which = f"{agreeing + zones} half cycles of the worst counted cycles"
     return (
         f"{len(answers)} contact edges. In {agreeing} of the {which} "
-        "the slip zone that was found agrees with the one that the edge factors predict"
+        "the slip zone found agrees with the one predicted by the edge factors"
         f"{f' ({others})' if others else ''}."
     )
 

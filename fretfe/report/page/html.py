@@ -18,6 +18,7 @@ from fretfe.quality.validate.single import own_rows
 from fretfe.report.page.answer import edge_answers, summary
 from fretfe.report.page.cycle_table import cycle_table
 from fretfe.report.page.front_table import front_table
+from fretfe.report.page.glossary import Glossary, subscripts
 from fretfe.report.page.sections import Plots, draw_plots
 from fretfe.report.page.tables import (
     area_table,
@@ -77,7 +78,9 @@ def render(directory: Path, plots: Plots | None = None) -> str:
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    glossary = Glossary(solid=bool(run.areas))
     environment.filters.update(svg=Markup, number=number, grid=_grid)
+    environment.filters.update(linked=glossary.linked, subscripts=subscripts)
     package = files("fretfe.report.page")
     template = environment.from_string(package.joinpath(TEMPLATE).read_text(encoding="utf-8"))
     answers = edge_answers(run)
@@ -103,6 +106,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         meshes=_mesh_tables(run),
         timings=timing_table(run.seconds),
         case_text=_case_text(run),
+        terms=glossary.terms,
     )
 
 

@@ -300,15 +300,15 @@ def _draw_axes(panel: Axes, view: View) -> None:
 def bodies_caption(source: Fields, states: Sequence[int], look: Look) -> str:
     """Caption of the picture of `draw_bodies`."""
     times = " and ".join(when(source.run, state) for state in states)
-    drawn = f"drawn {look.scale:g} times as large" if look.scale > 1 else "as they are"
+    drawn = f"enlarged {look.scale:g} times" if look.scale > 1 else "in true size"
     units = source.run.case.units
     cut = look.views[1]
     assert cut.cut is not None
     place = ", ".join(number(float(value) + 0.0) for value in cut.centre)
     ends = (
-        f"Colours end at {rounded(look.limit)} {units.stress}, which {BODIES_PERCENTAGE:g} % of "
-        f"the volume around the contact stay below; the largest value in an element is "
-        f"{rounded(look.largest)} {units.stress}."
+        f"Colours end at {rounded(look.limit)} {units.stress}, which is not exceeded in "
+        f"{BODIES_PERCENTAGE:g} % of the volume around the contact; the largest value in an "
+        f"element is {rounded(look.largest)} {units.stress}."
     )
     return (
         f"Von Mises equivalent stress of the bodies at {times}; displacements {drawn}. Below: cut "

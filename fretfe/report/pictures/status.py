@@ -60,7 +60,8 @@ def draw_status(run: Result, contacts: Sequence[str], states: Sequence[int]) -> 
     return figure, (
         f"Status of the contacts in the steps that end at {times}, drawn on the bodies before "
         "deformation: wide and light where they slip, narrow and dark where they stick, dotted "
-        "where they are open. Each panel is turned into the frame of its contact, body 2 below."
+        "where they are open. Each panel is turned into the frame of its contact, with body 2 "
+        "below."
     )
 
 

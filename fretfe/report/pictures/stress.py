@@ -116,7 +116,7 @@ def add_bar(figure: Figure, axes: Sequence[Axes], limit: float, unit: str) -> No
 def bodies_caption(source: Fields, states: Sequence[int], look: Look) -> str:
     """Caption of the picture of `draw_bodies`."""
     times = " and ".join(when(source.run, state) for state in states)
-    drawn = f"drawn {look.scale:g} times as large" if look.scale > 1 else "as they are"
+    drawn = f"enlarged {look.scale:g} times" if look.scale > 1 else "in true size"
     return (
         f"Von Mises equivalent stress of the bodies at {times}; displacements {drawn}, dotted: "
         f"before deformation. {_colour_text(source, look.limit, look.largest, BODIES_PERCENTAGE)}"
@@ -149,9 +149,9 @@ def draw_edges(source: Fields, state: int, edges: Sequence[EdgePlace]) -> tuple[
     scene.close()
     return figure, (
         f"Von Mises equivalent stress and elements around the contact edges at "
-        f"{when(run, state)}, displacements as they are. Each panel is turned into the frame of "
-        "its contact, body 2 below; its origin is the edge, on both bodies: a sliding of a whole "
-        "body along x is left out. "
+        f"{when(run, state)}, displacements in true size. Each panel is turned into the frame of "
+        "its contact, with body 2 below; its origin is the edge, on both bodies, so sliding of a "
+        "whole body along x is not visible. "
         f"{_colour_text(source, limit, largest, EDGES_PERCENTAGE)}"
     )
 
@@ -171,8 +171,8 @@ def _colour_text(source: Fields, limit: float, largest: float, percentage: float
     if largest <= limit:
         return f"The largest stress is {rounded(largest)} {unit}."
     return (
-        f"Colours end at {rounded(limit)} {unit}, which {percentage:g} % of the area shown stay "
-        f"below; the largest value in an element is {rounded(largest)} {unit}."
+        f"Colours end at {rounded(limit)} {unit}, which is not exceeded in {percentage:g} % of the "
+        f"area shown; the largest value in an element is {rounded(largest)} {unit}."
     )
 
 

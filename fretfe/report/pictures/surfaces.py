@@ -264,6 +264,6 @@ def reading(sheet: Sheet) -> str:
     )
     return (
         f"The surface is seen from outside body 2, {plane.how}; in its middle, at ({middle}) "
-        f"{units.length}, {axes}.{stretched}{arrows} Full line: edge of the contact; dashed: edge "
-        "of its part that sticks."
+        f"{units.length}, {axes}.{stretched}{arrows} Solid line: border of the contact; dashed: "
+        "border of its part that sticks."
     )

@@ -97,7 +97,7 @@ def unroll(contact: ContactHistory) -> Unrolled:
 
 def _projected(flattest: float) -> str:
     shorter = "much" if flattest < STEEPEST else f"up to {1 - flattest:.0%}"
-    return f"bent about two directions, projected: at its slopes lengths appear {shorter} shorter"
+    return f"curved in two directions and projected: on its slopes lengths appear {shorter} shorter"
 
 
 def _axis(normals: Array, shares: Array) -> tuple[Array, float]:
