@@ -21,6 +21,9 @@ from fretfe.report.page.listings import plain_table
 from fretfe.report.texts import number, percent, with_error
 from fretfe.results.reader import load_result
 
+# Wide enough for all columns: a narrow terminal wraps lines rather than cuts numbers.
+NARROWEST = 116
+
 
 def report_match(
     directory: Path, edge: str, rig: Path, output: Path, against: tuple[Path, ...]
@@ -36,7 +39,7 @@ def report_match(
     match = match_test(load_result(directory), edge, load_rig(rig))
     tests = [(str(folder), load_result(folder)) for folder in against]
     comparison = compare_tests(match, tests) if tests else None
-    console = Console()
+    console = Console(width=max(Console().width, NARROWEST))
     for text in match.notes:
         console.print(f"note: {text}", highlight=False, soft_wrap=True)
     if comparison is None and not any(each.choices for each in match.shapes):
