@@ -126,9 +126,29 @@ def test_a_listing_leads_nowhere_else(run: Path, tmp_path: Path) -> None:
     outside.write_text("mine")
     folder = tmp_path / "tables"
     folder.mkdir()
-    (folder / "columns.csv").write_text("file\n../outside.csv\n")
+    (folder / "columns.csv").write_text("file,header,column,unit,meaning\n../outside.csv,,,,\n")
     fretfe.export(fretfe.load_result(run), folder)
     assert outside.read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["loads.csv", "columns.csv"])
+def test_files_of_others_are_not_replaced(run: Path, tmp_path: Path, name: str) -> None:
+    """`-o .` beside a case whose loads are in loads.csv; not a list of ours, and no text."""
+    own = tmp_path / name
+    own.write_bytes("Lastfälle,t\n".encode("latin-1"))
+    with pytest.raises(
+        CaseError, match=rf"{name}: expected .* export, found something else|others"
+    ):
+        fretfe.export(fretfe.load_result(run), tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+    assert own.read_bytes().startswith(b"Lastf\xe4lle")
+
+
+def test_an_export_that_was_cut_off_is_done_again(run: Path, tmp_path: Path) -> None:
+    result = fretfe.load_result(run)
+    fretfe.export(result, tmp_path)
+    (tmp_path / "factors.csv").unlink()
+    assert len(fretfe.export(result, tmp_path)) == 7
 
 
 def test_solids(tmp_path: Path) -> None:
@@ -166,5 +186,9 @@ def test_mistakes(run: Path, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="expected a folder that files can be written to"):
         fretfe.export(result, tmp_path / "file")
+    done = command("export", run, "-o", "x" * 5000)
+    assert done.returncode == 6 and "File name too long" in done.stderr
+    done = command("export", tmp_path / "file", "-o", tmp_path / "out")
+    assert done.returncode == 6 and "cannot be opened (Not a directory)" in done.stderr
     done = command("export", tmp_path / "none", "-o", tmp_path / "out")
     assert done.returncode == 6 and "expected a folder with the results" in done.stderr

@@ -34,7 +34,7 @@ from fretfe.errors import CaseError, FretfeError, ModelError
 from fretfe.matching.agreement import compare_edges
 from fretfe.matching.casefile import case_tables
 from fretfe.matching.corrected import corrected
-from fretfe.matching.match import Match, match_test
+from fretfe.matching.match import Match, compare_tests, match_test
 from fretfe.matching.pads import Factors, PadTest, closed_form, pad_test
 from fretfe.matching.rig import parse_rig
 from fretfe.matching.target import read_target
@@ -272,11 +272,37 @@ def test_other_friction_or_units_are_refused(exact: Result) -> None:
 
 
 @pytest.mark.parametrize(
+    ("tables", "text"),
+    [
+        ({"units": {"length": "m"}}, "test: units.length: expected 'mm' as in the component"),
+        ({"contacts": {"main": {**PAD["contacts"]["main"], "friction": 0.3}}},
+         "test: friction: expected 0.4 as in the component, found 0.3"),
+    ],
+    ids=["units", "friction"],
+)  # fmt: skip
+def test_tests_of_other_friction_or_units_are_refused(
+    solved: Result, tables: dict[str, Any], text: str
+) -> None:
+    test = replace(solved, case=parse_case({**case().model_dump(exclude_unset=True), **tables}))
+    with pytest.raises(FretfeError, match=text):
+        compare_tests(match_test(solved, "main.left", rig()), [("test", test)])
+
+
+def test_a_flat_beyond_numbers_is_no_test(exact: Result) -> None:
+    """The contact would end a micrometre beyond a flat of 10^30."""
+    flat = {"shapes": ["flat_rounded"], "radius": [50.0, 50.0], "flat_half_width": [1e30, 1e30]}
+    (shape,) = match_test(exact, "main.left", rig(pad=flat)).shapes
+    (reason,) = shape.infeasible
+    assert not shape.choices and "too little beside 1e+30 for numbers to tell" in reason
+
+
+@pytest.mark.parametrize(
     ("table", "key", "value", "text"),
     [
         ("pad", "radius", [50.0, 10.0], "pad.radius: expected the smaller bound first"),
         ("pad", "radius", None, "pad: expected 'radius' for the shape 'cylinder', found none"),
         ("pad", "radios", [1.0, 2.0], "pad.radios: unknown key; did you mean 'radius'?"),
+        ("pad", "angle", [1.0, 100.0], "pad.angle[item 2]: expected a number <= 20, found 100"),
         ("pad", "shapes", ["ball"], "pad.shapes[item 1]: expected"),
         ("forces", "normal", [0.0, 1.0], "forces.normal[item 1]: expected a number > 0"),
         ("specimen", "thickness", "thick", "specimen.thickness: expected a number"),

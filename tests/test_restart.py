@@ -173,6 +173,24 @@ def test_a_sweep_goes_on_after_what_is_solved(tmp_path: Path) -> None:
         assert float(row["k_n"]) == pytest.approx(edge["k_n"], rel=1e-12)
 
 
+def test_a_solved_case_that_was_changed_is_solved_again(tmp_path: Path) -> None:
+    vary = {FRICTION: [0.3, 0.4]}
+    before = RUNNER.sweep(CASE, vary, tmp_path)
+    path = tmp_path / "variants.jsonl"
+    first, second = path.read_bytes().splitlines()
+    place = second.index(b'"k_n": ') + 8
+    changed_line = second[:place] + bytes([second[place] ^ 1]) + second[place + 1 :]
+    path.write_bytes(first + b"\n" + changed_line + b"\n\xff\n")
+    mark = json.loads((tmp_path / "run.json").read_text())
+    (tmp_path / "run.json").write_text(json.dumps({**mark, "complete": False}))
+    told = Told()
+    after = RUNNER.sweep(CASE, vary, tmp_path, told, resume=True)
+    # The first case is known.
+    assert len(told.steps) == 20
+    pairs = zip(before.records(), after.records(), strict=True)
+    assert all(one["k_n"] == other["k_n"] for one, other in pairs)
+
+
 def test_the_table_of_a_sweep_grows(tmp_path: Path) -> None:
     lines: list[int] = []
 

@@ -18,6 +18,7 @@ import fretfe
 from fretfe.edges.area import AreaSummary
 from fretfe.errors import CaseError, OutputError
 from fretfe.results.contact_file import SURFACES
+from fretfe.results.field_file import FIELDS, FieldReader
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory
@@ -132,6 +133,38 @@ def test_dataset_has_vectors_and_places(result: Result) -> None:
 
 def surfaces(folder: Path) -> h5py.File:
     return h5py.File(folder / SURFACES, "r")
+
+
+def flip(path: Path, table: str) -> None:
+    """Change a bit of the first chunk of a data set of a grid."""
+    with h5py.File(path, "r") as file:
+        chunk = file[f"VTKHDF/{table}"].id.get_chunk_info(0)
+    data = bytearray(path.read_bytes())
+    data[chunk.byte_offset + chunk.size // 2] ^= 1
+    path.write_bytes(data)
+
+
+def test_changed_fields_are_told(tmp_path: Path) -> None:
+    path = write_solid(tmp_path) / FIELDS
+    whole = path.read_bytes()
+    flip(path, "PointData/stress")
+    reader = FieldReader(path)
+    assert reader.values("displacement", "upper", 0).shape[-1] == 3
+    with pytest.raises(OutputError, match=r"fields\.hdf: cannot read PointData/stress: damaged v"):
+        reader.values("stress", "upper", 0)
+    path.write_bytes(whole)
+    flip(path, "Steps/Values")
+    with pytest.raises(OutputError, match=r"fields\.hdf: expected fields of a run, found: damaged"):
+        FieldReader(path)
+
+
+@pytest.mark.parametrize("table", ["Points", "PointData/pressure", "Steps/Values", "Offsets"])
+def test_changed_surfaces_are_told(folder: Path, tmp_path: Path, table: str) -> None:
+    path = tmp_path / SURFACES
+    path.write_bytes((folder / SURFACES).read_bytes())
+    flip(path, table)
+    with surfaces(tmp_path) as file, pytest.raises(OSError, match="filter returned failure"):
+        file[f"VTKHDF/{table}"][:]
 
 
 def test_surfaces_have_all_contacts_and_kept_states(result: Result, folder: Path) -> None:

@@ -225,6 +225,16 @@ def test_tests_in_a_row_say_nothing_beside_it(tmp_path: Path) -> None:
     assert reason(path, 1e6).startswith("K_N and the strength there lie outside of the cloud")
 
 
+@pytest.mark.filterwarnings("error")
+def test_equal_lives_show_nothing(tmp_path: Path) -> None:
+    """The scatter of equal lives is zero: a step of the fit overflows."""
+    k_n, ranges, life, _ = made_up()
+    path = write_tests(tmp_path / "tests.csv", k_n, ranges, 0 * life + 1000, ranges < 30)
+    assert (ranges < 30).any()
+    for each in fretfe.strength_map(path, [solved("analytic")], LIFE).margins:
+        assert each.reason and math.isnan(each.margin)
+
+
 def test_lives_must_fall(tmp_path: Path) -> None:
     k_n, ranges, life, runout = made_up()
     path = write_tests(tmp_path / "tests.csv", k_n, 2000 / ranges, life, runout)
@@ -335,6 +345,8 @@ ROW = "1000,40,1e5,0,0.4,210e3,0.3"
         ),
         (HEADER.replace("life", "cycles"), ROW, "line 1: expected a column 'life', found 'k_n', "),
         (HEADER.replace("k_n ", "kn ").replace("dk_t", "kt"), ROW, "expected either k_n and dk_t"),
+        (HEADER.replace("life", "life [1e3]"), ROW, r"'life': expected no unit, found \[1e3\]"),
+        (HEADER.replace("friction", "friction [%]"), ROW, r"'friction': expected no unit, found"),
         (f"{HEADER},k_n_ratio", f"{ROW},1", "expected either k_n and dk_t or .* found both"),
         (HEADER, ROW.replace("1e5", "0"), "line 2, column 'life': expected a number > 0, found 0"),
         (HEADER, ROW.replace("1e5,0", "1e5,2"), "expected 1 for a run-out or 0 for a failure"),

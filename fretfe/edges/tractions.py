@@ -82,6 +82,8 @@ def analyse_tractions(
     check_positive("differences of x", np.diff(x))
     if friction is not None:
         check_positive("friction", friction)
+        if math.isinf(friction):
+            raise ValueError(f"friction must be finite, found {friction:g}")
     p = np.where(p > TRACE * max(p.max(), 0.0), p, 0.0)
     patch = main_patch(x, p)
     left, right = (_edge(x, p, shear, moved, friction, patch, front) for front in PLANE_FRONTS)

@@ -75,6 +75,11 @@ def recognise(path: Path, given: Columns) -> Recognised:
     Raises:
         CaseError: if several columns could be meant.
     """
+    for key, name in vars(given).items():
+        if name == "":
+            raise CaseError(
+                f"{path}: expected the name of a column with --{key}, found an empty one"
+            )
     headers = possible_headers(path)
     found = [each for header in headers if (each := _in_header(path, header, given))]
     if found:

@@ -5,19 +5,22 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fretfe.errors import OutputError
+from fretfe.errors import CaseError, OutputError
 from fretfe.exchange.tables import ExportTable, Row, export_tables
 from fretfe.results.files import disk_reason, replacing
 from fretfe.results.model import Result
 from fretfe.results.writer import prepare_other
 
-# Lists all columns of the other files.
+# Lists all columns of the other files, with these of its own.
 COLUMNS = "columns.csv"
+LISTED = ("file", "header", "column", "unit", "meaning")
+TABLE_NAME = re.compile(r"[a-z]+\.csv")
 
 
 @dataclass(frozen=True)
@@ -39,37 +42,61 @@ def export_result(result: Result, folder: Path) -> tuple[Exported, ...]:
         The files; the last one lists their columns.
 
     Raises:
-        CaseError: if the folder holds results of a run.
+        CaseError: if the folder holds results of a run, or files of others that would be replaced.
         OutputError: if a file cannot be written.
     """
     prepare_other(folder)
     tables = list(export_tables(result))
     try:
-        _remove_earlier(folder)
+        _remove_earlier(folder, [each.file for each in tables])
+        named = ((t.file, h.text, h.name, h.unit, h.meaning) for t in tables for h in t.headings)
+        # First: what was cut off can be exported again.
+        listing = Exported(folder / COLUMNS, _write(folder / COLUMNS, LISTED, named))
         files = [
             Exported(folder / each.file, _write(folder / each.file, _header(each), each.rows))
             for each in tables
         ]
-        named = ((t.file, h.text, h.name, h.unit, h.meaning) for t in tables for h in t.headings)
-        header = ("file", "header", "column", "unit", "meaning")
-        files.append(Exported(folder / COLUMNS, _write(folder / COLUMNS, header, named)))
     except OSError as error:
         raise OutputError(f"{folder}: cannot write the tables: {disk_reason(error)}") from error
-    return tuple(files)
+    return (*files, listing)
 
 
-def _remove_earlier(folder: Path) -> None:
-    """Remove the tables that an earlier export lists: the next one may have others."""
-    listing = folder / COLUMNS
+def _remove_earlier(folder: Path, files: Iterable[str]) -> None:
+    """Remove the tables that an earlier export lists: the next one may have others.
+
+    Raises:
+        CaseError: if one of the files is of somebody else.
+    """
+    listed = _listed(folder / COLUMNS)
+    for name in files:
+        if name not in listed and (folder / name).exists():
+            raise CaseError(
+                f"{folder / name}: expected a folder in which no export would replace files of "
+                f"others, found one that no {COLUMNS} lists"
+            )
+    for name in listed:
+        (folder / name).unlink(missing_ok=True)
+
+
+def _listed(listing: Path) -> set[str]:
+    """The tables that an earlier export lists.
+
+    Raises:
+        CaseError: if no export wrote the list.
+    """
     if not listing.is_file():
-        return
-    with listing.open(encoding="utf-8", newline="") as file:
-        names = {row.get("file") or "" for row in csv.DictReader(file)}
+        return set()
+    try:
+        with listing.open(encoding="utf-8", newline="") as file:
+            header, *rows = csv.reader(file)
+    except (ValueError, csv.Error):
+        header, rows = [], []
+    if tuple(header) != LISTED:
+        raise CaseError(
+            f"{listing}: expected the list of the tables of an earlier export, found something else"
+        )
     # Names only: a listing that somebody has changed must not lead elsewhere.
-    for name in names:
-        if name.endswith(".csv") and Path(name).name == name:
-            (folder / name).unlink(missing_ok=True)
-    listing.unlink()
+    return {row[0] for row in rows if row and TABLE_NAME.fullmatch(row[0])}
 
 
 def _header(table: ExportTable) -> Sequence[str]:

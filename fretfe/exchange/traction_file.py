@@ -53,6 +53,7 @@ def read_tractions(path: Path, columns: Columns, compression: Sign | None = None
         CaseError: if the file is not as expected, or a sign is not known.
     """
     known = recognise(path, columns)
+    _require_one_use(path, known)
     needed = [known.x, known.p, *(each for each in (known.y, known.q, known.slip) if each)]
     table = read_table(path, [*dict.fromkeys(needed), *([known.across] if known.across else [])])
     pressure, sign_notes = _pressure(path, known, table, compression)
@@ -71,6 +72,20 @@ def read_tractions(path: Path, columns: Columns, compression: Sign | None = None
         columns={key: name for key, name in used.items() if name is not None},
         notes=(*known.notes, *sign_notes, *order_notes),
     )
+
+
+def _require_one_use(path: Path, known: Recognised) -> None:
+    """No column is two things."""
+    used: dict[str, str] = {}
+    for key in ("x", "y", "p", "q", "slip"):
+        name = getattr(known, key)
+        if name in used:
+            raise CaseError(
+                f"{path}: column {name!r}: expected one quantity in it, found it taken for "
+                f"{used[name]} and for {key}"
+            )
+        if name is not None:
+            used[name] = key
 
 
 def _pressure(

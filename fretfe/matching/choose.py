@@ -17,6 +17,7 @@ from scipy.optimize import brentq
 
 from fretfe._typing import Array
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge
+from fretfe.errors import ModelError
 from fretfe.matching.pads import Factors, PadTest, pad_test
 from fretfe.matching.rig import Rig, Shape
 from fretfe.matching.target import Target
@@ -145,7 +146,11 @@ class _Search:
         found: list[Choice] = []
         problems: list[tuple[str, ...]] = []
         for family in families:
-            low, high, binding, reasons = _allowed(family, self.factors, self.bounds)
+            try:
+                low, high, binding, reasons = _allowed(family, self.factors, self.bounds)
+            except ModelError as error:
+                problems.append((f"the factors need {error}",))
+                continue
             if reasons:
                 problems.append(reasons)
                 continue

@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from fretfe.case import Units
 from fretfe.errors import CaseError, ModelError
 from fretfe.matching.agreement import Agreement, compare_edges
 from fretfe.matching.choose import Choices, choose
@@ -79,9 +80,14 @@ def compare_tests(match: Match, tests: Sequence[tuple[str, Result]]) -> Comparis
         tests: names and results; the left edge of each is compared.
 
     Raises:
-        FretfeError: if a test has no tractions or factors to compare.
+        FretfeError: if a test has no tractions or factors to compare, or units or friction are
+            others.
     """
+    for name, result in tests:
+        _require_same_units(match.rig.units, result.case.units, name)
     agreements = tuple(compare_edges(match.target, result, name) for name, result in tests)
+    for each in agreements:
+        _require_same_friction(match.target, each.test.friction, each.name)
     return Comparison(
         agreements,
         tuple(
@@ -106,19 +112,27 @@ def _factors(target: Target, rig: Rig) -> Factors:
 
 def _require_same(result: Result, target: Target, rig: Rig) -> None:
     """Check that numbers of rig and component mean the same."""
-    own, other = result.case.units, rig.units
+    _require_same_units(result.case.units, rig.units, "rig")
+    if not target.friction > 0:
+        raise ModelError(f"edge {target.name}: expected friction, found none")
+    if rig.friction is not None:
+        _require_same_friction(target, rig.friction, "rig")
+
+
+def _require_same_units(own: Units, other: Units, where: str) -> None:
     for key in ("length", "force", "stress"):
         if getattr(own, key) != getattr(other, key):
             raise CaseError(
-                f"rig: units.{key}: expected {getattr(own, key)!r} as in the component, found "
+                f"{where}: units.{key}: expected {getattr(own, key)!r} as in the component, found "
                 f"{getattr(other, key)!r}"
             )
-    if not target.friction > 0:
-        raise ModelError(f"edge {target.name}: expected friction, found none")
-    if rig.friction is not None and abs(rig.friction / target.friction - 1) > SAME:
+
+
+def _require_same_friction(target: Target, friction: float, where: str) -> None:
+    if abs(friction / target.friction - 1) > SAME:
         raise ModelError(
-            f"rig: friction: expected {target.friction:g} as in the component, found "
-            f"{rig.friction:g}: with the same K_N and range of K_T the slip zones would differ"
+            f"{where}: friction: expected {target.friction:g} as in the component, found "
+            f"{friction:g}: with the same K_N and range of K_T the slip zones would differ"
         )
 
 

@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 from fretfe.analytic.edges import factor_range_phase_shifted
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
 from fretfe.analytic.validity import mixed_asymptote_error
+from fretfe.errors import ModelError
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(16)
 # Tolerances of roots, relative.
@@ -177,6 +178,11 @@ def half_width_for(profile: Profile, k_n: float) -> float:
         return float(edge_factor_k_n(profile, b + math.exp(beyond))) / k_n - 1
 
     low, high = math.log(1e-12 * (least + b)), math.log(4 * (least + b))
+    if excess(low) >= 0 or excess(high) <= 0:
+        raise ModelError(
+            f"a contact about {least:.4g} beyond the flat, which is too little beside {b:.4g} for "
+            "numbers to tell"
+        )
     return b + math.exp(brentq(excess, low, high, xtol=EXACT, rtol=EXACT))
 
 

@@ -24,7 +24,10 @@ def _in_order(bounds: tuple[float, float]) -> tuple[float, float]:
     return bounds
 
 
+# Of the template; the formulas of wedges are for shallow ones.
+Angle = Annotated[Positive, Field(le=20)]
 Bounds = Annotated[tuple[Positive, Positive], AfterValidator(_in_order)]
+Angles = Annotated[tuple[Angle, Angle], AfterValidator(_in_order)]
 FromZero = Annotated[tuple[NotNegative, NotNegative], AfterValidator(_in_order)]
 
 
@@ -40,8 +43,8 @@ class Pad(Table):
         default=None, description="Radius of a cylinder, or of the rounded ends of a flat."
     )
     flat_half_width: Bounds | None = Field(default=None, description="Half of the width of a flat.")
-    angle: Bounds | None = Field(
-        default=None, description="Angle of a wedge to the specimen, degrees."
+    angle: Angles | None = Field(
+        default=None, description="Angle of a wedge to the specimen, degrees; at most 20."
     )
     half_width: Positive = Field(description="Half of the width of a pad.")
     height: Positive = Field(description="Height of a pad.")

@@ -15,6 +15,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.errors import OutputError
+from fretfe.results.hdf5_file import read_fault
 from fretfe.results.vtkhdf import Column, GridWriter, Part
 
 # PyVista before 0.45 knows the format by this ending only.
@@ -62,6 +63,7 @@ class FieldReader:
     """
 
     def __init__(self, path: Path) -> None:
+        self._path = path
         try:
             self._file = h5py.File(path, "r")
             self._root = self._file["VTKHDF"]
@@ -69,8 +71,10 @@ class FieldReader:
             body = self._root["CellData/body"]
             names, cells = body.attrs["names"], np.bincount(body[:])
             ends = self._root["Offsets"][:][np.concatenate([[0], np.cumsum(cells)])]
-        except (OSError, KeyError) as error:
-            raise OutputError(f"{path}: expected fields of a run, found: {error}") from error
+        except (OSError, KeyError, RuntimeError) as error:
+            raise OutputError(
+                f"{path}: expected fields of a run, found: {read_fault(error)}"
+            ) from error
         self._rows = {
             str(name): (int(first), int(last), int(count))
             for name, first, last, count in zip(names, ends[:-1], ends[1:], cells, strict=True)
@@ -92,11 +96,21 @@ class FieldReader:
             name: "displacement" or "stress".
             body: its name.
             number: of the state among `times`.
+
+        Raises:
+            OutputError: if they are damaged; so does `nodes`.
         """
-        start = int(self._root["Steps/PointDataOffsets"][name][number])
+        start = int(self._stored(f"Steps/PointDataOffsets/{name}", slice(number, number + 1))[0])
         return self._read(f"PointData/{name}", body, start).astype(np.float64)
 
     def _read(self, table: str, body: str, start: int) -> Array:
         first, last, count = self._rows[body]
-        values: Array = self._root[table][start + first : start + last]
+        values = self._stored(table, slice(start + first, start + last))
         return values.reshape(count, -1, values.shape[-1])
+
+    def _stored(self, table: str, rows: slice) -> Array:
+        try:
+            values: Array = self._root[table][rows]
+        except (OSError, RuntimeError) as error:
+            raise OutputError(f"{self._path}: cannot read {table}: {read_fault(error)}") from error
+        return values

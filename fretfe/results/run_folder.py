@@ -170,7 +170,7 @@ def read_mark(directory: Path) -> dict[str, Any] | None:
     path = directory / MARK
     try:
         mark = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         return None
     except (OSError, ValueError) as error:
         raise OutputError(f"{path}: expected the state of a run, found: {error}") from error

@@ -20,8 +20,9 @@ from fretfe.results.hdf5_file import PatientFile
 
 # Of the format: the first one with time steps.
 FORMAT = (2, 0)
-# Places of a node recur in the elements around it.
-PACKED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1}
+# Places of a node recur in the elements around it. What does not get smaller is stored as it is,
+# without the checksum of the compression.
+PACKED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "fletcher32": True}
 # What is stored for each state, besides where its values begin: all states have the first grid.
 SERIES: dict[str, tuple[type, int, tuple[int, ...]]] = {
     "PartOffsets": (np.int64, 0, ()),
@@ -160,6 +161,7 @@ class GridWriter:
         self._steps.create_dataset(
             name, (0, *shape), kind,
             maxshape=(None, *shape), chunks=(SERIES_CHUNK, *shape), fillvalue=value,
+            fletcher32=True,
         )  # fmt: skip
 
 

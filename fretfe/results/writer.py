@@ -82,10 +82,10 @@ def prepare_other(directory: Path) -> None:
         CaseError: if the folder holds results of a run.
         OutputError: as for `prepare_directory`.
     """
+    prepare_directory(directory)
     found = next((name for name in (NUMBERS, MARK) if (directory / name).exists()), None)
     if found:
         raise CaseError(f"{directory}: expected a folder without results of a run, found {found}")
-    prepare_directory(directory)
 
 
 def remove_results(directory: Path) -> None:

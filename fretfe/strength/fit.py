@@ -115,12 +115,14 @@ def _most_likely(design: Array, log: Array, runout: Bools) -> tuple[Array, float
     """Coefficients (k,), scatter and covariance (k, k) of the largest likelihood, or why not."""
     start, *_ = np.linalg.lstsq(design, log, rcond=None)
     spread = float(np.std(log - design @ start)) or 1e-3
-    found = minimize(
-        _loss, np.append(start, np.log(spread)), (design, log, runout), jac=True, method="BFGS",
-        options={"gtol": 1e-8},
-    )  # fmt: skip
+    # A step that goes too far overflows, and is taken back.
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = minimize(
+            _loss, np.append(start, np.log(spread)), (design, log, runout), jac=True, method="BFGS",
+            options={"gtol": 1e-8},
+        )  # fmt: skip
     size = np.abs(found.jac).max()
-    if not np.isfinite(found.fun) or size > 1e-4:
+    if not np.isfinite(found.fun) or not size <= 1e-4:
         return f"the likelihood has no maximum that could be found: its slope is still {size:.2g}"
     estimate, scatter = found.x[:-1], float(np.exp(found.x[-1]))
     if scatter < 1e-6:

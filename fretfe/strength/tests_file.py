@@ -27,6 +27,8 @@ UNITS = {
     "stress": "{stress}",
     "length": "{length}",
 }
+# What may stand in brackets behind the name of another column: it has no unit.
+NO_UNITS = ("", "-", "1", "cycle", "cycles")
 FORMAT = "see docs/strength.md"
 
 
@@ -130,6 +132,11 @@ def _columns(path: Path, header: Iterable[str], units: Units) -> dict[str, str]:
 
 def _require_unit(path: Path, name: str, unit: str | None, units: Units) -> None:
     if name not in UNITS:
+        if unit is not None and unit.strip() not in NO_UNITS:
+            raise CaseError(
+                f"{path}: line 1, column {name!r}: expected no unit, found [{unit}]: numbers are "
+                "never converted"
+            )
         return
     expected = UNITS[name].format(**units.model_dump())
     if unit is None or not same_unit(unit, expected):

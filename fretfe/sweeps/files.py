@@ -10,6 +10,7 @@ from typing import Any
 
 from fretfe.errors import OutputError
 from fretfe.report.figures.sweep import write_sweep
+from fretfe.results.digest import KEY, are_unchanged, with_digest
 from fretfe.results.files import disk_reason
 from fretfe.results.writer import FIGURE, TABLE, VARIANTS
 from fretfe.sweeps.engine import Solved, Sweep
@@ -44,20 +45,24 @@ class SolvedFile:
         self._columns: list[str] = []
 
     def read(self) -> dict[int, Solved]:
-        """The cases that are there, by number; a line that was cut off is left out.
+        """The cases that are there, by number; a line that was cut off or changed is left out.
 
         Raises:
             OutputError: if the file cannot be written; so does `add`.
         """
         path = self._directory / VARIANTS
-        lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+        lines = path.read_text("utf-8", "replace").splitlines() if path.is_file() else []
         found: dict[int, Solved] = {}
         for line in lines:
             try:
                 data = json.loads(line)
+                if not are_unchanged(data):
+                    continue
+                del data[KEY]
                 data["edges"], data["notes"] = tuple(data["edges"]), tuple(data["notes"])
-                found[data.pop("number")] = Solved(**data)
-            except (ValueError, KeyError, TypeError):
+                number = data.pop("number")
+                found[number] = Solved(**data)
+            except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
                 continue
         path.unlink(missing_ok=True)
         for number, solved in found.items():
@@ -66,7 +71,8 @@ class SolvedFile:
 
     def add(self, number: int, solved: Solved) -> None:
         """Add a case."""
-        line = json.dumps({"number": number, **asdict(solved)}, default=lambda value: value.item())
+        text = json.dumps({"number": number, **asdict(solved)}, default=lambda value: value.item())
+        line = json.dumps(with_digest(json.loads(text)))
         records = solved.records()
         self._records += records
         columns = columns_of(self._records)

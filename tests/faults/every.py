@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
-from faults import case_files, files, folders, models
+from faults import case_files, exports, files, folders, lives, models, rigs
 from faults.fault import Fault
+
+SOURCES = (case_files, files, folders, models, rigs, lives, exports)
 
 
 def all_faults() -> list[Fault]:
     """All inputs, in an order that does not change."""
-    found = [fault for each in (case_files, files, folders, models) for fault in each.faults()]
+    found = [fault for each in SOURCES for fault in each.faults()]
     names = [fault.name for fault in found]
     repeated = {name for name in names if names.count(name) > 1}
     assert not repeated, repeated

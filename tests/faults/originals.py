@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,16 @@ import meshio
 import numpy as np
 import tomli_w
 from pad_cases import TOP, cylinder, pad, press, shear
-from stored_runs import write_run
+from solid_runs import solid_result
+from stored_runs import CYCLE, write_run
 from user_geometry import BODIES, BOUNDARIES, write_cad
 
+from fretfe.backends import RunOptions
+from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import parse_case
+from fretfe.loads import build_history
 from fretfe.mesh.writer import write_mesh
+from fretfe.results.writer import write_results
 from fretfe.surface.load import load_mesh
 
 COARSE = {"size": 0.2, "growth": 0.5}
@@ -58,6 +64,52 @@ CUBES: dict[str, Any] = {
     "size": 0.7,
     "order": 1,
 }
+
+
+# A rig that can do what the edge of the run needs with two of three pads.
+RIG_TEXT = """\
+title = "rig"
+process_zone = 0.05
+[units]
+length = "mm"
+[pad]
+shapes = ["cylinder", "flat_rounded", "wedge"]
+young = 210e3
+poisson = 0.3
+radius = [30.0, 80.0]
+flat_half_width = [0.2, 1.0]
+angle = [0.2, 3.0]
+half_width = 12.0
+height = 12.0
+[specimen]
+young = 210e3
+poisson = 0.3
+thickness = 12.0
+half_width = 12.0
+yield_stress = 900.0
+[forces]
+normal = [100.0, 5000.0]
+shear = [0.0, 500.0]
+"""
+# log10 N = 12.7 - 4 log10 ΔK_T - 0.3 log10 K_N, with a scatter; the last tests are run-outs.
+FACTORS = [(k_t, k_n) for k_t in np.geomspace(64, 28, 8) for k_n in (900, 1240, 1600)]
+LIVES = [
+    10 ** (12.7 - 4 * np.log10(k_t) - 0.3 * np.log10(k_n) + 0.1 * np.sin(9 * i))
+    for i, (k_t, k_n) in enumerate(FACTORS)
+]
+TESTS_TEXT = (
+    "k_n [MPa/mm^0.5],dk_t [MPa*mm^0.5],life,runout,friction,young [MPa],poisson\n"
+    + "".join(
+        f"{k_n},{k_t:.4g},{life:.5g},{int(k_t < 30)},0.4,210e3,0.3\n"
+        for (k_t, k_n), life in zip(FACTORS, LIVES, strict=True)
+    )
+)
+# What a finite-element program writes: Hertz, and a shear in proportion.
+FOREIGN_TEXT = "Node,COOR1,COOR2,CPRESS,CSHEAR1,CSHEAR2\n" + "".join(
+    f"{number},{x:.6g},0,{400 * np.sqrt(max(1 - x**2, 0)):.6g},"
+    f"{40 * np.sqrt(max(1 - x**2, 0)):.6g},0\n"
+    for number, x in enumerate(np.linspace(-1.2, 1.2, 61), start=1)
+)
 
 
 def geometry_of(file: str) -> dict[str, Any]:
@@ -104,7 +156,29 @@ def write_originals(folder: Path) -> None:
     p = np.sqrt(np.clip(1 - x**2, 0, None)) * 400
     lines = [f"{a:.6g},{b:.6g},{0.1 * b:.6g}" for a, b in zip(x, p, strict=True)]
     (folder / "tractions.csv").write_text("x,p,q\n" + "\n".join(lines) + "\n")
+    _write_runs(folder)
+
+
+def _write_runs(folder: Path) -> None:
+    """Results of the same case, of others, and of solids."""
     write_run(folder / "run", "halfplane")
+    write_run(folder / "analytic", "analytic")
+    write_run(folder / "incomplete", "incomplete")
+    write_run(folder / "no_cycle", "no cycle")
+    metres = parse_case({**CYCLE, "units": {"length": "m", "stress": "Pa"}})
+    write_run(folder / "metres", "halfplane", metres)
+    contact = CYCLE["contacts"]["main"]
+    others = {
+        "slippery": {"contacts": {"main": {**contact, "friction": 0.2}}},
+        "other_load": {"loads": {"press": press(700), "shear": shear(70, steps=8)}},
+    }
+    for name, tables in others.items():
+        case = parse_case({**CYCLE, **tables})
+        result = HALFPLANE.solve(case, RunOptions(history=build_history(case)))
+        (folder / name).mkdir()
+        write_results(folder / name, replace(result, backend="halfplane"))
+    (folder / "solid").mkdir()
+    write_results(folder / "solid", replace(solid_result(), backend="fem"))
 
 
 def leaves(table: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 import numpy as np
+from faults.derived import wrong_numbers
 from faults.every import all_faults
 from faults.fault import Fault
 from launch import fretfe
@@ -65,7 +66,7 @@ def judged(fault: Fault, here: Path) -> tuple[str, str]:
         return "nonsense", f"exit code {done.returncode}: {message}"
     if fault.refused:
         return "nonsense", f"accepted: {done.stdout[-500:]}"
-    wrong = _wrong_numbers(here) or _wrong_page(here)
+    wrong = _wrong_numbers(here) or _wrong_page(here) or wrong_numbers(here, done.stdout)
     return ("nonsense", wrong) if wrong else ("accepted", done.stdout[-200:])
 
 
