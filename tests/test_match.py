@@ -368,6 +368,12 @@ def test_the_command_writes_cases_and_numbers(solved: Result, tmp_path: Path) ->
     numbers = json.loads((tmp_path / "tests" / "match.json").read_text())
     assert numbers["tests"][0]["pressure"][0]["whole"]
     assert (tmp_path / "tests" / "match.png").stat().st_size > 10_000
+    own = tmp_path / "tests" / "cylinder.toml"
+    own.write_text("title = 'mine'")
+    done = CliRunner().invoke(app, words)
+    assert isinstance(done.exception, CaseError)
+    assert "cylinder.toml: expected a folder in which no test" in str(done.exception)
+    assert own.read_text() == "title = 'mine'"
 
 
 def test_a_rig_that_can_do_nothing_is_an_error(solved: Result, tmp_path: Path) -> None:

@@ -13,6 +13,8 @@ from fretfe.analytic.profiles import FlatRounded, Wedge
 from fretfe.matching.pads import PadTest
 from fretfe.matching.rig import Rig
 
+# By it a file is known as one that may be replaced.
+FIRST_LINE = "# A laboratory test, written by fretfe match."
 # Widest pad over its radius, as the templates need it, and surface that may touch beyond a flat,
 # over the largest contact beyond it.
 WIDEST_PAD, ZONE = 0.9, 1.6
@@ -72,9 +74,7 @@ def case_tables(test: PadTest, rig: Rig, title: str) -> dict[str, Any]:
 
 def case_file(test: PadTest, rig: Rig, title: str) -> str:
     """The text of the case file."""
-    return "# A laboratory test, written by fretfe match.\n" + tomli_w.dumps(
-        case_tables(test, rig, title)
-    )
+    return f"{FIRST_LINE}\n{tomli_w.dumps(case_tables(test, rig, title))}"
 
 
 def pad_half_width(test: PadTest, rig: Rig) -> float:

@@ -9,9 +9,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from fretfe.errors import OutputError
+from fretfe.errors import CaseError, OutputError
 from fretfe.matching.agreement import Agreement, Reach
-from fretfe.matching.casefile import case_file, pad_half_width
+from fretfe.matching.casefile import FIRST_LINE, case_file, pad_half_width
 from fretfe.matching.choose import Choice, Choices, length_that_counts
 from fretfe.matching.match import Comparison, Match
 from fretfe.matching.pads import PadTest
@@ -30,16 +30,17 @@ def write_match(match: Match, comparison: Comparison | None, folder: Path) -> tu
         The case files.
 
     Raises:
-        CaseError: if the folder holds results of a run.
+        CaseError: if the folder holds results of a run, or another file that would be replaced.
         OutputError: if that fails.
     """
     from fretfe.matching.figure import draw_agreement, draw_choices
 
     texts = _corrected_cases(match, comparison) if comparison else _cases(match)
     prepare_other(folder)
+    cases = tuple(folder / f"{name}.toml" for name in texts)
     try:
+        _require_replaceable(cases)
         (folder / PICTURE).unlink(missing_ok=True)  # of another match
-        cases = tuple(folder / f"{name}.toml" for name in texts)
         for path, text in zip(cases, texts.values(), strict=True):
             replace_text(path, text)
         numbers = json.dumps(_plain(match_numbers(match, comparison)), indent=1, allow_nan=False)
@@ -51,6 +52,16 @@ def write_match(match: Match, comparison: Comparison | None, folder: Path) -> tu
     except OSError as error:
         raise OutputError(f"{folder}: cannot write the match: {disk_reason(error)}") from error
     return cases
+
+
+def _require_replaceable(paths: Iterable[Path]) -> None:
+    """Check that files are not there, or that a match wrote them."""
+    for path in paths:
+        if path.exists() and not path.read_bytes().startswith(FIRST_LINE.encode()):
+            raise CaseError(
+                f"{path}: expected a folder in which no test would replace a file of others, found "
+                f"one that does not begin with {FIRST_LINE!r}"
+            )
 
 
 def _cases(match: Match) -> dict[str, str]:
