@@ -11,7 +11,6 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.edges.front import StationHistory
-from fretfe.edges.local_parameters import evaluated_states
 from fretfe.exchange import columns
 from fretfe.exchange.columns import Column, Heading, headings
 from fretfe.report.source import load_unit
@@ -47,7 +46,7 @@ def export_tables(result: Result) -> Iterator[ExportTable]:
         yield _of_records(result, "stations.csv", columns.STATIONS, stations)
     if result.solution is not None:
         yield _tractions(result)
-        if result.solution.keeps(*evaluated_states(result.solution)):
+        if result.solution.keeps(*result.loads.evaluated):
             yield _local(result)
 
 
