@@ -9,6 +9,7 @@ from scipy.spatial.distance import pdist
 
 from fretfe._typing import Array
 from fretfe.edges.critical_planes import fatemi_socie, find_critical, smith_watson_topper
+from fretfe.errors import CaseError
 
 E, NU = 210e3, 0.3
 G = E / (2 * (1 + NU))
@@ -87,6 +88,12 @@ def test_what_is_unknown_stays_unknown() -> None:
     assert np.isnan(found.value[0])
     assert np.isnan(found.normal[0]).all()
     assert found.value[1] > 0
+
+
+@pytest.mark.parametrize("numbers", [(-0.1, 300.0), (0.5, 0.0), (np.nan, 300.0)])
+def test_numbers_of_fatemi_and_socie_are_checked(numbers: tuple[float, float]) -> None:
+    with pytest.raises(CaseError, match="expected k >= 0 and a yield stress > 0"):
+        fatemi_socie(*numbers)
 
 
 def random_history(seed: int) -> Array:

@@ -14,11 +14,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import cached_property
 
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.errors import CaseError
 
 # Degrees between the planes of the first search, and the last step around the best of them.
 COARSE, FINEST = 10.0, 0.1
@@ -30,18 +31,43 @@ MOST_VALUES = 2_000_000
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
-class OnPlane(NamedTuple):
-    """Ranges on planes, one for each of (...) points.
+@dataclass(frozen=True)
+class OnPlanes:
+    """What acts on planes in n states, one or more (P) planes for each of m points.
 
     Attributes:
-        largest_stress: (...) largest normal stress in the cycle.
-        strain_range: (...) largest less smallest normal strain.
-        shear_range: (...) largest distance between two places of the shear strain.
+        stress: (n, m, 6).
+        normals: (m or 1, P, 3) unit normals.
+        young, poisson: of the body.
     """
 
-    largest_stress: Array
-    strain_range: Array
-    shear_range: Array
+    stress: Array
+    normals: Array
+    young: float
+    poisson: float
+
+    @cached_property
+    def _normal_stress(self) -> Array:
+        return _component(self.stress, self.normals, self.normals)
+
+    @property
+    def largest_pull(self) -> Array:
+        """(m, P) largest normal stress, zero on planes that are always pressed."""
+        return np.asarray(np.maximum(self._normal_stress.max(axis=0), 0.0))
+
+    @property
+    def strain_range(self) -> Array:
+        """(m, P) largest less smallest normal strain."""
+        trace = self.stress[:, :, None, :3].sum(axis=3)
+        strain = ((1 + self.poisson) * self._normal_stress - self.poisson * trace) / self.young
+        return np.asarray(np.ptp(strain, axis=0))
+
+    @property
+    def shear_range(self) -> Array:
+        """(m, P) largest distance between two places of the shear strain."""
+        along = _tangents(self.normals)
+        x, y = (_component(self.stress, self.normals, tangent) for tangent in along)
+        return _longest_chord(x, y) * 2 * (1 + self.poisson) / self.young
 
 
 @dataclass(frozen=True)
@@ -57,17 +83,17 @@ class Critical:
     normal: Array
 
 
-Parameter = Callable[[OnPlane], Array]
+Parameter = Callable[[OnPlanes], Array]
 
 
-def smith_watson_topper(planes: OnPlane) -> Array:
+def smith_watson_topper(planes: OnPlanes) -> Array:
     """Return sigma_n,max * eps_n,a, zero where the plane is never pulled [stress].
 
     Smith, Watson and Topper (J. Materials 5, 1970) on the plane of its largest value (Socie, J.
     Eng. Mater. Technol. 109, 1987). eps_n,a is half the range of the normal strain. For cracks that
     grow under tension; uniaxial, push-pull or pulsating: sigma_max^2 (1 - R)/(2 E).
     """
-    return np.asarray(np.maximum(planes.largest_stress, 0.0) * planes.strain_range / 2)
+    return planes.largest_pull * planes.strain_range / 2
 
 
 def fatemi_socie(k: float, yield_stress: float) -> Parameter:
@@ -77,11 +103,23 @@ def fatemi_socie(k: float, yield_stress: float) -> Parameter:
     value. gamma_a is half the longest chord of the shear strain; a plane that is always pressed
     counts as if nothing pressed it. For cracks that grow under shear; k is of the order of one and
     is found from tests, as sigma_y is. k = 0 leaves the amplitude of the shear strain.
-    """
 
-    def parameter(planes: OnPlane) -> Array:
-        pulled = np.maximum(planes.largest_stress, 0.0)
-        return np.asarray(planes.shear_range / 2 * (1 + k * pulled / yield_stress))
+    Args:
+        k: weight of the normal stress.
+        yield_stress: sigma_y.
+
+    Raises:
+        CaseError: if k is negative or the yield stress not positive.
+    """
+    if not (np.isfinite([k, yield_stress]).all() and k >= 0 and yield_stress > 0):
+        raise CaseError(
+            "expected k >= 0 and a yield stress > 0 for the parameter of Fatemi and Socie, found "
+            f"{k:g} and {yield_stress:g}"
+        )
+
+    def parameter(planes: OnPlanes) -> Array:
+        amplitude = planes.shear_range / 2
+        return amplitude * (1 + k * planes.largest_pull / yield_stress) if k else amplitude
 
     return parameter
 
@@ -103,7 +141,7 @@ def find_critical(stress: Array, young: float, poisson: float, parameter: Parame
     for start in range(0, len(known), part):
         points = known[start : start + part]
         own = stress[:, points]
-        coarse = parameter(_on_planes(own[:, :, None], grid[None], young, poisson))
+        coarse = parameter(OnPlanes(own, grid[None], young, poisson))
         best = np.argmax(coarse, axis=1)
         value[points], normal[points] = _refined(
             own, coarse[np.arange(len(points)), best], grid[best], (young, poisson), parameter
@@ -124,7 +162,7 @@ def _refined(
             first, second = _tangents(normal)
             around = cosines * first[:, None] + sines * second[:, None]
             tried = np.cos(step) * normal[:, None] + np.sin(step) * around
-            found = parameter(_on_planes(stress[:, :, None], tried, *moduli))
+            found = parameter(OnPlanes(stress, tried, *moduli))
             best, rows = np.argmax(found, axis=1), np.arange(len(normal))
             better = found[rows, best] > value
             value = np.where(better, found[rows, best], value)
@@ -133,51 +171,34 @@ def _refined(
     return value, normal
 
 
-def _on_planes(stress: Array, normals: Array, young: float, poisson: float) -> OnPlane:
-    """Ranges on planes with normals (m or 1, P, 3), of stresses (n, m, 1, 6): (m, P)."""
-    first, second = _tangents(normals)
-    normal_stress = _component(stress, normals, normals)
-    trace = stress[..., 0] + stress[..., 1] + stress[..., 2]
-    strain = ((1 + poisson) * normal_stress - poisson * trace) / young
-    sheared = [_component(stress, normals, tangent) for tangent in (first, second)]
-    return OnPlane(
-        largest_stress=normal_stress.max(axis=0),
-        strain_range=np.ptp(strain, axis=0),
-        shear_range=_longest_chord(*sheared) * 2 * (1 + poisson) / young,
-    )
-
-
 def _component(stress: Array, one: Array, other: Array) -> Array:
-    """(n, m, P) components of stresses along two directions (m or 1, P, 3)."""
+    """(n, m, P) components of stresses (n, m, 6) along two directions (m or 1, P, 3)."""
     factors = np.stack(
         [
             (one[..., i] * other[..., j] + one[..., j] * other[..., i]) / (1 + (i == j))
             for i, j in PAIRS
         ],
-        axis=-1,
+        axis=-2,
     )
-    return np.asarray(
-        np.einsum(
-            "nmpc,mpc->nmp",
-            np.broadcast_to(stress, (*stress.shape[:2], factors.shape[1], 6)),
-            np.broadcast_to(factors, (stress.shape[1], *factors.shape[1:])),
-        )
-    )
+    # For each point one product of matrices: (n, 6) and (6, P).
+    return np.asarray(np.matmul(stress.swapaxes(0, 1), factors).swapaxes(0, 1))
 
 
 def _longest_chord(x: Array, y: Array) -> Array:
     """(m, P) largest distance between two of n places (x, y), (n, m, P).
 
-    The states farthest apart along each of some directions: their distance is not less than
+    The distance of the two that are farthest apart along one of some directions: not less than
     cos(pi/32) = 0.995 times the largest one, and nearly always that one itself.
     """
-    longest = np.zeros(x.shape[1:])
+    widest, best = np.full(x.shape[1:], -1.0), np.zeros(x.shape[1:])
     for angle in np.arange(DIRECTIONS) * np.pi / DIRECTIONS:
-        along = x * np.cos(angle) + y * np.sin(angle)
-        ends = [np.argmin(along, axis=0)[None], np.argmax(along, axis=0)[None]]
-        dx, dy = (np.subtract(*(np.take_along_axis(v, end, 0)[0] for end in ends)) for v in (x, y))
-        longest = np.maximum(longest, np.hypot(dx, dy))
-    return longest
+        width = np.ptp(np.cos(angle) * x + np.sin(angle) * y, axis=0)
+        best[width > widest] = angle
+        widest = np.maximum(width, widest)
+    along = np.cos(best) * x + np.sin(best) * y
+    low, high = np.argmin(along, axis=0)[None], np.argmax(along, axis=0)[None]
+    dx, dy = (np.take_along_axis(v, high, 0) - np.take_along_axis(v, low, 0) for v in (x, y))
+    return np.asarray(np.hypot(dx, dy)[0])
 
 
 def _tangents(normals: Array) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ n is the number of states, N that of the nodes of the contact, D that of the dep
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -94,6 +94,24 @@ class StressHistory:
     status: npt.NDArray[np.int8]
     bodies: tuple[BodyStress, BodyStress]
     edges: tuple[EdgeStress, ...]
+
+    def at(self, nodes: Indices) -> StressHistory:
+        """The same at some of the nodes (m,)."""
+        first, second = (
+            BodyStress(
+                each.name, each.points[:, nodes], each.normals[nodes], each.stress[:, :, nodes]
+            )
+            for each in self.bodies
+        )
+        return replace(
+            self,
+            arc=self.arc[nodes],
+            frames=self.frames[nodes],
+            traction=self.traction[:, nodes],
+            slip=self.slip[:, nodes],
+            status=self.status[:, nodes],
+            bodies=(first, second),
+        )
 
 
 def judged_states(solution: Solution, contacts: Sequence[ContactSummary]) -> Indices:

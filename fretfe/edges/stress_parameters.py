@@ -15,36 +15,13 @@ from fretfe._typing import Array, Bools
 from fretfe.case import Body
 from fretfe.edges.critical_planes import (
     Critical,
+    Parameter,
     fatemi_socie,
     find_critical,
     smith_watson_topper,
 )
 from fretfe.edges.stress_history import StressHistory
 from fretfe.results.solution import OPEN
-
-
-@dataclass(frozen=True)
-class ShearModel:
-    """The two numbers of Fatemi and Socie, from tests of the material.
-
-    Attributes:
-        k: weight of the normal stress [1]; 0 for the amplitude of the shear strain alone.
-        yield_stress: sigma_y [stress].
-    """
-
-    k: float
-    yield_stress: float
-
-    def __post_init__(self) -> None:
-        """Check the ranges.
-
-        Raises:
-            ValueError: if k is negative or the yield stress not positive.
-        """
-        if not (np.isfinite(self.k) and self.k >= 0):
-            raise ValueError(f"expected k >= 0, found {self.k:g}")
-        if not (np.isfinite(self.yield_stress) and self.yield_stress > 0):
-            raise ValueError(f"expected a yield stress > 0, found {self.yield_stress:g}")
 
 
 @dataclass(frozen=True)
@@ -75,7 +52,10 @@ class StressParameters:
 
 
 def stress_parameters(
-    history: StressHistory, number: int, material: Body, shear: ShearModel | None = None
+    history: StressHistory,
+    number: int,
+    material: Body,
+    shear_numbers: tuple[float, float] | None = None,
 ) -> StressParameters:
     """Parameters of one of the two bodies of a contact.
 
@@ -83,14 +63,20 @@ def stress_parameters(
         history: the stress near the contact.
         number: of the body, 0 or 1.
         material: of that body.
-        shear: numbers of Fatemi and Socie, if they are known.
+        shear_numbers: k and yield stress of Fatemi and Socie, if they are known.
+
+    Raises:
+        CaseError: as for `fatemi_socie`.
     """
+    combined = fatemi_socie(*shear_numbers) if shear_numbers else None
     body = history.bodies[number]
     tension = _along_surface(body.stress, history.frames).max(axis=0)
-    normal = _critical(body.stress, material)
-    sheared = _critical(body.stress, material, ShearModel(0.0, 1.0))
-    combined = _critical(body.stress, material, shear) if shear else None
+    normal = _critical(body.stress, material, smith_watson_topper)
     shape = body.stress.shape[1:3]
+
+    def sheared(parameter: Parameter) -> Array:
+        return _critical(body.stress, material, parameter).value.reshape(shape)
+
     return StressParameters(
         body=body.name,
         depths=history.depths,
@@ -98,17 +84,17 @@ def stress_parameters(
         ruiz2=_ruiz2(history, tension),
         swt=normal.value.reshape(shape),
         swt_normal=normal.normal.reshape(*shape, 3),
-        shear_strain=sheared.value.reshape(shape),
-        fatemi_socie=combined.value.reshape(shape) if combined else None,
+        # Without the normal stress there is nothing to be weighted by the yield stress.
+        shear_strain=sheared(fatemi_socie(0.0, 1.0)),
+        fatemi_socie=sheared(combined) if combined else None,
     )
 
 
-def _critical(stress: Array, material: Body, shear: ShearModel | None = None) -> Critical:
+def _critical(stress: Array, material: Body, parameter: Parameter) -> Critical:
     """Largest parameter at D * N points, of stresses (n, D, N, 4)."""
     states, depths, nodes, own = stress.shape
     tensors = np.zeros((states, depths * nodes, 6))
     tensors[..., :own] = stress.reshape(states, depths * nodes, own)
-    parameter = fatemi_socie(shear.k, shear.yield_stress) if shear else smith_watson_topper
     return find_critical(tensors, material.young, material.poisson, parameter)
 
 

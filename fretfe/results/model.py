@@ -21,13 +21,13 @@ from fretfe.edges.limits import ModelLimit
 from fretfe.edges.local_parameters import LocalParameters, local_parameters
 from fretfe.edges.refinement import Refinement
 from fretfe.edges.stress_history import StressHistory
-from fretfe.edges.stress_parameters import ShearModel, StressParameters, stress_parameters
+from fretfe.edges.stress_parameters import StressParameters, stress_parameters
 from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.loads import History
 from fretfe.results.dataset import make_dataset, require
 from fretfe.results.records import area_records, edge_records
 from fretfe.results.solution import ContactHistory, Solution
-from fretfe.results.stress_file import read_stress
+from fretfe.results.stress_file import STRESSES, read_stress
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -182,6 +182,11 @@ class Result:
             )
         return local_parameters(history, states)
 
+    @property
+    def has_stress(self) -> bool:
+        """True if the run wrote the stress near the contacts."""
+        return self.directory is not None and (self.directory / STRESSES).is_file()
+
     def stress_history(self, contact: str) -> StressHistory:
         """Return the stress of both bodies near a contact, through the evaluated or worst cycle.
 
@@ -197,20 +202,21 @@ class Result:
         return read_stress(self.directory, contact)
 
     def stress_parameters(
-        self, contact: str, shear: ShearModel | None = None
+        self, contact: str, fatemi_socie: tuple[float, float] | None = None
     ) -> tuple[StressParameters, StressParameters]:
         """Ruiz 2, Smith-Watson-Topper and Fatemi-Socie of body 1 and body 2 near a contact.
 
         Args:
             contact: its name in the case.
-            shear: k and yield stress of Fatemi and Socie; None leaves that parameter out.
+            fatemi_socie: k and yield stress of that parameter; None leaves it out.
 
         Raises:
             OutputError: as for `stress_history`.
+            CaseError: if k is negative or the yield stress not positive.
         """
         history = self.stress_history(contact)
         first, second = (
-            stress_parameters(history, number, self.case.bodies[body.name], shear)
+            stress_parameters(history, number, self.case.bodies[body.name], fatemi_socie)
             for number, body in enumerate(history.bodies)
         )
         return first, second

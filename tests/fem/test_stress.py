@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from dolfinx import fem
 from dolfinx.mesh import create_box, create_rectangle, to_type
 from pad_cases import cylinder, pad, press, shear
 from told import Told
 
+import fretfe
 from fretfe._typing import Array
 from fretfe.analytic.half_plane_stress import elliptical_stress
 from fretfe.bodies.body import Material
@@ -22,6 +24,9 @@ from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.stress_points import StressPoints
+from fretfe.report.figures.stress import stress_plot
+from fretfe.report.source import shown_contacts
+from fretfe.report.texts import with_error
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.stress_file import STRESSES, read_stress
@@ -113,6 +118,30 @@ def test_parameters_along_the_contact(solved: Result) -> None:
         expected = np.maximum(found.largest_tension[0], 0) * ruiz
         assert np.nanmax(expected) > 0
         assert found.ruiz2[known] == pytest.approx(expected[known], rel=1e-9)
+
+
+def test_tables_have_the_parameters(solved: Result, tmp_path: Path) -> None:
+    files = {path.name: path for path in fretfe.export(solved, tmp_path, fatemi_socie=(0.5, 350.0))}
+    table, edges = (pd.read_csv(files[name]) for name in ("stress.csv", "edge_stress.csv"))
+    _, lower = solved.stress_parameters("main", (0.5, 350.0))
+    assert lower.fatemi_socie is not None
+    rows = table[(table["body"] == "lower") & (table["depth [mm]"] == DEPTHS[1])]
+    assert rows["swt [MPa]"].to_numpy() == pytest.approx(lower.swt[1], nan_ok=True)
+    assert rows["fatemi_socie"].to_numpy() == pytest.approx(lower.fatemi_socie[1], nan_ok=True)
+    assert rows["ruiz2 [MPa^2*mm]"].isna().all()
+    found = [each.largest[0] for each in solved.stress_history("main").edges]
+    assert edges["largest_tension [MPa]"].to_numpy() == pytest.approx(found)
+    with pytest.raises(CaseError, match=r"k >= 0 and a yield stress > 0 .* -1 and 350"):
+        fretfe.export(solved, tmp_path, fatemi_socie=(-1.0, 350.0))
+
+
+@pytest.mark.pictures
+def test_the_report_tells_the_stress_at_the_edges(solved: Result) -> None:
+    (shown,) = shown_contacts(solved)
+    plot = stress_plot(shown)
+    assert plot is not None
+    for each in solved.stress_history("main").edges:
+        assert with_error(*each.largest) + f" MPa ({each.edge} edge, {each.body})" in plot.caption
 
 
 def test_too_few_elements_in_the_slip_zone_are_told(tmp_path: Path) -> None:
