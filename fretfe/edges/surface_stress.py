@@ -27,7 +27,7 @@ from scipy.spatial import cKDTree
 from fretfe._typing import Array, Indices
 from fretfe.case import Body, plane_modulus
 from fretfe.case.tables import Plane
-from fretfe.results.solution import SLIP, ContactHistory
+from fretfe.results.solution import OPEN, SLIP, ContactHistory
 from fretfe.surface.reference import quadrature, shape_slopes, shape_values
 from fretfe.surface.surface import Surface
 
@@ -127,7 +127,7 @@ class EdgeValue:
 
     Attributes:
         value: NaN where it is not known.
-        spread: what two fits differ by.
+        spread: what other fits differ by.
         reason: why it is not known, or empty.
     """
 
@@ -142,8 +142,8 @@ def edge_stress(
     """Stress along the surface at an edge of a contact, in one state.
 
     With s the distance from the edge inward and d the length of the zone that slips, the sum of
-    sigma_t and p is fitted by 1, sqrt(d - s) and d - s; the spread is what it differs from a fit
-    without the last one.
+    sigma_t and p is fitted by 1, sqrt(d - s) and d - s. The spread is what the value differs by
+    from a fit without the last one, and by half an element in d, which is what nodes tell of it.
 
     Args:
         arc: (g,) places of `smooth` along the arc.
@@ -156,16 +156,15 @@ def edge_stress(
     if not np.isfinite(position):
         return EdgeValue(np.nan, np.nan, "the place of the edge is not known")
     order = slice(None, None, inward)
-    ahead = (inward * (contact.arc - position))[order]
-    slips = (status == SLIP)[order]
-    inside = np.flatnonzero(ahead > 0)
-    first = inside[np.argmax(slips[inside])] if slips[inside].any() else -1
-    if first < 0 or (status[order][inside[inside < first]] != 0).any():
+    ahead, state = (inward * (contact.arc - position))[order], status[order]
+    inside = np.flatnonzero((ahead > 0) & (state != OPEN))
+    if not len(inside) or state[inside[0]] != SLIP:
         return EdgeValue(np.nan, np.nan, "nothing slips next to the edge")
-    stuck = np.flatnonzero(~slips[first:])
-    if not len(stuck):
+    first = int(inside[0])
+    # Behind the last node of the contact there may be nothing at all.
+    last = first + int(np.argmin(np.append(state[first:] == SLIP, False)))
+    if last == len(state) or state[last] == OPEN:
         return EdgeValue(np.nan, np.nan, "the whole contact slips")
-    last = first + int(stuck[0])
     size, length = ahead[last] - ahead[last - 1], (ahead[last] + ahead[last - 1]) / 2
     distance = inward * (arc - position)
     used = (distance > LEFT_OUT * size) & (distance < length - LEFT_OUT * size)
@@ -173,9 +172,15 @@ def edge_stress(
         return EdgeValue(
             np.nan, np.nan, f"the slip zone has {length / size:.0f} elements, too few for a fit"
         )
-    root = np.sqrt(length - distance[used])
-    fits = [
-        np.linalg.lstsq(np.vander(root, terms), smooth[used], rcond=None)[0] for terms in (3, 2)
-    ]
-    value, other = (float(np.polyval(fit, np.sqrt(length))) for fit in fits)
-    return EdgeValue(value, abs(value - other))
+    value, *others = (
+        _extrapolated(distance[used], smooth[used], length + shift * size, terms)
+        for shift, terms in ((0, 3), (0, 2), (-0.5, 3), (0.5, 3))
+    )
+    by_terms, *by_border = (abs(other - value) for other in others)
+    return EdgeValue(value, by_terms + max(by_border))
+
+
+def _extrapolated(distance: Array, values: Array, length: float, terms: int) -> float:
+    """Value at the distance 0 by powers of the root of the distance from the other end, `terms`."""
+    fit = np.linalg.lstsq(np.vander(np.sqrt(length - distance), terms), values, rcond=None)[0]
+    return float(np.polyval(fit, np.sqrt(length)))

@@ -19,7 +19,7 @@ from fretfe._typing import Array, Indices
 from fretfe.edges.stress_history import BodyStress, EdgeStress, StressHistory
 from fretfe.errors import OutputError
 from fretfe.results.files import replacing
-from fretfe.results.hdf5_file import new_hdf5, read_fault, room, store
+from fretfe.results.hdf5_file import new_hdf5, read_fault, require_own, room, store
 
 STRESSES = "stress.h5"
 SCHEMA = {"name": "fretfe-stress", "version": 1}
@@ -134,6 +134,7 @@ def read_stress(directory: Path, contact: str) -> StressHistory:
         )
     try:
         with h5py.File(path, "r") as file:
+            require_own(path, file)
             found = {"name": file.attrs.get("schema"), "version": file.attrs.get("version")}
             if found != SCHEMA:
                 raise OutputError(f"{path}: expected schema {SCHEMA}, found {found}")
@@ -143,7 +144,7 @@ def read_stress(directory: Path, contact: str) -> StressHistory:
                     f"{path}: expected one of the contacts {known}, found {contact!r}"
                 )
             return _read(file, contact)
-    except (OSError, RuntimeError, KeyError) as error:
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, IndexError) as error:
         raise OutputError(
             f"{path}: expected the stress near the contacts, found: {read_fault(error)}"
         ) from error
@@ -157,6 +158,9 @@ def _read(file: h5py.File, contact: str) -> StressHistory:
         for n in ("edge_contacts", "edges", "edge_bodies", "edge_reasons")
     ]
     values, spreads = group["edge_stress"][:], group["edge_spread"][:]
+    shape = len(file["states"]), 2, len(file["depths"]), len(group["arc"]), 4
+    if stress.shape != shape:
+        raise ValueError(f"stress of the shape {stress.shape} in place of {shape}")
     bodies = [
         BodyStress(str(name), points[i], normals[i], stress[:, i])
         for i, name in enumerate(group.attrs["bodies"])

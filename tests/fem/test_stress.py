@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 from dolfinx import fem
 from dolfinx.mesh import create_box, create_rectangle, to_type
-from pad_cases import cylinder, pad, press, shear
+from pad_cases import HOLD, cylinder, pad, press, shear, wave
 from told import Told
 
 import fretfe
@@ -19,7 +19,7 @@ from fretfe._typing import Array
 from fretfe.analytic.half_plane_stress import elliptical_stress
 from fretfe.bodies.body import Material
 from fretfe.case import parse_case
-from fretfe.edges.stress_history import StressHistory
+from fretfe.edges.stress_history import StressHistory, worst_states
 from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
@@ -239,6 +239,22 @@ def test_a_continued_run_has_the_same_stress(tmp_path: Path) -> None:
     assert np.array_equal(one.states, other.states)
     for first, second in zip(one.bodies, other.bodies, strict=True):
         assert first.stress == pytest.approx(second.stress, rel=1e-9, abs=1e-6, nan_ok=True)
+
+
+def test_irregular_loads_have_the_states_of_the_worst_cycle(tmp_path: Path) -> None:
+    """Of a cycle of 60 and one of 30 the way through the larger one, which comes first."""
+    waves = [wave(amplitude, cycles=1, steps=8) for amplitude in (60.0, 30.0)]
+    waves[1]["until"] = 3.0
+    del waves[1]["cycles"]
+    loads = {"press": press(), "shear": {**shear(), "history": [HOLD, *waves]}}
+    case = case_of(0.05, loads=loads, cycle={"start": 1.0, "end": 3.0})
+    result = RUNNER.run(case, tmp_path)
+    assert result.solution is not None
+    found = result.stress_history("main").states
+    assert np.array_equal(found, worst_states(result.solution, result.contacts))
+    forces = result.loads.values[found, result.loads.channels.index("shear")]
+    assert (forces.min(), forces.max()) == pytest.approx((-60, 60))
+    assert len(found) < 17
 
 
 def test_nothing_is_written_unless_it_is_asked_for(tmp_path: Path) -> None:
