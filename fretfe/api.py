@@ -152,12 +152,16 @@ def run_station(
     return model
 
 
-def export(result: Result, output: Path | str) -> tuple[Path, ...]:
+def export(
+    result: Result, output: Path | str, fatemi_socie: tuple[float, float] | None = None
+) -> tuple[Path, ...]:
     """Write the numbers of a result as CSV files, as `fretfe export` does; on process 0 only.
 
     Args:
         result: of plane bodies or of solids.
         output: folder for the files; made if missing.
+        fatemi_socie: k and yield stress of that parameter, for results with the stress near the
+            contacts; None leaves it out.
 
     Returns:
         The files; the last one lists their columns.
@@ -165,7 +169,7 @@ def export(result: Result, output: Path | str) -> tuple[Path, ...]:
     Raises:
         FretfeError: if the folder holds results of a run, or a file cannot be written.
     """
-    return tuple(each.path for each in export_result(result, Path(output)))
+    return tuple(each.path for each in export_result(result, Path(output), fatemi_socie))
 
 
 def validate(

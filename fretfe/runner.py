@@ -33,6 +33,7 @@ from fretfe.results.files import replace_text
 from fretfe.results.model import Result
 from fretfe.results.run_folder import locked
 from fretfe.results.stream import STATES
+from fretfe.results.stress_file import STRESSES
 from fretfe.results.writer import prepare_directory
 from fretfe.work import ROWS, StepNotes, Work
 
@@ -134,6 +135,7 @@ class Runner:
             options = self._stored(options, work, resume=resume)
             if case.output.fields != "none":
                 options = replace(options, fields=output / FIELDS)
+            options = replace(options, stress=output / STRESSES)
             result = self.backend.solve(case, options)
             begin = time.perf_counter()
             result = replace(result, backend=self.name, directory=output)

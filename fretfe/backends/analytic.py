@@ -12,6 +12,7 @@ from fretfe.analytic.edges import dissipation_per_cycle
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.rocking import TiltedContact
 from fretfe.backends.closed_form import ASYMPTOTE, ClosedFormBorders
+from fretfe.backends.fields_only import field_obstacles
 from fretfe.backends.finite_bodies import size_limit, with_size_errors
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
@@ -47,8 +48,8 @@ class AnalyticBackend:
     summary = "closed forms for half-planes: pads on large blocks"
 
     def supports(self, case: Case) -> tuple[str, ...]:
-        """Reasons why a case is not a half-plane problem."""
-        return obstacles(case)
+        """Reasons why a case is not a half-plane problem, or asks for fields."""
+        return (*obstacles(case), *field_obstacles(case))
 
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
         """Solve a case that is a half-plane problem.

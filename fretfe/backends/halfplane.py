@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import time
 
+from fretfe.backends.fields_only import field_obstacles
 from fretfe.backends.finite_bodies import size_limit, with_size_errors
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
@@ -22,8 +23,8 @@ class HalfPlaneBackend:
     summary = "semi-analytical half-planes: pads on large blocks, any load history"
 
     def supports(self, case: Case) -> tuple[str, ...]:
-        """Reasons why a case is not a half-plane problem."""
-        return obstacles(case)
+        """Reasons why a case is not a half-plane problem, or asks for fields."""
+        return (*obstacles(case), *field_obstacles(case))
 
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
         """Solve a case that is a half-plane problem.

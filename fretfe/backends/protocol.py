@@ -34,6 +34,7 @@ class RunOptions:
     Attributes:
         fields: file for the fields that the case asks for; None for no fields. Backends without
             fields ignore it.
+        stress: file for the stress near the contacts, if the case asks for it; None for none.
         states: folder to which states go while they are solved; None for files without names.
         resume: whether the history goes on from the last state in that folder, if there is one.
         before: numbers that an earlier run with the same folder kept last, or None.
@@ -44,6 +45,7 @@ class RunOptions:
     """
 
     fields: Path | None = None
+    stress: Path | None = None
     states: Path | None = None
     resume: bool = False
     before: Result | None = None

@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from fretfe.case.base import (
     TAG,
@@ -180,6 +181,8 @@ class Contact(Table):
     )
 
 
+# Depths at which the stress is written; far more than a figure can show.
+MOST_DEPTHS = 10
 # Stations of a front of solids: about ten on each quarter of an ellipse.
 STATIONS = 40
 
@@ -269,6 +272,12 @@ def _named_or_listed(value: Any) -> str:
     return f"{TAG}times" if isinstance(value, list | tuple) else f"{TAG}name"
 
 
+def _increasing(depths: tuple[float, ...]) -> tuple[float, ...]:
+    if any(later <= before for before, later in pairwise(depths)):
+        raise ValueError(f"expected increasing depths, found {list(depths)}")
+    return depths
+
+
 class Output(Table):
     """What is written besides the results file."""
 
@@ -281,6 +290,15 @@ class Output(Table):
         description="Steps whose fields are written, for pictures and ParaView: "
         '"extremes" (the two load extremes of the evaluated cycle, and the last step), "last", '
         '"none", "all" or a list of times, each the time of a step.',
+    )
+    stress_depths: Annotated[
+        tuple[NotNegative, ...], Field(max_length=MOST_DEPTHS), AfterValidator(_increasing)
+    ] = Field(
+        default=(),
+        description="Depths below the contact surfaces, in length units, at which the stress of "
+        "both bodies is written through the evaluated cycle, for parameters on critical planes: an "
+        "increasing list of at most 10 numbers >= 0, where 0 is the surface. Empty: none. Plane "
+        "bodies and the backend fem only.",
     )
     tractions: Literal["all", "cycle", "extremes"] | None = Field(
         default=None,

@@ -19,6 +19,14 @@ def export(
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder for the tables; made if missing.")
     ],
+    fatemi_socie: Annotated[
+        tuple[float, float] | None,
+        typer.Option(
+            metavar="K YIELD",
+            help="k and yield stress of Fatemi and Socie; for runs with [output] stress_depths.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Write the numbers of a run as CSV files."""
     if rank_from_environment() > 0:
@@ -30,7 +38,7 @@ def export(
 
     result = load_result(results)
     console = Console()
-    for each in export_result(result, output):
+    for each in export_result(result, output, fatemi_socie):
         rows = f"{each.rows} row{'s' if each.rows != 1 else ''}"
         console.print(f"{each.path}: {rows}", highlight=False, markup=False, soft_wrap=True)
     if result.failure is not None:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Local parameters of fretting damage along a contact, of the evaluated cycle.
 
-They are of the contact surface alone. Those that need the stress in the bodies are not here.
+They are of the contact surface alone; `stress_parameters` has those that need the stress in the
+bodies.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.results.solution import OPEN, ContactHistory, Solution
+from fretfe.results.solution import OPEN, ContactHistory
 from fretfe.results.states import blocks
 
 
@@ -36,11 +37,6 @@ class LocalParameters:
     work: Array
     pressed_path: Array
     ruiz: Array
-
-
-def evaluated_states(solution: Solution) -> tuple[int, int]:
-    """First and last state of the evaluated cycle, or of the whole history without one."""
-    return solution.cycle or (0, len(solution.times) - 1)
 
 
 def local_parameters(contact: ContactHistory, states: tuple[int, int]) -> LocalParameters:

@@ -21,6 +21,7 @@ PLANE_UNITS = {
     "moment": "{force}",
     "work": "{force}*{length}/{length}",
     "density": "{force}*{length}/{length}^2",
+    "stress slip": "{stress}^2*{length}",
     "area": "{length}^2",
     "curvature": "1/{length}",
     "angle": "deg",
@@ -219,6 +220,27 @@ PLANE_LOCAL = (
     Column("work", "density", "friction work per area in it"),
     Column("pressed_path", "density", "integral of p |ds| in it: wear after Archard"),
     Column("ruiz", "density", "largest |q| times slip_range"),
+)
+STRESS = (
+    CONTACT,
+    Column("body", "", "name of the body"),
+    Column("depth", "length", "below the surface of the body; 0 is the surface"),
+    Column("x", "length", "place along the contact"),
+    Column("largest_tension", "stress", "largest stress along the surface in the cycle"),
+    Column("ruiz2", "stress slip", "that, if it is tension, times ruiz of local.csv; surface only"),
+    Column("swt", "stress", "Smith-Watson-Topper parameter of the plane where it is largest"),
+    Column("shear_strain", "", "largest amplitude of the shear strain on any plane"),
+)
+FATEMI_SOCIE = Column("fatemi_socie", "", "Fatemi-Socie parameter of the plane where it is largest")
+EDGE_STRESS = (
+    CONTACT,
+    EDGE,
+    Column("body", "", "name of the body"),
+    Column(
+        "largest_tension", "stress", "largest stress along the surface at the edge in the cycle"
+    ),
+    Column("largest_tension_spread", "stress", "its error bar"),
+    Column("reason", "", "why it is not known"),
 )
 SOLID_LOCAL = (
     CONTACT,

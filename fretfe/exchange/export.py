@@ -20,7 +20,7 @@ from fretfe.results.writer import prepare_other
 # Lists all columns of the other files, with these of its own.
 COLUMNS = "columns.csv"
 LISTED = ("file", "header", "column", "unit", "meaning")
-TABLE_NAME = re.compile(r"[a-z]+\.csv")
+TABLE_NAME = re.compile(r"[a-z_]+\.csv")
 
 
 @dataclass(frozen=True)
@@ -31,22 +31,26 @@ class Exported:
     rows: int
 
 
-def export_result(result: Result, folder: Path) -> tuple[Exported, ...]:
+def export_result(
+    result: Result, folder: Path, fatemi_socie: tuple[float, float] | None = None
+) -> tuple[Exported, ...]:
     """Write histories, factors, edges, cycles or stations, and tractions as CSV files.
 
     Args:
         result: of plane bodies or of solids, complete or not.
         folder: for the files; made if missing. Tables of an earlier export in it are replaced.
+        fatemi_socie: k and yield stress of that parameter; None leaves it out.
 
     Returns:
         The files; the last one lists their columns.
 
     Raises:
-        CaseError: if the folder holds results of a run, or files of others that would be replaced.
-        OutputError: if a file cannot be written.
+        CaseError: if the folder holds results of a run, or files of others that would be replaced,
+            k is negative or the yield stress not positive.
+        OutputError: if a file cannot be written, or there is no stress for that parameter.
     """
     prepare_other(folder)
-    tables = list(export_tables(result))
+    tables = list(export_tables(result, fatemi_socie))
     try:
         _remove_earlier(folder, [each.file for each in tables])
         named = ((t.file, h.text, h.name, h.unit, h.meaning) for t in tables for h in t.headings)

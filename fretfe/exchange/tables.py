@@ -11,7 +11,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.edges.front import StationHistory
-from fretfe.edges.local_parameters import evaluated_states
+from fretfe.edges.stress_parameters import StressParameters
 from fretfe.exchange import columns
 from fretfe.exchange.columns import Column, Heading, headings
 from fretfe.report.source import load_unit
@@ -32,8 +32,10 @@ class ExportTable:
     rows: Iterator[Row]
 
 
-def export_tables(result: Result) -> Iterator[ExportTable]:
-    """All tables of a result that have rows."""
+def export_tables(
+    result: Result, fatemi_socie: tuple[float, float] | None = None
+) -> Iterator[ExportTable]:
+    """All tables of a result that have rows; arguments as for `export_result`."""
     yield _loads(result)
     yield _contacts(result)
     if result.contacts or any(area.fronts for area in result.areas):
@@ -47,8 +49,11 @@ def export_tables(result: Result) -> Iterator[ExportTable]:
         yield _of_records(result, "stations.csv", columns.STATIONS, stations)
     if result.solution is not None:
         yield _tractions(result)
-        if result.solution.keeps(*evaluated_states(result.solution)):
+        if result.solution.keeps(*result.loads.evaluated):
             yield _local(result)
+    if result.has_stress or fatemi_socie:
+        yield _stress(result, fatemi_socie)
+        yield _edge_stress(result)
 
 
 def _headings(result: Result, names: Sequence[Column]) -> list[Heading]:
@@ -160,6 +165,42 @@ def _local(result: Result) -> ExportTable:
         )
     )
     return ExportTable("local.csv", _headings(result, named), rows)
+
+
+def _stress(result: Result, fatemi_socie: tuple[float, float] | None) -> ExportTable:
+    named = [*columns.STRESS, *([columns.FATEMI_SOCIE] if fatemi_socie else [])]
+    # All is computed before the file is made: what is wrong with the numbers is told first.
+    found = {
+        name: (result.stress_history(name).arc, result.stress_parameters(name, fatemi_socie))
+        for name in result.case.contacts
+    }
+    rows = (
+        (contact, body.body, depth, *row)
+        for contact, (arc, bodies) in found.items()
+        for body in bodies
+        for number, depth in enumerate(body.depths)
+        for row in _parameters(arc, body, number)
+    )
+    return ExportTable("stress.csv", _headings(result, named), rows)
+
+
+def _parameters(arc: Array, body: StressParameters, number: int) -> Array:
+    """(N, 5 or 6) place and parameters at one of the depths."""
+    at_surface = body.depths[number] == 0
+    ruiz2 = body.ruiz2 if at_surface else np.full_like(body.ruiz2, np.nan)
+    values = [arc, body.largest_tension[number], ruiz2, body.swt[number], body.shear_strain[number]]
+    if body.fatemi_socie is not None:
+        values.append(body.fatemi_socie[number])
+    return np.column_stack(values)
+
+
+def _edge_stress(result: Result) -> ExportTable:
+    rows = (
+        (each.contact, each.edge, each.body, *each.largest, each.reason)
+        for name in result.case.contacts
+        for each in result.stress_history(name).edges
+    )
+    return ExportTable("edge_stress.csv", _headings(result, columns.EDGE_STRESS), rows)
 
 
 def _plane_nodes(contact: ContactHistory, state: int) -> Array:

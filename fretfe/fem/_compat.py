@@ -36,6 +36,7 @@ try:
 
     import basix.ufl
     import dolfinx.fem.petsc
+    import dolfinx.geometry
     import dolfinx.mesh
     import ufl
     from dolfinx import cpp as _cpp
@@ -130,6 +131,25 @@ def form_on(
     return dolfinx.fem.create_form(
         short, [space], mesh, parts, {}, {constant: constant for constant in constants}
     )
+
+
+def cells_around(
+    mesh: dolfinx.mesh.Mesh, cells: npt.NDArray[np.int32], points: Array, padding: float
+) -> tuple[Indices, Indices]:
+    """Pairs (n,), (n,) of cells and points whose bounding boxes, a bit larger, hold the points.
+
+    Args:
+        mesh: of the cells.
+        cells: that are looked at.
+        points: (m, 3) places, NaN for none.
+        padding: by which the boxes are larger.
+    """
+    # In 0.9 padding follows the entities, later it comes before them: both by name.
+    tree = dolfinx.geometry.bb_tree(mesh, mesh.topology.dim, entities=cells, padding=padding)
+    known = np.flatnonzero(np.isfinite(points).all(axis=1))
+    met = dolfinx.geometry.compute_collisions_points(tree, points[known])
+    numbers = known[np.repeat(np.arange(len(known)), np.diff(met.offsets))]
+    return met.array.astype(np.int64), numbers
 
 
 def vtk_order(cell: dolfinx.mesh.CellType, count: int) -> Indices:

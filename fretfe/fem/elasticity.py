@@ -77,7 +77,7 @@ class ElasticBody:
         points = mesh.points if mesh else np.empty((0, gdim))
         self.name: str = name
         self.gdim: int = gdim
-        self.degree, self._order = degree, order
+        self.degree, self.order = degree, order
         self.mesh = create_mesh(comm, cells, points, cell, order)
         self.space = fem.functionspace(self.mesh, ("Lagrange", degree, (gdim,)))
         self.groups, self.facet_tags = self._tag_boundaries(mesh, cell, order)
@@ -119,7 +119,7 @@ class ElasticBody:
         measure = ufl.dx
         if self.mesh.topology.cell_name() == "hexahedron":
             # As many points in each direction as in a quadrilateral that it may be extruded from.
-            measure = ufl.dx(metadata={"quadrature_degree": 2 * (self.degree + self._order)})
+            measure = ufl.dx(metadata={"quadrature_degree": 2 * (self.degree + self.order)})
         return ufl.inner(self.stress(displacement), ufl.sym(ufl.grad(test))) * measure
 
     def stiffness(self, constrained: npt.NDArray[np.int32]) -> PETSc.Mat:

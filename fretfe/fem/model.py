@@ -208,8 +208,14 @@ class Model:
         Returns:
             (p, d) for each of them, on rank 0; None elsewhere.
         """
+        return self.gather_surfaces(self.recover_fields(requests))
+
+    def gather_surfaces(
+        self, fields: Sequence[dict[str, fem.Function]]
+    ) -> list[dict[str, Array]] | None:
+        """Displacements as of `surface_displacements` of fields that are there. Collective."""
         found = []
-        for field in self.recover_fields(requests):
+        for field in fields:
             own: dict[str, Array] = {}
             for name, displacement in field.items():
                 moved = self.bodies[name].surface_displacement(displacement)

@@ -119,7 +119,8 @@ class _Kept:
             raise result.failure
         self.refinement = on_root(self._comm, partial(self._passes.judge, result))
         # Those of the mesh before do not belong to these numbers.
-        on_root(self._comm, partial(_drop, self._options.fields))
+        for path in (self._options.fields, self._options.stress):
+            on_root(self._comm, partial(_drop, path))
         self._options.keep(replace(result, refinement=self.refinement))
 
 
@@ -133,9 +134,9 @@ def _ended(last: Result, refinement: Refinement, error: FretfeError) -> Result:
     return replace(last, refinement=refinement, failure=failure)
 
 
-def _drop(fields: Path | None) -> None:
-    if fields is not None:
-        fields.unlink(missing_ok=True)
+def _drop(path: Path | None) -> None:
+    if path is not None:
+        path.unlink(missing_ok=True)
 
 
 class _PlanePasses(Passes):

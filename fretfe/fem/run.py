@@ -36,6 +36,7 @@ from fretfe.fem.penetration import farthest_states, unpaired_penetration
 from fretfe.fem.prepared import LoadMesh, Prepared, build_model
 from fretfe.fem.solid_extraction import Tracks, add_solid_integrals
 from fretfe.fem.stopping import SharedStop
+from fretfe.fem.stress_output import refuse_solids, write_stress
 from fretfe.fem.timing import Clock
 from fretfe.loads import History, build_history
 from fretfe.results.model import Result
@@ -94,6 +95,7 @@ def solve_prepared(
     """
     model, mesh = prepared.model, prepared.mesh
     comm = model.comm
+    refuse_solids(case, model.dimension)
     with clock("steps"):
         marched = _march_on_root(prepared, case, history, options)
     failure = comm.bcast(marched.failure if marched else None)
@@ -128,8 +130,11 @@ def solve_prepared(
         ranks=comm.size,
     )
     options.keep(result)
+    if options.stress is not None and case.output.stress_depths:
+        with clock("stress near the contacts"):
+            notes += _write_stress(model, recorder, solution, found, options.stress)
     if options.fields is None:
-        return result
+        return replace(result, notes=notes)
     with clock("fields"):
         chosen = _field_states(case, history, solution, found) if solution else None
         notes += _write_fields(model, history, recorder, chosen, options.fields)
@@ -315,6 +320,27 @@ def _write_fields(
                 output.add(float(history.times[state]), displacements)
     except OutputError as error:
         on_root(model.comm, partial(_remove, path))
+        return (str(error),)
+    return ()
+
+
+def _write_stress(
+    model: Model,
+    recorder: Recorder | None,
+    solution: Solution | None,
+    found: _Evaluation,
+    path: Path,
+) -> tuple[str, ...]:
+    """Write the stress near the contacts of a history that has steps. Collective.
+
+    Returns:
+        Why it could not be written: no reason to lose the numbers.
+    """
+    if not model.comm.bcast(solution is not None and len(solution.times) > 1):
+        return ()
+    try:
+        write_stress(model, recorder, solution, found.contacts, path)
+    except OutputError as error:
         return (str(error),)
     return ()
 

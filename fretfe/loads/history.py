@@ -37,6 +37,11 @@ class History:
     cycle: tuple[int, int] | None
     between: Array | None = None
 
+    @property
+    def evaluated(self) -> tuple[int, int]:
+        """First and last state of the evaluated cycle, or of everything without one."""
+        return self.cycle or (0, len(self.times) - 1)
+
     def at(self, time: float) -> Array:
         """Values (C,) at a time, linear between steps and constant after the last one."""
         return np.array([np.interp(time, self.times, column) for column in self.values.T])

@@ -10,11 +10,10 @@ import numpy as np
 
 from fretfe._typing import Indices
 from fretfe.case import Case
+from fretfe.edges import stress_history
 from fretfe.edges.area import AreaSummary, shear_extremes
 from fretfe.edges.extremes import load_extremes
 from fretfe.edges.front import ContactSummary, Station
-from fretfe.edges.missions import worst_path
-from fretfe.edges.slip_zones import cycle_states
 from fretfe.results.model import Result
 from fretfe.results.solution import ContactHistory
 
@@ -28,11 +27,6 @@ def folder_of(run: Result) -> Path:
     """The folder that a run was read from."""
     assert run.directory is not None
     return run.directory
-
-
-def span(run: Result) -> tuple[int, int]:
-    """First and last state of the evaluated cycle, or of everything."""
-    return run.loads.cycle or (0, len(run.loads.times) - 1)
 
 
 def extremes(run: Result) -> list[int]:
@@ -142,12 +136,8 @@ def worst_states(shown: Shown) -> Indices:
 
     Empty if the loads are regular.
     """
-    run, friction = shown.run, shown.tractions.friction
-    edges = [edge for edge in shown.summary.stations if edge.cycles.irregular]
-    if not edges:
-        return np.zeros(0, dtype=np.int64)
-    edge = max(edges, key=_largest_range)
-    return worst_path(edge.cycles, cycle_states(run.loads.cycle), friction, edge)
+    assert shown.run.solution is not None
+    return stress_history.worst_states(shown.run.solution, [shown.summary])
 
 
 def worst_run_states(run: Result) -> Indices:
@@ -155,18 +145,9 @@ def worst_run_states(run: Result) -> Indices:
 
     Empty for solids, whose cycles are not counted.
     """
-    if not run.contacts:
+    if run.solution is None:
         return np.zeros(0, dtype=np.int64)
-    shown = [each for each in shown_contacts(run) if len(worst_states(each))]
-    if not shown:
-        return np.zeros(0, dtype=np.int64)
-    return worst_states(
-        max(shown, key=lambda each: max(map(_largest_range, each.summary.stations)))
-    )
-
-
-def _largest_range(edge: Station) -> float:
-    return float(edge.cycles.effective_range.max(initial=0.0))
+    return stress_history.worst_states(run.solution, run.contacts)
 
 
 def edge_title(edge: Station) -> str:

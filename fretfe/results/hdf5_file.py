@@ -21,6 +21,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from fretfe.errors import OutputError
+
 # The first version whose headers and indices have checksums and that is short for small arrays.
 FORMAT = "v110"
 
@@ -122,3 +124,17 @@ def room(
 def read_fault(error: Exception) -> str:
     """Say why HDF5 cannot read something, which calls a wrong checksum a failure of a filter."""
     return "damaged values" if "filter returned failure" in str(error) else str(error)
+
+
+def require_own(path: Path, file: h5py.File) -> None:
+    """Check that all that is in a file is in it: it could name a pipe, or a file of others.
+
+    Raises:
+        OutputError: if it is not.
+    """
+
+    def look(name: str, link: object) -> str | None:
+        return None if isinstance(link, h5py.HardLink) else name
+
+    if (name := file.visititems_links(look)) is not None:
+        raise OutputError(f"{path}: expected arrays of a run, found {name!r}, which is elsewhere")

@@ -18,13 +18,16 @@ from fretfe.case import Case
 from fretfe.edges.area import AreaSummary
 from fretfe.edges.front import ContactSummary
 from fretfe.edges.limits import ModelLimit
-from fretfe.edges.local_parameters import LocalParameters, evaluated_states, local_parameters
+from fretfe.edges.local_parameters import LocalParameters, local_parameters
 from fretfe.edges.refinement import Refinement
+from fretfe.edges.stress_history import StressHistory
+from fretfe.edges.stress_parameters import StressParameters, stress_parameters
 from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.loads import History
 from fretfe.results.dataset import make_dataset, require
 from fretfe.results.records import area_records, edge_records
 from fretfe.results.solution import ContactHistory, Solution
+from fretfe.results.stress_file import STRESSES, read_stress
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -171,13 +174,52 @@ class Result:
         """
         history = self.contact_history(contact)
         assert self.solution is not None
-        states = evaluated_states(self.solution)
+        states = self.solution.loads.evaluated
         if not self.solution.keeps(*states):
             raise OutputError(
                 f"expected the tractions of states {states[0]} to {states[1]}, found those of some "
                 "of them only: run the case with [output] tractions of all states"
             )
         return local_parameters(history, states)
+
+    @property
+    def has_stress(self) -> bool:
+        """True if the run wrote the stress near the contacts."""
+        return self.directory is not None and (self.directory / STRESSES).is_file()
+
+    def stress_history(self, contact: str) -> StressHistory:
+        """Return the stress of both bodies near a contact, through the evaluated or worst cycle.
+
+        Raises:
+            OutputError: if the run has no folder, or did not write any (`[output] stress_depths`),
+                or there is no such contact in the case.
+        """
+        if self.directory is None:
+            raise OutputError(
+                "expected the stress near the contacts, found a run without files: run the case "
+                "with an output folder and [output] stress_depths"
+            )
+        return read_stress(self.directory, contact)
+
+    def stress_parameters(
+        self, contact: str, fatemi_socie: tuple[float, float] | None = None
+    ) -> tuple[StressParameters, StressParameters]:
+        """Ruiz 2, Smith-Watson-Topper and Fatemi-Socie of body 1 and body 2 near a contact.
+
+        Args:
+            contact: its name in the case.
+            fatemi_socie: k and yield stress of that parameter; None leaves it out.
+
+        Raises:
+            OutputError: as for `stress_history`.
+            CaseError: if k is negative or the yield stress not positive.
+        """
+        history = self.stress_history(contact)
+        first, second = (
+            stress_parameters(history, number, self.case.bodies[body.name], fatemi_socie)
+            for number, body in enumerate(history.bodies)
+        )
+        return first, second
 
     def to_dataframe(self) -> pd.DataFrame:
         """The flat records as a table.

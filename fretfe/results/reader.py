@@ -30,7 +30,7 @@ from fretfe.files import file_fault
 from fretfe.loads import History
 from fretfe.results.dataset import NODAL
 from fretfe.results.digest import are_unchanged
-from fretfe.results.hdf5_file import read_fault
+from fretfe.results.hdf5_file import read_fault, require_own
 from fretfe.results.model import Result
 from fretfe.results.run_folder import unfinished
 from fretfe.results.shapes import require_shapes
@@ -157,7 +157,7 @@ def _opened(path: Path) -> Iterator[h5py.File]:
     _require_stored(path)
     try:
         with h5py.File(path, "r") as file:
-            _require_own(path, file)
+            require_own(path, file)
             found = {"name": file.attrs.get("schema"), "version": file.attrs.get("version")}
             if found != SCHEMA:
                 raise OutputError(f"{path}: expected schema {SCHEMA}, found {found}")
@@ -175,16 +175,6 @@ def _require_stored(path: Path) -> None:
     fault = file_fault(path)
     if fault and not fault.startswith("nothing"):
         raise OutputError(f"{path}: expected a file of results, found {fault}")
-
-
-def _require_own(path: Path, file: h5py.File) -> None:
-    """Check that all that is in a file is in it: it could name a pipe, or a file of others."""
-
-    def look(name: str, link: object) -> str | None:
-        return None if isinstance(link, h5py.HardLink) else name
-
-    if (name := file.visititems_links(look)) is not None:
-        raise OutputError(f"{path}: expected arrays of a run, found {name!r}, which is elsewhere")
 
 
 def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:

@@ -43,6 +43,7 @@ from fretfe.results.run_folder import MARK
 from fretfe.results.solution import ContactHistory, Solution
 from fretfe.results.states import StateArray, states_in_block
 from fretfe.results.station_file import STATIONS, write_stations
+from fretfe.results.stress_file import STRESSES
 
 SCHEMA = {"name": "fretfe-results", "version": 4}
 NUMBERS, ARRAYS, REPORT = "results.json", "results.h5", "report.html"
@@ -94,7 +95,7 @@ def remove_results(directory: Path) -> None:
     Raises:
         OSError: if that fails.
     """
-    for name in (NUMBERS, ARRAYS, SURFACES, STATIONS, CYCLES, FIELDS, REPORT):
+    for name in (NUMBERS, ARRAYS, SURFACES, STATIONS, CYCLES, FIELDS, STRESSES, REPORT):
         (directory / name).unlink(missing_ok=True)
 
 

@@ -11,7 +11,7 @@ from halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, loop, problem
 
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.edges.evaluate import evaluate
-from fretfe.edges.local_parameters import evaluated_states, local_parameters
+from fretfe.edges.local_parameters import local_parameters
 from fretfe.halfplane import solve_half_planes
 from fretfe.results.solution import STICK
 
@@ -29,7 +29,7 @@ def outcome():  # type: ignore[no-untyped-def]
 
 def test_closed_forms_of_partial_slip(outcome) -> None:  # type: ignore[no-untyped-def]
     (contact,) = outcome.solution.contacts
-    found = local_parameters(contact, evaluated_states(outcome.solution))
+    found = local_parameters(contact, outcome.solution.loads.evaluated)
     exact = PartialSlip(HERTZ, LOAD, FRICTION)
     inside = np.abs(contact.arc) < exact.half_width
     x = contact.arc[inside]
@@ -51,7 +51,7 @@ def test_closed_forms_of_partial_slip(outcome) -> None:  # type: ignore[no-untyp
 
 def test_the_sum_of_the_work_is_the_friction_work_of_the_cycle(outcome) -> None:  # type: ignore[no-untyped-def]
     (contact,) = outcome.solution.contacts
-    found = local_parameters(contact, evaluated_states(outcome.solution))
+    found = local_parameters(contact, outcome.solution.loads.evaluated)
     (summary,) = evaluate(outcome.solution, outcome.unit_factors)
     assert float(found.work @ contact.weights) == pytest.approx(summary.dissipation, rel=1e-12)
 

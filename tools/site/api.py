@@ -13,7 +13,14 @@ PAGES = {
     "fretfe": ("Run and evaluate cases", ("fretfe", "fretfe.api", "fretfe.submodel.comparison")),
     "results": (
         "Results",
-        ("fretfe.results.solution", "fretfe.edges.local_parameters", "fretfe.exchange.compared"),
+        (
+            "fretfe.results.solution",
+            "fretfe.edges.local_parameters",
+            "fretfe.edges.stress_history",
+            "fretfe.edges.stress_parameters",
+            "fretfe.edges.critical_planes",
+            "fretfe.exchange.compared",
+        ),
     ),
     "strength": (
         "Strength of edges",
@@ -42,7 +49,11 @@ PAGES = {
     ),
     "partial_slip": (
         "Closed forms: partial slip",
-        ("fretfe.analytic.partial_slip", "fretfe.analytic.moderate_tension"),
+        (
+            "fretfe.analytic.partial_slip",
+            "fretfe.analytic.moderate_tension",
+            "fretfe.analytic.half_plane_stress",
+        ),
     ),
 }
 

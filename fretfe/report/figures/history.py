@@ -13,7 +13,7 @@ from fretfe.case import Case
 from fretfe.edges.front import ContactSummary
 from fretfe.loads import History
 from fretfe.report.figures.plot import Plot, envelope, legend_above, make_plot
-from fretfe.report.source import edge_title, load_unit, span
+from fretfe.report.source import edge_title, load_unit
 from fretfe.report.theme import (
     BLUE,
     CYCLE,
@@ -151,7 +151,7 @@ def _tension_varies(run: Result, contact: ContactSummary) -> bool:
 
     By (7a) of the theory guide 4Q/(π a) is the tension that changes it as much as Q.
     """
-    first, last = span(run)
+    first, last = run.loads.evaluated
     tension = contact.effective_tension[first : last + 1]
     a = np.nanmax(contact.half_width, initial=0.0)
     scale = 4 * np.abs(contact.shear_force).max() / (np.pi * a) if a > 0 else 0.0
@@ -177,7 +177,7 @@ def _draw_path(figure: Figure, run: Result, contact: ContactSummary, tension: bo
 
 
 def _trace(axes: Axes, run: Result, x: Array, y: Array) -> None:
-    first, last = span(run)
+    first, last = run.loads.evaluated
     for states, colour, width, line in (
         (slice(0, len(x)), ORANGE, 0.8, "--"),
         (slice(first, last + 1), BLUE, 2.0, "-"),

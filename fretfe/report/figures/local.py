@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from fretfe.edges.local_parameters import LocalParameters
 from fretfe.report.figures.plot import Plot, make_plot, plain_axis
 from fretfe.report.figures.slip import edge_window
-from fretfe.report.source import Shown, edge_title, span
+from fretfe.report.source import Shown, edge_title
 from fretfe.report.texts import number
 from fretfe.report.theme import BLUE, DOUBLE, GREEN, GREY, VERMILLION
 
@@ -25,7 +25,7 @@ INTRO = (
 def local_plot(shown: Shown) -> Plot | None:
     """Local parameters along a contact; None if not all states are kept, or nothing slips."""
     assert shown.run.solution is not None
-    if not shown.run.solution.keeps(*span(shown.run)):
+    if not shown.run.solution.keeps(*shown.run.loads.evaluated):
         return None
     found = shown.run.local_parameters(shown.tractions.name)
     if not found.slip_range.any():
@@ -51,7 +51,7 @@ def _draw(figure: Figure, shown: Shown, found: LocalParameters) -> None:
     units, arc = shown.run.case.units, shown.tractions.arc
     for column, edge in zip(panels.T, shown.summary.stations, strict=True):
         top, bottom = column
-        low, high = edge_window(shown, edge, *span(shown.run))
+        low, high = edge_window(shown, edge, *shown.run.loads.evaluated)
         seen = (arc >= low) & (arc <= high)
         top.plot(arc[seen], found.slip_range[seen], ".-", color=BLUE, lw=1.2, ms=4)
         for values, colour, style, label in (

@@ -13,7 +13,6 @@ from fretfe.report.source import (
     Shown,
     ShownArea,
     force_unit,
-    span,
     work_unit,
     worst_run_states,
     worst_states,
@@ -40,7 +39,7 @@ ROUND_OFF = 1e-9
 
 def slip_loop_plot(shown: Shown | ShownArea) -> Plot | None:
     """Q over the mean slip of a contact; None if no node stays in contact."""
-    first, last = span(shown.run)
+    first, last = shown.run.loads.evaluated
     solution = shown.run.solution
     assert solution is not None
     path = worst_states(shown) if isinstance(shown, Shown) else np.zeros(0, dtype=np.int64)
@@ -134,7 +133,7 @@ def without_slope(force: Array, displacement: Array) -> Array:
 
 def _balance(run: Result, solution: Solution, total: float) -> str:
     """Work of all boundaries next to the friction work of all contacts."""
-    first, last = span(run)
+    first, last = run.loads.evaluated
     friction = sum(contact.dissipation for contact in run.summaries)
     text = (
         f"All loops of boundaries together: {number(total)}; friction work of all contacts in the "

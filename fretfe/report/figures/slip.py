@@ -13,7 +13,7 @@ from fretfe._typing import Array
 from fretfe.edges.front import Station
 from fretfe.report.figures.plot import Plot, envelope, make_plot
 from fretfe.report.figures.slip_envelope import draw_envelope
-from fretfe.report.source import Shown, edge_title, inward, span
+from fretfe.report.source import Shown, edge_title, inward
 from fretfe.report.theme import DOUBLE, PALE, SKY, VERMILLION
 from fretfe.results.solution import OPEN, SLIP, STICK
 from fretfe.results.states import blocks
@@ -56,7 +56,7 @@ def slip_plot(shown: Shown) -> Plot:
 def _draw(figure: Figure, shown: Shown) -> None:
     panels = figure.subplot_mosaic([["whole", "whole"], ["left", "right"]])
     times, units = shown.run.loads.times, shown.run.case.units
-    first, last = span(shown.run)
+    first, last = shown.run.loads.evaluated
     positions = np.concatenate([edge.position for edge in shown.summary.stations])
     low, high = _limits(shown, positions)
     _map(panels["whole"], shown, low, high, (0, len(times) - 1))

@@ -16,6 +16,7 @@ from fretfe.report.figures import (
     loops,
     slip,
     solver,
+    stress,
     tractions,
 )
 from fretfe.report.figures.plot import Plot
@@ -81,6 +82,9 @@ def _sections(run: Result) -> tuple[Section, ...]:
         _section("slip", "Stick and slip", _slip_intro(run), map(slip.slip_plot, shown)),
         _section("cycles", "Counted cycles", cycles.INTRO, counted),
         _section("local", "Local parameters", local.INTRO, map(local.local_plot, shown)),
+        _section(
+            "stress", "Stress next to the edges", stress.INTRO, map(stress.stress_plot, shown)
+        ),
         *histories,
         _section("loops", "Hysteresis", loops.INTRO, _loops(run, shown)),
     )

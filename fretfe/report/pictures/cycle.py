@@ -20,7 +20,6 @@ from fretfe.report.pictures.surfaces import (
     lay_out,
     reading,
 )
-from fretfe.report.source import span
 from fretfe.report.theme import COLOURS, FRAMED
 from fretfe.results.model import Result
 
@@ -31,7 +30,7 @@ MOST_FRAMES, MOST_BYTES, DURATION = 60, 2_000_000, 4000
 
 def cycle_frames(run: Result) -> list[int]:
     """States of the evaluated cycle, or of everything, to be drawn; none if some are not kept."""
-    first, last = span(run)
+    first, last = run.loads.evaluated
     # The last state of a cycle looks like the first one; nothing is loaded at the first of all.
     states = np.arange(first, last) if run.loads.cycle else np.arange(1, last + 1)
     assert run.solution is not None

@@ -18,7 +18,7 @@ from fretfe.report.pictures import solids, stress
 from fretfe.report.pictures.fields import Fields, Scene, open_fields
 from fretfe.report.pictures.panels import pixels, save_png
 from fretfe.report.pictures.plan import Wanted, plan_pictures
-from fretfe.report.source import extremes, folder_of, span, when
+from fretfe.report.source import extremes, folder_of, when
 from fretfe.report.theme import COLOURS
 from fretfe.results.field_file import FIELDS
 from fretfe.results.writer import PICTURES
@@ -86,7 +86,7 @@ def draw_animation(directory: Path, files: list[str]) -> None:
         files: the one to write.
     """
     source = open_fields(directory)
-    first, last = span(source.run)
+    first, last = source.run.loads.evaluated
     # The last state of a cycle looks like the first one; nothing is loaded at the first of all.
     states = range(first, last) if source.run.loads.cycle else range(1, last + 1)
     found = len(source.available(states))

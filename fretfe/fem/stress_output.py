@@ -1,0 +1,338 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Stress of plane bodies near their contacts through the evaluated cycle, to a file. Collective.
+
+At the surface it comes from the tractions and the strain along it (`edges.surface_stress`), below
+from the elements. Displacements are recovered for a block of states at a time.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from dolfinx import fem
+
+from fretfe._typing import Array, Indices
+from fretfe.case import Body, Case
+from fretfe.case.tables import Plane
+from fretfe.contact.recorder import Recorder
+from fretfe.edges.front import ContactSummary, Station
+from fretfe.edges.section import plane_front
+from fretfe.edges.stress_history import judged_states
+from fretfe.edges.surface_stress import (
+    EdgeValue,
+    SurfaceStrain,
+    edge_stress,
+    surface_tensor,
+    tangential_stress,
+)
+from fretfe.errors import CaseError, OutputError
+from fretfe.fem.model import Model, Request
+from fretfe.fem.parallel import on_root
+from fretfe.fem.stress_points import StressPoints
+from fretfe.results.files import disk_reason
+from fretfe.results.solution import ContactHistory, Solution
+from fretfe.results.stress_file import StressSite, StressWriter
+from fretfe.surface.surface import Surface
+
+# Bytes of the displacements that are recovered together.
+MOST_BYTES = 1 << 26
+# A contact node is above the other surface if the nearest place of that is no farther away along
+# the surface than this part of the largest facet.
+BESIDE = 0.5
+
+Places = dict[tuple[str, int], tuple[str, Array]]
+
+
+@dataclass(frozen=True)
+class _Site:
+    """A contact with its patches, and the surfaces of its bodies; rank 0 only."""
+
+    patches: tuple[ContactHistory, ...]
+    summaries: tuple[ContactSummary, ...]
+    surfaces: tuple[Surface, Surface]
+    strains: tuple[SurfaceStrain, SurfaceStrain]
+    depths: Array
+    place: StressSite
+
+    @property
+    def contact(self) -> str:
+        """Its name in the case."""
+        return self.place.contact
+
+    @property
+    def edges(self) -> Iterator[tuple[ContactHistory, Station, int]]:
+        """Patch, station and number of the body of each edge value."""
+        for patch, summary in zip(self.patches, self.summaries, strict=True):
+            for station in summary.stations:
+                for body in (0, 1):
+                    yield patch, station, body
+
+
+def write_stress(
+    model: Model,
+    recorder: Recorder | None,
+    solution: Solution | None,
+    contacts: Sequence[ContactSummary],
+    path: Path,
+) -> None:
+    """Write the stress near all contacts. Collective.
+
+    Args:
+        model: plane bodies.
+        recorder: holds the solved states; on rank 0, None elsewhere.
+        solution: the same states; on rank 0, None elsewhere.
+        contacts: their evaluation, on rank 0.
+        path: of the file.
+
+    Raises:
+        OutputError: if the file cannot be written.
+    """
+    writer = _Writer(model, solution, contacts, path) if solution is not None else None
+    places: Places = model.comm.bcast(writer.places if writer else None)
+    states: Indices = model.comm.bcast(writer.states if writer else None)
+    points = {
+        key: StressPoints(model.bodies[body].elastic, at)
+        for key, (body, at) in places.items()
+        if body in model.bodies
+    }
+    on_root(model.comm, lambda: writer.open() if writer else None, share=False)
+    length = _states_at_once(model)
+    for start in range(0, len(states), length):
+        block = [int(each) for each in states[start : start + length]]
+        fields = model.recover_fields(_requests(recorder, block))
+        surfaces = model.gather_surfaces(fields)
+        for number, field in enumerate(fields):
+            inner = _gather(model, places, points, field)
+            if writer is not None and surfaces is not None and inner is not None:
+                writer.add(block[number], surfaces[number], inner)
+    on_root(model.comm, lambda: writer.close() if writer else None, share=False)
+
+
+def _requests(recorder: Recorder | None, states: list[int]) -> list[Request] | None:
+    if recorder is None:
+        return None
+    return [Request.of(state, loads) for state, loads in recorder.requests(states)]
+
+
+def _states_at_once(model: Model) -> int:
+    """Number of displacement fields that are held together; the same on all ranks."""
+    sizes = [body.elastic.space.dofmap.index_map.size_global for body in model.bodies.values()]
+    largest = max(model.comm.allgather(sum(sizes) * model.dimension * 8))
+    return int(np.clip(MOST_BYTES // largest, 1, 64))
+
+
+def _gather(
+    model: Model,
+    places: Places,
+    points: dict[tuple[str, int], StressPoints],
+    field: dict[str, fem.Function],
+) -> dict[tuple[str, int], Array] | None:
+    """(m, 4) stress at the points below the surfaces, NaN outside the bodies; on rank 0."""
+    own = {key: (at.found, at.stress(field[places[key][0]])) for key, at in points.items()}
+    gathered = model.comm.gather(own)
+    if gathered is None:
+        return None
+    whole = {key: np.full((len(at), 4), np.nan) for key, (_, at) in places.items()}
+    for part in gathered:
+        for key, (found, values) in part.items():
+            whole[key][found] = values
+    return whole
+
+
+class _Writer:
+    """What rank 0 does: places, the stress at the surface, the file."""
+
+    def __init__(
+        self, model: Model, solution: Solution, contacts: Sequence[ContactSummary], path: Path
+    ) -> None:
+        self._case, self._path, self._solution = model.case, path, solution
+        self._depths = np.array(model.case.output.stress_depths)
+        summaries = {each.name: each for each in contacts}
+        self._sites = [
+            _site(model, tuple(patches), summaries, self._depths)
+            for _, patches in groupby(solution.contacts, key=lambda each: each.pair)
+        ]
+        self.states = judged_states(solution, contacts)
+        self._reasons: dict[str, list[Counter[str]]] = {
+            site.contact: [Counter() for _ in site.edges] for site in self._sites
+        }
+        self._known = {site.contact: np.zeros(len(list(site.edges)), bool) for site in self._sites}
+
+    @property
+    def places(self) -> Places:
+        """Points below the surfaces (m, d), by contact and number of the body."""
+        below = self._depths > 0
+        return {
+            (site.contact, number): (name, site.place.points[number][below].reshape(-1, 2))
+            for site in self._sites
+            for number, name in enumerate(site.place.bodies)
+        }
+
+    def open(self) -> None:
+        """Begin the file."""
+        times = self._solution.times[self.states]
+        try:
+            self._file = StressWriter(
+                self._path, self._depths, self.states, times, [site.place for site in self._sites]
+            )
+        except OSError as error:
+            raise self._error(error) from error
+
+    def add(self, state: int, moved: dict[str, Array], inner: dict[tuple[str, int], Array]) -> None:
+        """Write a state.
+
+        Args:
+            state: its number.
+            moved: displacements of all surfaces.
+            inner: stress at `places`.
+        """
+        self._file.add(
+            {site.contact: self._values(site, state, moved, inner) for site in self._sites}
+        )
+
+    def close(self) -> None:
+        """Finish the file."""
+        reasons = {
+            contact: [
+                "" if known else count.most_common(1)[0][0]
+                for known, count in zip(self._known[contact], counts, strict=True)
+            ]
+            for contact, counts in self._reasons.items()
+        }
+        try:
+            self._file.close(reasons)
+        except OSError as error:
+            raise self._error(error) from error
+
+    def _values(
+        self, site: _Site, state: int, moved: dict[str, Array], inner: dict[tuple[str, int], Array]
+    ) -> dict[str, Any]:
+        """What a state has at a contact; as of `StressWriter.add`."""
+        first = site.patches[0]
+        traction: Array = np.sum([each.mean_traction[state] for each in site.patches], axis=0)
+        status = np.max([each.status[state] for each in site.patches], axis=0)
+        stress = np.full((2, len(self._depths), len(first.arc), 4), np.nan)
+        smooth = []
+        for number, (surface, strain) in enumerate(zip(site.surfaces, site.strains, strict=True)):
+            found = strain.values(moved[surface.name])
+            own = self._tangential(site, number, strain.arc, found, traction)
+            smooth.append(own + np.interp(strain.arc, first.arc, traction[:, 0]))
+            below = self._depths > 0
+            stress[number, below] = inner[site.contact, number].reshape(-1, len(first.arc), 4)
+            if not below.all():
+                at_nodes = np.interp(first.arc, strain.arc, found, left=np.nan, right=np.nan)
+                tangential = self._tangential(site, number, first.arc, at_nodes, traction)
+                stress[number, ~below] = surface_tensor(
+                    tangential, traction, first.frames, self._body(site, number), self._plane
+                )
+        edges = [self._edge(site, state, smooth, *edge) for edge in site.edges]
+        self._note(site, edges)
+        return {
+            "traction": traction,
+            "slip": np.asarray(first.slip[state])[:, 0],
+            "status": status,
+            "stress": stress,
+            "edge_stress": [each.value for each in edges],
+            "edge_spread": [each.spread for each in edges],
+        }
+
+    def _tangential(
+        self, site: _Site, number: int, arc: Array, strain: Array, traction: Array
+    ) -> Array:
+        """Stress along the surface of a body at places along the arc."""
+        pressure = np.interp(arc, site.patches[0].arc, traction[:, 0])
+        return tangential_stress(strain, pressure, self._body(site, number), self._plane)
+
+    def _edge(
+        self,
+        site: _Site,
+        state: int,
+        smooth: list[Array],
+        patch: ContactHistory,
+        station: Station,
+        body: int,
+    ) -> EdgeValue:
+        return edge_stress(
+            site.strains[body].arc,
+            smooth[body],
+            float(station.position[state]),
+            plane_front(station.front).inward,
+            patch,
+            np.asarray(patch.status[state]),
+        )
+
+    def _note(self, site: _Site, edges: list[EdgeValue]) -> None:
+        self._known[site.contact] |= [not each.reason for each in edges]
+        for count, each in zip(self._reasons[site.contact], edges, strict=True):
+            count[each.reason] += bool(each.reason)
+
+    def _body(self, site: _Site, number: int) -> Body:
+        return self._case.bodies[site.place.bodies[number]]
+
+    @property
+    def _plane(self) -> Plane:
+        return self._case.model.plane
+
+    def _error(self, error: OSError) -> OutputError:
+        return OutputError(
+            f"{self._path}: the stress near the contacts cannot be written: {disk_reason(error)}"
+        )
+
+
+def _site(
+    model: Model,
+    patches: tuple[ContactHistory, ...],
+    summaries: dict[str, ContactSummary],
+    depths: Array,
+) -> _Site:
+    """A contact and where the stress around it is looked at."""
+    pair = patches[0]
+    contact = model.case.contacts[pair.pair]
+    surfaces = model.surfaces[contact.surface1], model.surfaces[contact.surface2]
+    seen = [_below(surface, pair.points, depths) for surface in surfaces]
+    own = tuple(summaries[each.name] for each in patches)
+    bodies = pair.body1, pair.body2
+    edges = [
+        (summary.name, station.front, body)
+        for summary in own
+        for station in summary.stations
+        for body in bodies
+    ]
+    points, normals = (np.array(each) for each in zip(*seen, strict=True))
+    degree = model.case.model.degree
+    strains = [SurfaceStrain.of(surface, degree, pair) for surface in surfaces]
+    place = StressSite(pair.pair, pair.arc, pair.frames, bodies, points, normals, edges)
+    return _Site(patches, own, surfaces, (strains[0], strains[1]), depths, place)
+
+
+def _below(surface: Surface, points: Array, depths: Array) -> tuple[Array, Array]:
+    """(D, N, d) places at depths below a surface, and (N, d) outward normals; next to points.
+
+    NaN where the surface ends before a point.
+    """
+    nearest, normals = surface.nearest(points)
+    # Places are samples: the surface is their tangent plane.
+    across = np.sum(normals * (nearest - points), axis=1, keepdims=True)
+    places = points + across * normals
+    beside = np.linalg.norm(places - nearest, axis=1) > BESIDE * surface.sizes.max()
+    places[beside] = np.nan
+    return places - depths[:, None, None] * normals, normals
+
+
+def refuse_solids(case: Case, dimension: int) -> None:
+    """Check that the stress near contacts is asked of plane bodies only.
+
+    Raises:
+        CaseError: if it is asked of solids.
+    """
+    if case.output.stress_depths and dimension == 3:
+        raise CaseError(
+            f"{case.source}: output.stress_depths: expected plane bodies, found solids: the stress "
+            "near the contacts is computed in the plane only"
+        )

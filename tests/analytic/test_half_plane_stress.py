@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Closed-form stress below elliptical tractions against quadrature and textbook values."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from fretfe._typing import Array
+from fretfe.analytic.half_plane_stress import elliptical_stress
+
+B, P0, Q0 = 0.8, 3.0, 1.1
+
+
+def flamant(x: float, depth: float) -> Array:
+    """Stress by adding up point forces: each is a radial pressure -(2/pi) F·r/r^2."""
+
+    def component(i: int, j: int, angle: float) -> float:
+        # t = b cos(angle) takes the root off the ends.
+        t, ellipse = B * np.cos(angle), np.sin(angle)
+        r = np.array([x - t, -depth])
+        force = np.array([Q0, -P0]) * ellipse
+        radial = -2 / np.pi * (force @ r) / (r @ r)
+        return float(radial * r[i] * r[j] / (r @ r) * B * np.sin(angle))
+
+    pairs = ((0, 0), (1, 1), (0, 1))
+    return np.array(
+        [quad(lambda a, i=i, j=j: component(i, j, a), 0, np.pi, limit=400)[0] for i, j in pairs]
+    )
+
+
+@pytest.mark.parametrize("depth", [0.05, 0.4, 2.0])
+@pytest.mark.parametrize("x", [-1.3, -0.8, 0.0, 0.3, 0.8])
+def test_it_is_the_sum_of_point_forces(x: float, depth: float) -> None:
+    # Quadrature reaches 1e-8.
+    assert elliptical_stress(x, depth, B, P0, Q0) == pytest.approx(flamant(x, depth), abs=1e-7)
+
+
+def test_surface_has_the_tractions_and_johnsons_tangential_stress() -> None:
+    """sigma_xx is -p by the pressure, and -2 q0 x/b inside by the shear (Johnson, section 7.1)."""
+    x = np.linspace(-2, 2, 40)  # none at an end, where a root turns round-off into 1e-8
+    p, q = (g * np.sqrt(np.maximum(1 - (x / B) ** 2, 0)) for g in (P0, Q0))
+    outside = np.sqrt(np.maximum((x / B) ** 2 - 1, 0))
+    by_shear = -2 * Q0 * (x / B - np.sign(x) * outside)
+    found = elliptical_stress(x, 0.0, B, P0, Q0)
+    expected = np.stack([by_shear - p, -p, q], axis=1)
+    assert found == pytest.approx(expected, abs=1e-12)
+
+
+def test_largest_shear_below_hertz() -> None:
+    """0.300 p0 at a depth of 0.786 half-widths (Johnson, section 4.2)."""
+    depth = np.linspace(0.01, 2, 2000) * B
+    xx, yy, _ = elliptical_stress(0.0, depth, B, 1.0, 0.0).T
+    largest = np.abs(xx - yy) / 2
+    assert largest.max() == pytest.approx(0.300, abs=5e-4)
+    assert depth[largest.argmax()] / B == pytest.approx(0.786, abs=1e-3)
+
+
+def test_surface_is_the_limit_of_the_depth() -> None:
+    x = np.array([-1.0, -0.8, -0.2, 0.5])
+    shallow = elliptical_stress(x, 1e-12, B, P0, Q0)
+    # At the end of the ellipse it changes with the root of the depth.
+    assert shallow == pytest.approx(elliptical_stress(x, 0.0, B, P0, Q0), abs=1e-5)
+
+
+def test_wrong_arguments_are_named() -> None:
+    with pytest.raises(ValueError, match="depth must lie in"):
+        elliptical_stress(0.0, -1.0, 1.0, 1.0, 0.0)
+    with pytest.raises(ValueError, match="half_width must lie in"):
+        elliptical_stress(0.0, 1.0, 0.0, 1.0, 0.0)
