@@ -45,11 +45,11 @@ HELP = """Edge factors and slip zones of two-body fretting contacts, by finite e
 EXIT_CODES = """\b
 Exit codes:
   0  success
-  1  unexpected error (a bug), or a comparison of validate or verify that fails
+  1  unexpected error (a bug), or a comparison of validate or verify fails
   2  the case file or the command line is wrong
-  3  geometry, mesh or physical groups
-  4  the model: a body that nothing holds, surfaces that never meet
-  5  a load step has no solution, or equilibrium is lost; the steps up to there are written
+  3  the geometry, the mesh or the physical groups are wrong
+  4  the model is wrong: nothing holds a body, or surfaces never meet
+  5  a load step has no solution, or equilibrium is lost; the steps before it are written
   6  results cannot be written or read
   7  a library is missing
   8  there is not enough memory
