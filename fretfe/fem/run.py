@@ -30,7 +30,7 @@ from fretfe.fem.balance import balance
 from fretfe.fem.extraction import add_integrals
 from fretfe.fem.fields import FieldOutput
 from fretfe.fem.limits import imbalance, model_limits, solid_limits, without_moved
-from fretfe.fem.model import Model, Request, step_loads
+from fretfe.fem.model import Model, step_loads
 from fretfe.fem.parallel import on_root, release
 from fretfe.fem.penetration import farthest_states, unpaired_penetration
 from fretfe.fem.prepared import LoadMesh, Prepared, build_model
@@ -38,6 +38,7 @@ from fretfe.fem.solid_extraction import Tracks, add_solid_integrals
 from fretfe.fem.stopping import SharedStop
 from fretfe.fem.stress_output import refuse_solids, write_stress
 from fretfe.fem.timing import Clock
+from fretfe.fem.unit_fields import state_requests
 from fretfe.loads import History, build_history
 from fretfe.results.model import Result
 from fretfe.results.solution import Solution
@@ -203,7 +204,7 @@ def _penetration(model: Model, recorder: Recorder | None) -> dict[str, float]:
     """Unpaired penetration of each contact; empty but on rank 0. Collective."""
     pairs = model.reduction.pairs if model.reduction and recorder else ()
     chosen = [farthest_states(model, pair, recorder) for pair in pairs] if recorder else []
-    requests = _requests(recorder, [int(each) for states in chosen for each in states])
+    requests = state_requests(recorder, [int(each) for states in chosen for each in states])
     moved = model.surface_displacements(requests) or []
     ends = np.cumsum([len(states) for states in chosen])
     return {
@@ -217,13 +218,6 @@ def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
     assert reduction is not None
     solution = recorder.solution(history, balance(reduction, recorder.blocks()))
     return separate_patches(solution) if model.dimension == 2 else solution
-
-
-def _requests(recorder: Recorder | None, states: list[int]) -> list[Request] | None:
-    """Displacement fields of some states; on rank 0."""
-    if recorder is None:
-        return None
-    return [Request.of(state, loads) for state, loads in recorder.requests(states)]
 
 
 @dataclass(frozen=True)
@@ -316,7 +310,7 @@ def _write_fields(
     try:
         with closing(FieldOutput(model, path)) as output:
             for state in states:
-                (displacements,) = model.recover_fields(_requests(recorder, [state]))
+                (displacements,) = model.recover_fields(state_requests(recorder, [state]))
                 output.add(float(history.times[state]), displacements)
     except OutputError as error:
         on_root(model.comm, partial(_remove, path))

@@ -32,9 +32,10 @@ from fretfe.edges.surface_stress import (
     tangential_stress,
 )
 from fretfe.errors import CaseError, OutputError
-from fretfe.fem.model import Model, Request
+from fretfe.fem.model import Model
 from fretfe.fem.parallel import on_root
 from fretfe.fem.stress_points import StressPoints
+from fretfe.fem.unit_fields import state_requests
 from fretfe.results.files import disk_reason
 from fretfe.results.solution import ContactHistory, Solution
 from fretfe.results.stress_file import StressSite, StressWriter
@@ -105,19 +106,13 @@ def write_stress(
     length = _states_at_once(model)
     for start in range(0, len(states), length):
         block = [int(each) for each in states[start : start + length]]
-        fields = model.recover_fields(_requests(recorder, block))
+        fields = model.recover_fields(state_requests(recorder, block))
         surfaces = model.gather_surfaces(fields)
         for number, field in enumerate(fields):
             inner = _gather(model, places, points, field)
             if writer is not None and surfaces is not None and inner is not None:
                 writer.add(block[number], surfaces[number], inner)
     on_root(model.comm, lambda: writer.close() if writer else None, share=False)
-
-
-def _requests(recorder: Recorder | None, states: list[int]) -> list[Request] | None:
-    if recorder is None:
-        return None
-    return [Request.of(state, loads) for state, loads in recorder.requests(states)]
 
 
 def _states_at_once(model: Model) -> int:

@@ -15,6 +15,13 @@ from fretfe.contact.state import ContactState
 from fretfe.fem.model import Request
 
 
+def state_requests(recorder: Recorder | None, states: list[int]) -> list[Request] | None:
+    """Requests for the fields of solved states; None on ranks without a recorder, all but 0."""
+    if recorder is None:
+        return None
+    return [Request.of(state, loads) for state, loads in recorder.requests(states)]
+
+
 class UnitFields:
     """Requests for the full-stick fields of contact areas, numbered; rank 0 only.
 
