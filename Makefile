@@ -6,11 +6,13 @@ PYTHON ?=
 export PYTHON
 # A foreign package must not shadow those of the environment.
 unexport PYTHONPATH PYTHONHOME
+# Without compiled files each of many processes compiles all of fretfe and of the tests anew.
+unexport PYTHONDONTWRITEBYTECODE
 
 BIN := .venv/bin
 LIGHT := .venv-light/bin
 CPP := $(wildcard fretfe/_core/*.cpp fretfe/_core/*.hpp)
-BUILD_INPUTS := pyproject.toml CMakeLists.txt $(CPP) $(wildcard meshes/*.geo tools/*)
+BUILD_INPUTS := pyproject.toml CMakeLists.txt $(CPP) $(wildcard meshes/*.geo tools/*.*)
 PYTHON_SOURCES := $(shell find fretfe -name '*.py')
 
 # Compiler warnings are errors where changes are checked, not on a user's machine.
@@ -48,11 +50,11 @@ bench: .venv/.installed  ## times of whole runs, steps and ranks; on a quiet mac
 
 test: .venv/.installed  ## all tests on 1 rank, those marked mpi on 2; the slow ones if CI or SLOW is set
 	$(PYTEST) $(SHARED_OUT) -m "not slow $(WITHOUT)"
-	$(ONE_THREAD) $(BIN)/mpirun -n 2 $(BIN)/pytest -m "mpi and not slow" \
+	$(ONE_THREAD) $(BIN)/mpirun -n 2 $(BIN)/pytest tests/fem -m "mpi and not slow" \
 	    -p no:cacheprovider --timeout-method=thread </dev/null
 ifneq ($(call is_set,$(CI) $(SLOW)),)
 	$(PYTEST) $(SHARED_OUT) $(SLOW_LIMITS) -m "slow and not speed"
-	$(PYTEST) $(SLOW_LIMITS) -m speed
+	$(PYTEST) tests/fem $(SLOW_LIMITS) -m speed
 endif
 
 test-light: .venv-light/.installed  ## the tests of the parts without DOLFINx, in .venv-light

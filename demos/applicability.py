@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 from fretfe.analytic.edges import tension_for_zero_factor
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge
 from fretfe.analytic.validity import asymptote_error
-from fretfe.edges.evaluate import evaluate
 from fretfe.environment import rank_from_environment
+from fretfe.evaluate.evaluate import evaluate
 from fretfe.halfplane import solve_half_planes
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.loads import History

@@ -6,9 +6,10 @@ from __future__ import annotations
 import os
 import sys
 import warnings
+from typing import NoReturn
 
-from fretfe.environment import missing_package
-from fretfe.errors import DependencyError
+from fretfe.environment import LITTLE_ROOM, memory_shortage, missing_package, too_little_room
+from fretfe.errors import DependencyError, FretfeError, MemoryShortError
 
 # What sets the number of threads of a BLAS; the last one is heeded by all of them.
 THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "OMP_NUM_THREADS")
@@ -23,14 +24,21 @@ def main() -> None:
     # What NumPy warns of is told by fretfe in its own words, or does not matter.
     if not sys.warnoptions:
         warnings.simplefilter("ignore", RuntimeWarning)
+    if shortage := too_little_room(LITTLE_ROOM, "loading the libraries may take"):
+        _end(MemoryShortError, shortage)
     try:
         from fretfe.cli.app import main as command_line
-    except ImportError as error:
-        if not (reason := missing_package(error)):
+    except (ImportError, OSError, SystemError, MemoryError) as error:
+        shortage = memory_shortage(error)
+        if not (reason := shortage or missing_package(error)):
             raise
-        print(f"fretfe: error: {reason}", file=sys.stderr)
-        sys.exit(DependencyError.exit_code)
+        _end(MemoryShortError if shortage else DependencyError, reason)
     command_line()
+
+
+def _end(error: type[FretfeError], reason: str) -> NoReturn:
+    print(f"fretfe: error: {reason}", file=sys.stderr)
+    sys.exit(error.exit_code)
 
 
 if __name__ == "__main__":

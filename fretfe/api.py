@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fretfe.backends import Observer
-from fretfe.backends.observer import SILENT
+from fretfe.backends.protocol import SILENT
 from fretfe.case import Case, load_case
 from fretfe.checked import Checked, check, make_mesh
 from fretfe.errors import OutputError
@@ -242,14 +242,14 @@ def plot_comparison(comparison: Comparison) -> Figure:
     """
     if not comparison.tractions:
         raise OutputError(f"expected tractions, found none: {'; '.join(comparison.notes)}")
-    from fretfe.exchange.figures import plot_tractions as draw
+    from fretfe.exchange.comparison_files import plot_tractions as draw
 
     return draw(comparison)
 
 
 def plot_strength(found: StrengthMap) -> Figure:
     """Draw tests, strength and component edges over K_N and ΔK_T."""
-    from fretfe.strength.figure import plot_strength as draw
+    from fretfe.strength.files import plot_strength as draw
 
     return draw(found)
 

@@ -1,20 +1,22 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What finite elements would solve: the case, its mesh and its model, without DOLFINx."""
+"""The model that finite elements would solve, from the case and its mesh, without DOLFINx."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from fretfe.bodies.definition import ModelDefinition
-from fretfe.bodies.pairs import Pair, contact_surfaces, couple_contacts
+from fretfe.bodies.definition import ModelDefinition, Pair, contact_surfaces, couple_contacts
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import Case
 from fretfe.environment import rank_from_environment
 from fretfe.loads import History, build_history
 from fretfe.mesh.cost import Cost, estimate_cost
 from fretfe.mesh.mesh import Mesh
-from fretfe.surface.load import load_mesh
+from fretfe.surface.checks import load_mesh
+
+# Extremes of the loads in a cycle, and the last state.
+EXTREMES = 3
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,19 @@ class Checked:
         """Estimate of memory and time, of the first mesh if it refines itself."""
         nodes = sum(len(pair.coupling.weights) for pair in self.pairs)
         steps = len(self.history.times) - 1
-        return estimate_cost(self.mesh, self.case.model.degree, nodes, steps)
+        plane = self.mesh.dimension == 2
+        # Two fronts, or one that is closed.
+        stations = 2 * len(self.pairs) * (1 if plane else self.case.edges.stations)
+        states = _field_states(self.case, steps)
+        return estimate_cost(self.mesh, self.case.model.degree, nodes, steps, stations, states)
+
+
+def _field_states(case: Case, steps: int) -> int:
+    """About how many states have fields that are written."""
+    wanted = case.output.fields
+    if isinstance(wanted, str):
+        return min(steps, {"none": 0, "last": 1, "extremes": EXTREMES, "all": steps}[wanted])
+    return len(wanted)
 
 
 def check(case: Case) -> Checked | None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What fretfe runs on: versions and the linear-algebra library in use."""
+"""The environment of a run: versions and the linear-algebra library in use."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import platform
 import re
 import resource
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 PACKAGES = (
@@ -26,6 +26,11 @@ PACKAGES = (
 )
 
 PETSC_OUT_OF_MEMORY = 55
+# What the loader says of a library for which there is no memory.
+NO_ROOM = re.compile("failed to map segment|[Cc]annot allocate memory")
+# Bytes of address space below which importing a module fails in ways that do not say why, or, with
+# the OpenBLAS of Debian, waits for ever for memory.
+LITTLE_ROOM = 400 * 2**20
 
 
 def versions() -> dict[str, str]:
@@ -100,8 +105,25 @@ def address_room() -> float:
     return limit - float(used.read_text().split()[0]) * resource.getpagesize()
 
 
+def too_little_room(wanted: float, what: str, room: float | None = None) -> str:
+    """Say that there is less address space than something needs; else empty.
+
+    Args:
+        wanted: bytes.
+        what: takes them, in words.
+        room: bytes; without them those that this process may still take.
+    """
+    room = address_room() if room is None else room
+    if room >= wanted:
+        return ""
+    return (
+        f"there is not enough memory: a process may take {room / 2**20:.0f} MiB more (its address "
+        f"space is limited, see ulimit -v); expected {wanted / 2**20:.0f} MiB, which {what}"
+    )
+
+
 def missing_package(error: BaseException) -> str:
-    """What to install if a module that fretfe requires is not there; empty for other errors."""
+    """Advice on a module that fretfe requires and that is not there; empty for other errors."""
     if not isinstance(error, ModuleNotFoundError):
         return ""
     module = (error.name or "").partition(".")[0]
@@ -117,13 +139,30 @@ def missing_package(error: BaseException) -> str:
 
 def memory_shortage(error: BaseException) -> str:
     """Say that there is not enough memory if that is what an error means; empty for others."""
-    # PETSc's own error has the number in `ierr`.
-    if not isinstance(error, MemoryError) and getattr(error, "ierr", None) != PETSC_OUT_OF_MEMORY:
+    if not any(map(_means_no_memory, _causes(error))):
         return ""
     return (
         "there is not enough memory. What was solved before is kept if the run has a folder; "
         "--resume goes on from there on a machine with more"
     )
+
+
+def _causes(error: BaseException | None) -> Iterator[BaseException]:
+    """An error, the one that it comes from, and so on."""
+    while error is not None:
+        yield error
+        error = error.__cause__ or error.__context__
+
+
+def _means_no_memory(error: BaseException) -> bool:
+    # PETSc's own error has the number in `ierr`.
+    if isinstance(error, MemoryError) or getattr(error, "ierr", None) == PETSC_OUT_OF_MEMORY:
+        return True
+    kinds = (ImportError, OSError, RuntimeError, SystemError)
+    if not isinstance(error, kinds) or missing_package(error):
+        return False
+    unsaid = not isinstance(error, OSError) and address_room() < LITTLE_ROOM
+    return unsaid or NO_ROOM.search(str(error)) is not None
 
 
 def without_launcher(environment: Mapping[str, str]) -> dict[str, str]:

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Files that a user names: looked at before they are opened."""
+"""Files: looked at before they are read, and whole or not there once they are written."""
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import os
 import stat
+from collections.abc import Iterator
 from pathlib import Path
 
 from fretfe.errors import FretfeError
@@ -17,6 +20,18 @@ NO_FILES = (
     (stat.S_ISCHR, "a device"),
     (stat.S_ISBLK, "a device"),
 )
+REASONS = {
+    errno.ENOSPC: "the disk is full",
+    errno.EDQUOT: "the disk quota is used up",
+    errno.ENOENT: "the folder is no longer there",
+    errno.EROFS: "the disk cannot be written to",
+}
+# Errors of file systems, and of folders on them, that know no way to the disk.
+NO_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.ENOSYS)
+
+
+# Bytes that are written to learn why others were not.
+PROBE = bytes(1 << 16)
 
 
 def file_fault(path: Path) -> str:
@@ -44,3 +59,89 @@ def require_file(path: Path, what: str, error: type[FretfeError]) -> None:
     """
     if fault := file_fault(path):
         raise error(f"{path}: expected {what}, found {fault}")
+
+
+@contextlib.contextmanager
+def replacing(path: Path, ending: str = "") -> Iterator[Path]:
+    """Path for a new file, which takes the place of `path` only when it has been written.
+
+    It is on the disk then: a machine that goes down leaves the file before, or this one.
+
+    Args:
+        path: of the file.
+        ending: of the name of the new file, for what judges by it how to write.
+
+    Raises:
+        OSError: if it cannot be written; what was there before stays.
+    """
+    new = path.with_name(f"{path.name}.new{ending}")
+    try:
+        yield new
+        sync_path(new)
+        new.replace(path)
+        sync_path(path.parent)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            new.unlink(missing_ok=True)
+        raise
+
+
+def replace_text(path: Path, text: str) -> None:
+    """Write a text in place of a file, if there is one.
+
+    Raises:
+        OSError: as for `replacing`.
+    """
+    with replacing(path) as new:
+        new.write_text(text, encoding="utf-8")
+
+
+def cut_off(path: Path) -> OSError:
+    """The reason why a library that does not tell has not written all of a file."""
+    try:
+        with path.open("ab") as file:
+            file.write(PROBE)
+            file.flush()
+            sync(file.fileno())
+    except OSError as error:
+        return error
+    return OSError("it was cut off")
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder, and those that it is in, if they are missing.
+
+    Raises:
+        OSError: if that fails.
+    """
+    missing = [each for each in (path, *path.parents) if not each.exists()]
+    path.mkdir(parents=True, exist_ok=True)
+    for each in missing:
+        sync_path(each.parent)
+
+
+def sync_path(path: Path) -> None:
+    """Have a file, or the names in a folder, on the disk; errors as for `sync`."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        sync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def sync(descriptor: int) -> None:
+    """Have what was written to an open file on the disk, not only in the memory of the system.
+
+    Raises:
+        OSError: if it cannot be written.
+    """
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno not in NO_SYNC:
+            raise
+
+
+def disk_reason(error: OSError) -> str:
+    """Say why a file cannot be written."""
+    return REASONS.get(error.errno or 0, str(error))

@@ -24,22 +24,21 @@ from fretfe.backends import (
     find_backend,
     processes_of,
 )
-from fretfe.backends.observer import SILENT, StopOnly
-from fretfe.backends.protocol import DEFAULTS
+from fretfe.backends.protocol import DEFAULTS, SILENT, StopOnly
 from fretfe.case import Case, load_case, parse_assignments
 from fretfe.errors import FretfeError, ModelError, OutputError
-from fretfe.results.field_file import FIELDS
-from fretfe.results.files import replace_text
+from fretfe.files import replace_text
+from fretfe.history.stream import STATES
+from fretfe.results.field_files import FIELDS
 from fretfe.results.model import Result
 from fretfe.results.run_folder import locked
-from fretfe.results.stream import STATES
 from fretfe.results.stress_file import STRESSES
 from fretfe.results.writer import prepare_directory
 from fretfe.work import ROWS, StepNotes, Work
 
 if TYPE_CHECKING:
     from fretfe.quality.validate import Validation
-    from fretfe.report.page.sections import Plots
+    from fretfe.report.page.html import Plots
     from fretfe.sweeps import Solved, Sweep
 
 T = TypeVar("T")
@@ -165,7 +164,7 @@ class Runner:
             FretfeError: before any work, if a combination is not a valid case.
         """
         from fretfe.sweeps import make_variants, run_sweep
-        from fretfe.sweeps.files import SolvedFile, write_files
+        from fretfe.sweeps.table import SolvedFile, write_files
 
         variants = self.processes.on_root(lambda: make_variants(case, vary))
         options = RunOptions(observer=self._shown(observer))
@@ -294,7 +293,7 @@ def require_support(backend: str, case: Case, reasons: Sequence[str]) -> None:
 
 
 def _write_rows(directory: Path, validation: Validation) -> None:
-    from fretfe.quality.validate.report import as_numbers
+    from fretfe.quality.validate.run import as_numbers
 
     text = json.dumps(as_numbers(validation), indent=1, allow_nan=False)
     replace_text(directory / ROWS, text + "\n")
@@ -319,8 +318,7 @@ def draw_report(directory: Path) -> Drawn:
     What cannot be made takes nothing away from the results. Plots are drawn while other processes
     draw pictures, if cores are idle.
     """
-    from fretfe.report.page.html import write_report
-    from fretfe.report.page.sections import draw_plots
+    from fretfe.report.page.html import draw_plots, write_report
     from fretfe.report.pictures.folder import make_pictures
     from fretfe.results.reader import load_result
 

@@ -18,11 +18,11 @@ from fretfe.backends import Observer
 from fretfe.case import Case, as_written, case_text
 from fretfe.environment import versions
 from fretfe.errors import OutputError, StoppedError
-from fretfe.results.files import disk_reason, replace_text
+from fretfe.files import disk_reason, replace_text, sync_path
+from fretfe.history.stream import STATES
 from fretfe.results.model import Result
 from fretfe.results.reader import read_result
-from fretfe.results.run_folder import FINISHED, read_mark, write_mark
-from fretfe.results.stream import STATES
+from fretfe.results.run_folder import FINISHED, MARK, read_mark, write_mark
 from fretfe.results.writer import (
     SWEEP_FILES,
     remove_pictures,
@@ -36,8 +36,8 @@ FREE_KEYS = ("title", "output")
 # Packages whose versions must not change within a run; those of a backend stand with its states.
 VERSIONS = ("fretfe",)
 MOST_CHANGES = 5
-# Seconds between two notes of the last step.
-NOTE_SECONDS = 1.0
+# Seconds between two notes of the last step: at least so many times what the last one took.
+NOTE_SECONDS, SPARING = 1.0, 50.0
 
 
 class Work:
@@ -100,11 +100,11 @@ class Work:
             if before["complete"] and before["doing"] == FINISHED:
                 return True
             self._mark |= {"step": before.get("step", 0), "steps": before.get("steps", 0)}
-            self._note("solving")
-            return False
-        self._note("starting")
+        else:
+            self._note("starting")
         try:
-            self._clear()
+            if before is None:
+                self._clear()
             if not copied:
                 replace_text(target, case_text(self._case))
         except OSError as error:
@@ -126,7 +126,10 @@ class Work:
             shutil.rmtree(states)
 
     def _require_same(self, before: Mapping[str, Any]) -> None:
-        changes = list(_changes(before, self._mark))
+        try:
+            changes = list(_changes(before, self._mark))
+        except RecursionError:
+            changes = [f"{MARK} has brackets in brackets"]
         if changes:
             more = f" and {len(changes) - MOST_CHANGES} more" if len(changes) > MOST_CHANGES else ""
             raise OutputError(
@@ -174,18 +177,23 @@ class Work:
             return None
 
     def finish(self, *, complete: bool, resumable: bool = False) -> None:
-        """Say that all is written; states that a later run could go on from stay if it could.
+        """Say that all is written, once it is on the disk.
+
+        States that a later run could go on from stay if it could.
 
         Args:
             complete: whether everything was solved.
             resumable: whether it would be worth while to go on.
         """
-        self._note(FINISHED, complete=complete)
-        if not resumable:
-            try:
+        try:
+            for path in self.directory.iterdir():
+                if path.is_file():
+                    sync_path(path)
+            self._note(FINISHED, complete=complete)
+            if not resumable:
                 self._remove_states()
-            except OSError as error:
-                raise self._cannot(error) from error
+        except OSError as error:
+            raise self._cannot(error) from error
 
     def fail(self, reason: str) -> None:
         """Say why there are no results; on a full disk nothing can be said."""
@@ -211,13 +219,15 @@ class StepNotes(Observer):
     def __init__(self, observer: Observer, work: Work) -> None:
         self._observer = observer
         self._work = work
-        self._last = 0.0
+        self._next = 0.0
 
     def step(self, number: int, count: int, text: str) -> None:
         """Note a step."""
-        if time.monotonic() - self._last >= NOTE_SECONDS:
+        begin = time.monotonic()
+        if begin >= self._next:
             self._work.step(number, count)
-            self._last = time.monotonic()
+            end = time.monotonic()
+            self._next = end + max(NOTE_SECONDS, SPARING * (end - begin))
         self._observer.step(number, count, text)
 
     def phase(self, text: str) -> None:
@@ -227,6 +237,10 @@ class StepNotes(Observer):
     def announce(self, text: str) -> None:
         """Pass it on."""
         self._observer.announce(text)
+
+    def doing(self, text: str) -> None:
+        """Pass it on."""
+        self._observer.doing(text)
 
     def stop(self) -> signal.Signals | None:
         """Ask the other one."""

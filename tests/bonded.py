@@ -10,16 +10,15 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.backends.protocol import DEFAULTS
-from fretfe.bodies.pairs import Pair
+from fretfe.bodies.definition import Pair
 from fretfe.case import Case
 from fretfe.contact.full_stick import FullStickSolver, Increments, find_drivers
-from fretfe.contact.place import Place
+from fretfe.contact.interface import Place
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import solve_history
 from fretfe.contact.state import unloaded
 from fretfe.fem._compat import MPI
-from fretfe.fem.model import Model, Request, step_loads
-from fretfe.fem.prepared import LoadMesh, build_model
+from fretfe.fem.model import LoadMesh, Model, Request, build_model, step_loads
 from fretfe.fem.probes import Probe, measure
 from fretfe.fem.run import load_history
 from fretfe.fem.timing import Clock
@@ -53,7 +52,9 @@ class Bonded:
     def factors(self, probes: Callable[[Model, Fields], list[Probe]]) -> list[Array] | None:
         """For each probe (R, n, d, J) factors by all drivers, on rank 0. Collective."""
         wanted = probes(self.model, self.root) if self.root else None
-        found = measure(self.model, wanted, self.root.requests if self.root else None)
+        found = measure(
+            self.model, wanted, self.root.requests if self.root else None, lambda _: None
+        )
         return None if found is None else [np.stack(each, axis=1) for each in found]
 
 

@@ -10,7 +10,9 @@ from __future__ import annotations
 import gc
 import importlib.util
 import os
+import signal
 import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +23,29 @@ TESTS = Path(__file__).parent
 FEM_TESTS = TESTS / "fem"
 # NumPy and SciPy alone; single files elsewhere say so themselves.
 FORMULA_TESTS = [TESTS / name for name in ("analytic", "contact", "halfplane", "idealise")]
-REPORT_TESTS = TESTS / "report"
+# What PyVista or Gmsh draws or does, in files that also run where they are missing.
+PICTURE_TESTS = [
+    TESTS / "report" / name
+    for name in ("test_pictures.py", "test_solid_pictures.py", "test_stress_pictures.py")
+]
+PICTURE_TESTS += [TESTS / "report" / "test_solid_page.py", TESTS / "test_solid_results.py"]
+PICTURE_TESTS += [TESTS / "test_start.py"]
+# One cross-section of what Python libraries do that Debian has in versions of its own: pydantic and
+# typer; h5py, pandas and xarray; Matplotlib; and what its compiler makes of the C++ code.
+LIBRARY_TESTS = [TESTS / name for name in ("report", "surface")]
+LIBRARY_TESTS += [
+    TESTS / f"test_{name}.py"
+    for name in (
+        *("case", "command_line", "completion", "environment", "hostile_values", "overrides"),
+        *("export", "reading", "restart", "stress_file", "progress"),
+    )
+]
+PLACES = {
+    "fem": [FEM_TESTS],
+    "formula": FORMULA_TESTS,
+    "libraries": LIBRARY_TESTS,
+    "pictures": PICTURE_TESTS,
+}
 HAS_DOLFINX = importlib.util.find_spec("dolfinx") is not None
 # Set by the launchers of MPICH and Open MPI; asking MPI itself would need mpi4py.
 MPI_SIZE = int(os.environ.get("PMI_SIZE") or os.environ.get("OMPI_COMM_WORLD_SIZE") or 1)
@@ -35,6 +59,9 @@ if HAS_DOLFINX:
     # For a form that another process of pytest-xdist compiles; by default 10 s, which may be short.
     options: dict[str, Any] = importlib.import_module("dolfinx.jit").DOLFINX_DEFAULT_JIT_OPTIONS
     options["timeout"] = (240, options["timeout"][1])
+
+# After the modules that are linked with MPI.
+importlib.import_module("plots").leave_plots_empty()
 
 collect_ignore = [] if HAS_DOLFINX else [str(FEM_TESTS)]
 
@@ -97,6 +124,9 @@ class RankReports:
 
 @pytest.hookimpl(trylast=True)
 def pytest_configure(config: pytest.Config) -> None:
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        # A shell lets what it starts in the background, and all that this starts, ignore Ctrl-C.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     if MPI_SIZE == 1:
         return
     reports = RankReports(config)
@@ -114,14 +144,19 @@ def pytest_report_header() -> str:
     return f"DOLFINx: {dolfinx}; ranks: {MPI_SIZE}"
 
 
+@cache
+def markers_of(file: Path) -> list[str]:
+    """Markers of all tests in a file."""
+    around = {file, *file.parents}
+    return [marker for marker, paths in PLACES.items() if not around.isdisjoint(paths)]
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
-        if item.path.is_relative_to(FEM_TESTS):
-            item.add_marker(pytest.mark.fem)
-        if any(item.path.is_relative_to(folder) for folder in FORMULA_TESTS):
-            item.add_marker(pytest.mark.formula)
-        if item.path.is_relative_to(REPORT_TESTS):
-            item.add_marker(pytest.mark.pictures)
+        for marker in markers_of(item.path):
+            item.add_marker(marker)
+        if item.get_closest_marker("mpi") and not item.get_closest_marker("fem"):
+            raise pytest.UsageError(f"{item.nodeid}: expected tests for several ranks in tests/fem")
 
 
 @pytest.hookimpl(wrapper=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from marching import march_through
 from petsc_garbage import replace_meshes
 
 from fretfe._typing import Array
@@ -74,7 +75,7 @@ def run(data: dict[str, Any], *meshes: BodyMesh) -> Run:
     if model.reduction is not None:
         interface = model.reduction.interface
         steps = step_loads(case, history, interface, model.reduction.definition)
-        results = list(March(interface).run(steps))
+        results = list(march_through(March(interface), steps))
         roots = interface.roots[:, None]
         tractions = np.array([result.state.traction / roots for result in results])
         labels = [c.label for c in interface.coordinates]

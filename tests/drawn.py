@@ -15,7 +15,7 @@ from pad_cases import pad, press, shear
 from fretfe._typing import Array
 from fretfe.backends import find_backend
 from fretfe.case import Case, parse_case
-from fretfe.results.field_file import FIELDS, FieldWriter
+from fretfe.results.field_files import FIELDS, FieldWriter
 from fretfe.results.writer import write_results
 
 # Places of the six nodes of a triangle in terms of its corners, in VTK's order.

@@ -10,10 +10,10 @@ import pytest
 from halfplane_galerkin import Contact, graded_nodes, press, uniform_nodes
 
 from fretfe._typing import Array
-from fretfe.analytic._arguments import Side
+from fretfe.analytic._numerics import Side
 from fretfe.analytic.profiles import FlatRounded, Hertz, edge_factor_k_n
-from fretfe.edges.pressure import EdgeFit, fit_edge
-from fretfe.edges.section import plane_front, plane_sections
+from fretfe.evaluate.plane.pressure_fit import EdgeFit, fit_edge
+from fretfe.evaluate.plane.section import plane_front, plane_sections
 
 HERTZ = Hertz(radius=1.0, e_star=1.0)
 HERTZ_LOAD = float(HERTZ.load(1.0))
@@ -40,10 +40,11 @@ def flat_rounded(flat: float, relative_h: float, phase: float) -> Contact:
     return press(nodes, lambda x: np.maximum(np.abs(x) - flat, 0) ** 4 / 24, load)
 
 
-def fitted(x: Array, p: Array, side: Side) -> EdgeFit:
+def fitted(x: Array, p: Array, side: Side, *, solved: bool = False) -> EdgeFit:
     """The fit at one front; numbers for p (n,), arrays (...) for p (..., n)."""
     section = plane_sections(x, p.reshape(-1, x.size))[plane_front(side).number]
-    parts = (part.reshape(p.shape[:-1])[()] for part in vars(fit_edge(section)).values())
+    fit = fit_edge(section, solved=solved)
+    parts = (part.reshape(p.shape[:-1])[()] for part in vars(fit).values())
     return EdgeFit(*parts)
 
 

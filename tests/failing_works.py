@@ -8,7 +8,7 @@ import signal
 import time
 from collections.abc import Callable
 
-from fretfe.geometry.gmsh_model import RawMesh
+from fretfe.mesh.gmsh import RawMesh
 
 Opened = Callable[[], None]
 

@@ -17,8 +17,7 @@ import halfplane_galerkin as galerkin
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.contact.compliance import DenseCompliance
-from fretfe.contact.interface import Coordinate, Interface
+from fretfe.contact.interface import Coordinate, DenseCompliance, Interface
 from fretfe.contact.state import StepLoads
 
 

@@ -8,8 +8,9 @@ from numpy.typing import ArrayLike
 
 from fretfe._typing import Array
 from fretfe.analytic.profiles import Hertz, Profile
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.front import ContactSummary
+from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.evaluate import evaluate
+from fretfe.evaluate.step_ends import at_step_ends
 from fretfe.halfplane import solve_half_planes
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.loads import History
@@ -70,4 +71,5 @@ def started(values: Array) -> Array:
 def solved(given: HalfPlaneProblem, elements: int = 300) -> ContactSummary:
     outcome = solve_half_planes(given, elements)
     assert outcome.failure is None
-    return evaluate(outcome.solution, outcome.unit_factors)[0]
+    contacts = evaluate(outcome.solution, outcome.unit_factors)
+    return at_step_ends(outcome.solution, contacts)[1][0]

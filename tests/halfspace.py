@@ -14,11 +14,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from marching import march_through
 from scipy.interpolate import RegularGridInterpolator
 
 from fretfe._typing import Array
-from fretfe.contact.compliance import DenseCompliance
-from fretfe.contact.interface import Coordinate, Interface
+from fretfe.contact.interface import Coordinate, DenseCompliance, Interface
 from fretfe.contact.march import March
 from fretfe.contact.state import StepLoads
 
@@ -159,7 +159,7 @@ def run_forces(problem: SphereOnFlat, forces: Array, friction: float) -> HalfSpa
     """Solve for forces (T, 3) along n, x, y, one after the other."""
     interface = build(problem)
     steps = [loads(interface, force, friction) for force in (np.zeros(3), *forces)]
-    results = list(March(interface).run(steps))
+    results = list(march_through(March(interface), steps))
     root = interface.roots[:, None]
     tractions = np.array([result.state.traction / root for result in results])
     return HalfSpaceRun(problem, tractions, np.array([r.state.coordinates for r in results]))

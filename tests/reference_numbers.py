@@ -22,11 +22,10 @@ import numpy as np
 from cases_b1 import b1_case
 
 from fretfe.case import Case, parse_case
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.front import ContactSummary, Station
+from fretfe.evaluate.contacts import ContactSummary, Station
 from fretfe.fem._compat import MPI, versions
 from fretfe.fem.run import solve
-from fretfe.results.solution import ContactHistory
+from fretfe.history.solution import ContactHistory
 
 Numbers = dict[str, list[float]]
 
@@ -62,7 +61,7 @@ def solved_numbers(name: str, folder: Path) -> Numbers:
     assert outcome.solution is not None and outcome.failure is None
     solution = outcome.solution
     found = {"forces on boundaries": solution.forces.ravel()}
-    for contact, summary in zip(solution.contacts, evaluate(solution), strict=True):
+    for contact, summary in zip(solution.contacts, outcome.contacts, strict=True):
         values = [*_of_contact(contact, summary)]
         values += [
             (f"{e.front} {key}", value) for e in summary.stations for key, value in _of_edge(e)

@@ -18,11 +18,11 @@ from pad_cases import pad, press, shear
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case, parse_case
-from fretfe.edges.area import evaluate_areas
+from fretfe.evaluate.resultants import evaluate_areas
+from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits, Solution
 from fretfe.loads import build_history
-from fretfe.results.field_file import FIELDS, FieldWriter
+from fretfe.results.field_files import FIELDS, FieldWriter
 from fretfe.results.model import Result
-from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits, Solution
 from fretfe.results.writer import write_results
 from fretfe.surface.surface import tangent_frames
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fretfe.geometry.gmsh_model import script_model
-from fretfe.geometry.templates import Template, check_parameters
+from fretfe.mesh.gmsh import script_model
+from fretfe.mesh.templates import Template, check_parameters
 
 
 def checked(template: Template, values: Mapping[str, float]) -> dict[str, float]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fretfe.edges.between import LoadPath, excess, load_path
+from fretfe.evaluate.factors import LoadPath, excess, load_path
 
 CYCLE = (3, 11)
 STATES = np.arange(CYCLE[0], CYCLE[1] + 1)
@@ -24,7 +24,7 @@ def loads(time: np.ndarray) -> np.ndarray:
 
 def path() -> LoadPath:
     within = loads(FINE)[:-1].reshape(11, PARTS, 2)[:, 1:]
-    found = load_path(loads(TIMES), within[slice(*CYCLE)], CYCLE)
+    found = load_path(loads(TIMES), within, CYCLE)
     assert found is not None
     return found
 
@@ -51,7 +51,7 @@ def test_nothing_is_missed_between_straight_lines() -> None:
     triangle = np.abs(np.linspace(-1, 1, 12))[:, None]
     shares = np.arange(1, PARTS) / PARTS
     within = triangle[:-1, None] + shares[:, None] * np.diff(triangle, axis=0)[:, None]
-    assert load_path(triangle, within[slice(*CYCLE)], CYCLE) is None
+    assert load_path(triangle, within, CYCLE) is None
     assert load_path(triangle, None, CYCLE) is None
     assert load_path(triangle, within, None) is None
     assert excess(triangle[:, 0], STATES, None) == 0.0

@@ -11,10 +11,10 @@ import pytest
 from test_fronts_in_space import STATIONS, grid, hertz, means, solved
 
 from fretfe._typing import Array
-from fretfe.edges.closure import MORE_FRONTS, NO_ELLIPSE, NO_FACTORS, OPEN_FRONT, closure
-from fretfe.edges.solid_fronts import Closure
-from fretfe.edges.tracks_in_space import FrontTrack, follow_fronts
-from fretfe.results.solution import (
+from fretfe.evaluate.closure import MORE_FRONTS, NO_ELLIPSE, NO_FACTORS, OPEN_FRONT, closure
+from fretfe.evaluate.contacts import Closure
+from fretfe.evaluate.space.fronts import FrontTrack, follow_fronts
+from fretfe.history.solution import (
     ContactHistory,
     FullStickUnits,
     Neighbours,

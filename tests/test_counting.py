@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fretfe.edges.counting import count_up
-from fretfe.edges.factors import add_up
-from fretfe.results.solution import Factor
+from fretfe.evaluate.factors import add_up, one_sided_share, within_known
+from fretfe.evaluate.numerics import count_up
+from fretfe.history.solution import Factor
 
 NAN = np.nan
 
@@ -83,3 +83,18 @@ def test_without_contact_or_change_nothing_is_unknown() -> None:
     open_first = np.array([False, False, True, True])
     histories = add_up(units(4, (0, 1, 2, 3)), driver, FRICTION, open_first, None)
     np.testing.assert_array_equal(histories, np.zeros((2, 4, 2)))
+
+
+def test_states_within_a_step_take_the_factors_of_its_known_end() -> None:
+    """Step 1 touches: its first two parts are unknown. Step 2 opens: its last two are."""
+    step = np.array([0, 1, 1, 1, 2, 2, 2, 3])
+    each = units(8, (0, 1, 2, 5, 6))
+    each[3] *= 2.0
+    each[4] *= 3.0
+    found = within_known(each, step)
+    same = np.array([0, 3, 3, 3, 4, 4, 6, 7])
+    np.testing.assert_array_equal(found, each[same])
+    assert within_known(each, None) is each
+    # Half of three parts that touch, two that open, and the step behind: K_T = 4, 6 and 2 each.
+    share = one_sided_share(each, found, np.arange(8.0)[:, None], (0, 7))
+    assert share == pytest.approx([(3 * 4 + 2 * 6 + 2) / 2] * 2)

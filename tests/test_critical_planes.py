@@ -8,8 +8,8 @@ import pytest
 from scipy.spatial.distance import pdist
 
 from fretfe._typing import Array
-from fretfe.edges.critical_planes import fatemi_socie, find_critical, smith_watson_topper
 from fretfe.errors import CaseError
+from fretfe.evaluate.critical_planes import fatemi_socie, find_critical, smith_watson_topper
 
 E, NU = 210e3, 0.3
 G = E / (2 * (1 + NU))

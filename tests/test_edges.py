@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import astuple
 
 import numpy as np
@@ -19,8 +20,19 @@ from edge_contacts import (
 
 from fretfe._typing import Array
 from fretfe.analytic.edges import tangential_factor
-from fretfe.edges.full_stick import FullStickFit, effective_overhang, full_stick_factors
-from fretfe.edges.patches import Patch, contact_patches, main_patch, resultants
+from fretfe.evaluate.plane.full_stick_fit import (
+    FullStickFit,
+    effective_overhang,
+    full_stick_factors,
+)
+from fretfe.evaluate.plane.pressure_fit import why_no_root
+from fretfe.evaluate.plane.section import (
+    Patch,
+    contact_patches,
+    main_patch,
+    plane_front,
+    resultants,
+)
 
 pytestmark = pytest.mark.formula
 
@@ -260,3 +272,21 @@ def test_wrong_full_stick_input(
 def test_overhang_needs_enough_nodes() -> None:
     with pytest.raises(ValueError, match=r"nodes in contact must lie in \[16, inf\), found 5"):
         effective_overhang(np.arange(5.0), np.ones(5))
+
+
+# --- why there is no K_N
+
+
+@pytest.mark.parametrize(
+    ("pressure", "reason"),
+    [
+        # A sharp corner and a rounding of three elements look alike to a mesh.
+        ([0, 0, 5, 3, 2, 2, 2, 2, 2, 2, 3, 5, 0, 0], r"within 1 node of the edge, 8 are wanted"),
+        ([0, 0, 1, 2, 3, 2, 2, 2, 2, 3, 2, 1, 0, 0], r"3 nodes .* elements there 3 times smaller"),
+        ([0, *range(1, 20), *range(20, 0, -1), 0], r"not fall .* like a root there, over the 20"),
+        ([1, 2, 3, 2, 1, 0], "the rows, end inside the contact"),
+    ],
+)
+def test_why_no_root(pressure: list[float], reason: str) -> None:
+    x, p = np.arange(float(len(pressure))), np.array(pressure, dtype=float)
+    assert re.search(reason, why_no_root(x, p, main_patch(x, p), plane_front("left")))

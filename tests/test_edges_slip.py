@@ -19,10 +19,12 @@ from edge_contacts import (
 from halfplane_galerkin import uniform_nodes
 
 from fretfe._typing import Array, Bools
-from fretfe.analytic._arguments import Side
+from fretfe.analytic._numerics import Side
 from fretfe.analytic.partial_slip import PartialSlip
-from fretfe.edges.section import plane_front
-from fretfe.edges.slip import SlipBorder, cycle_change, predicted_slip, slip_border
+from fretfe.evaluate.cycles import cycle_change
+from fretfe.evaluate.plane.section import plane_front
+from fretfe.evaluate.plane.slip import slip_border
+from fretfe.evaluate.slip import SlipBorder, predicted_slip
 
 
 def border_at(x: Array, slip: Array, slipping: Bools, edge: float, side: Side) -> SlipBorder:
@@ -115,6 +117,17 @@ def test_a_zone_of_too_few_nodes_is_flagged(statuses: str, length: float) -> Non
     # Half an element inside the last slipping node.
     assert border.length == length
     assert not border.resolved
+
+
+def test_a_line_through_three_nodes_of_less_slip_outside_has_a_bar_that_says_so() -> None:
+    """The outer node came into contact late: two nodes and three give different borders."""
+    s = np.array([0.0038, 0.0137, 0.0236, 0.0335, 0.0434, 0.0533])
+    slip = np.array([2.386e-3, 2.018e-3, 1.171e-3, 2.7e-4, 0.0, 0.0]) ** 1.5
+    border = slip_border(s, slip, slip > 0)
+    assert abs(border.length - 0.0365) < border.spread < 0.01
+    even = slip_border(s, np.maximum(0.0365 - s, 0.0) ** 1.5, slip > 0)
+    assert abs(even.length - 0.0365) < 1e-12
+    assert even.spread < border.spread / 2
 
 
 def test_slip_that_does_not_fall_inward_is_flagged() -> None:

@@ -14,7 +14,7 @@ from halfplane_galerkin import graded_nodes, uniform_nodes
 from fretfe._typing import Array
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import FlatRounded, Profile, edge_factor_k_n
-from fretfe.edges import EdgeAnalysis, Estimate, TractionAnalysis, analyse_tractions
+from fretfe.evaluate import EdgeAnalysis, Estimate, TractionAnalysis, analyse_tractions
 
 pytestmark = pytest.mark.formula
 
@@ -204,7 +204,7 @@ def test_rows_that_end_inside_the_contact() -> None:
     some = sampled.nodes > -0.5
     found = analyse_tractions(sampled.nodes[some], sampled.fields()[0][some])
     left, right = found.edges
-    assert "the rows end inside the contact" in left.position.remark
+    assert "the rows, end inside the contact" in left.position.remark
     assert close(right.position, 1.0)
 
 

@@ -5,12 +5,15 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
 from importlib.metadata import requires
 from pathlib import Path
 
+import pad_cases
 import pytest
 from launch import python
 
+from fretfe import environment
 from fretfe.__main__ import main
 from fretfe.environment import memory_shortage, missing_package, reference_blas
 
@@ -96,3 +99,36 @@ def test_out_of_memory_is_told() -> None:
     for error in (MemoryError(), petsc):
         assert "there is not enough memory" in memory_shortage(error)
     assert not memory_shortage(RuntimeError())
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        ImportError("libopenblas.so: failed to map segment from shared object"),
+        OSError("libgmsh.so: cannot map: Cannot allocate memory"),
+    ],
+)
+def test_a_library_without_room_is_told(error: Exception) -> None:
+    """Also where another error is made of it."""
+    outer = RuntimeError("cannot load")
+    outer.__cause__ = error
+    assert "there is not enough memory" in memory_shortage(outer)
+
+
+def test_a_small_address_space(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert not memory_shortage(SystemError("error return without exception set"))
+    monkeypatch.setattr(environment, "address_room", lambda: 100 * 2.0**20)
+    assert memory_shortage(SystemError("error return without exception set"))
+    assert not memory_shortage(ModuleNotFoundError("numpy", name="numpy"))
+    text = environment.too_little_room(2.0**30, "this takes")
+    assert "may take 100 MiB more" in text
+    assert "expected 1024 MiB, which this takes" in text
+
+
+@pytest.mark.parametrize("limit", [100_000, 300_000])
+def test_commands_in_a_small_address_space(tmp_path: Path, limit: int) -> None:
+    (tmp_path / "case.toml").write_text(pad_cases.pad_text())
+    words = f"ulimit -v {limit}; exec {sys.executable} -m fretfe run case.toml -o out -q"
+    done = subprocess.run(["sh", "-c", words], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 8, done.stderr
+    assert done.stderr.startswith("fretfe: error: there is not enough memory")

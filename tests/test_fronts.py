@@ -8,12 +8,12 @@ import pytest
 from halfplane_problems import LIMIT, LOAD, problem
 
 from fretfe.analytic.edges import tangential_factor
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.front import ContactSummary, fronts_of
-from fretfe.edges.half_plane import half_plane_units
-from fretfe.edges.section import PLANE_FRONTS, PlaneFront, plane_front, plane_sections
+from fretfe.evaluate.contacts import ContactSummary, fronts_of
+from fretfe.evaluate.evaluate import evaluate
+from fretfe.evaluate.factors import half_plane_units
+from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_front, plane_sections
 from fretfe.halfplane import solve_half_planes
-from fretfe.results.solution import Factor
+from fretfe.history.solution import Factor
 
 fronts = pytest.mark.parametrize("front", PLANE_FRONTS, ids=lambda front: front.name)
 X = np.array([0.0, 1.0, 3.0, 4.0, 8.0, 9.0])

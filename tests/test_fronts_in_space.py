@@ -12,15 +12,24 @@ import pytest
 import solid_runs
 
 from fretfe._typing import Array, Indices
-from fretfe.edges import nested_areas as nested
-from fretfe.edges.front import SlipZone
-from fretfe.edges.nested_areas import AREAS, nested_areas
-from fretfe.edges.outline import outlines
-from fretfe.edges.solid_evaluation import evaluate_fronts
-from fretfe.edges.solid_fronts import SolidFront
-from fretfe.edges.solid_verdicts import AGREES, DIFFERS, END, OUTSIDE, judge
-from fretfe.edges.tracks_in_space import follow_fronts
-from fretfe.results.solution import SLIP, STICK, ContactHistory, Solution
+from fretfe.evaluate.contacts import Front, RangeSpread, SlipZone
+from fretfe.evaluate.resultants import evaluate_areas
+from fretfe.evaluate.space import fronts as nested
+from fretfe.evaluate.space.evaluate import evaluate_fronts
+from fretfe.evaluate.space.fronts import AREAS, follow_fronts, nested_areas
+from fretfe.evaluate.space.sectors import outlines
+from fretfe.evaluate.space.slip import shear_share
+from fretfe.evaluate.verdicts import (
+    AGREES,
+    DIFFERS,
+    END,
+    NO_ZONE,
+    OUTSIDE,
+    judge,
+    last_verdict,
+    withheld,
+)
+from fretfe.history.solution import SLIP, STICK, ContactHistory, Solution
 
 Field = Callable[[Array, Array], Array]
 # Element size over the radius of the contact.
@@ -96,7 +105,7 @@ def solved(
     return solution, contact
 
 
-def fronts(*arguments: object, **keywords: object) -> tuple[SolidFront, ...]:
+def fronts(*arguments: object, **keywords: object) -> tuple[Front, ...]:
     solution, contact = solved(*arguments, **keywords)  # type: ignore[arg-type]
     tracks = follow_fronts(solution, contact, STATIONS)
     return evaluate_fronts(solution, contact, tracks)
@@ -209,7 +218,7 @@ def test_slip_zone_is_located_below_an_element() -> None:
     solution, contact = solved(*grid(), [hertz(1.0, 1.0)] * 2, slid)
     (front,) = evaluate_fronts(solution, contact, follow_fronts(solution, contact, STATIONS))
     # Without factors there are no half cycles: asked for directly.
-    from fretfe.edges.solid_slip import SlipBetween
+    from fretfe.evaluate.space.slip import SlipBetween
 
     (track,) = follow_fronts(solution, contact, STATIONS)
     slip = SlipBetween(contact)
@@ -248,6 +257,58 @@ def test_verdicts() -> None:
     assert judge(station, zone(predicted=np.nan, predicted_loop=np.nan)).word == "unknown"
     assert judge(replace(station, turning=0.5), zone()).word == "no verdict"
     assert judge(replace(station, k_range_spread=np.nan), zone()).word == "unknown"
+    few, many = (
+        judge(replace(station, size=size), replace(zone(length=0.6, spread=0.4), resolved=False))
+        for size in (0.3, 0.05)
+    )
+    assert few.reason == "too few elements over the slip zone: 2.0, 4 are wanted"
+    assert "known to ± 0.4 only, of 0.6 or 12 elements" in many.reason
+    after_a_slide = judge(
+        station, replace(zone(length=0.6, spread=0.11), across=0.9, resolved=False)
+    )
+    assert after_a_slide.word == "no verdict"
+    assert after_a_slide.reason.startswith("90% of f p acts across the direction of K_T and K_S")
+
+
+def test_what_is_missing_has_a_reason() -> None:
+    (front,) = fronts(*grid(), [hertz(1.0, 1.0)])
+    station = replace(front.stations[0], k_range=100.0, k_range_spread=2.0, slip_zones=())
+    assert withheld(station) == ""
+    assert last_verdict(station).word == NO_ZONE
+    parts = RangeSpread(extraction=1.0, discretisation=70.0, steps=20.0)
+    wide = replace(station, k_range_spread=parts.total, k_range_parts=parts)
+    assert "100 ± 73, an error bar of more than half of it: the front is" in withheld(wide)
+    assert last_verdict(wide).word == "unknown"
+    assert last_verdict(wide).reason == withheld(wide)
+    lost = replace(station, k_range=np.nan, k_t=np.array([0.0, np.nan]), k_s=np.zeros(2))
+    assert "not known in 1 of 2 states, last in state 1" in withheld(lost)
+    blind = replace(station, k_n=np.full(2, np.nan))
+    assert withheld(blind) == "K_N is not known, since the pressure next to the front has no fit"
+    unsure = replace(station, k_range_spread=np.nan, k_range_parts=replace(parts, steps=np.nan))
+    assert "has no error bar (steps)" in withheld(unsure)
+
+
+def test_a_contact_that_nearly_slides_says_why_factors_are_missing() -> None:
+    solution, contact = solved(*grid(), [hertz(1.0, 1.0)] * 2, lambda x, _: 0 * x + 1.0)
+    found = evaluate_fronts(solution, contact, follow_fronts(solution, contact, STATIONS))
+    (area,) = evaluate_areas(replace(solution, cycle=(1, 2)), {contact.name: found})
+    (text,) = [each for each in area.warnings if each.startswith("front 1")]
+    assert f"not told at {STATIONS} of {STATIONS} stations, as " in text
+    assert "The contact nearly slides: of 3.61 in contact 0 sticks in state 2" in text
+
+
+@pytest.mark.parametrize(("angle", "share"), [(0.0, 0.9), (90.0, 0.0)])
+def test_shear_across_after_a_slide(angle: float, share: float) -> None:
+    """.9 f p along x everywhere, and an axis at an angle to it."""
+    solution, contact = solved(*grid(), [hertz(1.0, 1.0)])
+    traction = np.array(contact.traction)
+    traction[1, :, 1] = 0.9 * 0.5 * traction[1, :, 0]
+    contact = replace(contact, traction=traction)
+    (track,) = follow_fronts(solution, contact, STATIONS)
+    axis = np.array([np.cos(np.radians(angle)), 0.0, np.sin(np.radians(angle))])
+    found = shear_share(contact, track.front.sectors[3], 1, 0.5, axis, (0.1, 0.6))
+    assert found == pytest.approx(share, abs=1e-12)
+    assert np.isnan(shear_share(contact, track.front.sectors[3], 1, 0.0, axis, (0.1, 0.6)))
 
 
 def test_nested_areas_around_a_circle() -> None:

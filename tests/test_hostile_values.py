@@ -12,10 +12,11 @@ import pytest
 from pad_cases import TOP, pad, pad_text, press, shear
 
 from fretfe.case import load_case, parse_assignments, parse_case
-from fretfe.errors import CaseError
+from fretfe.errors import CaseError, OutputError
 from fretfe.files import file_fault
-from fretfe.loads import build_history
+from fretfe.loads import build_history, csv_file
 from fretfe.loads.csv_file import read_columns
+from fretfe.results.run_folder import read_mark
 
 
 def refused(data: dict[str, Any]) -> str:
@@ -112,3 +113,49 @@ def test_pipes_and_devices(tmp_path: Path) -> None:
     case = parse_case(pad(loads={"press": press(), "shear": load}), tmp_path / "case.toml")
     with pytest.raises(CaseError, match="expected a CSV file, found a pipe"):
         build_history(case)
+
+
+@pytest.mark.parametrize("value", [1e-320, -1e-31, 5e-324])
+def test_numbers_that_have_lost_their_digits(tmp_path: Path, value: float) -> None:
+    data = pad()
+    data["loads"]["shear"]["history"][1]["amplitude"] = value
+    assert f"expected 0, or a number of 1e-30 or more, found {value:g}" in refused(data)
+    path = tmp_path / "loads.csv"
+    path.write_text(f"t,q\n0,0\n1,{value!r}\n2,0\n")
+    if abs(value) > 1e-300:  # remains in tables of other programs
+        assert read_columns(path, "t", "q")[1].tolist() == [0, value, 0]
+        return
+    with pytest.raises(CaseError, match=r"line 3, column 'q': expected 0, or a number of 1e-300"):
+        read_columns(path, "t", "q")
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t", " "])
+def test_names_in_quotes(tmp_path: Path, delimiter: str) -> None:
+    """As spreadsheets write them; a name may hold what separates others."""
+    path = tmp_path / "loads.csv"
+    path.write_text(f'"time [s]"{delimiter}"q, N/mm"\n0{delimiter}1\n')
+    assert read_columns(path, "time [s]", "q, N/mm")[1].tolist() == [1]
+
+
+def test_a_quote_that_does_not_end(tmp_path: Path) -> None:
+    path = tmp_path / "loads.csv"
+    path.write_text('"t,q\n0,0\n')
+    with pytest.raises(CaseError, match="line 2: expected cells of a CSV file"):
+        read_columns(path, "t", "q")
+
+
+def test_more_rows_than_documented(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(csv_file, "MOST_ROWS", 3)
+    path = tmp_path / "loads.csv"
+    path.write_text("t,q\n0,0\n1,1\n2,2\n")
+    assert len(read_columns(path, "t", "q")[0]) == 3
+    path.write_text("t,q\n0,0\n1,1\n2,2\n3,3\n")
+    with pytest.raises(CaseError, match="line 5: expected at most 3 rows of numbers, found more"):
+        read_columns(path, "t", "q")
+
+
+@pytest.mark.parametrize("text", ["", "[" * 50_000 + "]" * 50_000, "{}", "[]", '{"schema": 1}'])
+def test_a_damaged_note_of_a_run(tmp_path: Path, text: str) -> None:
+    (tmp_path / "run.json").write_text(text)
+    with pytest.raises(OutputError, match=r"damaged.*run the case without --resume, which starts"):
+        read_mark(tmp_path)

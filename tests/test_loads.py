@@ -331,7 +331,7 @@ CSV = {
     "header": ("t,Q\n", "expected rows of numbers below the header, found none"),
     "backwards": ("t,Q\n1,0\n2,0\n2,1\n", "line 4, column 't': expected a time after 2, found 2"),
     "negative": ("t,Q\n-1,0\n", "line 2, column 't': expected a time >= 0, found -1"),
-    "latin-1": (b"t,Q\n1,\xff\n", "expected a CSV file (UTF-8 text)"),
+    "latin-1": (b"t,Q\n1,\xff\n", "line 2: expected UTF-8 text, found the byte 0xff"),
     "jump": ("t,Q\n0,5\n", "expected the value 0 at time 0"),
 }
 

@@ -7,6 +7,7 @@ import json
 import signal
 import subprocess
 import sys
+import zlib
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,16 +21,16 @@ from fretfe._typing import Array
 from fretfe.backends import RunOptions
 from fretfe.backends.halfplane import BACKEND
 from fretfe.case import parse_case
-from fretfe.edges.evaluate import evaluate
 from fretfe.errors import ConvergenceError, OutputError
+from fretfe.evaluate.evaluate import evaluate
 from fretfe.halfplane import solve_half_planes
+from fretfe.history.solution import Repeat, Solution
+from fretfe.history.state_array import MOST_STATES, StateArray, blocks, mapped, part
+from fretfe.history.stream import StateStream
 from fretfe.report.figures.plot import BINS, envelope
 from fretfe.results import kept, writer
 from fretfe.results.digest import with_digest
 from fretfe.results.reader import load_result
-from fretfe.results.solution import Repeat, Solution
-from fretfe.results.states import MOST_STATES, StateArray, blocks, mapped, part
-from fretfe.results.stream import StateStream
 from fretfe.results.writer import write_results
 
 STEPS = 12
@@ -59,7 +60,7 @@ def test_an_array_on_disk_is_that_in_memory(tmp_path: Path) -> None:
 def test_the_files_are_seen_in_a_folder_only(tmp_path: Path) -> None:
     stream = StateStream(tmp_path / "states")
     stream.append({"a": np.arange(3.0)})
-    assert stream.flush()["a"].blocks == ((0, 1),)
+    assert stream.flush()["a"].blocks == ((0, 1, zlib.crc32(np.arange(3.0).tobytes())),)
     (path,) = (tmp_path / "states").iterdir()
     assert (path.name, path.stat().st_size) == ("states.rows", 24)
     (tmp_path / "file").write_text("")
@@ -200,7 +201,9 @@ def test_lists_of_a_long_history_are_arrays(
     text = (folder / "results.json").read_text("utf-8")
     numbers = json.loads(text)
     assert numbers["times"] == "results.h5:lists/times"
-    assert numbers["contacts"]["main"]["edges"][0]["k_n"].endswith("/main/edges/0/k_n")
+    assert numbers["contacts"]["main"]["fronts"][0]["stations"][0]["k_n"].endswith(
+        "/main/fronts/0/stations/0/k_n"
+    )
     assert len(text) < len(json.dumps(short, indent=1)) / 2
     found, result = load_result(folder), solved("halfplane")
     assert found.solution is not None and found.solution.kept is not None
@@ -255,7 +258,7 @@ import resource, sys
 import numpy as np
 sys.path.insert(0, sys.argv[2])
 from halfplane_problems import LIMIT, LOAD, problem
-from fretfe.edges.evaluate import evaluate
+from fretfe.evaluate.evaluate import evaluate
 from fretfe.halfplane import solve_half_planes
 count = int(sys.argv[1])
 times = np.arange(count) * 0.3

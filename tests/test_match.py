@@ -33,10 +33,11 @@ from fretfe.cli.app import app
 from fretfe.errors import CaseError, FretfeError, ModelError
 from fretfe.matching.agreement import compare_edges
 from fretfe.matching.casefile import case_tables
-from fretfe.matching.corrected import corrected
-from fretfe.matching.match import Match, compare_tests, match_test
+from fretfe.matching.files import match_numbers
+from fretfe.matching.match import Match, compare_tests, corrected, match_test
 from fretfe.matching.pads import Factors, PadTest, closed_form, pad_test
 from fretfe.matching.rig import parse_rig
+from fretfe.matching.spreads import numbers_of
 from fretfe.matching.target import read_target
 from fretfe.results.model import Result
 
@@ -160,6 +161,10 @@ def test_bounds_that_bind_are_named(exact: Result) -> None:
         ),
         ({"specimen": {"yield_stress": 100.0}}, "largest pressure, by the yield stress"),
         (
+            {"specimen": {"thickness": 1e-6}},
+            "for the height of the pad and the thickness: the rig allows at most 5e-07",
+        ),
+        (
             {"pad": {"radius": [10.0, 200.0]}, "forces": {"normal": [900, 2000], "shear": [0, 60]}},
             "smallest normal force and amplitude of the shear force exclude each other",
         ),
@@ -173,15 +178,40 @@ def test_infeasible_bounds_are_named(
     assert any(text in reason for reason in shape.infeasible), shape.infeasible
 
 
+def test_the_yield_stress_is_no_bound_for_a_wedge(exact: Result) -> None:
+    pad = {"shapes": ["cylinder", "wedge"], "angle": [0.2, 5.0]}
+    found = match_test(exact, "main.left", rig(pad=pad, specimen={"yield_stress": 1e-3}))
+    cylinder, wedge = found.shapes
+    assert "largest pressure, by the yield stress" in cylinder.infeasible[0]
+    assert wedge.infeasible == ()
+    assert wedge.choices
+    assert any("no bound for wedges" in text for text in found.notes)
+
+
 def test_error_bars_reach_the_loads(exact: Result) -> None:
     (shape,) = match_test(exact, "main.left", rig()).shapes
     (choice,) = shape.choices
     target = read_target(exact, "main.left")
     relative = target.k_n_spread / target.k_n
     # At a given radius a ~ K_N^2, P ~ a^2 and Q ~ sqrt(a).
-    assert choice.force_spread == pytest.approx(4 * relative * 600.0, rel=0.05)
-    expected = math.hypot(relative, target.k_t_range_spread / target.k_t_range) * 60.0
-    assert choice.shear_spread == pytest.approx(expected, rel=0.05)
+    ranges = target.k_t_range_spread / target.k_t_range
+    powers = {"normal_force": (4, 0), "half_width": (2, 0), "peak_pressure": (2, 0),
+              "shear_amplitude": (1, 1), "shear_ratio": (3, 1), "slip_long": (1, 1),
+              "slip_over_length": (3, 1), "over_thickness": (2, 0), "over_pad": (2, 0)}  # fmt: skip
+    numbers = numbers_of(choice.test, rig())
+    for name, (of_k_n, of_range) in powers.items():
+        expected = math.hypot(of_k_n * relative, of_range * ranges) * numbers[name]
+        assert choice.spreads[name] == pytest.approx(expected, rel=0.05), name
+
+
+def test_the_bars_of_a_corrected_test_are_those_of_both_edges(solved: Result) -> None:
+    match = match_test(solved, "main.left", rig())
+    comparison = compare_tests(match, [("itself", solved)])
+    numbers = match_numbers(match, comparison)
+    (choice,) = numbers["shapes"][0]["choices"]
+    found = numbers["tests"][0]["corrected"]
+    ratio = found["normal_force_spread"] / choice["normal_force_spread"]
+    assert ratio == pytest.approx(math.sqrt(2), rel=0.05)
 
 
 def test_a_bulk_stress_takes_its_part_of_the_range(exact: Result) -> None:
@@ -254,8 +284,8 @@ def test_what_is_not_known_is_not_matched(exact: Result) -> None:
     for values, text in (
         ({"k_n": np.full_like(left.k_n, np.nan)}, "expected K_N to be known"),
         ({"k_n_spread": left.k_n}, "error bar of less than half"),
-        ({"k_t_range": math.nan}, "expected the range of K_T to be known"),
-        ({"k_t_range_spread": math.nan}, "found no error bar"),
+        ({"k_t_range": math.nan, "k_range": math.nan}, "expected the range of K_T to be known"),
+        ({"k_range_spread": math.nan}, "found no error bar"),
         ({"slip_zones": gross}, "the whole contact slips"),
     ):
         with pytest.raises(ModelError, match=text):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import fretfe
-from fretfe.report.page.cycle_table import cycle_table
+from fretfe.report.page.tables import cycle_table
 
 DEMO = Path(__file__).parents[1] / "demos" / "mission.toml"
 

@@ -10,10 +10,17 @@ import numpy as np
 import pytest
 from test_fronts_in_space import STATIONS, grid, hertz, means, solved
 
-from fretfe.edges.moved_fronts import AWAY, NO_FRONT, NO_LOADS, POOR, STANDS, moved_stations
-from fretfe.edges.solid_evaluation import evaluate_fronts
-from fretfe.edges.tracks_in_space import FrontTrack, follow_fronts
-from fretfe.results.solution import ContactHistory, Neighbours, Solution
+from fretfe.evaluate.space.evaluate import (
+    AWAY,
+    NO_FRONT,
+    NO_LOADS,
+    POOR,
+    STANDS,
+    evaluate_fronts,
+    moved_stations,
+)
+from fretfe.evaluate.space.fronts import FrontTrack, follow_fronts
+from fretfe.history.solution import ContactHistory, Neighbours, Solution
 
 # p0 / a of the sphere: p = sqrt(a² - r²), P = 2π a³/3, K_N = sqrt(2 a).
 LOADS = 0.95, 1.05

@@ -230,3 +230,26 @@ def test_a_changed_case_does_not_replace_its_own_file(tmp_path: Path) -> None:
     assert case.read_text() == HERTZ
     assert run(case, tmp_path)["complete"]
     assert case.read_text() == HERTZ
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ("contacts.main.friction", "contacts.main.friction"),
+        ("bodies.*.young", "bodies.upper.young"),
+        ("bodies.upper.young", "bodies.*.young"),
+        ("loads.shear.amplitude", "loads.shear.history.2.amplitude"),
+        ("bodies.upper.young", "bodies.upper"),
+    ],
+)
+def test_one_value_is_set_once(first: str, second: str) -> None:
+    """Also by two paths, or by a table that would take it away again."""
+    with pytest.raises(CaseError, match=r"expected each key once|sets the same value") as caught:
+        with_overrides(DATA, parse_assignments([f"{first}=0.1", f"{second}=0.2"]), SOURCE)
+    assert first in str(caught.value)
+
+
+def test_a_value_in_a_table_that_is_set_before() -> None:
+    changes = {"bodies.upper": {"young": 1.0, "poisson": 0.3}, "bodies.upper.poisson": 0.2}
+    found = with_overrides(DATA, changes, SOURCE)
+    assert found["bodies"]["upper"] == {"young": 1.0, "poisson": 0.2}

@@ -17,8 +17,8 @@ from launch import ENVIRONMENT
 from pad_cases import HERTZ
 
 from fretfe.backends import RunOptions
+from fretfe.cli.options import Verbosity
 from fretfe.cli.progress import StepReport
-from fretfe.cli.verbosity import Verbosity
 from fretfe.errors import StoppedError
 
 LONG = HERTZ.replace("cycles = 2", "cycles = 500")
@@ -55,7 +55,7 @@ def test_a_run_that_is_stopped_keeps_its_steps(tmp_path: Path, number: signal.Si
     code, printed, errors = stopped(arguments, "step 7/", number, tmp_path)
     assert code == 128 + number
     results = json.loads((tmp_path / "out" / "results.json").read_text())
-    steps = len(results["contacts"]["main"]["edges"][0]["k_n"]) - 1
+    steps = len(results["contacts"]["main"]["fronts"][0]["stations"][0]["k_n"]) - 1
     assert 7 <= steps < 4004
     assert not results["complete"]
     assert f"stopped by {number.name} after step {steps} of 4004, which are kept" in errors
@@ -105,6 +105,13 @@ def test_the_last_step_ends_the_history_anyway() -> None:
         options.progress(9, 9, "")
         with pytest.raises(StoppedError, match="SIGINT after step 8 of 9, which are kept"):
             options.progress(8, 9, "")
+
+
+def test_what_is_done_besides_steps_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    for verbosity, expected in ((Verbosity.NORMAL, "edge factors ...\n"), (Verbosity.QUIET, "")):
+        with StepReport(0, verbosity) as report:
+            RunOptions(observer=report).doing("edge factors")
+        assert capsys.readouterr().out == expected
 
 
 def test_handlers_of_others_are_put_back() -> None:

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from fretfe._typing import Array
-from fretfe.edges.between import load_path
-from fretfe.edges.front import RangeSpread
-from fretfe.edges.pressure import EdgeFit
-from fretfe.edges.range_spread import FactorHistories, range_spreads
-from fretfe.results.solution import Factor
+from fretfe.evaluate.contacts import RangeSpread
+from fretfe.evaluate.factors import FactorHistories, load_path, range_spreads
+from fretfe.evaluate.plane.pressure_fit import EdgeFit
+from fretfe.history.solution import Factor
 
 T = 9
 CYCLE = np.arange(T)
@@ -35,6 +34,7 @@ def histories(ways: list[float], fitted: float | None = None) -> FactorHistories
         fitted=of(fitted) if fitted is not None else None,
         exact=True,
         one_sided=np.zeros(2),
+        uneven=np.zeros(2),
     )
 
 
@@ -66,10 +66,10 @@ def test_one_way_alone_is_exact_or_has_no_bar() -> None:
 def test_discretisation_holds_fits_elements_edges_and_half_known_steps() -> None:
     (left, _) = spreads(histories([1.0, 1.0], fitted=0.97))
     assert left.discretisation == pytest.approx(0.03 * RANGE)
-    # Six tenths of an element of .1 and an edge known to .05, over twice the half-width; at the
+    # .475 of an element of .1 and an edge known to .05, over twice the half-width; at the
     # right station likewise, since its K_T may be a small difference.
     both = spreads(replace(histories([1.0, 1.0]), exact=False), spread=0.05)
-    share = np.hypot(0.06, 0.05) / (2 * HALF_WIDTH)
+    share = np.hypot(0.0475, 0.05) / (2 * HALF_WIDTH)
     assert [each.discretisation for each in both] == pytest.approx([share * RANGE] * 2)
     half_known = replace(histories([1.0, 1.0]), one_sided=np.array([0.2, 0.0]))
     assert [each.discretisation for each in spreads(half_known)] == [0.2, 0.0]

@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 from stored_runs import RUNS, edit_numbers, solved, write_run
 
-from fretfe.edges.refinement import Pass, Refinement, StationValues
 from fretfe.errors import OutputError
+from fretfe.evaluate.refinement import Pass, Refinement, StationValues
+from fretfe.history.solution import ContactHistory
+from fretfe.history.state_array import StateArray
 from fretfe.results.digest import KEY
 from fretfe.results.reader import load_result, restored_refinement
-from fretfe.results.solution import ContactHistory
-from fretfe.results.states import StateArray
 from fretfe.results.writer import as_numbers
 
 
@@ -93,10 +93,10 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], list[str]]] = {
         lambda f: edit_numbers(f, lambda n: n["schema"].update(version=99)),
         ["schema", "99", "run the case again"],
     ),
-    "key missing": (lambda f: edit_numbers(f, remove("contacts", "main", "edges")), ["'edges'"]),
+    "key missing": (lambda f: edit_numbers(f, remove("contacts", "main", "fronts")), ["'fronts'"]),
     "no cycle key": (lambda f: edit_numbers(f, remove("cycle")), ["'cycle'"]),
     "edge not a table": (
-        lambda f: edit_numbers(f, lambda n: n["contacts"]["main"].update(edges=[1, 2])),
+        lambda f: edit_numbers(f, lambda n: n["contacts"]["main"].update(fronts=[1, 2])),
         ["results.json"],
     ),
     "histories of different lengths": (

@@ -5,26 +5,28 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from halfplane_problems import HERTZ, LIMIT, LOAD, problem
 
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.front import ContactSummary, fronts_of
-from fretfe.edges.refinement import Pass, Refinement, StationValues, changes_by_kind, extrapolate
-from fretfe.edges.sizes import (
+from fretfe.evaluate.contacts import ContactSummary, fronts_of
+from fretfe.evaluate.evaluate import evaluate
+from fretfe.evaluate.refinement import Pass, Refinement, StationValues, changes_by_kind, extrapolate
+from fretfe.evaluate.resolution import (
     BLIND,
     PER_RISE,
     PER_SLIP_ZONE,
     Interval,
+    hopeless,
     needed_sizes,
     resolves,
     station_values,
 )
 from fretfe.halfplane import solve_half_planes
+from fretfe.history.solution import Solution
 from fretfe.idealise import HalfPlaneProblem
-from fretfe.results.solution import Solution
 
 # Amplitude of the shear; the slip zones of the cycle are a (1 - sqrt(1 - Q/(f P))) (Cattaneo and
 # Mindlin) with a = 1.
@@ -163,3 +165,20 @@ def test_limits_skip_meshes_that_did_not_show_the_edge() -> None:
     ((found, limits),) = Refinement(0.01, (first, *passes), True, "").limits
     assert found == passes[-1].stations[0]
     assert limits == pytest.approx((10.0, 2.0, 0.4))
+
+
+@pytest.mark.parametrize(("size", "stops"), [(1e-3, False), (5e-5, True)])
+def test_an_edge_without_a_factor_is_not_refined_for_ever(size: float, stops: bool) -> None:
+    """A contact on |x| < 1 that ends with its surface, whose pressure is largest there."""
+    x = np.concatenate([[-1.0, -1.0 + size], np.linspace(-0.9, 0.9, 19), [1.0 - size, 1.0]])
+    pressure = np.zeros((2, len(x), 2))
+    pressure[1, :, 0] = 1 + x**2
+    history = SimpleNamespace(arc=x, traction=pressure, name="flat")
+    unknown = np.full(2, np.nan)
+    station = SimpleNamespace(
+        front="left", last=1, last_k_n=(math.nan, math.nan), uncertain=False, position=unknown
+    )
+    contact = SimpleNamespace(name="flat", stations=(station,), half_width=unknown)
+    solution = SimpleNamespace(contacts=(history,), cycle=None, times=np.arange(2.0))
+    reason = hopeless(solution, (contact,))  # type: ignore[arg-type]
+    assert ("K_N at the left edge of contact flat is not known with" in reason) == stops

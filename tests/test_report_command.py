@@ -8,6 +8,7 @@ from pathlib import Path
 import launch
 import pytest
 from pad_cases import HERTZ
+from small_files import small_files
 from stored_runs import write_run
 from typer.testing import CliRunner
 
@@ -32,6 +33,18 @@ def test_run_ends_with_the_report_that_the_command_makes_again(case: Path, tmp_p
     done = CliRunner().invoke(app, ["report", str(out)])
     assert done.exit_code == 0 and str(report) in done.stdout.replace("\n", "")
     assert report.read_text("utf-8") == text
+
+
+def test_a_report_that_does_not_fit_leaves_the_one_before(case: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    run_case(case, out, "analytic")
+    report = out / "report.html"
+    before = report.read_bytes()
+    with small_files(len(before) // 2):
+        done = launch.fretfe("report", out)
+    assert done.returncode == 6, done.stderr
+    assert f"{report}: cannot write the report: " in done.stderr and "Report in" not in done.stdout
+    assert report.read_bytes() == before
 
 
 def test_run_without_a_report_leaves_none_of_an_earlier_run(case: Path, tmp_path: Path) -> None:

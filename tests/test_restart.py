@@ -8,6 +8,7 @@ import errno
 import fcntl
 import json
 import os
+import shutil
 import socket
 from collections.abc import Iterator
 from functools import partial
@@ -24,9 +25,9 @@ from told import Told
 from fretfe.case import changed, parse_case
 from fretfe.errors import OutputError, StoppedError
 from fretfe.halfplane import solve_half_planes
+from fretfe.history.stream import StateStream
 from fretfe.results.reader import load_result
-from fretfe.results.run_folder import locked, unfinished
-from fretfe.results.stream import StateStream
+from fretfe.results.run_folder import locked, unfinished, write_mark
 from fretfe.runner import Runner
 
 CASE = parse_case(pad(loads={"press": press(steps=4), "shear": shear(steps=8)}))
@@ -80,11 +81,100 @@ def test_another_case_is_not_continued(tmp_path: Path) -> None:
     assert RUNNER.run(changed(CASE, {"title": "other"}), tmp_path, resume=True).failure is None
 
 
-def test_states_that_are_not_whole_are_not_continued(tmp_path: Path) -> None:
-    RUNNER.run(CASE, tmp_path, Told(5))
-    (tmp_path / "states" / "states.rows").write_bytes(b"")
-    with pytest.raises(OutputError, match="has been cut"):
+@pytest.fixture(scope="module")
+def cut_off(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run that was stopped after step 13, with a checkpoint there and one at step 10."""
+    folder = tmp_path_factory.mktemp("cut_off")
+    with (
+        patch("fretfe.contact.solve.NOTE_STEPS", 10),
+        patch("fretfe.contact.solve.LEAST_SECONDS", 0.0),
+        patch("fretfe.contact.solve.SPARING", 0.0),
+    ):
+        RUNNER.run(CASE, folder, Told(13))
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "size", "first"),
+    [
+        ("states.rows", 0.3, 1, 1),
+        ("states.rows", 0.95, 1, 11),
+        ("states.rows", 0.9, 0, 11),
+        ("states.rows", -1.0, 0, 1),
+        ("checkpoint.npz", 0.5, 1, 11),
+        ("checkpoint.npz", -1.0, 0, 11),
+        ("checkpoint-before.npz", 0.5, 1, 14),
+    ],
+)
+def test_damaged_states_are_solved_again(
+    tmp_path: Path, cut_off: Path, undisturbed: Path, name: str, place: float, size: int, first: int
+) -> None:
+    """One byte is another one, or the rest of the file is zeros; or the file is empty."""
+    shutil.copytree(cut_off, tmp_path, dirs_exist_ok=True)
+    path = tmp_path / "states" / name
+    data = path.read_bytes()
+    begin = round(max(place, 0.0) * len(data))
+    lost = [bytes(len(data) - begin), bytes([data[begin] ^ 16]) + data[begin + 1 :]][size]
+    path.write_bytes(b"" if place < 0 else data[:begin] + lost)
+    told = Told()
+    RUNNER.run(CASE, tmp_path, told, resume=True)
+    assert told.steps[0][0] == first
+    assert largest_difference(undisturbed, tmp_path) < 1e-12
+    said = "" if first == 14 else " ".join(told.announced)
+    assert (f"{path} has " in said) == (first < 14)
+
+
+def test_states_are_on_the_disk_before_what_names_them(tmp_path: Path) -> None:
+    done: list[str] = []
+    fsync, pwrite, replace = os.fsync, os.pwrite, Path.replace
+
+    def name_of(descriptor: int) -> str:
+        return Path(os.readlink(f"/proc/self/fd/{descriptor}")).name
+
+    def synced(descriptor: int) -> None:
+        fsync(descriptor)
+        done.append(f"synced {name_of(descriptor)}")
+
+    def written(descriptor: int, *rest: Any) -> int:
+        done.append(f"wrote {name_of(descriptor)}")
+        return pwrite(descriptor, *rest)
+
+    def replaced(path: Path, target: Path) -> Path:
+        done.append(f"replaced {target.name}")
+        return replace(path, target)
+
+    with (
+        patch.object(os, "fsync", synced),
+        patch.object(os, "pwrite", written),
+        patch.object(Path, "replace", replaced),
+    ):
+        RUNNER.run(CASE, tmp_path)
+    noted = done.index("replaced checkpoint.npz")
+    assert done[:noted][-2:] == ["synced states.rows", "synced checkpoint.npz.new"]
+    assert done[noted + 1] == "synced states"
+    finished = len(done) - done[::-1].index("replaced run.json")
+    before = done[:finished]
+    for name in ("results.json", "results.h5"):
+        assert before.index(f"synced {name}.new") < before.index(f"replaced {name}")
+
+
+@pytest.mark.parametrize("key", ["step", "complete", "versions", "case", "schema"])
+def test_a_changed_note_of_a_run_is_not_trusted(tmp_path: Path, cut_off: Path, key: str) -> None:
+    shutil.copytree(cut_off, tmp_path, dirs_exist_ok=True)
+    path = tmp_path / "run.json"
+    text = path.read_text()
+    path.write_text(text.replace(f'"{key}"', f'"{key[:-1]}_"', 1))
+    with pytest.raises(OutputError, match=r"run\.json: expected .*, found"):
         RUNNER.run(CASE, tmp_path, resume=True)
+
+
+def test_a_continued_run_has_the_case_that_it_solves(tmp_path: Path, cut_off: Path) -> None:
+    shutil.copytree(cut_off, tmp_path, dirs_exist_ok=True)
+    copy = tmp_path / "case.toml"
+    before = copy.read_text()
+    copy.write_text(before.replace("0.4", "0.7"))
+    RUNNER.run(CASE, tmp_path, resume=True)
+    assert copy.read_text() == before
 
 
 def test_what_a_killed_run_leaves_is_no_result(
@@ -182,7 +272,8 @@ def test_a_solved_case_that_was_changed_is_solved_again(tmp_path: Path) -> None:
     changed_line = second[:place] + bytes([second[place] ^ 1]) + second[place + 1 :]
     path.write_bytes(first + b"\n" + changed_line + b"\n\xff\n")
     mark = json.loads((tmp_path / "run.json").read_text())
-    (tmp_path / "run.json").write_text(json.dumps({**mark, "complete": False}))
+    del mark["digest"]
+    write_mark(tmp_path, {**mark, "complete": False})
     told = Told()
     after = RUNNER.sweep(CASE, vary, tmp_path, told, resume=True)
     # The first case is known.

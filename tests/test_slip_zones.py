@@ -4,16 +4,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from fretfe.analytic._arguments import Side
-from fretfe.edges.front import StationHistory
-from fretfe.edges.reversals import slip_reversals
-from fretfe.edges.section import PlaneFront, plane_front
-from fretfe.edges.slip_zones import slip_border_of, slip_zones
-from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
+from fretfe.analytic._numerics import Side
+from fretfe.evaluate.contacts import StationHistory
+from fretfe.evaluate.cycles import slip_reversals
+from fretfe.evaluate.plane.section import PlaneFront, plane_front
+from fretfe.evaluate.plane.slip import slip_border_of
+from fretfe.evaluate.slip import slip_zones
+from fretfe.evaluate.warnings import warnings_about
+from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 
 H, EDGE, ZONE = 0.05, 1.02, 0.31
 X = np.linspace(-22 * H, 22 * H, 45)
@@ -61,7 +64,7 @@ def length(side: Side, increments: np.ndarray) -> float:
     front = plane_front(side)
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
     no_cycle = np.array([], dtype=np.int64)
-    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool))
+    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool), 2)
     zones = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert [(zone.start, zone.end, zone.resolved) for zone in zones] == [(1, 3, True)]
     return zones[0].length
@@ -102,11 +105,14 @@ def test_a_zone_between_the_nodes_is_not_resolved(
     # K_N = 1, f = 0.5: d = 2 K_T/(f K_N) at first loading
     k_t = np.array([0.0, 0.0, 0.5, 1.0]) * elements * H / 4
     at_edge = station(front, k_t)
-    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool))
+    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool), 2)
     no_cycle = np.array([], dtype=np.int64)
     (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert zone.predicted == pytest.approx(elements * H)
     assert (zone.length, zone.resolved, zone.gross) == (0.0, resolved, False)
+    # No slip is a length, whatever its bar.
+    assert (zone.told_length, zone.uncertain) == (0.0, not resolved)
+    assert resolved or zone.spread >= zone.predicted
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
@@ -114,9 +120,10 @@ def test_the_zone_is_as_good_as_its_edge(side: Side) -> None:
     """An edge that is off by 1.6 elements leaves a zone of three elements open."""
     contact = history(np.array([0 * X, slip_to(3 * H)]))
     front = plane_front(side)
-    exact = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
+    # K_N = 1, f = 0.5: a zone of three elements is predicted.
+    exact = station(front, np.array([0.0, 0.0, 0.5, 1.0]) * 3 * H / 4)
     no_cycle = np.array([], dtype=np.int64)
-    border = slip_border_of(contact, front, exact.position, np.ones(STATES, dtype=bool))
+    border = slip_border_of(contact, front, exact.position, np.ones(STATES, dtype=bool), 2)
     (good,) = slip_zones(no_cycle, contact.friction, exact, border)
     vague = replace(exact, position_spread=np.full(STATES, 1.6 * H))
     (bad,) = slip_zones(no_cycle, contact.friction, vague, border)
@@ -124,6 +131,12 @@ def test_the_zone_is_as_good_as_its_edge(side: Side) -> None:
     assert bad.length == good.length == pytest.approx(3 * H, abs=good.spread)
     assert bad.spread == pytest.approx(np.hypot(good.spread, 1.6 * H))
     assert np.isnan(bad.told_length) and good.told_length == good.length
+    # Its bar then reaches what is predicted.
+    longer = replace(vague, k_t=2 * vague.k_t)
+    (worse,) = slip_zones(no_cycle, contact.friction, longer, border)
+    assert worse.spread == pytest.approx(6 * H - worse.length)
+    (kept,) = slip_zones(no_cycle, contact.friction, replace(exact, k_t=2 * exact.k_t), border)
+    assert kept.spread == good.spread
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
@@ -135,7 +148,7 @@ def test_slip_that_goes_on_behind_the_first_sticking_node(side: Side) -> None:
     contact = history(increments)
     front = plane_front(side)
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
-    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool))
+    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool), 2)
     no_cycle = np.array([], dtype=np.int64)
     (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert not zone.resolved
@@ -153,7 +166,7 @@ def test_fewer_than_three_sticking_nodes_are_no_stick_zone(sticking: int, resolv
     contact = history(np.array([0 * X, slip]))
     front = plane_front("left")
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
-    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool))
+    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool), 2)
     no_cycle = np.array([], dtype=np.int64)
     (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert zone.resolved == resolved
@@ -189,3 +202,17 @@ def test_reversals_under_varying_normal_load(phase: float, sign: float) -> None:
     first_up, first_down = np.argmax(forward[:72]), np.argmin(backward[:72])
     assert set(ends[1:-1]) <= {n * 72 + first for n in range(3) for first in (first_up, first_down)}
     assert len(ends) >= 6
+
+
+def test_bodies_that_have_parted_are_told() -> None:
+    contact = history(np.zeros((2, len(X))))
+    traction = np.array(contact.traction)
+    traction[2:] = 0.0
+    parted = replace(
+        contact, traction=traction, status=np.zeros_like(contact.status), gap=0.1 + contact.gap
+    )
+    times = np.arange(float(STATES))
+    solution = SimpleNamespace(cycle=(2, 3), times=times, values=times[:, None])
+    text, *_ = warnings_about(solution, parted, (), [np.nan])  # type: ignore[arg-type]
+    assert "do not touch in the evaluated cycle: the contact carries no force" in text
+    assert "the smallest gap is 0.1" in text

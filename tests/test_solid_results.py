@@ -15,13 +15,12 @@ from solid_runs import FRICTION, NORMAL, PEAK, SHEAR, solid_result, surface, wri
 from stored_runs import write_run
 
 import fretfe
-from fretfe.edges.area import AreaSummary
 from fretfe.errors import CaseError, OutputError
-from fretfe.results.contact_file import SURFACES
-from fretfe.results.field_file import FIELDS, FieldReader
+from fretfe.evaluate.resultants import AreaSummary
+from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
+from fretfe.results.field_files import FIELDS, SURFACES, FieldReader
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
-from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory
 from fretfe.results.writer import write_results
 
 SHAPES = {"main": surface(bend=0.3), "quads": surface(bend=0.3, corners=4)}

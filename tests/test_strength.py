@@ -21,9 +21,9 @@ import fretfe
 from fretfe._typing import Array, Bools
 from fretfe.api import StrengthMap
 from fretfe.case import Units
-from fretfe.edges.solid_evaluation import evaluate_fronts
-from fretfe.edges.tracks_in_space import follow_fronts
 from fretfe.errors import CaseError, ConvergenceError
+from fretfe.evaluate.space.evaluate import evaluate_fronts
+from fretfe.evaluate.space.fronts import follow_fronts
 from fretfe.strength.fit import LifeFit, fit_life
 from fretfe.strength.tests_file import read_tests, same_unit
 
@@ -168,7 +168,7 @@ def with_edges(change: Callable[[Any], Any]) -> Any:
 
 def test_error_bars_of_the_edge_are_in_the_margin(tests: Path) -> None:
     wide = with_edges(
-        lambda e: replace(e, k_t_range_spread=0.2 * e.k_t_range, k_n_spread=0.3 * e.k_n)
+        lambda e: replace(e, k_range_spread=0.2 * e.k_t_range, k_n_spread=0.3 * e.k_n)
     )
     one, two = (
         fretfe.strength_map(tests, [each], LIFE).margins[0] for each in (solved("analytic"), wide)
@@ -178,6 +178,10 @@ def test_error_bars_of_the_edge_are_in_the_margin(tests: Path) -> None:
     expected = math.hypot(0.2, 0.3 * slope[2] / slope[1]) / math.log(10)
     assert two.edge_share == pytest.approx(expected, rel=1e-5)
     assert two.low < one.low and two.high > one.high
+    # The strength at the K_N of the edge is known as well as K_N and the fit.
+    of_k_n = 0.3 * abs(slope[2] / slope[1])
+    expected = math.hypot(of_k_n, math.log(10) * two.fit_share) * two.strength
+    assert two.strength_spread == pytest.approx(expected, rel=1e-5)
 
 
 def reason(path: Path, life: float = LIFE, run: str = "analytic") -> str:
@@ -270,7 +274,7 @@ def test_edges_that_cannot_be_judged(tests: Path) -> None:
     assert reason(tests, run="no cycle, analytic") == "there is no evaluated cycle"
     ended = replace(solved("analytic"), failure=ConvergenceError("for a test"))
     assert fretfe.strength_map(tests, [ended], LIFE).margins[0].reason == "the run is not complete"
-    wide = with_edges(lambda edge: replace(edge, k_t_range_spread=edge.k_t_range))
+    wide = with_edges(lambda edge: replace(edge, k_range_spread=edge.k_range))
     margins = fretfe.strength_map(tests, [wide], LIFE).margins
     assert "its error bar is more than half of it" in margins[0].reason
     varying = with_edges(lambda edge: replace(edge, k_i_range=edge.k_t_range))
@@ -289,12 +293,13 @@ def test_stations_of_solids(tmp_path: Path) -> None:
         for each in front.stations
     )
     (area,) = result.areas
-    area = replace(area, fronts=(replace(front, stations=stations),))
+    area = replace(area, fronts=(replace(front, stations=stations),), steady=False)
     k_n = stations[0].told_k_n
     path = write_tests(tmp_path / "tests.csv", *made_up(k_n=(k_n / 2, 2 * k_n)))
     found = fretfe.strength_map(path, [replace(result, areas=(area,)), result], LIFE)
     assert [each.edge.station for each in found.margins] == list(range(11))
     assert [each.edge.k_t_range for each in found.margins] == [30.0 + n for n in range(11)]
+    assert all("the cycle is not steady" in each.edge.remarks for each in found.margins)
     margins = [each.margin * each.edge.k_t_range for each in found.margins]
     assert margins == pytest.approx([each.strength for each in found.margins])
 

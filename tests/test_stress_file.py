@@ -15,9 +15,9 @@ from stored_runs import solved
 from fretfe._typing import Array
 from fretfe.analytic.half_plane_stress import elliptical_stress
 from fretfe.case import parse_case
-from fretfe.edges.surface_stress import edge_stress
 from fretfe.errors import CaseError, ModelError, OutputError
-from fretfe.results.solution import ContactHistory
+from fretfe.evaluate.surface_stress import edge_stress
+from fretfe.history.solution import ContactHistory
 from fretfe.results.stress_file import STRESSES, StressSite, StressWriter, read_stress
 from fretfe.runner import Runner
 

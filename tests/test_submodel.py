@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import json
+import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,11 +16,12 @@ from typer.testing import CliRunner
 
 from fretfe.analytic.profiles import Hertz, edge_factor_k_n
 from fretfe.cli.app import app
-from fretfe.edges.solid_evaluation import evaluate_fronts
-from fretfe.edges.solid_fronts import SolidStation
-from fretfe.edges.tracks_in_space import follow_fronts
 from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
+from fretfe.evaluate.contacts import SlipZone, Station
+from fretfe.evaluate.space.evaluate import evaluate_fronts
+from fretfe.evaluate.space.fronts import follow_fronts
 from fretfe.results.model import Result
+from fretfe.results.reader import load_result
 from fretfe.results.writer import write_results
 from fretfe.submodel.comparison import StationModel
 from fretfe.submodel.run import run_station
@@ -45,14 +48,15 @@ def solid() -> Result:
     return replace(result, areas=(replace(area, fronts=(replace(front, stations=stations),)),))
 
 
-def exact(result: Result, station: SolidStation) -> SolidStation:
+def exact(result: Result, station: Station) -> Station:
     loads = result.loads.values
     q = 0.5 * SHEAR * loads[:, 1] / np.abs(loads[:, 1]).max() * LIMIT
     pressed = np.minimum(np.arange(len(q)) / PRESSING, 1.0) ** (1 / 3)
     angle = np.radians(ANGLE)
     return replace(
         station, depth=1.0, length=1.0, curvature=1.0, k_angle=ANGLE, turning=0.0,
-        k_n=np.full(len(q), K_N), k_n_spread=np.full(len(q), 0.01 * K_N),
+        k_n=np.full(len(q), K_N), k_n_spread=np.full(len(q), 0.03 * K_N),
+        k_range=float(np.ptp(q)), k_range_spread=0.04 * float(np.ptp(q)),
         k_t=np.cos(angle) * q, k_s=np.sin(angle) * q, k_i=K_N / 3 * pressed**1.5,
     )  # fmt: skip
 
@@ -86,6 +90,29 @@ def test_slip_zone_is_that_of_the_sphere_to_second_order(model: StationModel) ->
     assert lengths == pytest.approx([WIDTH, WIDTH], rel=0.02)
     first_order = SHEAR * LIMIT / (FRICTION * K_N)
     assert first_order / WIDTH == pytest.approx(0.9, abs=0.02)
+
+
+def test_error_bars_of_the_station_are_those_of_the_plane_problem(model: StationModel) -> None:
+    (edge, _) = model.plane.contacts[0].stations
+    k_n, spread = edge.last_k_n
+    assert 0.03 < spread / k_n < 0.04
+    assert 0.04 < edge.k_range_spread / edge.k_t_range < 0.05
+    assert edge.k_range_parts.total == edge.k_range_spread
+    for zone in edge.slip_zones[-2:]:
+        assert 0.05 < zone.spread / zone.length < 0.06
+    # A cylinder as wide: R ~ 1/K_N, P ~ a²/R.
+    assert model.radius_spread == pytest.approx(0.03 * model.radius)
+    assert model.normal_force_spread == pytest.approx(0.03 * model.normal_force)
+
+
+def test_a_range_without_an_error_bar_is_told(solid: Result) -> None:
+    last = len(solid.loads.times) - 1
+    zone = SlipZone(last - 4, last, 0.2, 0.2, 0.01, True, False, 0.2, 0.2)
+    changed_one = changed(solid, k_range_spread=np.nan, slip_zones=(zone,))
+    found = run_station(changed_one, "main", 1, 5, None)
+    assert found.zones[0].predicted_spread == pytest.approx(0.03 * 0.2)
+    assert "its range of (K_T, K_S) has no error bar" in found.plane.notes[-1]
+    assert math.isnan(found.plane.contacts[0].stations[0].told_range)
 
 
 def test_tractions_next_to_the_edge(model: StationModel) -> None:
@@ -150,6 +177,9 @@ def test_command(solid: Result, tmp_path: Path) -> None:
     )
     assert done.exit_code == 0, done.exception
     assert "in the plane" in done.output and f"Results in {output}" in done.output.replace("\n", "")
+    assert re.search(r"Station: K_N \S+ ± \S+, ΔK \S+ ± \S+", done.output)
+    (edge, _) = load_result(output).contacts[0].stations
+    assert edge.last_k_n[1] > 0.03 * edge.last_k_n[0]
     numbers = json.loads((output / "station.json").read_text("utf-8"))
     assert numbers["station"] == 5 and numbers["half_width"] == pytest.approx(0.5)
     names = {path.name for path in output.iterdir()}

@@ -9,12 +9,15 @@ from pathlib import Path
 from subprocess import CompletedProcess
 from typing import Any
 
+import pad_cases
 import pytest
 from launch import fretfe
 
+from fretfe.case import parse_case
 from fretfe.errors import CaseError
-from fretfe.geometry import templates
-from fretfe.geometry.templates import Parameter, check_parameters, find_template, template_names
+from fretfe.idealise import idealise
+from fretfe.mesh import templates
+from fretfe.mesh.templates import Parameter, check_parameters, find_template, template_names
 from fretfe.report.page.listings import parameter_rows
 
 NAMES = (
@@ -108,6 +111,42 @@ def test_a_number_of_lobes_is_whole(value: float, message: str) -> None:
 def command(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> CompletedProcess[str]:
     monkeypatch.setenv("COLUMNS", "200")
     return fretfe("templates", *arguments)
+
+
+@pytest.mark.parametrize(("label", "unit"), [("m", 1e3), ("um", 1e-3), ("in", 25.4), ("mm", 1.0)])
+def test_ranges_and_defaults_follow_the_unit(label: str, unit: float) -> None:
+    template = find_template("cylinder", length=label)
+    values = check_parameters(template, {"upper_radius": 50 / unit})
+    assert values["upper_radius"] == 50 / unit
+    assert values["upper_width"] == pytest.approx(7 / unit, rel=1e-15)
+    assert values["growth"] == 0.15
+    with pytest.raises(CaseError) as caught:
+        check_parameters(template, {"upper_radius": 2e4 / unit, "growth": 0.6})
+    assert f"upper_radius: expected a number from {0.1 / unit:g} to {1e4 / unit:g} {label}" in str(
+        caught.value
+    )
+
+
+def test_a_case_in_metres_is_the_same_case() -> None:
+    """N, m and Pa: K_N is that of MPa/mm^0.5, times 1e6/sqrt(0.001), and so on."""
+    load = {"type": "platen", "boundary": "upper_top", "direction": "y", "control": "force"}
+    found = []
+    for label, unit, stress in (("mm", 1.0, 1.0), ("m", 1e3, 1e6)):
+        steel = {"young": 210e3 * stress, "poisson": 0.3}
+        ramp = [{"ramp": -600 * unit, "until": 1, "steps": 2}]
+        case = pad_cases.pad(
+            units={"length": label},
+            geometry={
+                "template": "cylinder",
+                "parameters": {"upper_radius": 50 / unit, "lower_radius": 0},
+            },
+            bodies={"upper": steel, "lower": steel},
+            loads={"press": {**load, "history": ramp}},
+        )
+        problem = idealise(parse_case(case))
+        found.append((problem.profile.half_width(600 * unit) * unit, problem.normal_force / unit))
+    assert found[0][0] == pytest.approx(found[1][0], rel=1e-9)
+    assert found[0][1] == pytest.approx(found[1][1], rel=1e-12)
 
 
 def test_the_command_lists_the_templates(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.edges.tracks import Track, follow
+from fretfe.evaluate.plane.patches_in_time import Track, follow
 
 ARC = np.linspace(0.0, 1.0, 21)
 

@@ -15,6 +15,7 @@ class Told(Observer):
         self.steps: list[tuple[int, int, str]] = []
         self.phases: list[str] = []
         self.announced: list[str] = []
+        self.done: list[str] = []
         self._most_steps = most_steps
 
     def step(self, number: int, count: int, text: str) -> None:
@@ -25,6 +26,9 @@ class Told(Observer):
 
     def announce(self, text: str) -> None:
         self.announced.append(text)
+
+    def doing(self, text: str) -> None:
+        self.done.append(text)
 
     def stop(self) -> signal.Signals | None:
         return signal.SIGINT if len(self.steps) == self._most_steps else None

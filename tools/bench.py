@@ -79,7 +79,7 @@ def measure(path: Path) -> dict[str, Any]:
     from fretfe.fem.model import Model
     from fretfe.fem.timing import Clock
     from fretfe.results.writer import write_results
-    from fretfe.surface.load import load_mesh
+    from fretfe.surface.checks import load_mesh
 
     case = load_case(path)
     with tempfile.TemporaryDirectory() as folder:

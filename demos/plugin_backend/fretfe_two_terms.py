@@ -21,9 +21,8 @@ from fretfe.analytic.profiles import Hertz
 from fretfe.backends.analytic import solve_closed_form
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
-from fretfe.edges.front import ContactSummary, Station, fronts_of
-from fretfe.edges.slip import SlipBorder
-from fretfe.edges.slip_zones import cycle_states, slip_zones
+from fretfe.evaluate.contacts import ContactSummary, Station, fronts_of
+from fretfe.evaluate.slip import SlipBorder, cycle_states, slip_zones
 from fretfe.idealise import HalfPlaneProblem, NotIdealisable, idealise, obstacles
 from fretfe.results.model import Result
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fretfe._typing import Array
-from fretfe.analytic._arguments import Side, check_positive, check_range, side_sign
+from fretfe.analytic._numerics import Side, check_positive, check_range, side_sign
 
 
 def tangential_factor(

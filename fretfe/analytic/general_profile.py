@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fretfe._typing import Array
-from fretfe.analytic._arguments import check_positive, check_range
-from fretfe.analytic._numerics import graded_rule, solve_half_width
+from fretfe.analytic._numerics import check_positive, check_range, graded_rule, solve_half_width
 
 _RIGHT_ANGLE = np.pi / 2.0
 # Bounds the memory of the quadrature: some megabytes per array.

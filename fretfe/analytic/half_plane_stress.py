@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fretfe._typing import Array
-from fretfe.analytic._arguments import check_positive, check_range
+from fretfe.analytic._numerics import check_positive, check_range
 
 
 def elliptical_stress(

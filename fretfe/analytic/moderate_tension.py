@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fretfe._typing import Array
-from fretfe.analytic._arguments import check_range
+from fretfe.analytic._numerics import check_range
 from fretfe.analytic.edges import tension_for_zero_factor
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import Hertz

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from scipy.special import xlog1py
 
 from fretfe._typing import Array
-from fretfe.analytic._arguments import check_positive, check_range
+from fretfe.analytic._numerics import check_positive, check_range
 from fretfe.analytic.profiles import Hertz, Profile
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(80)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fretfe._typing import Array
-from fretfe.analytic._arguments import Side, check_positive
+from fretfe.analytic._numerics import Side, check_positive
 from fretfe.analytic.edges import normal_increment_factor, tangential_factor
 
 COMPONENTS = 4

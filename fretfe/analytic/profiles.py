@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from scipy.special import xlogy
 
 from fretfe._typing import Array
-from fretfe.analytic._arguments import check_positive, check_range
+from fretfe.analytic._numerics import check_positive, check_range
 from fretfe.analytic.general_profile import GeneralProfile
 
 __all__ = [
@@ -60,7 +60,7 @@ def composite_modulus(
 
 
 class Profile(Protocol):
-    """What the solutions for whole contacts need of a symmetric profile; arrays of any shape."""
+    """A symmetric profile, as the solutions for whole contacts need it; arrays of any shape."""
 
     @property
     def e_star(self) -> float:

@@ -25,8 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fretfe._typing import Array, Bools
-from fretfe.analytic._arguments import check_range
-from fretfe.analytic._numerics import graded_rule
+from fretfe.analytic._numerics import check_range, graded_rule
 from fretfe.analytic.edges import edge_advance, normal_increment_factor
 from fretfe.analytic.profiles import Profile
 from fretfe.analytic.tables import TabulatedProfile

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.special import xlogy
 
 from fretfe._typing import Array
-from fretfe.analytic._arguments import check_positive, check_range
-from fretfe.analytic._numerics import solve_half_width
+from fretfe.analytic._numerics import check_positive, check_range, solve_half_width
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline

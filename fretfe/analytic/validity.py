@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from scipy.special import ellipe, ellipkm1
 
 from fretfe._typing import Array
-from fretfe.analytic._arguments import check_positive, check_range
+from fretfe.analytic._numerics import check_positive, check_range
 from fretfe.analytic.profiles import Profile
 
 # Step of a numerical derivative, over the length of the rounded part: round-off and truncation are

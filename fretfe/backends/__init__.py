@@ -3,15 +3,17 @@
 
 from __future__ import annotations
 
-from fretfe.backends.observer import SILENT, Observer
-from fretfe.backends.processes import OneProcess, processes_of
 from fretfe.backends.protocol import (
+    SILENT,
     Backend,
+    Observer,
+    OneProcess,
     ParallelBackend,
     Processes,
     RunOptions,
     Session,
     SharingBackend,
+    processes_of,
 )
 from fretfe.backends.registry import (
     Installed,

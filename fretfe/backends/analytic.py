@@ -1,45 +1,203 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The backend `analytic`: closed forms for half-planes."""
+"""The backend `analytic`: closed forms for half-planes, exact where such a solution exists."""
 
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from fretfe._typing import Array, Indices
-from fretfe.analytic.edges import dissipation_per_cycle
+from fretfe.analytic.edges import dissipation_per_cycle, slip_length_cyclic
+from fretfe.analytic.moderate_tension import stick_zone_moderate_tension
 from fretfe.analytic.partial_slip import PartialSlip
+from fretfe.analytic.paths import PolygonPath, permanent_stick_load
+from fretfe.analytic.profiles import Hertz
 from fretfe.analytic.rocking import TiltedContact
-from fretfe.backends.closed_form import ASYMPTOTE, ClosedFormBorders
-from fretfe.backends.fields_only import field_obstacles
-from fretfe.backends.finite_bodies import size_limit, with_size_errors
-from fretfe.backends.protocol import DEFAULTS, RunOptions
+from fretfe.backends.halfplane import size_limit, with_size_errors
+from fretfe.backends.protocol import DEFAULTS, RunOptions, field_obstacles
 from fretfe.case import Case
-from fretfe.edges.between import excess, load_path
-from fretfe.edges.consistency import shear_mismatch, tension_history
-from fretfe.edges.factors import add_up
-from fretfe.edges.front import (
+from fretfe.contact.division import LARGEST_MOVE, TOLERATED
+from fretfe.evaluate.contacts import (
     ContactSummary,
     CountedCycles,
     RangeSpread,
     SlipZone,
     Station,
+    StationHistory,
     fronts_of,
 )
-from fretfe.edges.half_plane import half_plane_units
-from fretfe.edges.limits import with_limit_warnings
-from fretfe.edges.missions import count_cycles, worst_cycle
-from fretfe.edges.section import PLANE_FRONTS, PlaneFront
-from fretfe.edges.slip_zones import cycle_states, slip_zones
+from fretfe.evaluate.cycles import count_cycles, worst_cycle
+from fretfe.evaluate.evaluate import shear_mismatch, tension_history
+from fretfe.evaluate.factors import add_up, cycle_range, excess, half_plane_units, load_path
+from fretfe.evaluate.limits import with_limit_warnings
+from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_front
+from fretfe.evaluate.slip import SlipBorder, cycle_states, last_state, predicted_slip, slip_zones
+from fretfe.evaluate.step_ends import StepEnds, division_notes
+from fretfe.history.solution import Factor
 from fretfe.idealise import HalfPlaneProblem, idealise, obstacles
-from fretfe.idealise.edges import contact_edges, governing_length
+from fretfe.idealise.problem import contact_edges, governing_length
 from fretfe.results.model import Result
-from fretfe.results.solution import Factor
 
+States = Indices
+
+EXACT, MODERATE, ASYMPTOTE = "exact partial slip", "moderate tension", "edge asymptote"
+# Loads that vary by less than this fraction of their size are constant.
+CONSTANT = 1e-9
 SMALL_STEP = 1e-4
+# Steps in which an edge moves far are halved so many times at most.
+HALVINGS = 10
 # Relative slip-zone length from which the asymptote deserves a warning: about 10 % error.
 LONG_SLIP_ZONE = 0.2
+
+
+@dataclass
+class ClosedFormBorders:
+    """Slip zones of one station, and which solutions they come from.
+
+    Args:
+        problem: the loads.
+        cycle: states of the evaluated cycle.
+        station: its position and factors.
+    """
+
+    problem: HalfPlaneProblem
+    cycle: States
+    station: StationHistory
+    used: set[str] = field(default_factory=set)
+
+    def __call__(self, start: int, end: int) -> SlipBorder:
+        """Slip zone of the half cycle between two states, from the edge at the second one."""
+        if end in self.cycle or (len(self.cycle) and start >= self.cycle[0]):
+            return self._steady(end)
+        states = np.arange(start, end + 1)
+        if self.problem.friction[start] == 0:
+            return self._first_loading(states)
+        history = self._since_friction(end)
+        if self._only_shear(history):
+            self.used.add(EXACT)
+            contact = self._partial_slip(end)
+            stick = contact.stick_half_width_after(self.problem.shear_force[history])
+            return _zone(contact.half_width - stick)
+        # Between first loading and the steady cycle: the range of this half cycle alone.
+        self.used.add(ASYMPTOTE)
+        return _zone(
+            slip_length_cyclic(np.ptp(self.station.k_t[states]), self._k_n(end), self._f(end))
+        )
+
+    def _first_loading(self, states: States) -> SlipBorder:
+        """From the state in which friction starts to act."""
+        end = int(states[-1])
+        if self._constant(self.problem.normal_force, states) and self._symmetric(states):
+            contact = self._partial_slip(end)
+            change = self._change(states)
+            if self._constant(self.problem.bulk_tension, states):
+                self.used.add(EXACT)
+                stick = contact.stick_half_width(change[0])
+                return _zone(contact.half_width - stick)
+            moderate = self._moderate(states, change)
+            if moderate is not None:
+                return moderate
+        self.used.add(ASYMPTOTE)
+        rise = self.station.k_t[end] - self.station.k_t[states[0]]
+        return _zone(2 * slip_length_cyclic(abs(rise), self._k_n(end), self._f(end)))
+
+    def _steady(self, end: int) -> SlipBorder:
+        """In the steady cycle; `end` may be just behind it."""
+        problem, cycle = self.problem, self.cycle
+        if self._symmetric(cycle):
+            if self._constant(problem.bulk_tension, cycle):
+                return self._permanent_stick(end)
+            if self._constant(problem.normal_force, cycle):
+                moderate = self._moderate(cycle, self._change(cycle) / 2)
+                if moderate is not None:
+                    return moderate
+        self.used.add(ASYMPTOTE)
+        states = np.append(cycle, end)
+        predicted = predicted_slip(
+            self.station.k_t[states],
+            self.station.k_i[states],
+            self._k_n(end),
+            self._f(end),
+            reference=-1,
+        )
+        return _zone(predicted.loop)
+
+    def _permanent_stick(self, end: int) -> SlipBorder:
+        problem = self.problem
+        loads = np.zeros((len(self.cycle), 4))
+        loads[:, 0] = problem.normal_force[self.cycle]
+        loads[:, 2] = problem.shear_force[self.cycle]
+        stick = float(permanent_stick_load(PolygonPath(loads), self._f(end)))
+        self.used.add(EXACT)
+        if stick <= 0:
+            return SlipBorder(np.nan, resolved=True, gross=True)
+        at_end = problem.profile.half_width(problem.normal_force[end])
+        return _zone(at_end - problem.profile.half_width(stick))
+
+    def _moderate(self, states: States, change: Array) -> SlipBorder | None:
+        """Hertz with tension in proportion to the shear force; None if that is not the case."""
+        end, inward = int(states[-1]), plane_front(self.station.front).inward
+        if not (isinstance(self.problem.profile, Hertz) and self._proportional(states)):
+            return None
+        contact = self._partial_slip(end)
+        try:
+            stick, centre = stick_zone_moderate_tension(contact, change[0], change[1])
+        except ValueError:  # the tension is not moderate
+            return None
+        self.used.add(MODERATE)
+        return _zone(contact.half_width - stick + inward * centre)
+
+    def _since_friction(self, end: int) -> States:
+        """States from the one in which friction starts to act."""
+        return np.arange(max(int(np.argmax(self.problem.friction > 0)) - 1, 0), end + 1)
+
+    def _only_shear(self, states: States) -> bool:
+        """True if nothing but Q changes."""
+        constant = (self.problem.normal_force, self.problem.bulk_tension)
+        return self._symmetric(states) and all(self._constant(load, states) for load in constant)
+
+    def _change(self, states: States) -> Array:
+        """(2,) change of Q and sigma0 between the states where Q is smallest and largest.
+
+        From the first state on if there is no cycle.
+        """
+        loads = np.stack([self.problem.shear_force, self.problem.bulk_tension])[:, states]
+        if states is not self.cycle:
+            return np.asarray(loads[:, -1] - loads[:, 0])
+        return np.asarray(loads[:, np.argmax(loads[0])] - loads[:, np.argmin(loads[0])])
+
+    def _proportional(self, states: States) -> bool:
+        """True if Q and sigma0 move along one straight line, and Q moves at all."""
+        loads = np.stack([self.problem.shear_force, self.problem.bulk_tension])[:, states]
+        loads = loads - loads[:, :1]
+        scale = np.abs(loads).max(axis=1)
+        if np.any(scale == 0):
+            return False
+        values = np.linalg.svd(loads / scale[:, None], compute_uv=False)
+        return bool(values[1] < 1e-6 * values[0])
+
+    def _constant(self, load: Array, states: States) -> bool:
+        return bool(np.ptp(load[states]) <= CONSTANT * max(np.abs(load).max(), 1e-300))
+
+    def _symmetric(self, states: States) -> bool:
+        return not np.any(self.problem.moment[states])
+
+    def _partial_slip(self, state: int) -> PartialSlip:
+        problem = self.problem
+        return PartialSlip(problem.profile, float(problem.normal_force[state]), self._f(state))
+
+    def _k_n(self, state: int) -> float:
+        return float(self.station.k_n[state])
+
+    def _f(self, state: int) -> float:
+        return float(self.problem.friction[state])
+
+
+def _zone(length: npt.ArrayLike) -> SlipBorder:
+    return SlipBorder(max(float(np.asarray(length)), 0.0), resolved=True, gross=False)
 
 
 class AnalyticBackend:
@@ -60,12 +218,16 @@ class AnalyticBackend:
         """
         start = time.perf_counter()
         problem = idealise(case, options.history)
-        summary, used = solve_closed_form(problem)
+        steps, shares = divide(problem)
+        divided = problem.divided(steps, shares)
+        summary, used = solve_closed_form(divided)
+        ends = np.flatnonzero(shares == 1.0)
+        summary = StepEnds(divided.history.times, ends).contact(summary)
         options.progress(
             len(problem.history.times) - 1, len(problem.history.times) - 1, "closed form"
         )
         limits = (size_limit(problem.contact, problem),)
-        notes = problem.notes
+        notes = (*problem.notes, *division_notes(ends))
         if used:
             notes = (*notes, f"slip lengths by: {', '.join(sorted(used))}")
         return Result(
@@ -76,6 +238,29 @@ class AnalyticBackend:
             notes=notes,
             seconds={"closed forms": time.perf_counter() - start},
         )
+
+
+def divide(problem: HalfPlaneProblem) -> tuple[Indices, Array]:
+    """(n,) number of the step in which each state lies, and the share of it: 1 at its end.
+
+    Parts with friction are halved until no edge moves farther in them than in those of steps that
+    are marched through.
+    """
+    steps, shares = np.arange(len(problem.history.times)), np.ones(len(problem.history.times))
+    for _ in range(HALVINGS):
+        finer = problem.divided(steps, shares)
+        edges = contact_edges(finer)
+        width = np.nan_to_num(edges.right - edges.left)
+        places = np.nan_to_num([edges.left, edges.right])
+        moved = np.abs(np.diff(places, axis=1)).max(axis=0)
+        too_far = moved > TOLERATED * LARGEST_MOVE * (width[1:] + width[:-1]) / 4
+        far = np.flatnonzero(too_far & (finer.friction[1:] > 0)) + 1
+        if not len(far):
+            break
+        begin = np.where(steps[far - 1] == steps[far], shares[far - 1], 0.0)
+        steps = np.insert(steps, far, steps[far])
+        shares = np.insert(shares, far, (begin + shares[far]) / 2)
+    return steps, shares
 
 
 def solve_closed_form(problem: HalfPlaneProblem) -> tuple[ContactSummary, set[str]]:
@@ -126,6 +311,7 @@ def _station(
     exact = np.zeros_like(k_n)
     history = front.history(position, exact, k_n, exact, factors)
     cycle = cycle_states(problem.history.cycle)
+    history = replace(history, last=last_state(cycle, history))
     borders = ClosedFormBorders(problem, cycle, history)
     loads = problem.history
     path = load_path(loads.values, loads.between, loads.cycle)
@@ -133,17 +319,18 @@ def _station(
     worst = worst_cycle(cycles, cycle, problem.friction, history)
     zones = slip_zones(cycle, problem.friction, history, borders, path, worst=worst)
     spread = RangeSpread(0.0, 0.0, excess(history.k_t, cycle, path))
+    k_range = cycle_range(history.k_t, cycle)
     station = Station(
         **vars(history),
         frame=front.frame(across=np.array([0.0, 1.0]), tangent=np.array([1.0, 0.0])),
         k_n_moved=np.nan,
         k_n_moved_spread=np.nan,
         stiffening=_stiffening(problem, contact),
-        k_t_range=float(np.ptp(history.k_t[cycle])) if len(cycle) else np.nan,
-        k_t_range_spread=spread.total,
-        k_t_range_parts=spread,
-        k_t_range_fitted=np.nan,
-        k_i_range=float(np.ptp(history.k_i[cycle])) if len(cycle) else np.nan,
+        k_t_range=k_range,
+        k_range=k_range,
+        k_range_spread=spread.total,
+        k_range_parts=spread,
+        k_i_range=cycle_range(history.k_i, cycle),
         cycles=cycles,
         slip_zones=zones,
         dissipation=_dissipation(problem, cycle, zones, k_n, cycles),

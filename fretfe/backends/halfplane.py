@@ -1,20 +1,53 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The backend `halfplane`: a semi-analytical solution for half-planes."""
+"""The backend `halfplane`: a semi-analytical solution for half-planes in place of finite bodies."""
 
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
-from fretfe.backends.fields_only import field_obstacles
-from fretfe.backends.finite_bodies import size_limit, with_size_errors
-from fretfe.backends.protocol import DEFAULTS, RunOptions
+from fretfe.backends.protocol import DEFAULTS, RunOptions, field_obstacles
 from fretfe.case import Case
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.limits import contact_limits, with_limit_warnings
-from fretfe.edges.separation import separate_patches
+from fretfe.evaluate.contacts import ContactSummary, Station, fronts_of
+from fretfe.evaluate.evaluate import evaluate
+from fretfe.evaluate.limits import ModelLimit, contact_limits, with_limit_warnings
+from fretfe.evaluate.plane.patches_in_time import separate_patches
+from fretfe.evaluate.step_ends import at_step_ends, division_notes
 from fretfe.halfplane.solver import solve_half_planes
-from fretfe.idealise import idealise, obstacles
+from fretfe.idealise import HalfPlaneProblem, idealise, obstacles
 from fretfe.results.model import Result
+
+# Error of K_N or K_T from which the factors of half-planes are not those of the bodies.
+LARGEST_SIZE_ERROR = 0.01
+
+
+def with_size_errors(summary: ContactSummary, problem: HalfPlaneProblem) -> ContactSummary:
+    """The same contact with error bars that hold the factors of the finite bodies as well."""
+    stations = (_wider(station, problem) for station in summary.stations)
+    return replace(summary, fronts=fronts_of(stations))
+
+
+def _wider(station: Station, problem: HalfPlaneProblem) -> Station:
+    parts = station.k_range_parts
+    size = problem.k_t_error * station.k_t_range
+    parts = replace(parts, discretisation=parts.discretisation + size)
+    return replace(
+        station,
+        k_n_spread=station.k_n_spread + problem.k_n_error * station.k_n,
+        k_range_spread=parts.total,
+        k_range_parts=parts,
+    )
+
+
+def size_limit(contact: str, problem: HalfPlaneProblem) -> ModelLimit:
+    """The larger of the errors of K_N and K_T of a contact that the size of the bodies makes."""
+    return ModelLimit(
+        contact,
+        "error of K_N or ΔK_T because the bodies are not half-planes",
+        max(problem.k_n_error, problem.k_t_error),
+        LARGEST_SIZE_ERROR,
+        "the bodies are too low or too narrow for the width of the contact; use the backend 'fem'",
+    )
 
 
 class HalfPlaneBackend:
@@ -44,8 +77,10 @@ class HalfPlaneBackend:
         solved = time.perf_counter()
         solution = separate_patches(outcome.solution)
         contacts = evaluate(solution, outcome.unit_factors)
+        divided = division_notes(solution.ends)
         judged = (limit for each in solution.contacts for limit in contact_limits(case, each))
         limits = (*judged, *(size_limit(each.name, problem) for each in contacts))
+        solution, contacts = at_step_ends(solution, contacts)
         return Result(
             case=case,
             loads=solution.loads,
@@ -53,7 +88,7 @@ class HalfPlaneBackend:
                 [with_size_errors(each, problem) for each in contacts], limits
             ),
             limits=limits,
-            notes=(*problem.notes, *(each.text for each in solution.repeats)),
+            notes=(*problem.notes, *divided, *(each.text for each in solution.repeats)),
             failure=outcome.failure,
             solution=solution,
             seconds={"steps": solved - start, "evaluation": time.perf_counter() - solved},

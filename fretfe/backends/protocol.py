@@ -1,26 +1,67 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The interface of a backend: it turns a case into the histories of its contact edges.
-
-A backend is an object with this module's `Backend` interface, named by an entry point of the group
-``fretfe.backends`` (see docs/backends.md).
-"""
+"""The interface of a backend: it turns a case into the histories of its contacts."""
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, TypeVar, runtime_checkable
 
-from fretfe.backends.observer import SILENT, Observer
 from fretfe.case import Case
+from fretfe.environment import rank_from_environment
 from fretfe.errors import StoppedError
+from fretfe.history.checkpoint import Storage
 from fretfe.loads import History
-from fretfe.results.checkpoint import Storage
 from fretfe.results.model import Result
 
 T = TypeVar("T")
+
+
+class Observer:
+    """Follows a run without a word: override what is of interest.
+
+    All methods are called on process 0, and only there; `stop` also on the others.
+    """
+
+    def step(self, number: int, count: int, text: str) -> None:
+        """Note a finished step: its number from 1, the number of steps, and a text about it."""
+
+    def phase(self, text: str) -> None:
+        """Note that one of several runs begins, such as a companion run of `validate`."""
+
+    def announce(self, text: str) -> None:
+        """Note what begins or has ended besides steps: a mesh, a case of a sweep."""
+
+    def doing(self, text: str) -> None:
+        """Note what is being done from now on besides steps, such as edge factors."""
+
+    def stop(self) -> signal.Signals | None:
+        """Return the signal by which a run is to end after the step that was just noted.
+
+        Everything that was computed is kept, and the run ends with a `StoppedError`.
+        """
+        return None
+
+
+class StopOnly(Observer):
+    """Says nothing, but ends a run when another observer does; on processes other than 0.
+
+    Args:
+        observer: the other one.
+    """
+
+    def __init__(self, observer: Observer) -> None:
+        self._observer = observer
+
+    def stop(self) -> signal.Signals | None:
+        """Return the signal that the other one was told of."""
+        return self._observer.stop()
+
+
+SILENT = Observer()
 
 
 def _ignore(_: Result) -> None:
@@ -29,7 +70,7 @@ def _ignore(_: Result) -> None:
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What a caller may want besides the results.
+    """Wishes of a caller besides the results.
 
     Attributes:
         fields: file for the fields that the case asks for; None for no fields. Backends without
@@ -70,12 +111,16 @@ class RunOptions:
             raise StoppedError(reason, f"after step {number} of {count}, which are kept")
 
     def storage(self, identity: Mapping[str, str]) -> Storage:
-        """Where states go.
+        """The file that states go to.
 
         Args:
             identity: of the problem, by what it says.
         """
-        return Storage(self.states, self.resume, identity)
+        return Storage(self.states, self.resume, identity, self.announce)
+
+    def doing(self, text: str) -> None:
+        """Report what is being done besides steps, on rank 0."""
+        self.observer.doing(text)
 
     def announce(self, text: str) -> None:
         """Report what begins or has ended besides steps, on rank 0."""
@@ -91,7 +136,7 @@ class Backend(Protocol):
 
     @property
     def summary(self) -> str:
-        """What it solves, in one line."""
+        """Kind of cases that it solves, in one line."""
 
     def supports(self, case: Case) -> tuple[str, ...]:
         """Reasons why this backend cannot solve a case; empty if it can. Does no heavy work."""
@@ -170,3 +215,28 @@ def session_of(backend: Backend) -> Iterator[Session]:
         yield session
     finally:
         session.close()
+
+
+class OneProcess:
+    """A backend that runs on one process; others that a launcher started have nothing to do."""
+
+    @property
+    def rank(self) -> int:
+        """Number of this process, as the launcher announces it."""
+        return rank_from_environment()
+
+    def on_root(self, work: Callable[[], T]) -> T:
+        """Do `work`."""
+        return work()
+
+
+def processes_of(backend: Backend | None) -> Processes:
+    """Return the processes that a backend runs on; one if it cannot be used."""
+    return backend.processes if isinstance(backend, ParallelBackend) else OneProcess()
+
+
+def field_obstacles(case: Case) -> tuple[str, ...]:
+    """Reasons why a backend without fields cannot do what a case asks for."""
+    if not case.output.stress_depths:
+        return ()
+    return ("output.stress_depths: only the backend 'fem' computes the stress near the contacts",)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 
 from fretfe.backends.protocol import Backend
-from fretfe.environment import missing_package
-from fretfe.errors import CaseError, DependencyError
+from fretfe.environment import memory_shortage, missing_package
+from fretfe.errors import CaseError, DependencyError, MemoryShortError
 
 GROUP = "fretfe.backends"
 OWN = ("analytic", "halfplane", "fem")
@@ -85,6 +85,10 @@ def _load(entry: EntryPoint) -> Installed:
     try:
         backend = entry.load()
     except (Exception, SystemExit) as error:  # what foreign modules raise is not ours to know
+        if isinstance(error, MemoryShortError):
+            raise
+        if shortage := memory_shortage(error):
+            raise MemoryShortError(shortage) from error
         reason = missing_package(error) or str(error) or type(error).__name__
         return Installed(entry.name, package, None, reason)
     if not isinstance(backend, Backend):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What a body is made of, what holds it and what loads it."""
+"""Bodies: material, supports and loads."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from fretfe.case.histories import CsvPoints, Hold, Points, Ramp, Segment, Wave
 from fretfe.case.messages import complaint
 from fretfe.case.model import Case, case_schema
 from fretfe.case.overrides import parse_assignments
-from fretfe.case.reading import changed, load_case, parse_case
+from fretfe.case.reading import as_written, case_text, changed, load_case, parse_case
 from fretfe.case.selectors import BoundarySelector, Selector, file_kind
 from fretfe.case.tables import (
     Body,
@@ -34,7 +34,6 @@ from fretfe.case.tables import (
     contact_modulus,
     plane_modulus,
 )
-from fretfe.case.writing import as_written, case_text
 
 __all__ = [
     "Body",

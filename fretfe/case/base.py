@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What all tables of a case file share: the base model, numbers, names and directions."""
+"""Shared by all tables of a case file: the base model, numbers, names and directions."""
 
 from __future__ import annotations
 
@@ -24,8 +24,15 @@ def _not_tiny(value: float) -> float:
     return value
 
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
-Positive = Annotated[Number, Field(gt=0), AfterValidator(_not_tiny)]
+def _zero_or_not_tiny(value: float) -> float:
+    if 0 < abs(value) < SMALLEST:
+        raise ValueError(f"expected 0, or a number of {SMALLEST:g} or more, found {value:g}")
+    return value
+
+
+_Finite = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
+Number = Annotated[_Finite, AfterValidator(_zero_or_not_tiny)]
+Positive = Annotated[_Finite, Field(gt=0), AfterValidator(_not_tiny)]
 NotNegative = Annotated[Number, Field(ge=0)]
 Count = Annotated[int, Field(strict=True, ge=1, le=MOST_STEPS)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$", max_length=100)]

@@ -21,7 +21,7 @@ from fretfe.case.histories import Segment
 
 
 class Channel(Table):
-    """What every load has: a history."""
+    """Base of all loads: each has a history."""
 
     history: tuple[Segment, ...] = Field(
         min_length=1,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What tables of a case file must agree on with each other."""
+"""Checks of tables of a case file against each other."""
 
 from __future__ import annotations
 

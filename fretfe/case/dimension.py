@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What a case says about directions, against the dimension of its mesh."""
+"""Checks of the directions in a case against the dimension of its mesh."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def _plane_only(case: Case) -> Iterator[Problem]:
 
 
 def _is_axis(axis: str | tuple[float, ...], dimension: int) -> bool:
-    """Whether bodies can turn about an axis: in the plane about z only."""
+    """True if bodies can turn about an axis: in the plane about z only."""
     if isinstance(axis, str):
         return dimension == 3 or axis == "z"
     return len(axis) == 3 and (dimension == 3 or axis[:2] == (0, 0))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What is wrong with a case file, in words for the person who wrote it."""
+"""Problems of a case file, in words for the person who wrote it."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ def _misspelt(details: Iterable[ErrorDetails]) -> dict[tuple[str | int, ...], st
 
 
 def _consequence(detail: ErrorDetails) -> bool:
-    """Whether a list is too short only because its items are not valid: these are reported."""
+    """True if a list is too short only because its items are not valid: these are reported."""
     minimum = detail.get("ctx", {}).get("min_length", math.inf)
     return detail["type"] == "too_short" and len(detail["input"]) >= minimum
 

@@ -75,7 +75,7 @@ class Case(Table):
 
     @property
     def trust_geo(self) -> bool:
-        """Whether a .geo file that the case names may run: the caller says so, never the file."""
+        """True if a .geo file that the case names may run: the caller says so, never the file."""
         return self._trust_geo
 
     def resolve(self, file: str) -> Path:

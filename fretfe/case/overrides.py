@@ -27,17 +27,22 @@ MADE = {(name,) for name in Case.model_fields} | {("geometry", "parameters")}
 
 
 def parse_assignments(texts: Iterable[str], option: str = "--set") -> dict[str, Any]:
-    """Paths and values of texts like ``loads.shear.amplitude=120``; of equal paths the last counts.
+    """Paths and values of texts like ``loads.shear.amplitude=120``.
 
     Args:
         texts: one assignment each.
         option: that they were given with, for messages.
 
     Raises:
-        CaseError: a text is not of this form.
+        CaseError: a text is not of this form, or a key is there twice.
     """
-    pairs = (split_assignment(text, option) for text in texts)
-    return {path: parse_value(value) for path, value in pairs}
+    found: dict[str, Any] = {}
+    for text in texts:
+        path, value = split_assignment(text, option)
+        if path in found:
+            raise CaseError(f"{option}: expected each key once, found {path!r} twice")
+        found[path] = parse_value(value)
+    return found
 
 
 def split_assignment(text: str, option: str) -> tuple[str, str]:
@@ -70,20 +75,33 @@ def with_overrides(
         source: of the data, for messages.
 
     Raises:
-        CaseError: a path leads through a key that is not there, or leaves open which segment is
-            meant; all such paths are listed. Whether keys and values are valid is not checked.
+        CaseError: a path leads through a key that is not there, leaves open which segment is
+            meant, or replaces what another one has set; all such paths are listed. Whether keys and
+            values are valid is not checked.
     """
     changed = copy.deepcopy(dict(data))
     problems = []
+    before: dict[tuple[str, ...], str] = {}
     for path, value in overrides.items():
         try:
             for keys in _each(changed, tuple(path.split("."))):
-                _set(changed, keys, plain_value(value))
+                whole = _full_path(changed, keys)
+                _require_new(whole, before)
+                before[whole] = path
+                _set(changed, whole, plain_value(value))
         except _NoPlace as error:
             problems.append(f"{source}: {path}: {error}")
     if problems:
         raise CaseError("\n".join(problems))
     return changed
+
+
+def _require_new(path: tuple[str, ...], before: Mapping[tuple[str, ...], str]) -> None:
+    """Raise if a value would replace one that was set before, or a table in which one was set."""
+    for other, text in before.items():
+        if other[: len(path)] == path:
+            what = "" if other == path else ", which would replace it"
+            raise _NoPlace(f"{text!r} sets the same value{what}; give only one of them")
 
 
 class _NoPlace(Exception):
@@ -110,9 +128,8 @@ def _each(data: Any, path: tuple[str, ...], depth: int = 0) -> Iterator[tuple[st
         yield from _each(data[_index(data, str(key), path[:depth])], whole, depth + 1)
 
 
-def _set(data: dict[str, Any], path: tuple[str, ...], value: Any) -> None:
+def _set(data: dict[str, Any], keys: tuple[str, ...], value: Any) -> None:
     place: Any = data
-    keys = _full_path(data, path)
     for depth, key in enumerate(keys[:-1]):
         if isinstance(place, dict) and key not in place and keys[: depth + 1] in MADE:
             place[key] = {}

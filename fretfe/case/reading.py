@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Reading a case file; every problem in it is reported at once."""
+"""Reading a case file, with every problem at once, and writing it so that it can be run again."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, cast
 
+import tomli_w
 from pydantic import TypeAdapter, ValidationError
 
 from fretfe.case.base import Name, Table
@@ -151,7 +152,7 @@ def _syntax_problem(message: str, text: str) -> str:
 
 
 def _comma_hint(text: str, line: int, column: int) -> str:
-    """What to write if the syntax is broken by the comma of a decimal number."""
+    """Advice if the syntax is broken by the comma of a decimal number."""
     for match in re.finditer(r"=[ \t]*([-+]?\d+),(\d+)[ \t]*", text.split("\n")[line - 1]):
         if match.start() < column <= match.end() + 1:
             return f"; a decimal number is written with a point: {match[1]}.{match[2]}"
@@ -176,3 +177,45 @@ def _valid_entries(kind: Any, section: Any) -> dict[str, Table]:
         except ValidationError:
             continue
     return entries
+
+
+def case_text(case: Case) -> str:
+    """The case as run, as TOML.
+
+    The text of the case file itself if it says the same and names no files relative to its folder.
+    Else the case without comments, the files that it names with their full paths.
+    """
+    data = _with_full_paths(case)
+    if as_written(case) and data == _tables(case):
+        return case.source.read_text("utf-8-sig")
+    return "# The case as run, written by fretfe.\n" + tomli_w.dumps(data)
+
+
+def as_written(case: Case) -> bool:
+    """True if the case is what its file says; false if it was not read from a file."""
+    try:
+        return _tables(load_case(case.source)) == _tables(case)
+    except CaseError:
+        return False
+
+
+def _tables(case: Case) -> dict[str, Any]:
+    """The keys that are set, as TOML has them."""
+    return case.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+
+
+def _with_full_paths(case: Case) -> dict[str, Any]:
+    data = _tables(case)
+    geometry = data["geometry"]
+    for key in ("file", "facets"):
+        if key in geometry:
+            geometry[key] = _full(case, geometry[key])
+    for load in data.get("loads", {}).values():
+        for segment in load["history"]:
+            if "csv" in segment:
+                segment["csv"] = _full(case, segment["csv"])
+    return data
+
+
+def _full(case: Case, file: str) -> str:
+    return str(case.resolve(file).absolute())

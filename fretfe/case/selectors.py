@@ -26,7 +26,7 @@ Colour = Annotated[Text, AfterValidator(_colour)]
 
 
 class Selector(Table):
-    """What a name of the case stands for in a geometry file."""
+    """Parts of a geometry file that a name of the case stands for."""
 
     point: Point | None = Field(
         default=None,
@@ -67,7 +67,7 @@ class Selector(Table):
 
 
 class BoundarySelector(Selector):
-    """What the name of a boundary stands for in a geometry file."""
+    """Parts of a geometry file that the name of a boundary stands for."""
 
     body: Text | None = Field(
         default=None,
@@ -98,7 +98,7 @@ class FileKind:
     named: bool = False
 
 
-GMSH_MESH = FileKind("Gmsh mesh", (".msh",), ("solid",))
+GMSH_MESH = FileKind("Gmsh mesh", (".msh",), ("merge", "solid"))
 GMSH_SCRIPT = FileKind("Gmsh script", (".geo",), ("parameters", "order", "solid"))
 CAD = FileKind(
     "CAD file",
@@ -110,12 +110,15 @@ CAD = FileKind(
 XDMF = FileKind(
     "XDMF mesh",
     (".xdmf",),
-    ("facets", "bodies", "boundaries", "solid"),
+    ("facets", "merge", "bodies", "boundaries", "solid"),
     ("tag", "tags"),
     named=True,
 )
 ABAQUS = FileKind(
-    "Abaqus or CalculiX mesh", (".inp",), ("bodies", "boundaries", "solid"), ("label",)
+    "Abaqus or CalculiX mesh",
+    (".inp",),
+    ("merge", "bodies", "boundaries", "solid"),
+    ("label",),
 )
 FILE_KINDS = (GMSH_MESH, GMSH_SCRIPT, CAD, XDMF, ABAQUS)
 
@@ -140,7 +143,7 @@ def file_problem(
     bodies: Mapping[str, Selector],
     boundaries: Mapping[str, BoundarySelector],
 ) -> str | None:
-    """Why tables of [geometry] do not fit the kind of its file, or None.
+    """Reason why tables of [geometry] do not fit the kind of its file, or None.
 
     Args:
         file: name of the file.

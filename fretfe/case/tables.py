@@ -28,7 +28,8 @@ Plane = Literal["strain", "stress"]
 class Units(Table):
     """Labels for the output; numbers are never converted, so use one consistent set.
 
-    Only the lengths of a STEP file, which states its unit, are converted to that of the label.
+    Only the lengths of a STEP file, which states its unit, and the defaults and ranges of templates
+    are converted to that of the label.
     """
 
     length: Text = Field(default="mm", description="Label of the unit of length.")
@@ -58,7 +59,7 @@ class Model(Table):
 
 
 class Solid(Table):
-    """How plane bodies are extruded to solid ones."""
+    """Extrusion of plane bodies to solid ones."""
 
     length: Positive = Field(description="Extent in z, in length units; > 0.")
     skew: Number = Field(
@@ -72,7 +73,7 @@ class Solid(Table):
 
 
 class Geometry(Table):
-    """Where the mesh comes from: a template or a file."""
+    """Source of the mesh: a template or a file."""
 
     template: Name | None = Field(
         default=None,
@@ -103,6 +104,11 @@ class Geometry(Table):
     size: Positive | None = Field(
         default=None,
         description="Element size on the contact surfaces of a CAD file, in length units.",
+    )
+    merge: Positive | None = Field(
+        default=None,
+        description="Distance up to which nodes of a body in a mesh file become one, in length "
+        "units. Without it double nodes are refused.",
     )
     bodies: dict[Name, Selector] = Field(
         default={}, description="What the names of bodies stand for in a CAD, XDMF or .inp file."
@@ -279,7 +285,7 @@ def _increasing(depths: tuple[float, ...]) -> tuple[float, ...]:
 
 
 class Output(Table):
-    """What is written besides the results file."""
+    """Output besides the results file."""
 
     fields: Annotated[
         Annotated[Literal["extremes", "last", "none", "all"], Tag(f"{TAG}name")]

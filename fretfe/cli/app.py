@@ -97,10 +97,10 @@ def main() -> None:
     except FretfeError as error:
         _finish(error.exit_code, f"fretfe: error: {error}")
     except Exception as error:
-        if reason := missing_package(error):
-            _finish(DependencyError.exit_code, f"fretfe: error: {reason}")
         if reason := memory_shortage(error):
             _finish(MemoryShortError.exit_code, f"fretfe: error: {reason}")
+        if reason := missing_package(error):
+            _finish(DependencyError.exit_code, f"fretfe: error: {reason}")
         _finish(1, traceback.format_exc())
 
 

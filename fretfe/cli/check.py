@@ -32,7 +32,7 @@ def _print(checked: Checked) -> None:
     from rich.console import Console
 
     from fretfe.cli.mesh_report import print_mesh
-    from fretfe.edges.foresight import coarse_contacts
+    from fretfe.evaluate.resolution import coarse_contacts
     from fretfe.mesh.cost import SLOW_FACTORS, needs_symmetric_factors
 
     case, history = checked.case, checked.history
@@ -62,7 +62,7 @@ def _print(checked: Checked) -> None:
         text = f"the mesh refines itself to a tolerance of {case.edges.tolerance:g}: first mesh"
         console.print(text, highlight=False)
     console.print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")
-    console.print(f"Estimate: {checked.cost.text}", highlight=False)
+    console.print(f"Estimate: {checked.cost.text}", highlight=False, soft_wrap=True)
     if needs_symmetric_factors(checked.cost):
         console.print(f"Note: {SLOW_FACTORS}", highlight=False)
     console.print("The case is valid.")

@@ -13,8 +13,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from fretfe.edges import EdgeAnalysis, Estimate, TractionAnalysis, analyse_tractions
 from fretfe.errors import CaseError
+from fretfe.evaluate import EdgeAnalysis, Estimate, TractionAnalysis, analyse_tractions
 from fretfe.exchange.column_names import Columns
 from fretfe.exchange.sign import Sign
 from fretfe.exchange.traction_file import TractionTable, read_tractions

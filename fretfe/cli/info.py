@@ -18,7 +18,7 @@ def info() -> None:
     from fretfe.environment import blas_libraries, reference_blas, versions
     from fretfe.fem import _compat
     from fretfe.fem._compat import MPI
-    from fretfe.geometry.gmsh_library import import_gmsh
+    from fretfe.mesh.gmsh import import_gmsh
 
     if MPI.COMM_WORLD.rank != 0:
         return

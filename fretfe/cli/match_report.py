@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What `fretfe match` prints."""
+"""Texts that `fretfe match` prints."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from fretfe.matching.choose import Choice
 from fretfe.matching.files import write_match
 from fretfe.matching.match import Comparison, Match, compare_tests, match_test
 from fretfe.matching.rig import load_rig
+from fretfe.matching.spreads import numbers_of
 from fretfe.matching.target import Target
 from fretfe.report.page.listings import plain_table, print_whole
 from fretfe.report.texts import number, percent, with_error
@@ -80,7 +81,11 @@ def choice_tables(match: Match, _: Comparison | None) -> Iterator[Table]:
 
 def _numbers(choice: Choice, match: Match) -> Iterator[tuple[str, str]]:
     """Labels and numbers of a choice."""
-    test, profile = choice.test, choice.test.profile
+    profile = choice.test.profile
+    found = {
+        name: _with_bar(value, choice.spreads[name])
+        for name, value in numbers_of(choice.test, match.rig).items()
+    }
     length, force = match.rig.units.length, match.rig.units.force
     if choice.shape == "wedge":
         angle = math.degrees(math.atan(getattr(profile, "slope", math.nan)))
@@ -89,23 +94,24 @@ def _numbers(choice: Choice, match: Match) -> Iterator[tuple[str, str]]:
         yield f"radius, {length}", number(getattr(profile, "radius", math.nan))
     if choice.shape == "flat_rounded":
         yield f"half of the flat, {length}", number(profile.kinks[0])
-    yield f"half-width a, {length}", number(test.half_width)
-    yield f"P, {force}/{length}", number(test.normal_force)
-    yield "  error bar of P", number(choice.force_spread, 2)
-    yield "  amplitude of P", number(test.normal_amplitude)
-    yield "Q, amplitude", number(test.shear_amplitude)
-    yield "  error bar of Q", number(choice.shear_spread, 2)
-    yield "Q/(f P), largest", number(test.shear_ratio, 3)
-    yield f"d, {length}", number(test.slip[0], 3)
-    yield (
-        "d/(a - b)" if choice.shape == "flat_rounded" else "d/a",
-        number(test.slip[0] / test.governing_length, 2),
-    )
-    yield "error of d by formula", percent(test.asymptote_error, 0)
-    yield "a/thickness", number(test.half_width / match.rig.specimen.thickness, 2)
-    yield f"largest p, {match.rig.units.stress}", number(test.peak_pressure)
+    yield f"half-width a, {length}", found["half_width"]
+    yield f"P, {force}/{length}", found["normal_force"]
+    yield "  amplitude of P", found["normal_amplitude"]
+    yield "Q, amplitude", found["shear_amplitude"]
+    yield "Q/(f P), largest", found["shear_ratio"]
+    yield f"d, {length}", found["slip_long"]
+    yield "d/(a - b)" if choice.shape == "flat_rounded" else "d/a", found["slip_over_length"]
+    yield "error of d by formula", percent(choice.test.asymptote_error, 0)
+    yield "a/thickness", found["over_thickness"]
+    yield f"largest p, {match.rig.units.stress}", found["peak_pressure"]
     yield "p differs by up to", percent(choice.misfit, 1)
     yield "d differs by about", percent(choice.slip_misfit, 0)
+
+
+def _with_bar(value: float, spread: float) -> str:
+    """A number with its error bar; four digits where there is none."""
+    known = math.isfinite(spread) and spread > 0
+    return with_error(value, spread) if known else number(value)
 
 
 def comparison_tables(match: Match, comparison: Comparison | None) -> Iterator[Table]:
@@ -119,9 +125,8 @@ def comparison_tables(match: Match, comparison: Comparison | None) -> Iterator[T
         own = getattr(match.target, key)
         # Beside ΔK_T it does nothing; its relative change is noise.
         told = own if key != "k_i_range" or own > SMALL * match.target.k_t_range else 0.0
-        cells = (f"{number(getattr(test, key))} ({_change(getattr(test, key), told)})"
-                 for test in tests)  # fmt: skip
-        table.add_row(label, number(own), *cells)
+        cells = (f"{_factor(test, key)} ({_change(getattr(test, key), told)})" for test in tests)
+        table.add_row(label, _factor(match.target, key), *cells)
     for n, label in enumerate(("longer slip zone", "shorter slip zone")):
         own, spread = _slip(match.target, n)
         cells = (f"{with_error(*_slip(test, n))} ({_change(_slip(test, n)[0], own)})"
@@ -135,6 +140,11 @@ def comparison_tables(match: Match, comparison: Comparison | None) -> Iterator[T
                 *(_reach(reach, match.target.longest_slip) for reach in reaches),
             )  # fmt: skip
     yield table
+
+
+def _factor(target: Target, key: str) -> str:
+    """A factor with its error bar, if it has one."""
+    return _with_bar(getattr(target, key), getattr(target, f"{key}_spread", math.nan))
 
 
 def _slip(target: Target, place: int) -> tuple[float, float]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What the terminal shows about the mesh of a case."""
+"""Texts about the mesh of a case for the terminal."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from fretfe.case import Case
-from fretfe.mesh.cell_geometry import PLURALS
+from fretfe.mesh.elements import PLURALS
 from fretfe.mesh.groups import BodySummary, mesh_summary
 from fretfe.mesh.mesh import Mesh
 from fretfe.surface.checks import initial_gaps, place
@@ -34,6 +34,8 @@ def print_mesh(console: Console, case: Case, mesh: Mesh) -> None:
     console.print(_gap_table(contacts, unit, measure))
     for warning in mesh_warnings(bodies, contacts, unit):
         console.print(f"Warning: {warning}", highlight=False, markup=False)
+    for note in mesh.notes:
+        console.print(f"Note: {note}", highlight=False, markup=False)
 
 
 def _table(title: str, headers: Sequence[str], text: int) -> Table:

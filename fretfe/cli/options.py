@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Options and arguments that several commands share."""
+"""Options and arguments that several commands share, and how much the commands print."""
 
 from __future__ import annotations
 
+from enum import Enum
 from pathlib import Path
 from typing import Annotated
 
 import typer
-
-from fretfe.cli.verbosity import Verbosity
 
 CaseFile = Annotated[
     Path, typer.Argument(metavar="CASE", help="Case file (TOML).", show_default=False)
@@ -43,6 +42,14 @@ Results = Annotated[
     Path, typer.Argument(metavar="DIR", help="Folder with results.", show_default=False)
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document in place of tables.")]
+
+
+class Verbosity(Enum):
+    """Warnings and errors only, the usual, or every step and all timings."""
+
+    QUIET = "quiet"
+    NORMAL = "normal"
+    VERBOSE = "verbose"
 
 
 def verbosity_of(quiet: bool, verbose: bool) -> Verbosity:

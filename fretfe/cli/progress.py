@@ -20,9 +20,8 @@ from rich.progress import (
 from rich.status import Status
 
 from fretfe.backends import Observer
-from fretfe.cli.verbosity import Verbosity
-from fretfe.quality.verify.model import Benchmark, Row
-from fretfe.quality.verify.report import print_rows
+from fretfe.cli.options import Verbosity
+from fretfe.quality.verify.model import Benchmark, Row, print_rows
 
 # What ends a process from outside: a user, a queue or `timeout`.
 DEFAULTS: dict[signal.Signals, Any] = {
@@ -57,7 +56,7 @@ class StepReport(Observer):
         self._task: TaskID | None = None
         if console.is_terminal and rank == 0 and verbosity is Verbosity.NORMAL:
             columns = (
-                TextColumn("steps"),
+                TextColumn("{task.description}"),
                 BarColumn(),
                 MofNCompleteColumn(),
                 TimeRemainingColumn(),
@@ -83,9 +82,16 @@ class StepReport(Observer):
         """Report an accepted step."""
         self._steps += 1
         if self._bar is not None and self._task is not None:
-            self._bar.update(self._task, completed=number, total=count)
+            self._bar.update(self._task, completed=number, total=count, description="steps")
         elif self._lines:
             print(f"step {number}/{count}: {text}", flush=True)
+
+    def doing(self, text: str) -> None:
+        """Name what is being done."""
+        if self._bar is not None and self._task is not None:
+            self._bar.update(self._task, description=text)
+        elif self._lines:
+            print(f"{text} ...", flush=True)
 
     def stop(self) -> signal.Signals | None:
         """Return the signal that asked the process to end, if there was one."""

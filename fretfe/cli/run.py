@@ -17,16 +17,16 @@ from fretfe.cli.options import (
     Resume,
     TrustGeo,
     Verbose,
+    Verbosity,
     examples,
     verbosity_of,
 )
-from fretfe.cli.verbosity import Verbosity
 
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from fretfe.history.solution import Solution
     from fretfe.results.model import Result
-    from fretfe.results.solution import Solution
 
 EXAMPLES = examples(
     "fretfe run pad.toml -o pad",
@@ -88,7 +88,7 @@ def _finish(
     _print_warnings(console, result)
     if report:
         if not quiet:
-            print("Drawing the report ...", flush=True)
+            print("Drawing the pictures and the report ...", flush=True)
         drawn = draw_report(directory)
         seconds |= drawn.seconds
         for problem in drawn.problems:
@@ -104,12 +104,12 @@ def _finish(
 
 
 def _print_numbers(console: Console, result: Result) -> None:
-    from fretfe.report.page.cycle_table import cycle_table
-    from fretfe.report.page.front_table import front_table
     from fretfe.report.page.tables import (
         area_table,
         contact_table,
+        cycle_table,
         edge_table,
+        front_table,
         limit_table,
         mesh_table,
     )

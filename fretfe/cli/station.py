@@ -47,6 +47,7 @@ def station(
     from rich.console import Console
 
     from fretfe.api import load_result, run_station
+    from fretfe.report.texts import with_error
 
     result = load_result(directory)
     name, front = _front(contact)
@@ -54,8 +55,12 @@ def station(
     console = Console()
     console.print(_table(result.case.units, model))
     console.print(
-        f"Cylinder of radius {model.radius:.4g} on a half-plane, half-width {model.half_width:.4g} "
-        f"at the end; K_N and the histories of K and K_I are met to "
+        f"Station: K_N {with_error(model.k_n, model.k_n_spread)}, ΔK "
+        f"{with_error(model.k_range, model.k_range_spread)}\n"
+        f"Cylinder of radius {with_error(model.radius, model.radius_spread)} on a half-plane, "
+        f"half-width {model.half_width:.4g} and P "
+        f"{with_error(model.normal_force, model.normal_force_spread)} at the end; "
+        "K_N and the histories of K and K_I are met to "
         f"{abs(model.plane_k_n / model.k_n - 1):.1g}, {model.k_mismatch:.1g} and "
         f"{model.k_i_mismatch:.1g}\nResults in {output}",
         highlight=False,
@@ -71,7 +76,7 @@ def _front(text: str) -> tuple[str, int]:
 
 def _table(units: Units, model: StationModel) -> Table:
     from fretfe.report.page.listings import plain_table
-    from fretfe.report.texts import number, with_error
+    from fretfe.report.texts import with_error
 
     title = (
         f"Slip zones at station {model.station} of {model.front} of contact {model.contact}, "
@@ -82,7 +87,7 @@ def _table(units: Units, model: StationModel) -> Table:
         table.add_row(
             f"{zone.start:g} to {zone.end:g}",
             with_error(zone.solid, zone.solid_spread),
-            number(zone.predicted, 3),
-            number(zone.plane, 3),
+            with_error(zone.predicted, zone.predicted_spread),
+            with_error(zone.plane, zone.plane_spread),
         )
     return table

@@ -97,7 +97,7 @@ def _table(found: StrengthMap, shown: Sequence[Margin]) -> Table:
             escape(edge.name) + station,
             with_error(edge.k_n, edge.k_n_spread),
             with_error(edge.k_t_range, edge.k_t_range_spread),
-            number(each.strength, 3),
+            with_error(each.strength, each.strength_spread),
             number(each.margin, 3),
             interval,
         )

@@ -17,10 +17,10 @@ from fretfe.cli.options import (
     Resume,
     TrustGeo,
     Verbose,
+    Verbosity,
     examples,
     verbosity_of,
 )
-from fretfe.cli.verbosity import Verbosity
 
 if TYPE_CHECKING:
     from fretfe.sweeps import Sweep
@@ -61,15 +61,18 @@ def sweep(
     """
     from fretfe.cli.progress import StepReport
     from fretfe.runner import Runner
-    from fretfe.sweeps import parse_ranges
+    from fretfe.sweeps import parse_ranges, require_apart
 
     verbosity, start = verbosity_of(quiet, verbose), time.perf_counter()
     runner = Runner.find(backend)
     if runner.idle:
         return
+    ranges = parse_ranges(vary)
     read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
+    first = {key: values[0] for key, values in ranges.items()}
+    runner.processes.on_root(lambda: require_apart(case, overrides or (), first))
     with StepReport(runner.processes.rank, verbosity, steps=False) as report:
-        found = runner.sweep(read, parse_ranges(vary), output, report, resume=resume)
+        found = runner.sweep(read, ranges, output, report, resume=resume)
     if runner.processes.rank == 0:
         _print(found, output, time.perf_counter() - start, verbosity)
     _raise_failure(found)
@@ -94,8 +97,7 @@ def _raise_failure(sweep: Sweep) -> None:
 def _print(sweep: Sweep, directory: Path, seconds: float, verbosity: Verbosity) -> None:
     from rich.console import Console
 
-    from fretfe.sweeps.files import FIGURE, TABLE
-    from fretfe.sweeps.table import MOST_ROWS, sweep_table
+    from fretfe.sweeps.table import FIGURE, MOST_ROWS, TABLE, sweep_table
 
     quiet = verbosity is Verbosity.QUIET
     # Wide enough for all columns: a narrow terminal wraps lines rather than cuts numbers.

@@ -21,7 +21,7 @@ def templates(
     """List the geometry templates, or the parameters of one of them."""
     from rich.console import Console
 
-    from fretfe.geometry.templates import find_template, template_names
+    from fretfe.mesh.templates import find_template, template_names
     from fretfe.report.page.listings import parameter_table, template_table
 
     if name is None:

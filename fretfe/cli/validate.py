@@ -18,10 +18,10 @@ from fretfe.cli.options import (
     Resume,
     TrustGeo,
     Verbose,
+    Verbosity,
     examples,
     verbosity_of,
 )
-from fretfe.cli.verbosity import Verbosity
 
 if TYPE_CHECKING:
     from fretfe.quality.validate import Validation
@@ -68,7 +68,7 @@ def validate(
 def _print(validation: Validation, as_json: bool) -> None:
     from rich.console import Console
 
-    from fretfe.quality.validate.report import as_numbers, print_validation
+    from fretfe.quality.validate.run import as_numbers, print_validation
 
     if as_json:
         print(json.dumps(as_numbers(validation), indent=1, allow_nan=False), flush=True)

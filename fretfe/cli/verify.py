@@ -25,7 +25,7 @@ def verify(
     Exit code 1 if one of them fails.
     """
     from fretfe.cli.progress import BenchmarkReport
-    from fretfe.quality.verify.report import as_numbers, print_summary
+    from fretfe.quality.verify.model import as_numbers, print_summary
     from fretfe.quality.verify.run import verify as run_all
 
     first = rank_from_environment() == 0

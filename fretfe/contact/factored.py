@@ -1,18 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The interface operator by one factorisation for many contact areas.
-
-The nodes are ordered as they come into contact. With the first n of them stuck, their tractions are
-
-    y = V (−free − G c),        V the inverse of the leading block of A,
-
-and the coordinates c follow from equilibrium. A component that is let go of moves by an unknown
-amount, an unknown right-hand side. There are few of them, and they follow, with the coordinates,
-from as many conditions on the rows of V that belong to them. Contact areas are nearly nested, so
-that one order serves most of a history: nodes that are open among the first n are let go of.
-
-All systems are solved in lengths: tractions times the mean compliance, coordinates by the
-displacement that they cause.
-"""
+"""The interface operator by one factorisation for many contact areas."""
 
 from __future__ import annotations
 
@@ -26,12 +13,9 @@ from scipy import linalg
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface, coordinate_scale
-from fretfe.contact.nested import InverseRows, NestedInverse
+from fretfe.contact.linear import InverseRows, NestedInverse, SimilarSystems
 from fretfe.contact.operator import Conditions, Response
-from fretfe.contact.regularised import RegularisedFactor
-from fretfe.contact.similar import SimilarSystems
-from fretfe.contact.sliding import solve_directly, unknown_tractions
-from fretfe.contact.state import OPEN, SLIP
+from fretfe.contact.state import OPEN, SLIP, STICK
 from fretfe.errors import ModelError
 
 # Leading blocks end at multiples of this fraction of all nodes: most changes of the contact area
@@ -44,6 +28,91 @@ FEWEST, SPARE = 300, 2
 OPENING = 600
 # Singular values below this fraction of the largest belong to motions that nothing resists.
 UNRESISTED = 1e-10
+
+
+class RegularisedFactor:
+    """The interface problem with an elastic layer between the bodies, factorised.
+
+    Args:
+        interface: the interface problem; its prescribed coordinates are left out.
+        penalty: compliance of the layer.
+    """
+
+    def __init__(self, interface: Interface, penalty: float) -> None:
+        released = np.flatnonzero(~interface.prescribed)
+        everything = np.arange(interface.size * interface.components)
+        matrix = interface.compliance.block(everything, everything).T  # Fortran's order
+        matrix[everything, everything] += penalty
+        self._inverse = NestedInverse(matrix)
+        scale = coordinate_scale(interface)[released] * interface.compliance.level
+        self._scale = scale
+        self._motion = interface.motion[:, released] * scale
+        self._response = self._inverse.solve(len(everything), self._motion)
+        stiffness = interface.stiffness[np.ix_(released, released)] * np.outer(scale, scale)
+        self._flexibility = linalg.pinvh(stiffness + self._motion.T @ self._response)
+
+    def tractions(self, displacement: Array, forces: Array) -> Array:
+        """(N*d,) tractions that give a displacement; see `Regularised`."""
+        held = self._inverse.solve(len(displacement), displacement)
+        moved = self._flexibility @ (self._motion.T @ held - forces * self._scale)
+        return np.asarray(held - self._response @ moved)
+
+
+def unknown_tractions(conditions: Conditions) -> int:
+    """Number of traction components that are unknown once slip has been eliminated."""
+    d = conditions.pull.shape[1] + 1
+    stuck = np.count_nonzero(conditions.status == STICK)
+    return int(d * stuck + np.count_nonzero(conditions.status == SLIP))
+
+
+def solve_directly(
+    interface: Interface, conditions: Conditions, free: Array, forces: Array
+) -> Response:
+    """Solve linear contact conditions of a plane problem; see `StuckContact.release`.
+
+    Args:
+        interface: the interface problem, d = 2.
+        conditions: contact conditions; bodies do not float.
+        free: (N, 2, J) gap and increment without tractions and coordinates.
+        forces: (m, J) forces on the coordinates, R + H a.
+
+    Raises:
+        numpy.linalg.LinAlgError: if the conditions leave a motion without any resistance.
+    """
+    stuck, slipping = (conditions.status == each for each in (STICK, SLIP))
+    level, scale = interface.compliance.level, coordinate_scale(interface)
+    normal = 2 * np.flatnonzero(slipping)
+    held = np.concatenate([(2 * np.flatnonzero(stuck)[:, None] + [0, 1]).ravel(), normal])
+    pull = conditions.pull[slipping]
+    split = len(held)
+    matrix = np.empty((split + len(scale), split + len(scale)))
+    matrix[:split, :split] = interface.compliance.block(held, held)
+    sliding = slice(split - len(normal), split)
+    if pull.any():
+        matrix[:split, sliding] += interface.compliance.block(held, normal + 1) * pull.T
+    matrix[:split, :split] /= level
+    motion = interface.motion * scale
+    work = motion[held]
+    work[sliding] += pull * motion[normal + 1]
+    matrix[:split, split:] = motion[held]
+    matrix[split:, :split] = work.T
+    matrix[split:, split:] = -interface.stiffness * np.outer(scale, scale) * level
+    flat = free.reshape(-1, free.shape[-1])
+    target = np.vstack([-flat[held], -forces * scale[:, None] * level])
+    known = split + np.flatnonzero(conditions.known)
+    matrix[known] = 0.0
+    matrix[known, known] = 1.0
+    target[known] = conditions.amplitudes / scale[conditions.known, None]
+    solved = np.linalg.solve(matrix, target)
+    coordinates = solved[split:] * scale[:, None]
+    traction = np.zeros_like(flat)
+    traction[held] = solved[:split] / level
+    traction[normal + 1] = pull * traction[normal]
+    relative = interface.motion @ coordinates + flat
+    for case, column in enumerate(traction.T):
+        relative[:, case] += interface.compliance.apply(np.ascontiguousarray(column))
+    relative[held] = 0.0
+    return Response(traction.reshape(free.shape), relative.reshape(free.shape), coordinates)
 
 
 class FactoredOperator:

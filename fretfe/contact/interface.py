@@ -1,36 +1,70 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The interface problem: elastic bodies reduced to their contact nodes and rigid motions.
-
-Everything is written in weighted nodal quantities of N multiplier nodes with d components each
-(normal, then tangents). With W_i the integral of hat function i and λ_i
-the nodal traction (p_i, q_i),
-
-    y_i = √W_i λ_i,        w_i = (∫ φ_i w) / √W_i
-
-so that y·w is work, both are of comparable size on graded meshes, and the friction cone of a node
-is the same in y as in λ. w_i/√W_i is the nodal mean of gap and tangential displacement. The bodies
-turn into
-
-    w = w0 + A y + G c + L a            (A symmetric, positive semi-definite)
-    R + H a = −Gᵀ y + K c
-
-with the coordinates c (amplitudes of rigid boundaries, and of rigid modes that only contact
-restrains), the forces R on them and the load amplitudes a. The number of space dimensions appears
-only as d.
-"""
+"""The interface problem: elastic bodies reduced to their contact nodes and rigid boundaries."""
 
 from __future__ import annotations
 
+import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
+from scipy.linalg import blas
 
-from fretfe._typing import Array, Bools
-from fretfe.contact.compliance import Compliance
+from fretfe._typing import Array, Bools, Indices
 
 # Relative size below which a motion is resisted by nothing but round-off.
 UNRESISTED = 1e-9
+
+
+class Compliance(Protocol):
+    """Relative displacements by tractions: (N*d, N*d), symmetric, positive semi-definite."""
+
+    @property
+    def diagonal(self) -> Array:
+        """(N*d,) displacement of each component by its own unit traction."""
+
+    @property
+    def level(self) -> float:
+        """Mean of the diagonal: the scale of the compliance."""
+
+    def apply(self, traction: Array) -> Array:
+        """(N*d,) displacements by tractions (N*d,)."""
+
+    def block(self, rows: Indices, columns: Indices) -> Array:
+        """(rows, columns) displacements of some components by unit tractions at others; a copy."""
+
+
+class DenseCompliance:
+    """A compliance that is known as a matrix.
+
+    Args:
+        matrix: (N*d, N*d), symmetric.
+    """
+
+    def __init__(self, matrix: Array) -> None:
+        self._matrix = matrix
+
+    @cached_property
+    def diagonal(self) -> Array:
+        """(N*d,) displacement of each component by its own unit traction."""
+        return np.diagonal(self._matrix)
+
+    @cached_property
+    def level(self) -> float:
+        """Mean of the diagonal: the scale of the compliance."""
+        return float(np.trace(self._matrix) / len(self._matrix))
+
+    def apply(self, traction: Array) -> Array:
+        """(N*d,) displacements by tractions (N*d,)."""
+        # Symmetric: half of the matrix is read, which takes half of the time.
+        product: Array = blas.dsymv(1.0, self._matrix.T, traction)
+        return product
+
+    def block(self, rows: Indices, columns: Indices) -> Array:
+        """(rows, columns) displacements of some components by unit tractions at others; a copy."""
+        return self._matrix[np.ix_(rows, columns)]
 
 
 @dataclass(frozen=True)
@@ -139,3 +173,57 @@ def coordinate_scale(interface: Interface) -> Array:
     """(m,) amplitudes by which each coordinate moves the contact by about one."""
     effect = np.linalg.norm(interface.motion, axis=0)
     return 1 / np.where(effect > 0, effect, 1.0)
+
+
+class Averaging(Protocol):
+    """A linear map of nodal values, such as a sparse matrix."""
+
+    def __matmul__(self, values: Array) -> Array:
+        """Return the mapped values."""
+
+
+class Nodes(Protocol):
+    """The multiplier nodes of a contact; see `ContactHistory` for arrays of the same name."""
+
+    @property
+    def arc(self) -> Array:
+        """(N,) arc length."""
+
+    @property
+    def points(self) -> Array:
+        """(N, d) coordinates."""
+
+    @property
+    def frames(self) -> Array:
+        """(N, d, d) normal and tangents."""
+
+    @property
+    def weights(self) -> Array:
+        """(N,) length of each node."""
+
+    @property
+    def averaging(self) -> Averaging:
+        """(N, N) from nodal values to means around the nodes."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """One contact: its name, its bodies and its nodes; of solids the facets between them."""
+
+    name: str
+    body1: str
+    body2: str
+    nodes: Nodes
+    facets: Indices | None = None
+
+
+def digest_of(places: Sequence[Place]) -> str:
+    """Text that is equal for the same contacts with the same nodes."""
+    found = hashlib.sha256()
+    for place in places:
+        found.update(
+            repr((place.name, place.body1, place.body2, place.nodes.points.shape)).encode()
+        )
+        for values in (place.nodes.points, place.nodes.weights, place.facets):
+            found.update(b"" if values is None else np.ascontiguousarray(values).tobytes())
+    return found.hexdigest()

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""March a load history: one contact solution per step, step cutting, certificates."""
+"""One contact solution per step of a load history: step cutting, the slow method, certificates."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +15,7 @@ from fretfe.contact.factored import FactoredOperator
 from fretfe.contact.interface import Interface
 from fretfe.contact.newton import NO_RESISTANCE, Newton, NotConverged
 from fretfe.contact.operator import InterfaceOperator
-from fretfe.contact.state import OPEN, STICK, ContactState, StepLoads, unloaded
+from fretfe.contact.state import OPEN, STICK, ContactState, StepLoads
 from fretfe.errors import ConvergenceError
 
 # A step is halved at most this often before the run gives up.
@@ -53,8 +52,18 @@ class StepResult:
         return f"{self.iterations} iterations{cut}, violation {self.certificate.worst:.0e}"
 
 
+def not_converged(number: int, count: int, failure: NotConverged) -> ConvergenceError:
+    """The error that ends a history of some steps at one of them."""
+    before = number - 1
+    kept = f"the {before} steps before it are kept" if before else "it is the first one"
+    return ConvergenceError(
+        f"step {number} of {count} did not converge: {failure.reason} "
+        f"(iteration {failure.iterations}, after halving the step {MAX_CUTS} times); {kept}."
+    )
+
+
 class March:
-    """Load history of a contact, solved step by step; a step counts once it is accepted.
+    """Advances a contact from one state to the next; a step counts once it is accepted.
 
     Args:
         interface: the interface problem.
@@ -68,34 +77,6 @@ class March:
         self.interface = interface
         self.operator: InterfaceOperator = FactoredOperator(interface)
         self._newton = Newton(self.operator)
-
-    def run(
-        self, steps: Sequence[StepLoads], first: int = 1, state: ContactState | None = None
-    ) -> Iterator[StepResult]:
-        """Solve steps one after the other.
-
-        Args:
-            steps: loads at the end of each step; the first entry is the unloaded state.
-            first: number of the first step to be solved.
-            state: before it; None for the unloaded one.
-
-        Raises:
-            ConvergenceError: if a step has no solution; what was yielded before stands.
-        """
-        state = state or unloaded(self.interface)
-        for number in range(first, len(steps)):
-            try:
-                result = self.advance(state, steps[number - 1], steps[number])
-            except NotConverged as failure:
-                before = number - 1
-                kept = f"the {before} steps before it are kept" if before else "it is the first one"
-                raise ConvergenceError(
-                    f"step {number} of {len(steps) - 1} did not converge: {failure.reason} "
-                    f"(iteration {failure.iterations}, after halving the step {MAX_CUTS} times); "
-                    f"{kept}."
-                ) from None
-            yield result
-            state = result.state
 
     def advance(
         self,

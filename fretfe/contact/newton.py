@@ -4,7 +4,7 @@
 In each iteration a node is open (p = 0, q = 0), stuck (g = 0, Δ = 0) or slipping (g = 0, shear on
 the friction bound f p, which moves with the pressure: no lagged bound). The conditions are
 linearised and solved exactly for all nodes at once, and the solution gives every node its next
-status: see `fretfe.contact.status_rules`.
+status: see `fretfe.contact.state`.
 """
 
 from __future__ import annotations
@@ -16,8 +16,17 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.contact.interface import Interface, unresisted_motions
 from fretfe.contact.operator import Conditions, ContactArea, InterfaceOperator, StuckContact
-from fretfe.contact.state import OPEN, SLIP, STICK, ContactState, Status, StepLoads
-from fretfe.contact.status_rules import Guess, LinearSolution, StatusRules
+from fretfe.contact.state import (
+    OPEN,
+    SLIP,
+    STICK,
+    ContactState,
+    Guess,
+    LinearSolution,
+    Status,
+    StatusRules,
+    StepLoads,
+)
 
 MAX_ITERATIONS = 60
 # A motion this many times that in full stick is a division by round-off: nothing resists it.

@@ -15,16 +15,16 @@ from numpy.typing import NDArray
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.certificate import Certificate
+from fretfe.contact.division import Part
 from fretfe.contact.full_stick import FullStickSolver, Increments, find_drivers
-from fretfe.contact.interface import Interface
-from fretfe.contact.march import March, StepResult
-from fretfe.contact.place import Place, digest_of
+from fretfe.contact.interface import Interface, Place, digest_of
+from fretfe.contact.march import March
 from fretfe.contact.state import ContactState, StepLoads, StepTable, unloaded
+from fretfe.history.checkpoint import UNSEEN, Checkpoint, Storage, write_checkpoint
+from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
+from fretfe.history.state_array import StateArray, blocks, mapped, part
+from fretfe.history.stream import StateStream
 from fretfe.loads import History
-from fretfe.results.checkpoint import UNSEEN, Checkpoint, Storage, write_checkpoint
-from fretfe.results.solution import ContactHistory, FullStickUnits, Repeat, Solution
-from fretfe.results.states import StateArray, blocks, mapped, part
-from fretfe.results.stream import StateStream
 
 # Tractions and gaps below this fraction of what the motion of the bodies would cause are round-off.
 ROUND_OFF = 1e-9
@@ -90,11 +90,12 @@ class Recorder:
         storage: where the states go, and whether those that are there already are continued.
 
     Attributes:
+        places: the contacts.
         drivers: loads that have a full-stick increment.
-        count: number of states recorded so far.
+        count: number of states recorded so far, those within steps included.
         last: the last one.
         marks: (T, 2) sums over tractions and displacements, the same for the same states.
-        repeats: states that were not solved because they repeat earlier ones.
+        repeats: steps that were not solved because they repeat earlier ones.
 
     Raises:
         OutputError: if there is no place for the states, or those that are to be continued belong
@@ -112,7 +113,7 @@ class Recorder:
     ) -> None:
         interface = march.interface
         self._interface: Interface = interface
-        self._places = places
+        self.places = places
         self._degree = degree
         self._steps = steps
         self.drivers = find_drivers(interface, channels)
@@ -124,22 +125,17 @@ class Recorder:
             "contact surfaces": digest_of(places),
             "loads": steps.digest,
         }
-        # By state: its row in the file, its contact area.
-        self._rows = np.zeros(len(steps), dtype=np.int64)
-        self._area_of_state = np.full(len(steps), -1)
+        self._by_state = _room(len(steps))
+        self._ends = np.zeros(len(steps), dtype=np.int64)
         self._areas: dict[bytes, int] = {}
-        self._counts = np.zeros((len(steps), len(COUNTS)), dtype=np.int32)
-        self._violations = np.zeros((len(steps), len(VIOLATIONS) + 1))
         self._extent = Extent()
-        # What tells two states apart without reading them.
-        self.marks = np.zeros((len(steps), 2))
         self._solved = 0
         self.count = 0
         self.repeats: tuple[Repeat, ...] = ()
         known = storage.continued(self._identity)
         self._stream = StateStream(storage.directory, known.kinds if known else None)
         if known is None:
-            self._keep(unloaded(interface), np.zeros(interface.size))
+            self._keep(unloaded(interface), np.zeros(interface.size), step=0, share=1.0)
         else:
             self._recall(known.arrays)
 
@@ -160,9 +156,11 @@ class Recorder:
         write_checkpoint(self._storage.directory, Checkpoint(self._identity, kinds, arrays))
 
     def _recall(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        self.count = len(arrays["rows"])
+        self._make_room(self.count)
         for name, values in self._by_state.items():
-            self.count = len(arrays[name])
             values[: self.count] = arrays[name]
+        self._find_ends(slice(0, self.count))
         self._areas = {key.tobytes(): number for number, key in enumerate(arrays["areas"])}
         self._extent = Extent(*arrays["extent"].tolist())
         self._solved = int(arrays["solved"])
@@ -170,27 +168,23 @@ class Recorder:
         self._operator.recall(arrays)
         self.last = self.state(self.count - 1)
 
-    @property
-    def _by_state(self) -> dict[str, NDArray[Any]]:
-        """What is in memory for each state."""
-        return {
-            "rows": self._rows,
-            "area_of_state": self._area_of_state,
-            "counts": self._counts,
-            "violations": self._violations,
-            "marks": self.marks,
-        }
+    def add(self, step: int, parts: Sequence[Part]) -> None:
+        """Record an accepted step with its parts."""
+        for part_of_step in parts:
+            result, share = part_of_step.result, part_of_step.share
+            number = self.count
+            self._keep(result.state, result.dissipation, step, share)
+            certificate, violations = result.certificate, self._by_state["violations"][number]
+            self._by_state["counts"][number] = [getattr(result, name) for name in COUNTS]
+            violations[:-1] = [getattr(certificate, name) for name in VIOLATIONS]
+            violations[-1] = certificate.worst
+            self._by_state["area_of_state"][number] = self._area_of(result.state)
+        self._ends[step] = self.count - 1
 
-    def add(self, result: StepResult) -> None:
-        """Record an accepted step."""
-        state, number = result.state, self.count
-        self._keep(state, result.dissipation)
-        self._counts[number] = [getattr(result, name) for name in COUNTS]
-        certificate = result.certificate
-        self._violations[number, :-1] = [getattr(certificate, name) for name in VIOLATIONS]
-        self._violations[number, -1] = certificate.worst
+    def _area_of(self, state: ContactState) -> int:
+        """Number of the contact area of a state, whose increments are there then; -1 without."""
         if not state.closed.any():
-            return
+            return -1
         key = np.packbits(state.closed).tobytes()
         if key not in self._areas:
             self._areas[key] = len(self._areas)
@@ -198,42 +192,80 @@ class Recorder:
             self._stream.append(
                 {"increments": increments.traction, "increment_motions": increments.coordinates}
             )
-        self._area_of_state[number] = self._areas[key]
+        return self._areas[key]
 
-    def _keep(self, state: ContactState, dissipation: Array) -> None:
+    def _keep(self, state: ContactState, dissipation: Array, step: int, share: float) -> None:
         arrays = {field.name: getattr(state, field.name) for field in fields(ContactState)}
         self._stream.append({**arrays, "dissipation": dissipation})
         self._extent.add(self._interface, state)
-        self._rows[self.count] = self._solved
-        self.marks[self.count] = np.abs(state.traction).sum(), np.abs(state.relative).sum()
+        self._make_room(self.count + 1)
+        self._by_state["rows"][self.count] = self._solved
+        marks = np.abs(state.traction).sum(), np.abs(state.relative).sum()
+        self._by_state["marks"][self.count] = marks
+        self._by_state["step"][self.count], self._by_state["share"][self.count] = step, share
         self._solved += 1
         self.count += 1
         self.last = state
 
+    def _make_room(self, count: int) -> None:
+        """Let there be room for so many states in memory."""
+        have = len(self._by_state["rows"])
+        if count > have:
+            more = _room(max(count - have, have // 2))
+            for name, values in self._by_state.items():
+                self._by_state[name] = np.concatenate([values, more[name]])
+
     def repeat(self, repeat: Repeat) -> None:
-        """Record the next states as those that they repeat."""
-        states, source = slice(repeat.first, repeat.last + 1), repeat.source
+        """Record the next steps, with their parts, as those that they repeat."""
+        states = _states_of(repeat, self.ends)
+        new, source = slice(states.first, states.last + 1), states.source
+        self._make_room(new.stop)
         for each in self._by_state.values():
-            each[states] = each[source]
-        self.count = repeat.last + 1
-        self.last = self.state(repeat.last)
+            each[new] = each[source]
+        rounds = 1 + np.arange(len(source)) // states.period
+        self._by_state["step"][new] += repeat.period * rounds
+        self._find_ends(new)
+        self.count = new.stop
+        self.last = self.state(self.count - 1)
         self.repeats = (*self.repeats, repeat)
+
+    @property
+    def steps_done(self) -> int:
+        """Number of the last step that is recorded."""
+        return int(self._by_state["step"][self.count - 1])
+
+    @property
+    def ends(self) -> Indices:
+        """(n + 1,) states at the ends of the n steps recorded so far, the unloaded one first."""
+        return self._ends[: self.steps_done + 1]
+
+    def _find_ends(self, states: slice) -> None:
+        """Note which of some states are the ends of steps."""
+        found = states.start + np.flatnonzero(self._by_state["share"][states] == 1.0)
+        self._ends[self._by_state["step"][found]] = found
+
+    def mark(self, state: int) -> Array:
+        """(2,) sums over tractions and displacements, the same for the same states."""
+        return np.asarray(self._by_state["marks"][state])
 
     def state(self, number: int) -> ContactState:
         """One of the states."""
-        row = self._rows[number : number + 1]
+        row = self._by_state["rows"][number : number + 1]
         names = [field.name for field in fields(ContactState)]
         return ContactState(**{name: self._stream.read(name, row)[0] for name in names})
 
     @property
     def last_loads(self) -> StepLoads:
         """Loads of the last state."""
-        return self._steps[self.count - 1]
+        return self._steps[self.steps_done]
 
     @property
-    def loads(self) -> Array:
-        """(T, m) values of the coordinates, as of `StepLoads`, in the states recorded so far."""
-        return self._steps.values[: self.count]
+    def loads(self) -> StepTable:
+        """Loads of the states recorded so far."""
+        steps, shares = (self._by_state[name][: self.count] for name in ("step", "share"))
+        if self.count == len(self._steps) and np.all(shares == 1.0):
+            return self._steps
+        return self._steps.divided(steps, shares)
 
     def nodes_of(self, contact: str) -> slice:
         """Range of the nodes of a contact among all nodes."""
@@ -257,19 +289,23 @@ class Recorder:
         gap = self.state(number).relative[:, 0]
         return Increments.mean([self._full_stick.increments(area, gap) for area in areas])
 
-    def requests(self, states: list[int]) -> list[tuple[ContactState, StepLoads]]:
-        """Some of the states with their loads, to recover displacement fields from."""
-        return [(self.state(number), self._steps[number]) for number in states]
+    def requests(self, steps: list[int]) -> list[tuple[ContactState, StepLoads]]:
+        """States at the ends of some steps with their loads, to recover displacements from."""
+        ends = self.ends
+        return [(self.state(int(ends[number])), self._steps[number]) for number in steps]
 
     def relative(self, nodes: slice) -> StateArray:
-        """(T, n, d) weighted displacements w of body 2 relative to body 1 at some nodes."""
-        return self._part("relative", nodes)
+        """(n + 1, N, d) weighted displacements w of body 2 relative to body 1 at some nodes.
+
+        At the ends of the n steps recorded so far.
+        """
+        return self._stream.rows("relative", self._by_state["rows"][self.ends], nodes)
 
     def blocks(self) -> Iterator[StateBlock]:
         """All states recorded so far, block by block."""
-        interface = self._interface
+        interface, amplitudes = self._interface, self.loads.amplitudes
         for states in blocks(self.count, interface.size * interface.components):
-            rows = self._rows[states]
+            rows = self._by_state["rows"][states]
             traction, coordinates, forces = (
                 self._stream.read(name, rows) for name in ("traction", "coordinates", "forces")
             )
@@ -278,7 +314,7 @@ class Recorder:
                 traction.reshape(len(rows), -1),
                 coordinates,
                 forces,
-                self._steps.amplitudes[states],
+                amplitudes[states],
             )
 
     @property
@@ -311,37 +347,42 @@ class Recorder:
             balance: (T,) measures of equilibrium by name, stored with the certificates.
         """
         count, interface = self.count, self._interface
-        rows = self._rows[:count]
-        forces, coordinates = (self._stream.read(name, rows) for name in ("forces", "coordinates"))
-        complete = count == len(history.times)
+        known = {name: values[:count] for name, values in self._by_state.items()}
+        loads, table = history.divided(known["step"], known["share"]), self.loads
+        forces, coordinates = (
+            self._stream.read(name, known["rows"]) for name in ("forces", "coordinates")
+        )
+        complete = self.steps_done == len(history.times) - 1
         named = [j for j, c in enumerate(interface.coordinates) if c.control != "free"]
-        violations = dict(zip((*VIOLATIONS, "worst"), self._violations[:count].T, strict=True))
-        counts = dict(zip(COUNTS, self._counts[:count].T, strict=True))
+        violations = dict(zip((*VIOLATIONS, "worst"), known["violations"].T, strict=True))
+        ends = self.ends
         return Solution(
             degree=self._degree,
-            times=history.times[:count],
+            times=loads.times,
             channels=history.channels,
-            values=history.values[:count],
-            cycle=history.cycle if complete else None,
+            values=loads.values,
+            cycle=loads.cycle if complete else None,
             coordinates=tuple(interface.coordinates[j].label for j in named),
             amplitudes=coordinates[:, named],
             forces=forces[:, named],
             drivers=self.drivers.names,
-            driver_values=self.drivers.values(forces, self._steps.amplitudes[:count]),
+            driver_values=self.drivers.values(forces, table.amplitudes),
             contacts=tuple(
-                self._contact(place, number) for number, place in enumerate(self._places)
+                self._contact(place, table.friction[:, number])
+                for number, place in enumerate(self.places)
             ),
-            **counts,
+            **dict(zip(COUNTS, known["counts"].T, strict=True)),
             certificates=violations | balance,
-            between=history.between if complete else None,
-            repeats=self.repeats,
+            between=loads.between if complete else None,
+            repeats=tuple(_states_of(each, ends) for each in self.repeats),
+            step=None if len(ends) == count else known["step"],
         )
 
-    def _contact(self, place: Place, number: int) -> ContactHistory:
+    def _contact(self, place: Place, friction: Array) -> ContactHistory:
         interface = self._interface
         nodes = interface.contacts[place.name]
         roots = interface.roots[nodes]
-        relative, averaging = self.relative(nodes), place.nodes.averaging
+        relative, averaging = self._part("relative", nodes), place.nodes.averaging
         traction = mapped(self._part("traction", nodes), lambda y, _: y / roots[:, None])
         return ContactHistory(
             name=place.name,
@@ -352,7 +393,7 @@ class Recorder:
             points=place.nodes.points,
             frames=place.nodes.frames,
             weights=place.nodes.weights,
-            friction=self._steps.friction[: self.count, number],
+            friction=friction,
             traction=traction,
             mean_traction=mapped(traction, lambda t, _: np.array([averaging @ each for each in t])),
             gap=mapped(part(relative, 0), lambda w, _: w / roots),
@@ -360,14 +401,15 @@ class Recorder:
             status=self._part("status", nodes),
             dissipation=self._part("dissipation", nodes),
             full_stick=FullStickUnits(
-                fields=self._unit_fields(nodes, roots), area=self._area_of_state[: self.count]
+                fields=self._unit_fields(nodes, roots),
+                area=self._by_state["area_of_state"][: self.count],
             ),
             facets=place.facets,
         )
 
     def _part(self, name: str, nodes: slice) -> StateArray:
         """A data set of all states recorded so far at some nodes."""
-        return self._stream.rows(name, self._rows[: self.count], nodes)
+        return self._stream.rows(name, self._by_state["rows"][: self.count], nodes)
 
     def _unit_fields(self, nodes: slice, roots: Array) -> StateArray | Array:
         """(U, n, d, J) full-stick tractions of all contact areas at some nodes."""
@@ -377,3 +419,30 @@ class Recorder:
         areas: Indices = np.arange(len(self._areas))
         weighted = self._stream.rows("increments", areas, nodes)
         return mapped(weighted, lambda y, _: y / roots[:, None, None])
+
+
+def _room(count: int) -> dict[str, NDArray[Any]]:
+    """Arrays in memory for some states, by name; see `Recorder`."""
+    return {
+        "rows": np.zeros(count, dtype=np.int64),
+        "step": np.zeros(count, dtype=np.int64),
+        "share": np.zeros(count),
+        "area_of_state": np.full(count, -1),
+        "counts": np.zeros((count, len(COUNTS)), dtype=np.int32),
+        "violations": np.zeros((count, len(VIOLATIONS) + 1)),
+        "marks": np.zeros((count, 2)),
+    }
+
+
+def _states_of(repeat: Repeat, ends: Indices) -> Repeat:
+    """Repeated steps as the states that they are made of.
+
+    Args:
+        repeat: of steps.
+        ends: (n,) states at the ends of the steps before them at least.
+    """
+    before = repeat.first - 1
+    begin, period = ends[before - repeat.period], ends[before] - ends[before - repeat.period]
+    rounds, rest = divmod(repeat.last - before, repeat.period)
+    count = rounds * period + ends[before - repeat.period + rest] - begin
+    return Repeat(int(ends[before]) + 1, int(ends[before] + count), int(period))

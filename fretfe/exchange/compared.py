@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What a comparison of two results consists of: pairs of numbers, of curves, of histories."""
+"""Parts of a comparison of two results: pairs of numbers, of curves, of histories."""
 
 from __future__ import annotations
 

@@ -1,26 +1,252 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Write a result as CSV files that any program reads."""
+"""Results as tables of numbers and texts, in CSV files that any program reads."""
 
 from __future__ import annotations
 
 import csv
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from fretfe._typing import Array
 from fretfe.errors import CaseError, OutputError
-from fretfe.exchange.tables import ExportTable, Row, export_tables
-from fretfe.results.files import disk_reason, replacing
+from fretfe.evaluate.contacts import StationHistory
+from fretfe.evaluate.stress import StressParameters
+from fretfe.exchange import columns
+from fretfe.exchange.columns import Column, Heading, headings
+from fretfe.files import disk_reason, replacing
+from fretfe.history.solution import ContactHistory
+from fretfe.report.source import load_unit
+from fretfe.results.csv_files import cycle_records, station_records
 from fretfe.results.model import Result
 from fretfe.results.writer import prepare_other
 
+Row = Sequence[Any]
 # Lists all columns of the other files, with these of its own.
 COLUMNS = "columns.csv"
 LISTED = ("file", "header", "column", "unit", "meaning")
 TABLE_NAME = re.compile(r"[a-z_]+\.csv")
+
+
+@dataclass(frozen=True)
+class ExportTable:
+    """A table: its file, its columns, its rows in their order."""
+
+    file: str
+    headings: Sequence[Heading]
+    rows: Iterator[Row]
+
+
+def export_tables(
+    result: Result, fatemi_socie: tuple[float, float] | None = None
+) -> Iterator[ExportTable]:
+    """All tables of a result that have rows; arguments as for `export_result`."""
+    yield _loads(result)
+    yield _contacts(result)
+    if result.contacts or any(area.fronts for area in result.areas):
+        yield _factors(result)
+    if result.contacts:
+        yield _of_records(result, "edges.csv", columns.EDGES, result.edges())
+        # Regular loads have one cycle, which the edges tell.
+        if any(edge.cycles.irregular for each in result.contacts for edge in each.stations):
+            yield _of_records(result, "cycles.csv", columns.CYCLES, cycle_records(result))
+    elif stations := station_records(result.areas):
+        yield _of_records(result, "stations.csv", columns.STATIONS, stations)
+    if result.solution is not None:
+        yield _tractions(result)
+        if result.solution.keeps(*result.loads.evaluated):
+            yield _local(result)
+    if result.has_stress or fatemi_socie:
+        yield _stress(result, fatemi_socie)
+        yield _edge_stress(result)
+
+
+def _headings(result: Result, names: Sequence[Column]) -> list[Heading]:
+    return headings(names, result.case.units, solid=bool(result.areas))
+
+
+def _loads(result: Result) -> ExportTable:
+    loads = result.loads
+    units = [load_unit(result.case, name).replace("·", "*") for name in loads.channels]
+    named = [
+        Heading(name, unit, "value of the load of this name")
+        for name, unit in zip(loads.channels, units, strict=True)
+    ]
+    rows = (
+        (state, time, *values)
+        for state, (time, values) in enumerate(zip(loads.times, loads.values, strict=True))
+    )
+    return ExportTable("loads.csv", [*_headings(result, columns.STATE), *named], rows)
+
+
+def _of_records(
+    result: Result,
+    file: str,
+    named: Sequence[Column],
+    records: Sequence[Mapping[str, Any]] | Iterator[Mapping[str, Any]],
+) -> ExportTable:
+    rows = ([record[each.name] for each in named] for record in records)
+    return ExportTable(file, _headings(result, named), rows)
+
+
+def _contacts(result: Result) -> ExportTable:
+    named = columns.SOLID_CONTACTS if result.areas else columns.PLANE_CONTACTS
+    own = list(dict.fromkeys(_attribute(each.name) for each in named[3:]))
+    rows = (
+        (each.name, *state)
+        for each in result.summaries
+        for state in _states(result, [getattr(each, name) for name in own])
+    )
+    return ExportTable("contacts.csv", _headings(result, named), rows)
+
+
+def _attribute(column: str) -> str:
+    """The attribute of a summary that a column is a component of, or that it is."""
+    return column[:-2] if column[-2:] in ("_x", "_y", "_z") else column
+
+
+def _factors(result: Result) -> ExportTable:
+    if result.contacts:
+        named = (columns.CONTACT, columns.EDGE, *columns.FACTORS)
+        keyed = [((c.name, edge.front), edge) for c in result.contacts for edge in c.stations]
+        return ExportTable("factors.csv", _headings(result, named), _histories(result, keyed))
+    stations = [
+        ((area.name, front.name, station.number), station)
+        for area in result.areas
+        for front in area.fronts
+        for station in front.stations
+    ]
+    return ExportTable(
+        "factors.csv",
+        _headings(result, (*columns.STATION, *columns.FACTORS)),
+        _histories(result, stations),
+    )
+
+
+def _histories(
+    result: Result, stations: Sequence[tuple[tuple[Any, ...], StationHistory]]
+) -> Iterator[Row]:
+    names = [each.name for each in columns.FACTORS[2:]]
+    for key, station in stations:
+        for state in _states(result, [getattr(station, name) for name in names]):
+            yield (*key, *state)
+
+
+def _states(result: Result, histories: Sequence[Array]) -> Iterator[Row]:
+    """Number, time and values of every state; histories (T,) or (T, 3)."""
+    values = np.column_stack(histories)
+    for state, (time, row) in enumerate(zip(result.loads.times, values, strict=True)):
+        yield (state, time, *row)
+
+
+def _tractions(result: Result) -> ExportTable:
+    solution = result.solution
+    assert solution is not None
+    kept = np.arange(len(solution.times)) if solution.kept is None else solution.kept
+    solid = bool(result.areas)
+    named = columns.SOLID_TRACTIONS if solid else columns.PLANE_TRACTIONS
+    rows = (
+        (contact.name, int(state), solution.times[state], *row[:-2], int(row[-2]), row[-1])
+        for contact in solution.contacts
+        for state in kept
+        for row in (_solid_nodes if solid else _plane_nodes)(contact, int(state))
+    )
+    return ExportTable("tractions.csv", _headings(result, named), rows)
+
+
+def _local(result: Result) -> ExportTable:
+    assert result.solution is not None
+    named = columns.SOLID_LOCAL if result.areas else columns.PLANE_LOCAL
+    own = [each.name for each in columns.PLANE_LOCAL[2:]]
+    rows = (
+        (contact.name, *row)
+        for contact in result.solution.contacts
+        for found in [result.local_parameters(contact.name)]
+        for row in np.column_stack(
+            [
+                contact.points if result.areas else contact.arc,
+                *(getattr(found, name) for name in own),
+            ]
+        )
+    )
+    return ExportTable("local.csv", _headings(result, named), rows)
+
+
+def _stress(result: Result, fatemi_socie: tuple[float, float] | None) -> ExportTable:
+    named = [*columns.STRESS, *([columns.FATEMI_SOCIE] if fatemi_socie else [])]
+    # All is computed before the file is made: what is wrong with the numbers is told first.
+    found = {
+        name: (result.stress_history(name).arc, result.stress_parameters(name, fatemi_socie))
+        for name in result.case.contacts
+    }
+    rows = (
+        (contact, body.body, depth, *row)
+        for contact, (arc, bodies) in found.items()
+        for body in bodies
+        for number, depth in enumerate(body.depths)
+        for row in _parameters(arc, body, number)
+    )
+    return ExportTable("stress.csv", _headings(result, named), rows)
+
+
+def _parameters(arc: Array, body: StressParameters, number: int) -> Array:
+    """(N, 5 or 6) place and parameters at one of the depths."""
+    at_surface = body.depths[number] == 0
+    ruiz2 = body.ruiz2 if at_surface else np.full_like(body.ruiz2, np.nan)
+    values = [arc, body.largest_tension[number], ruiz2, body.swt[number], body.shear_strain[number]]
+    if body.fatemi_socie is not None:
+        values.append(body.fatemi_socie[number])
+    return np.column_stack(values)
+
+
+def _edge_stress(result: Result) -> ExportTable:
+    rows = (
+        (each.contact, each.edge, each.body, *each.largest, each.reason)
+        for name in result.case.contacts
+        for each in result.stress_history(name).edges
+    )
+    return ExportTable("edge_stress.csv", _headings(result, columns.EDGE_STRESS), rows)
+
+
+def _plane_nodes(contact: ContactHistory, state: int) -> Array:
+    """(N, 7) values of a state, as of `columns.PLANE_TRACTIONS`."""
+    return np.column_stack(
+        [
+            contact.arc,
+            contact.mean_traction[state],
+            contact.slip[state],
+            *_scalars(contact, state),
+        ]
+    )
+
+
+def _solid_nodes(contact: ContactHistory, state: int) -> Array:
+    """(N, 16) values of a state, as of `columns.SOLID_TRACTIONS`."""
+    traction, frames = contact.mean_traction[state], contact.frames
+    shear = np.einsum("nt,ntd->nd", traction[:, 1:], frames[:, 1:])
+    slip = np.einsum("nt,ntd->nd", contact.slip[state], frames[:, 1:])
+    return np.column_stack(
+        [
+            contact.points,
+            frames[:, 0],
+            traction[:, 0],
+            shear,
+            slip,
+            *_scalars(contact, state),
+        ]
+    )
+
+
+def _scalars(contact: ContactHistory, state: int) -> tuple[Array, Array, Array]:
+    """Gap, status and density of the friction work at the nodes."""
+    work = contact.dissipation[state]
+    density = np.divide(work, contact.weights, out=np.zeros_like(work), where=contact.weights > 0)
+    return contact.gap[state], contact.status[state], density
 
 
 @dataclass(frozen=True)

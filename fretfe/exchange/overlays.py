@@ -11,10 +11,9 @@ import numpy as np
 from scipy.integrate import trapezoid
 
 from fretfe._typing import Array, Indices
-from fretfe.edges.area import AreaSummary
-from fretfe.edges.extremes import load_extremes
-from fretfe.edges.front import ContactSummary
 from fretfe.errors import OutputError
+from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.resultants import AreaSummary, load_extremes
 from fretfe.exchange.compared import Curve, HistoryPair, TractionPair
 from fretfe.report.source import force_unit
 from fretfe.results.model import Result

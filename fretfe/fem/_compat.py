@@ -18,8 +18,14 @@ import numpy as np
 import numpy.typing as npt
 
 from fretfe._typing import Array, Indices
-from fretfe.errors import DependencyError
+from fretfe.environment import too_little_room
+from fretfe.errors import DependencyError, MemoryShortError
 
+# Bytes of address space, which are less of memory: four times 128 MiB.
+WORK_SPACE = 4 * 128 * 2**20
+if _shortage := too_little_room(WORK_SPACE, "DOLFINx and its linear algebra may take"):
+    # Libraries without room end the process while they are loaded.
+    raise MemoryShortError(_shortage)
 if importlib.util.find_spec("dolfinx_solver") is not None:
     # The wheel of 0.11 vendors PETSc and finds the MPI library itself, if it comes first. Debian's
     # 0.9 has none of that.

@@ -1,30 +1,77 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The backend `fem`: finite elements, any geometry; collective over all MPI processes."""
+"""The backend `fem`: finite elements, any geometry; collective over all ranks."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
-from typing import TypeVar
+from functools import cache, partial
+from typing import Any, TypeVar
+
+import numpy as np
+import scipy.linalg
 
 from fretfe.backends.protocol import DEFAULTS, Processes, RunOptions, Session
 from fretfe.case import Case
-from fretfe.edges.foresight import coarse_contacts
-from fretfe.fem._compat import MPI
-from fretfe.fem.model_cache import ModelCache, model_key
-from fretfe.fem.parallel import on_root
-from fretfe.fem.prepared import LoadMesh
+from fretfe.environment import address_room, too_little_room
+from fretfe.errors import MemoryShortError
+from fretfe.evaluate.resolution import coarse_contacts
+from fretfe.fem._compat import MPI, WORK_SPACE, PETSc, basix
+from fretfe.fem.model import LoadMesh, Prepared, build_model
+from fretfe.fem.parallel import on_root, release
 from fretfe.fem.refine import refine
-from fretfe.fem.room import secure_work_space
-from fretfe.fem.run import solve
+from fretfe.fem.run import load_history, solve, solve_prepared
+from fretfe.fem.timing import Clock
 from fretfe.loads import build_history
 from fretfe.mesh.groups import count_unknowns
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
-from fretfe.surface.load import load_mesh
+from fretfe.surface.checks import load_mesh
 
 T = TypeVar("T")
 SolveCase = Callable[[Case, RunOptions, LoadMesh], Result]
+
+# Keys of a case that do not enter its model.
+FREE: dict[str, Any] = {
+    "title": True,
+    "units": True,
+    "cycle": True,
+    "output": True,
+    "contacts": {"__all__": {"friction", "friction_from"}},
+    "loads": {"__all__": {"history"}},
+}
+
+
+def secure_work_space(comm: MPI.Comm) -> None:
+    """Have the linear algebra take its work space now, before anything is solved. Collective.
+
+    Raises:
+        MemoryShortError: if the address space of a process is limited, and too little is left.
+    """
+    room = comm.allreduce(address_room(), MPI.MIN)
+    what = "the linear algebra may take, and more for the case itself"
+    shortage = too_little_room(WORK_SPACE, what, room)
+    if shortage and take_work_space.cache_info().currsize == 0:
+        raise MemoryShortError(shortage)
+    take_work_space()
+
+
+@cache
+def take_work_space() -> None:
+    """Call each copy of OpenBLAS once in a process."""
+    one = np.eye(2)
+    np.linalg.solve(one, one)
+    scipy.linalg.solve(one, one)
+    basix.create_element(basix.ElementFamily.P, basix.CellType.triangle, 2)
+    matrix = PETSc.Mat().createDense((2, 2), array=one, comm=MPI.COMM_SELF)
+    matrix.assemble()
+    solver = PETSc.KSP().create(MPI.COMM_SELF)
+    solver.setOperators(matrix)
+    solver.setType("preonly")
+    solver.getPC().setType("lu")
+    right = matrix.createVecRight()
+    solver.solve(right, matrix.createVecRight())
+    for each in (solver, matrix, right):
+        each.destroy()
 
 
 class MpiProcesses:
@@ -106,3 +153,36 @@ def _load(case: Case, options: RunOptions) -> Mesh:
 
 
 BACKEND = FemBackend()
+
+
+def model_key(case: Case) -> str:
+    """Text that is equal for two cases that can be solved with one model."""
+    file = case.geometry.file
+    # The label of the unit of length decides how a STEP file is read.
+    place = f"{case.resolve(file).absolute()} {case.units.length} " if file is not None else ""
+    return place + repr(case.model_dump(mode="json", exclude=FREE))
+
+
+class ModelCache:
+    """Solves cases one after the other; builds a model only if the one that it has does not fit."""
+
+    def __init__(self, comm: MPI.Comm) -> None:
+        self._comm = comm
+        self._key = ""
+        self._prepared: Prepared | None = None
+
+    def solve(self, case: Case, options: RunOptions, load: LoadMesh) -> Result:
+        """Solve the load history of a case; arguments and errors as `fretfe.fem.run.solve`."""
+        clock, key = Clock(options.doing), model_key(case)
+        history = load_history(self._comm, case, options)
+        if self._prepared is None or key != self._key:
+            self.clear()
+            self._prepared = build_model(self._comm, case, clock, load)
+            self._key = key
+        return solve_prepared(self._prepared, case, history, options, clock)
+
+    def clear(self) -> None:
+        """Give the model back."""
+        meshes = self._prepared.meshes if self._prepared is not None else []
+        self._prepared = None
+        release(meshes)

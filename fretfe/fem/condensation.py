@@ -122,7 +122,8 @@ class Body:
             matrix = self._restraints.stiffness(self._fixed)
             self._shape_forces = [elastic.forces(shape) for shape in shapes]
             self._loads = [elastic.load_vector(load) for load in loads]
-        with clock("condensation"):
+        unknowns = elastic.gdim * self._index_map.size_global
+        with clock("condensation", f"{elastic.name}, {unknowns} unknowns"):
             self._factor = BorderedFactor(matrix, self._border(), elastic.gdim, symmetric=symmetric)
         with clock("load columns"):
             self.condensed = self._condense()

@@ -14,8 +14,8 @@ from fretfe._typing import Array
 from fretfe.errors import OutputError
 from fretfe.fem.model import Model
 from fretfe.fem.parallel import on_root
-from fretfe.results.field_file import FieldWriter
-from fretfe.results.files import disk_reason
+from fretfe.files import disk_reason
+from fretfe.results.field_files import FieldWriter
 
 T = TypeVar("T")
 

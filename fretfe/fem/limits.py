@@ -1,27 +1,32 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Limits of the model, judged on a solved history with its displacements: see `edges.limits`."""
+"""Limits of the model, judged on a solved history with its displacements. Collective."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import sparse
 from scipy.spatial import cKDTree
 
-from fretfe._typing import Array, Indices
-from fretfe.bodies.pairs import Pair
+from fretfe._typing import Array, Bools, Indices
+from fretfe.bodies.definition import BodyDefinition, Pair
 from fretfe.case import Case
 from fretfe.contact.interface import coordinate_range
 from fretfe.contact.recorder import Recorder, StateBlock
-from fretfe.edges.front import ContactSummary, fronts_of
-from fretfe.edges.limits import ContactExtent, ModelLimit, contact_extent, contact_limits
-from fretfe.edges.slip_zones import cycle_states
 from fretfe.errors import ConvergenceError
+from fretfe.evaluate.contacts import ContactSummary, fronts_of
+from fretfe.evaluate.limits import ContactExtent, ModelLimit, contact_extent, contact_limits
+from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.slip import cycle_states
 from fretfe.fem.model import Model, Reduction
+from fretfe.history.solution import OPEN, ContactHistory, Solution
+from fretfe.history.state_array import StateArray, blocks
 from fretfe.idealise.bodies import SIMILAR, dissimilarity
-from fretfe.results.solution import OPEN, ContactHistory, Solution
-from fretfe.surface.chain import Chain
+from fretfe.surface.checks import INTERPENETRATION_PER_FACET
+from fretfe.surface.curvature import curvatures, deviations, mean_curvature
 from fretfe.surface.surface import Surface
 
 # Forces or moments on a body that do not add up to zero, over the largest of them, from which a
@@ -42,13 +47,18 @@ LARGEST_STRETCH = 0.01
 LARGEST_PENETRATION = 1e-3
 
 
+# From displacements (n, N, d) in n states to their derivatives (n, d - 1, N, d) along the tangents.
+Derive = Callable[[Array], Array]
+
+
 @dataclass(frozen=True)
 class Motion:
     """Rotation and stretch of both surfaces of a contact, through all T states.
 
     Attributes:
-        turn: (2, T) mean rotation of body 1 and body 2 over the contact, anticlockwise.
-        slope: largest rotation of a surface in the contact.
+        turn: (2, T, m) mean rotation of body 1 and body 2 over the contact: in the plane
+            anticlockwise, of solids a vector.
+        slope: largest rotation of a surface in the contact, about its tangents.
         stretch: largest root mean square of the strain of a surface over the contact.
         curvature: largest one of the surfaces where they ever touch, before deformation.
         mean_curvature: (2,) of the whole surfaces, by which contact normals are weighted.
@@ -62,50 +72,46 @@ class Motion:
 
     @property
     def normal_turn(self) -> Array:
-        """(T,) rotation of the contact normal: of each body by the curvature of the other."""
-        first, second = self.mean_curvature
+        """(T,) rotation of the normal of a plane contact: of each body by the other's curvature."""
+        (first, second), turn = self.mean_curvature, self.turn[..., 0]
         if second == 0:
-            return np.asarray(self.turn[1])
-        return np.asarray((second * self.turn[0] + first * self.turn[1]) / (first + second))
+            return np.asarray(turn[1])
+        return np.asarray((second * turn[0] + first * turn[1]) / (first + second))
 
 
 def imbalance(solution: Solution) -> ConvergenceError | None:
     """The reason why a solution means nothing, if forces or moments on a body do not balance."""
     for kind in ("force", "moment"):
-        ratio = _imbalance(solution, kind)
+        ratio = solution.imbalance(kind)
         worst = int(np.argmax(ratio))
         if ratio[worst] > LARGEST_IMBALANCE:
             return ConvergenceError(
-                f"step {worst}: expected {kind}s that balance on every body, found a sum of "
-                f"{ratio[worst]:.1e} of the largest of them: round-off has destroyed the solution. "
-                "Check the stiffnesses of the bodies, which may differ by a factor of about 1e8 at "
-                "most, and the units; all steps are kept, but none can be trusted."
+                f"step {solution.step_of(worst)}: expected {kind}s that balance on every body, "
+                f"found a sum of {ratio[worst]:.1e} of the largest of them: round-off has "
+                "destroyed the solution. Check the stiffnesses of the bodies, which may differ by "
+                "a factor of about 1e8 at most, and the units; all steps are kept, but none can be "
+                "trusted."
             )
     return None
-
-
-def _imbalance(solution: Solution, kind: str) -> Array:
-    """(T,) sum of the forces or moments on a body over the largest of them."""
-    parts = solution.certificates
-    scale = np.maximum(parts[f"{kind}_scale"], np.finfo(float).tiny)
-    return np.asarray(parts[f"{kind}_imbalance"] / scale)
 
 
 def model_limits(
     model: Model,
     recorder: Recorder,
     solution: Solution,
-    contacts: tuple[ContactSummary, ...],
-    depths: dict[str, float],
+    contacts: Sequence[ContactSummary | AreaSummary],
+    depths: Mapping[str, float],
 ) -> tuple[ModelLimit, ...]:
     """All limits of a solved history, contact by contact; on rank 0.
+
+    Those of pairing and penetration are for plane contacts.
 
     Args:
         model: of the bodies.
         recorder: holds the solved states.
         solution: the same states in physical units.
         contacts: their evaluation.
-        depths: of unpaired penetration, by surface pair.
+        depths: of unpaired penetration, by surface pair, where it was looked for.
     """
     assert model.reduction is not None
     summaries = {each.name: each for each in contacts}
@@ -119,18 +125,11 @@ def model_limits(
         if extent.width > 0:
             motion = _motion(model, pair, history, recorder)
             limits += _motion_limits(history, extent, motion)
-            cycle = cycle_states(solution.cycle)
-            limits.append(_pairing(summaries[history.name], motion, cycle))
-            limits.append(_penetration(history, extent, depths[pair.name]))
-    return tuple(limits)
-
-
-def solid_limits(case: Case, solution: Solution) -> tuple[ModelLimit, ...]:
-    """Limits of a solved history of solids that the history tells by itself."""
-    limits = [_balance_limit(solution, kind) for kind in ("force", "moment")]
-    for history in solution.contacts:
-        limits += contact_limits(case, history)
-        limits += _dissimilar(case, history)
+            summary = summaries[history.name]
+            if isinstance(summary, ContactSummary):
+                limits.append(_pairing(summary, motion, cycle_states(solution.cycle)))
+            if pair.name in depths:
+                limits.append(_penetration(history, extent, depths[pair.name]))
     return tuple(limits)
 
 
@@ -138,7 +137,7 @@ def _balance_limit(solution: Solution, kind: str) -> ModelLimit:
     return ModelLimit(
         "",
         f"sum of the {kind}s on a body over the largest of them",
-        float(_imbalance(solution, kind).max()),
+        float(solution.imbalance(kind).max()),
         LARGEST_IMBALANCE,
         "round-off has destroyed the solution",
     )
@@ -164,7 +163,7 @@ def _without_moved(contact: ContactSummary) -> ContactSummary:
 
 
 def oscillates(case: Case, history: ContactHistory) -> bool:
-    """Whether full stick oscillates next to the edges of a contact: K_I is not defined there."""
+    """True if full stick oscillates next to the edges of a contact: K_I is not defined there."""
     return any(limit.exceeded for limit in _dissimilar(case, history))
 
 
@@ -197,7 +196,7 @@ def _motion_limits(
     yield ModelLimit(
         name,
         "rotation of a body at the contact",
-        float(np.abs(motion.turn).max()),
+        float(np.linalg.norm(motion.turn, axis=-1).max()),
         LARGEST_TURN,
         "forces keep their directions in this model and turn against the contact; hold the body, "
         "or use a code for large rotations",
@@ -253,38 +252,84 @@ def _penetration(history: ContactHistory, extent: ContactExtent, deepest: float)
 def _motion(model: Model, pair: Pair, history: ContactHistory, recorder: Recorder) -> Motion:
     assert model.reduction is not None
     contact = model.case.contacts[pair.name]
-    touched = np.zeros(len(history.arc), dtype=bool)
-    turn, slope, stretch = np.zeros((2, len(history.status))), 0.0, 0.0
+    touched = np.zeros(len(history.weights), dtype=bool)
+    rotations = 1 if history.facets is None else 3
+    turn, slope, stretch = np.zeros((2, len(history.status), rotations)), 0.0, 0.0
+    derive = _along_arc(history) if history.facets is None else _along_surface(history)
     for block in recorder.blocks():
         closed = history.status[block.states] != OPEN
         touched |= closed.any(axis=0)
         weights = closed * history.weights
         total = np.maximum(weights.sum(axis=1), np.finfo(float).tiny)
         for number, body in enumerate((pair.body1, pair.body2)):
-            rotation, strain = _deformation(model.reduction, pair, body, history, block)
-            turn[number, block.states] = (rotation * weights).sum(axis=1) / total
-            slope = max(slope, float(np.abs(rotation * closed).max()))
+            moved = _displacement(model.reduction, pair, body, block)
+            slopes = derive(moved if body == pair.body1 else -moved)
+            rotation, tilt, strain = _deformation(slopes, history.frames)
+            turn[number, block.states] = np.einsum("tnm,tn->tm", rotation, weights) / total[:, None]
+            slope = max(slope, float((tilt * closed).max()))
             mean_square = (strain**2 * weights).sum(axis=1) / total
             stretch = max(stretch, float(np.sqrt(mean_square).max()))
     surfaces = [model.surfaces[name] for name in (contact.surface1, contact.surface2)]
-    curvature = np.array([_curvatures(surface, history.points) for surface in surfaces])
+    curvature = np.array([_curvatures_near(surface, history.points) for surface in surfaces])
     return Motion(
         turn=turn,
         slope=slope,
         stretch=stretch,
         curvature=float(curvature[:, touched].max()),
-        mean_curvature=np.array([Chain(surface).mean_curvature for surface in surfaces]),
+        mean_curvature=np.array([mean_curvature(surface) for surface in surfaces]),
     )
 
 
-def _deformation(
-    reduction: Reduction, pair: Pair, body: str, history: ContactHistory, block: StateBlock
-) -> tuple[Array, Array]:
-    """(n, N) rotation, anticlockwise, and strain of the surface of a body in n states."""
-    moved = _displacement(reduction, pair, body, block)
-    slope = np.gradient(moved if body == pair.body1 else -moved, history.arc, axis=1)
-    tangents, normals = history.frames[:, 1], history.frames[:, 0]
-    return np.einsum("tnd,nd->tn", slope, normals), np.einsum("tnd,nd->tn", slope, tangents)
+def _along_arc(history: ContactHistory) -> Derive:
+    return lambda moved: np.gradient(moved, history.arc, axis=1)[:, None]
+
+
+def _along_surface(history: ContactHistory) -> Derive:
+    """Mean derivatives of the facets around each node, along the tangents of the surface there."""
+    assert history.facets is not None
+    facets, corners = history.facets, history.facets.shape[1]
+    tangents = history.frames[facets][:, :, 1:].mean(axis=1)
+    places = history.points[facets] - history.points[facets].mean(axis=1, keepdims=True)
+    # The plane through the corners, by least squares: exact for triangles.
+    shares = np.linalg.pinv(np.einsum("fkd,fad->fka", places, tangents))
+    around = np.bincount(facets.ravel(), minlength=len(history.points))
+    rows = np.repeat(facets, corners, axis=1).ravel()
+    columns = np.tile(facets, (1, corners)).ravel()
+    size = (len(history.points),) * 2
+    derivatives = []
+    for share in shares.swapaxes(0, 1):
+        values = np.tile(share, (1, corners)).ravel() / around[rows]
+        derivatives.append(sparse.csr_array((values, (rows, columns)), shape=size))
+
+    def derive(moved: Array) -> Array:
+        flat = moved.swapaxes(0, 1).reshape(len(around), -1)
+        found = [(each @ flat).reshape(len(around), -1, 3).swapaxes(0, 1) for each in derivatives]
+        return np.stack(found, axis=1)
+
+    return derive
+
+
+def _deformation(slopes: Array, frames: Array) -> tuple[Array, Array, Array]:
+    """Rotation and strain of a surface in n states, from the derivatives of its displacement.
+
+    Args:
+        slopes: (n, d - 1, N, d) along each tangent.
+        frames: (N, d, d) of the nodes.
+
+    Returns:
+        (n, N, m) rotation, (n, N) size of that about the tangents, and (n, N) size of the strain
+        of the surface, the root of the sum of the squares of its components.
+    """
+    tilts = np.einsum("tand,nd->tna", slopes, frames[:, 0])
+    strains = np.einsum("tand,nbd->tnab", slopes, frames[:, 1:])
+    even = (strains + strains.swapaxes(2, 3)) / 2
+    tilt, strain = np.linalg.norm(tilts, axis=2), np.linalg.norm(even, axis=(2, 3))
+    if slopes.shape[1] == 1:
+        return tilts, tilt, strain
+    # A rotation ω moves the surface by ω x r: its slope along t1 is -ω t2, that along t2 is ω t1.
+    spin = (strains[..., 0, 1] - strains[..., 1, 0]) / 2
+    parts = np.stack([spin, tilts[..., 1], -tilts[..., 0]], axis=2)
+    return np.einsum("tna,nad->tnd", parts, frames), tilt, strain
 
 
 def _displacement(reduction: Reduction, pair: Pair, body: str, block: StateBlock) -> Array:
@@ -296,11 +341,139 @@ def _displacement(reduction: Reduction, pair: Pair, body: str, block: StateBlock
     )
     relative = weighted.reshape(len(weighted), interface.size, -1)[:, nodes]
     # Along the tangents w is that of body 2 relative to body 1.
-    parts = relative / interface.roots[nodes, None] * np.array([1.0, -1.0])
+    signs = np.where(np.arange(relative.shape[2]) > 0, -1.0, 1.0)
+    parts = relative / interface.roots[nodes, None] * signs
     return np.einsum("tnc,ncd->tnd", parts, pair.coupling.frames)
 
 
-def _curvatures(surface: Surface, points: Array) -> Array:
-    """(n,) curvature of the facets whose middles are nearest to points (n, 2)."""
+def _curvatures_near(surface: Surface, points: Array) -> Array:
+    """(n,) curvature of the facets whose middles are nearest to points (n, d)."""
     facets = cKDTree(surface.nodes.mean(axis=1)).query(points)[1]
-    return Chain(surface).curvatures[facets]
+    return curvatures(surface)[facets]
+
+
+def balance(reduction: Reduction, blocks: Iterable[StateBlock]) -> dict[str, Array]:
+    """(T,) largest sums of all forces and moments on a body, and their scales, by name.
+
+    The scale of the forces is the largest of them, that of the moments the largest force on a body
+    times its size.
+
+    Args:
+        reduction: the bodies.
+        blocks: all solved states.
+    """
+    found: dict[str, list[Array]] = {}
+    for block in blocks:
+        bodies = [_body_balance(reduction, each, block) for each in reduction.definition.bodies]
+        for name in bodies[0]:
+            largest = np.array([body[name] for body in bodies]).max(axis=0)
+            found.setdefault(name, []).append(largest)
+    return {name: np.concatenate(parts) for name, parts in found.items()}
+
+
+def _body_balance(
+    reduction: Reduction, definition: BodyDefinition, block: StateBlock
+) -> dict[str, Array]:
+    body = reduction.bodies[definition.name]
+    own = coordinate_range(reduction.interface.coordinates, definition.name)
+    coordinates = block.coordinates[:, own]
+    parts = np.stack(
+        [
+            _reactions(reduction, definition, block.forces[:, own]),
+            block.amplitudes @ body.body.load_resultants.T,
+            body.contact_forces(block.traction),
+        ]
+    )
+    largest = np.abs(parts).max(axis=(0, 2))
+    return {
+        "force_imbalance": np.abs(parts.sum(axis=0)).max(axis=1),
+        "force_scale": largest,
+        "moment_imbalance": np.abs(body.moments(block.traction, coordinates, block.amplitudes)).max(
+            axis=1
+        ),
+        "moment_scale": largest * body.body.size,
+    }
+
+
+def _reactions(reduction: Reduction, definition: BodyDefinition, forces: Array) -> Array:
+    """(n, d) sum of the forces (n, m) that the constrained boundaries exert on a body."""
+    d, count = reduction.interface.components, len(definition.constraints)
+    directions = np.array([c.direction for c in definition.constraints]).reshape(count, d)
+    # Rigid modes restrained by contact come last, and no force acts on them.
+    return np.asarray(forces[:, :count] @ directions)
+
+
+def farthest_states(model: Model, pair: Pair, recorder: Recorder) -> Indices:
+    """States in which the surfaces of a contact are nearest to each other or have slid farthest.
+
+    None of them if all nodes of both surfaces are paired.
+    """
+    assert model.reduction is not None
+    if not any(_unpaired(each).any() for each in (pair.coupling.body1, pair.coupling.body2)):
+        return np.array([], dtype=np.int64)
+    nodes = model.reduction.interface.contacts[pair.name]
+    return _extremes(recorder.relative(nodes))
+
+
+def unpaired_penetration(model: Model, pair: Pair, moved: Sequence[dict[str, Array]]) -> float:
+    """Largest depth to which unpaired nodes of either surface are inside the other one.
+
+    Args:
+        model: the bodies; on rank 0.
+        pair: the contact.
+        moved: displacements of all contact surfaces, by name, in some states.
+    """
+    coupling, contact = pair.coupling, model.case.contacts[pair.name]
+    degree = model.case.model.degree
+    first, second = (model.surfaces[name] for name in (contact.surface1, contact.surface2))
+    alone1, alone2 = (_unpaired(each) for each in (coupling.body1, coupling.body2))
+    deepest = 0.0
+    for state in moved:
+        places1, places2 = (
+            surface.displacement_points(degree) + state[surface.name] for surface in (first, second)
+        )
+        deepest = max(
+            deepest,
+            depth(places1[alone1], places2[second.displacement_facets(degree)], second),
+            depth(places2[alone2], places1[first.displacement_facets(degree)], first),
+        )
+    return deepest
+
+
+def _unpaired(operator: sparse.csr_matrix) -> Bools:
+    """(m,) nodes of a surface that no contact integral of an operator (N*d, m*d) refers to."""
+    used = np.diff(operator.tocsc().indptr) > 0
+    return np.asarray(~used.reshape(-1, 2).any(axis=1))
+
+
+def _extremes(relative: StateArray) -> Indices:
+    """States in which mean gap and mean tangential displacement of (T, N, d) are extreme."""
+    parts = blocks(len(relative), math.prod(relative.shape[1:]))
+    means = np.concatenate([relative[part].mean(axis=1) for part in parts])
+    return np.unique([means.argmin(axis=0), means.argmax(axis=0)])
+
+
+def depth(points: Array, facets: Array, surface: Surface) -> float:
+    """Largest depth of points inside a body, behind its deformed surface.
+
+    Args:
+        points: (n, 2).
+        facets: (f, k, 2) ends, then middles, of the deformed facets.
+        surface: before deformation, for what its mesh does not resolve.
+    """
+    if not len(points):
+        return 0.0
+    chords = facets[:, 1] - facets[:, 0]
+    lengths = np.linalg.norm(chords, axis=1)
+    # The body is on the left of its chain.
+    normals = np.stack([chords[:, 1], -chords[:, 0]], axis=1) / lengths[:, None]
+    middles = facets[:, 2] if facets.shape[1] > 2 else facets[:, :2].mean(axis=1)
+    nearest = cKDTree(middles).query(points)[1]
+    seen = points - middles[nearest]
+    inside = -np.sum(seen * normals[nearest], axis=1)
+    along = np.abs(np.sum(seen * chords[nearest], axis=1)) / lengths[nearest]
+    # Beyond an end of the surface there is another boundary, or nothing.
+    beside = along <= lengths[nearest]
+    allowed = deviations(surface) + INTERPENETRATION_PER_FACET * lengths
+    excess = np.where(beside, inside - allowed[nearest], 0.0)
+    return float(max(excess.max(), 0.0))

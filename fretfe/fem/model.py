@@ -1,34 +1,45 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""From a case and its mesh to condensed bodies and the interface problem."""
+"""From a case and its mesh to condensed bodies and the interface problem, for many histories."""
 
 from __future__ import annotations
 
+import hashlib
 from collections import ChainMap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 from dolfinx import fem
 from scipy import sparse
 
 from fretfe._typing import Array
-from fretfe.bodies.definition import BodyDefinition, ModelDefinition
-from fretfe.bodies.pairs import Pair, contact_surfaces, couple_contacts
+from fretfe.bodies.definition import (
+    BodyDefinition,
+    ModelDefinition,
+    Pair,
+    contact_surfaces,
+    couple_contacts,
+)
 from fretfe.bodies.rigid_modes import held_model
 from fretfe.case import Case
 from fretfe.contact.interface import Interface, coordinate_range
+from fretfe.contact.march import March
 from fretfe.contact.state import ContactState, StepLoads, StepTable
 from fretfe.fem._compat import MPI
 from fretfe.fem.condensation import Body, CondensedBody
 from fretfe.fem.elasticity import ElasticBody
-from fretfe.fem.groups import find_group, together
-from fretfe.fem.parallel import on_root
+from fretfe.fem.parallel import find_group, on_root, together
 from fretfe.fem.reduction import ReducedBody, build_interface, weighted_operator
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
 from fretfe.mesh.cost import SLOW_FACTORS, estimate_cost, needs_symmetric_factors
 from fretfe.mesh.groups import body_unknowns
 from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.surface.checks import load_mesh
+
+LoadMesh = Callable[[], Mesh]
 
 
 @dataclass(frozen=True)
@@ -280,9 +291,63 @@ def step_loads(
         values=np.array(moved).reshape(-1, count).T,
         friction=np.array(friction).T,
         sizes=np.array([nodes.stop - nodes.start for nodes in interface.contacts.values()]),
+        within=lambda steps, shares: step_loads(
+            case, history.divided(steps, shares), interface, definition
+        ),
     )
 
 
 def _per_thickness(case: Case, control: str) -> float:
     """Forces on platens are given for the whole thickness; displacements are not divided."""
     return case.model.thickness if control == "force" else 1.0
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A mesh, its model, and what marches through load histories on it.
+
+    Attributes:
+        mesh: on rank 0, None elsewhere.
+        model: the condensed bodies.
+        march: on rank 0, None elsewhere.
+    """
+
+    mesh: Mesh | None
+    model: Model
+    march: March | None
+
+    @property
+    def digest(self) -> str:
+        """Text that is equal for the same mesh; on rank 0."""
+        assert self.mesh is not None
+        found = hashlib.sha256()
+        for name, body in self.mesh.bodies.items():
+            found.update(repr((name, body.cell, body.order, body.cells.shape)).encode())
+            for values in (body.points, body.cells, *body.boundaries.values()):
+                found.update(np.ascontiguousarray(values).tobytes())
+        return found.hexdigest()
+
+    @property
+    def meshes(self) -> list[Any]:
+        """DOLFINx's meshes of the bodies."""
+        return [body.elastic.mesh for body in self.model.bodies.values()]
+
+
+def build_model(comm: MPI.Comm, case: Case, clock: Clock, load: LoadMesh | None = None) -> Prepared:
+    """Mesh and model of a case. Collective.
+
+    Args:
+        comm: communicator.
+        case: validated case, the same on all ranks.
+        clock: for timings.
+        load: gives the mesh, called on rank 0; None for `load_mesh`.
+
+    Raises:
+        FretfeError: if there is no mesh or no model for the case.
+    """
+    with clock("mesh"):
+        mesh = on_root(comm, load or partial(load_mesh, case), share=False)
+    model = Model(comm, case, mesh, clock)
+    reduction = model.reduction
+    march = March(reduction.interface) if reduction is not None else None
+    return Prepared(mesh, model, march)

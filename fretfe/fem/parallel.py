@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Work done by one rank for all, and collective release of PETSc objects."""
+"""Ranks: groups of them for bodies, work of one for all, an end that all know. Collective."""
 
 from __future__ import annotations
 
 import gc
+import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Literal, TypeVar, overload
 
 import dolfinx.mesh
+import numpy as np
 
+from fretfe.backends import Observer
 from fretfe.errors import FretfeError
 from fretfe.fem._compat import MPI, PETSc
 
@@ -17,6 +21,11 @@ T = TypeVar("T")
 
 # How long waiting ranks sleep before they look again (s), and as a part of their waiting so far.
 LONGEST_SLEEP, SLEEP_FRACTION = 0.005, 0.1
+
+# Splitting a communicator costs one of a limited number of them: splits are kept.
+_SPLITS: dict[tuple[int, tuple[int, ...]], MPI.Comm] = {}
+# Of the messages that carry a signal to rank 0.
+TAG = 143
 
 
 def _nothing() -> None:
@@ -90,3 +99,134 @@ def release(meshes: list[dolfinx.mesh.Mesh]) -> None:
     gc.collect()
     for mesh in meshes:
         PETSc.garbage_cleanup(mesh.comm)
+
+
+@dataclass(frozen=True)
+class Group:
+    """The group that this rank belongs to.
+
+    Attributes:
+        comm: its ranks, in the order of the world.
+        bodies: numbers of its bodies.
+        roots: for each of all bodies: rank 0 of its group, as the world counts.
+    """
+
+    comm: MPI.Comm
+    bodies: tuple[int, ...]
+    roots: tuple[int, ...]
+
+
+def find_group(comm: MPI.Comm, work: Sequence[float]) -> Group:
+    """The group of this rank. Collective.
+
+    Args:
+        comm: all ranks.
+        work: of each body, the same on all ranks.
+    """
+    groups = share_out(work, comm.size)
+    colours = tuple(number for number, (_, ranks) in enumerate(groups) for _ in range(ranks))
+    first = np.concatenate([[0], np.cumsum([ranks for _, ranks in groups])])
+    roots = {body: int(first[n]) for n, (bodies, _) in enumerate(groups) for body in bodies}
+    return Group(
+        comm=_split(comm, colours),
+        bodies=groups[colours[comm.rank]][0],
+        roots=tuple(roots[body] for body in range(len(work))),
+    )
+
+
+def share_out(work: Sequence[float], ranks: int) -> list[tuple[tuple[int, ...], int]]:
+    """Bodies and number of ranks of each group, so that the busiest rank has as little as possible.
+
+    Args:
+        work: of each body.
+        ranks: number of all ranks.
+    """
+    if ranks >= len(work):
+        shares = np.ones(len(work), dtype=np.int64)
+        for _ in range(ranks - len(work)):
+            shares[np.argmax(np.array(work) / shares)] += 1
+        return [((body,), int(share)) for body, share in enumerate(shares)]
+    groups: list[list[int]] = [[] for _ in range(ranks)]
+    for body in np.argsort(work, kind="stable")[::-1]:
+        least = min(groups, key=lambda group: sum(work[each] for each in group))
+        least.append(int(body))
+    return [(tuple(sorted(group)), 1) for group in groups]
+
+
+def _split(comm: MPI.Comm, colours: tuple[int, ...]) -> MPI.Comm:
+    if len(set(colours)) == 1:
+        return comm
+    key = comm.py2f(), colours
+    if key not in _SPLITS:
+        _SPLITS[key] = comm.Split(colours[comm.rank], comm.rank)
+    return _SPLITS[key]
+
+
+def together(comm: MPI.Comm, work: Callable[[], T]) -> T:
+    """Do work in all groups; an error in one of them is raised on every rank. Collective."""
+    result: T | None = None
+    failure: FretfeError | None = None
+    try:
+        result = work()
+    except FretfeError as error:
+        failure = error
+    failures = [each for each in comm.allgather(failure) if each is not None]
+    if failures:
+        raise failures[0]
+    assert result is not None
+    return result
+
+
+class SharedStop(Observer):
+    """Observer on rank 0 that is told of signals to other ranks too, while these wait for it.
+
+    All ranks make one and close it.
+
+    Args:
+        comm: communicator.
+        observer: that of this rank; says which signal came to it.
+    """
+
+    def __init__(self, comm: MPI.Comm, observer: Observer) -> None:
+        self._comm = comm
+        self._observer = observer
+        self._sent: MPI.Request | None = None
+        self._received: dict[int, signal.Signals] = {}
+
+    def step(self, number: int, count: int, text: str) -> None:
+        """Pass a step on."""
+        self._observer.step(number, count, text)
+
+    def announce(self, text: str) -> None:
+        """Pass a text on."""
+        self._observer.announce(text)
+
+    def send(self) -> None:
+        """Tell rank 0 of a signal to this rank, once."""
+        number = self._observer.stop()
+        if self._sent is None and number is not None:
+            self._sent = self._comm.isend(int(number), 0, TAG)
+
+    def stop(self) -> signal.Signals | None:
+        """Return the signal that came to this rank, or to another one; on rank 0."""
+        status = MPI.Status()
+        while self._comm.iprobe(tag=TAG, status=status):
+            self._receive(status.source)
+        return self._observer.stop() or next(iter(self._received.values()), None)
+
+    def close(self) -> None:
+        """Take messages that are still on their way. Collective."""
+        senders = self._comm.gather(self._sent is not None)
+        for rank, sent in enumerate(senders or ()):
+            if sent and rank not in self._received:
+                self._receive(rank)
+        if self._sent is not None:
+            self._sent.wait()
+
+    def _receive(self, rank: int) -> None:
+        self._received[rank] = signal.Signals(self._comm.recv(source=rank, tag=TAG))
+
+
+def agreed_stop(comm: MPI.Comm, observer: Observer) -> signal.Signals | None:
+    """The signal that came to any rank so far, the same on all ranks. Collective."""
+    return next((each for each in comm.allgather(observer.stop()) if each is not None), None)

@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Singular edge factors at stations of contact fronts, from displacements of both bodies."""
+"""Singular edge factors at stations of contact fronts, from the displacement fields they need."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from dolfinx import fem
 
-from fretfe._typing import Array
-from fretfe.bodies.pairs import Pair
+from fretfe._typing import Array, Bools
+from fretfe.bodies.definition import Pair
 from fretfe.case import Case, contact_modulus, plane_modulus
+from fretfe.contact.full_stick import FRACTION, Increments
+from fretfe.contact.recorder import Recorder
+from fretfe.contact.state import ContactState
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
 from fretfe.fem.model import Model, Request
 
@@ -48,7 +51,7 @@ class Stations(Protocol):
 
 @dataclass(frozen=True)
 class Probe:
-    """What to integrate at some places of a contact: at one or more stations, in one or more areas.
+    """Integrals wanted at places of a contact: at one or more stations, in one or more areas.
 
     Attributes:
         bodies: body 1 and body 2.
@@ -119,7 +122,10 @@ def _seen_from(
 
 
 def measure(
-    model: Model, probes: Sequence[Probe] | None, requests: Sequence[Request] | None
+    model: Model,
+    probes: Sequence[Probe] | None,
+    requests: Sequence[Request] | None,
+    say: Callable[[str], None],
 ) -> list[list[Array]] | None:
     """Singular edge factors of displacement fields. Collective.
 
@@ -127,6 +133,7 @@ def measure(
         model: the bodies.
         probes: what to integrate; on rank 0, None elsewhere.
         requests: the fields; on rank 0, None elsewhere.
+        say: told how many of the probes are done.
 
     Returns:
         For each place of each probe (R, d, J) factors of its J fields, in the order of `Factor`; on
@@ -136,7 +143,11 @@ def measure(
     assert wanted is not None
     fields = _displacements(model, model.recover_fields(requests))
     forms = _forms(model, wanted)
-    gathered = model.comm.gather([_integrate(probe, forms, fields) for probe in wanted])
+    found = []
+    for number, probe in enumerate(wanted, start=1):
+        say(f"edge factors: {number} of {len(wanted)}")
+        found.append(_integrate(probe, forms, fields))
+    gathered = model.comm.gather(found)
     if gathered is None:
         return None
     return [
@@ -231,3 +242,59 @@ def _turned(factors: Array, tips: tuple[Tip, Tip], frame: Array, shares: Array) 
         share[:, None] * (tip.frame @ frame.T) for share, tip in zip(shares.T, tips, strict=True)
     )
     return np.linalg.solve(signs[:, None] * turn * signs, factors)
+
+
+def state_requests(recorder: Recorder | None, states: list[int]) -> list[Request] | None:
+    """Requests for the fields of solved states; None on ranks without a recorder, all but 0."""
+    if recorder is None:
+        return None
+    return [Request.of(state, loads) for state, loads in recorder.requests(states)]
+
+
+class UnitFields:
+    """Requests for the full-stick fields of contact areas, numbered; rank 0 only.
+
+    Args:
+        recorder: the solved history.
+
+    Attributes:
+        requests: the fields.
+    """
+
+    def __init__(self, recorder: Recorder) -> None:
+        self._recorder = recorder
+        self.requests: list[Request] = []
+        self._known: dict[int, tuple[int, ...]] = {}
+
+    def difference(self, low: ContactState, high: ContactState) -> int:
+        """Number of the field by which two neighbours of the last state differ."""
+        amplitudes = 2 * FRACTION * self._recorder.last_loads.amplitudes
+        traction = (high.traction - low.traction).ravel()
+        coordinates = high.coordinates - low.coordinates
+        self.requests.append(Request(traction, coordinates, amplitudes))
+        return len(self.requests) - 1
+
+    def of_area(self, area: int) -> tuple[int, ...]:
+        """Numbers of the fields of a contact area, one for each driver."""
+        if area not in self._known:
+            self._known[area] = self._add(self._recorder.increments(area))
+        return self._known[area]
+
+    def of_areas(self, state: int, areas: Sequence[Bools]) -> tuple[int, ...]:
+        """Numbers of the mean fields of contact areas around that of a state, one per driver.
+
+        Args:
+            state: number of the state.
+            areas: for each area the nodes in contact (N,), of all contacts.
+        """
+        return self._add(self._recorder.mean_increments(state, areas))
+
+    def _add(self, increments: Increments) -> tuple[int, ...]:
+        drivers, first = self._recorder.drivers, len(self.requests)
+        for j, load in enumerate(drivers.loads):
+            amplitudes = np.zeros(len(self._recorder.last_loads.amplitudes))
+            if load >= 0:
+                amplitudes[load] = 1.0
+            traction = increments.traction[:, :, j].ravel()
+            self.requests.append(Request(traction, increments.coordinates[:, j], amplitudes))
+        return tuple(range(first, len(self.requests)))

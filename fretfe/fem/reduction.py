@@ -10,9 +10,8 @@ from scipy import sparse
 from scipy.linalg.lapack import dpstrf
 
 from fretfe._typing import Array, Indices
-from fretfe.bodies.pairs import Pair
-from fretfe.contact.compliance import DenseCompliance
-from fretfe.contact.interface import Coordinate, Interface, coordinate_range
+from fretfe.bodies.definition import Pair
+from fretfe.contact.interface import Coordinate, DenseCompliance, Interface, coordinate_range
 from fretfe.fem.condensation import CondensedBody
 
 # Pivots of the compliance below this fraction of its largest entry are round-off.

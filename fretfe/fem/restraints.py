@@ -25,7 +25,7 @@ SMALLEST_ANGLE = 1e-6
 
 
 class Restraints:
-    """What constraints prescribe on the nodes of a body. Construction is collective.
+    """Displacements that constraints prescribe on the nodes of a body. Construction is collective.
 
     Args:
         elastic: the body.

@@ -12,36 +12,39 @@ from typing import Any
 import numpy as np
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
-from fretfe.bodies.pairs import Pair
+from fretfe.bodies.definition import Pair
 from fretfe.case import Case
-from fretfe.contact.place import Place
+from fretfe.contact.interface import Place
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import solve_history
-from fretfe.edges.area import AreaSummary, evaluate_areas, shear_extremes
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.extremes import load_extremes
-from fretfe.edges.front import ContactSummary
-from fretfe.edges.limits import ModelLimit, with_limit_warnings
-from fretfe.edges.separation import separate_patches
 from fretfe.errors import ConvergenceError, FretfeError, ModelError, OutputError, StoppedError
+from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.evaluate import evaluate
+from fretfe.evaluate.limits import ModelLimit, with_limit_warnings
+from fretfe.evaluate.plane.patches_in_time import separate_patches
+from fretfe.evaluate.resultants import AreaSummary, evaluate_areas, load_extremes, shear_extremes
+from fretfe.evaluate.step_ends import division_notes, step_ends
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
-from fretfe.fem.balance import balance
-from fretfe.fem.extraction import add_integrals
+from fretfe.fem.extraction import Tracks, add_integrals, add_solid_integrals
 from fretfe.fem.fields import FieldOutput
-from fretfe.fem.limits import imbalance, model_limits, solid_limits, without_moved
-from fretfe.fem.model import Model, step_loads
-from fretfe.fem.parallel import on_root, release
-from fretfe.fem.penetration import farthest_states, unpaired_penetration
-from fretfe.fem.prepared import LoadMesh, Prepared, build_model
-from fretfe.fem.solid_extraction import Tracks, add_solid_integrals
-from fretfe.fem.stopping import SharedStop
+from fretfe.fem.limits import (
+    balance,
+    farthest_states,
+    imbalance,
+    model_limits,
+    unpaired_penetration,
+    without_moved,
+)
+from fretfe.fem.model import LoadMesh, Model, Prepared, build_model, step_loads
+from fretfe.fem.parallel import SharedStop, on_root, release
+from fretfe.fem.probes import state_requests
 from fretfe.fem.stress_output import refuse_solids, write_stress
 from fretfe.fem.timing import Clock
-from fretfe.fem.unit_fields import state_requests
+from fretfe.history.solution import Solution
 from fretfe.loads import History, build_history
+from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
-from fretfe.results.solution import Solution
 
 
 def solve(
@@ -68,7 +71,7 @@ def _solve(
     comm: MPI.Comm, case: Case, options: RunOptions, load: LoadMesh | None
 ) -> tuple[Result, list[Any]]:
     """Result, and the meshes whose models nobody refers to any more."""
-    clock = Clock()
+    clock = Clock(options.doing)
     history = load_history(comm, case, options)
     prepared = build_model(comm, case, clock, load)
     return solve_prepared(prepared, case, history, options, clock), prepared.meshes
@@ -105,17 +108,19 @@ def solve_prepared(
     with clock("edge integrals"):
         if model.dimension == 2:
             tracks = None
-            solution = add_integrals(model, recorder, prepared.march, solution)
+            solution = add_integrals(model, recorder, prepared.march, solution, options.doing)
         else:
             tracks = on_root(comm, lambda: _fronts(case, solution), share=False)
-            solution = add_solid_integrals(model, recorder, prepared.march, solution, tracks)
+            solution = add_solid_integrals(
+                model, recorder, prepared.march, solution, tracks, options.doing
+            )
     with clock("evaluation"):
         found = _evaluate(model, recorder, solution, tracks)
         failure = failure or on_root(comm, lambda: imbalance(solution) if solution else None)
-    notes = model.notes
-    notes += on_root(
-        comm, lambda: tuple(each.text for each in solution.repeats) if solution else ()
-    )
+    divided = division_notes(solution.ends) if solution else ()
+    if solution is not None and (ends := step_ends(solution)):
+        solution = ends.solution(solution)
+    notes = model.notes + on_root(comm, lambda: _notes(mesh, divided, solution))
     result = Result(
         case=case,
         loads=comm.bcast(solution.loads if solution else None),
@@ -138,7 +143,7 @@ def solve_prepared(
         return replace(result, notes=notes)
     with clock("fields"):
         chosen = _field_states(case, history, solution, found) if solution else None
-        notes += _write_fields(model, history, recorder, chosen, options.fields)
+        notes += _write_fields(model, history, recorder, chosen, options)
     return replace(result, notes=notes)
 
 
@@ -156,7 +161,7 @@ def _fronts(case: Case, solution: Solution | None) -> Tracks | None:
     if solution is None:
         return None
     # Imported where it is needed: SciPy's interpolation takes a second.
-    from fretfe.edges.tracks_in_space import follow_fronts
+    from fretfe.evaluate.space.fronts import follow_fronts
 
     return {
         each.name: follow_fronts(solution, each, case.edges.stations) for each in solution.contacts
@@ -172,11 +177,34 @@ def _evaluate(
     def work() -> _Evaluation:
         if recorder is None or solution is None:
             return _Evaluation()
-        if tracks is not None:
-            return _evaluate_solids(model, solution, tracks)
-        return _evaluate_plane(model, recorder, solution, depths)
+        found = (
+            _evaluate_plane(model, recorder, solution, depths)
+            if tracks is None
+            else _evaluate_solids(model, recorder, solution, tracks)
+        )
+        return _at_step_ends(found, solution)
 
     return on_root(model.comm, work)
+
+
+def _at_step_ends(found: _Evaluation, solution: Solution) -> _Evaluation:
+    """An evaluation without the states within steps."""
+    ends = step_ends(solution)
+    if ends is None:
+        return found
+    return replace(
+        found,
+        contacts=ends.contacts(solution, found.contacts),
+        areas=tuple(ends.area(each) for each in found.areas),
+    )
+
+
+def _notes(
+    mesh: Mesh | None, divided: tuple[str, ...], solution: Solution | None
+) -> tuple[str, ...]:
+    """Notes on the mesh, and on steps that were divided or not solved; in words."""
+    repeats = solution.repeats if solution else ()
+    return (*(mesh.notes if mesh else ()), *divided, *(each.text for each in repeats))
 
 
 def _evaluate_plane(
@@ -188,16 +216,18 @@ def _evaluate_plane(
     return _Evaluation(contacts=with_limit_warnings(contacts, limits), limits=limits)
 
 
-def _evaluate_solids(model: Model, solution: Solution, tracks: Tracks) -> _Evaluation:
-    from fretfe.edges.solid_evaluation import evaluate_fronts
+def _evaluate_solids(
+    model: Model, recorder: Recorder, solution: Solution, tracks: Tracks
+) -> _Evaluation:
+    from fretfe.evaluate.space.evaluate import evaluate_fronts
 
-    limits = solid_limits(model.case, solution)
     fronts = {
         contact.name: evaluate_fronts(solution, contact, tracks[contact.name])
         for contact in solution.contacts
     }
-    areas = with_limit_warnings(evaluate_areas(solution, fronts), limits)
-    return _Evaluation(areas=areas, limits=limits)
+    areas = evaluate_areas(solution, fronts)
+    limits = model_limits(model, recorder, solution, areas, {})
+    return _Evaluation(areas=with_limit_warnings(areas, limits), limits=limits)
 
 
 def _penetration(model: Model, recorder: Recorder | None) -> dict[str, float]:
@@ -259,8 +289,8 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     channels = [load.channel for load in reduction.definition.loads]
     storage = options.storage({**_compat.versions(), "mesh": prepared.digest})
     recorder = Recorder(march, places, steps, channels, case.model.degree, storage)
-    if recorder.count > 1:
-        options.announce(f"continued after step {recorder.count - 1} of {len(steps) - 1}")
+    if recorder.steps_done:
+        options.announce(f"continued after step {recorder.steps_done} of {len(steps) - 1}")
     try:
         solve_history(march, recorder, steps, case.cycle.until_steady, options.progress)
     except ConvergenceError as failure:
@@ -297,19 +327,20 @@ def _write_fields(
     history: History,
     recorder: Recorder | None,
     chosen: list[int] | None,
-    path: Path,
+    options: RunOptions,
 ) -> tuple[str, ...]:
     """Write the fields of the chosen states, which rank 0 has. Collective.
 
     Returns:
         Why they could not be written: no reason to lose the numbers.
     """
-    states = model.comm.bcast(chosen)
-    if not states:
+    states, path = model.comm.bcast(chosen), options.fields
+    if not states or path is None:
         return ()
     try:
         with closing(FieldOutput(model, path)) as output:
-            for state in states:
+            for number, state in enumerate(states, start=1):
+                options.doing(f"fields: state {number} of {len(states)}")
                 (displacements,) = model.recover_fields(state_requests(recorder, [state]))
                 output.add(float(history.times[state]), displacements)
     except OutputError as error:

@@ -13,25 +13,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.contact.compliance import DenseCompliance
-from fretfe.contact.interface import Coordinate, Interface
+from fretfe.contact.full_stick import FRACTION, neighbour_states
+from fretfe.contact.interface import Coordinate, DenseCompliance, Interface, Place
 from fretfe.contact.march import March
-from fretfe.contact.neighbours import FRACTION, neighbour_states
-from fretfe.contact.place import Place
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import Progress, solve_history
 from fretfe.contact.state import StepTable
-from fretfe.edges.factors import UnitFactors, full_stick_units
-from fretfe.edges.full_stick import GALERKIN_OVERHANG
-from fretfe.edges.half_plane import half_plane_units
-from fretfe.edges.slip_zones import cycle_states
 from fretfe.errors import ConvergenceError
-from fretfe.halfplane.compliance import HatFunctions
-from fretfe.halfplane.grid import EdgeRange, graded_grid
+from fretfe.evaluate.factors import UnitFactors, full_stick_units, half_plane_units
+from fretfe.evaluate.plane.full_stick_fit import GALERKIN_OVERHANG
+from fretfe.evaluate.slip import cycle_states
+from fretfe.halfplane.compliance import EdgeRange, HatFunctions, graded_grid
+from fretfe.history.checkpoint import UNSEEN, Storage
+from fretfe.history.solution import ContactHistory, Factor, Neighbours, Solution
 from fretfe.idealise import HalfPlaneProblem
-from fretfe.idealise.edges import contact_edges, governing_length
-from fretfe.results.checkpoint import UNSEEN, Storage
-from fretfe.results.solution import ContactHistory, Factor, Neighbours, Solution
+from fretfe.idealise.problem import contact_edges, governing_length
 
 ELEMENTS = 300
 # Distance of the reference point of the displacements, in widths of the grid: only a rigid motion.
@@ -166,11 +162,10 @@ def _neighbours(
     problem: HalfPlaneProblem, march: March, recorder: Recorder, hats: HatFunctions
 ) -> Neighbours | None:
     """Two load levels next to the last state, with K_I between them in closed form."""
-    last = recorder.count - 1
     states = neighbour_states(march, recorder.last, recorder.last_loads)
     if states is None:
         return None
-    contact = contact_edges(problem)
+    contact, last = contact_edges(problem), recorder.steps_done
     positions = np.array([[contact.left[last]], [contact.right[last]]])
     loads = np.array([problem.normal_force[last], problem.moment[last], 0.0, 0.0])
     k_i = half_plane_units(positions)[0, :, Factor.K_I] @ (2 * FRACTION * loads)
@@ -184,6 +179,7 @@ def _step_loads(problem: HalfPlaneProblem, interface: Interface) -> StepTable:
         values=np.column_stack([problem.shear_force, -problem.normal_force, -problem.moment]),
         friction=problem.friction[:, None],
         sizes=np.array([interface.size]),
+        within=lambda steps, shares: _step_loads(problem.divided(steps, shares), interface),
     )
 
 
@@ -209,7 +205,7 @@ def _balance(recorder: Recorder, hats: HatFunctions) -> dict[str, Array]:
         contact = np.array([roots @ each for each in traction])
         moments = np.array([arms @ each[:, 0] for each in traction])
         parts.append(np.column_stack([contact[:, ::-1] * [1.0, -1.0], moments]))
-    found, loads = np.concatenate(parts), recorder.loads
+    found, loads = np.concatenate(parts), recorder.loads.values
     largest = np.abs(loads[:, :2]).max(axis=1)
     return {
         "force_imbalance": np.abs(found[:, :2] - loads[:, :2]).max(axis=1),

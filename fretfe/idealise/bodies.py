@@ -24,7 +24,7 @@ K_T_BY_HEIGHT, K_T_BY_WIDTH = 0.1, 0.7
 
 @dataclass(frozen=True)
 class Block:
-    """What remains of a template: its profile and how large its bodies are.
+    """A template as far as half-planes know it: its profile and the size of its bodies.
 
     Attributes:
         profile: initial gap between the bodies.
@@ -90,7 +90,7 @@ def read_block(template: str, values: Mapping[str, float], case: Case) -> Block:
 
 
 def geometry_obstacles(case: Case) -> Iterator[str]:
-    """Why the geometry or the materials of a case are not those of similar half-planes."""
+    """Reasons why the geometry or the materials of a case are not those of similar half-planes."""
     template = case.geometry.template
     if template not in PROFILES:
         found = f"a mesh file, {case.geometry.file!r}" if template is None else repr(template)

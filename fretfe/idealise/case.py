@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
+from fretfe._typing import Array
 from fretfe.case import Case
 from fretfe.errors import ModelError
-from fretfe.geometry.templates import check_parameters, find_template
 from fretfe.idealise.bodies import (
     LOWER,
     UPPER,
@@ -18,10 +19,10 @@ from fretfe.idealise.bodies import (
     geometry_obstacles,
     read_block,
 )
-from fretfe.idealise.edges import contact_edges
 from fretfe.idealise.loading import guided, loading_obstacles, one_sided, read_loading
-from fretfe.idealise.problem import HalfPlaneProblem
+from fretfe.idealise.problem import HalfPlaneProblem, contact_edges
 from fretfe.loads import History, build_history
+from fretfe.mesh.templates import check_parameters, find_template
 
 # Bodies smaller than this many half-widths are no half-planes at all.
 SMALLEST_BODY = 2.0
@@ -53,7 +54,8 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
     if reasons:
         raise NotIdealisable(case, reasons)
     assert case.geometry.template is not None
-    values = check_parameters(find_template(case.geometry.template), case.geometry.parameters)
+    template = find_template(case.geometry.template, length=case.units.length)
+    values = check_parameters(template, case.geometry.parameters)
     block = read_block(case.geometry.template, values, case)
     history = loads or build_history(case)
     loading = read_loading(case, history, block)
@@ -69,6 +71,7 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
         shear_force=loading.shear_force,
         moment=loading.moment,
         bulk_tension=loading.bulk_tension,
+        between=_between(case, history, block),
         notes=(),
     )
     problem.require_partial_slip()
@@ -79,8 +82,25 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
     return problem.with_errors(*block.size_errors(reach)).with_notes(_notes(case, block, reach))
 
 
+def _between(case: Case, history: History, block: Block) -> Array | None:
+    """(T-1, S, 4) P, Q, M and sigma0 within the steps; None if they are straight lines there."""
+    if history.between is None:
+        return None
+    steps, places, channels = history.between.shape
+    inner = replace(
+        history,
+        times=np.zeros(steps * places),
+        values=history.between.reshape(-1, channels),
+        cycle=None,
+        between=None,
+    )
+    loading = read_loading(case, inner, block)
+    loads = [loading.normal_force, loading.shear_force, loading.moment, loading.bulk_tension]
+    return np.column_stack(loads).reshape(steps, places, len(loads))
+
+
 def obstacles(case: Case) -> tuple[str, ...]:
-    """Why there is no half-plane problem for a case; empty if there is one.
+    """Reasons why there is no half-plane problem for a case; empty if there is one.
 
     Raises:
         CaseError: if the template, its parameters or the history are not valid.

@@ -31,7 +31,7 @@ class Loading:
 
 
 def loading_obstacles(case: Case) -> Iterator[str]:
-    """Why the loads and supports of a case are not those of half-planes, one reason each."""
+    """Reasons why the loads and supports of a case are not those of half-planes."""
     yield from _load_obstacles(case)
     fixed = _fixed(case)
     unknown = sorted(set(fixed) - {BOTTOM, *SIDES})
@@ -110,19 +110,19 @@ def _top_loads(case: Case) -> dict[str, PlatenLoad | TractionLoad]:
 
 
 def _has_shear_load(case: Case) -> bool:
-    """Whether the force along x is given: by a load, or because a traction lets the top move."""
+    """True if the force along x is given: by a load, or because a traction lets the top move."""
     platens = [load for load in _top_loads(case).values() if isinstance(load, PlatenLoad)]
     along_x = any(abs(_direction(load)[0]) > 1e-9 for load in platens)
     return along_x or not platens
 
 
 def guided(case: Case) -> bool:
-    """Whether the top of the upper body is a platen, which does not turn."""
+    """True if the top of the upper body is a platen, which does not turn."""
     return any(isinstance(load, PlatenLoad) for load in _top_loads(case).values())
 
 
 def one_sided(case: Case) -> bool:
-    """Whether one side of the block carries the whole shear force."""
+    """True if one side of the block carries the whole shear force."""
     return bool(_side_loads(case))
 
 

@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The half-plane problem: what closed forms and the half-plane solution need to know of a case."""
+"""The half-plane problem: what closed forms and the half-plane solution take, and its edges."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from fretfe._typing import Array, Bools
-from fretfe.analytic.profiles import Profile
+from fretfe._typing import Array, Bools, Indices
+from fretfe.analytic.profiles import Profile, edge_factor_k_n
+from fretfe.analytic.rocking import TiltedContact, tilted_contact
 from fretfe.errors import ModelError
 from fretfe.loads import History
+from fretfe.loads.history import within_steps
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,8 @@ class HalfPlaneProblem:
         shear_force: (T,) Q.
         moment: (T,) M of the pressure about the axis of the profile.
         bulk_tension: (T,) sigma0.
+        between: (T-1, S, 4) P, Q, M and sigma0 within the steps, as `History.between`; None if they
+            are straight lines there.
         k_n_error, k_t_error: relative errors of K_N and K_T to expect because the bodies of the
             case are finite.
         notes: what was assumed, in words.
@@ -45,6 +49,7 @@ class HalfPlaneProblem:
     shear_force: Array
     moment: Array
     bulk_tension: Array
+    between: Array | None = None
     k_n_error: float = 0.0
     k_t_error: float = 0.0
     notes: tuple[str, ...] = ()
@@ -57,6 +62,23 @@ class HalfPlaneProblem:
         """The same problem with other errors of K_N and K_T."""
         return replace(self, k_n_error=k_n, k_t_error=k_t)
 
+    def divided(self, steps: Indices, shares: Array) -> HalfPlaneProblem:
+        """The same problem on a finer clock; see `History.divided`."""
+        loads = np.column_stack(
+            [self.normal_force, self.shear_force, self.moment, self.bulk_tension]
+        )
+        normal, shear, moment, tension = within_steps(loads, self.between, steps, shares).T
+        return replace(
+            self,
+            history=self.history.divided(steps, shares),
+            friction=self.friction[steps],
+            normal_force=normal,
+            shear_force=shear,
+            moment=moment,
+            bulk_tension=tension,
+            between=None,
+        )
+
     def scaled(self, factor: float) -> HalfPlaneProblem:
         """The same problem with all loads multiplied."""
         return replace(
@@ -65,6 +87,7 @@ class HalfPlaneProblem:
             shear_force=factor * self.shear_force,
             moment=factor * self.moment,
             bulk_tension=factor * self.bulk_tension,
+            between=None if self.between is None else factor * self.between,
         )
 
     def require_partial_slip(self) -> None:
@@ -103,3 +126,25 @@ class HalfPlaneProblem:
     def _sheared(self) -> Bools:
         """(T,) whether a shear force acts that is not round-off."""
         return np.abs(self.shear_force) > 1e-12 * self.normal_force.max()
+
+
+def contact_edges(problem: HalfPlaneProblem) -> TiltedContact:
+    """(T,) positions of both edges, tilt, and K_N at both edges; NaN in states without contact."""
+    loaded = problem.normal_force > 0
+    force, moment = problem.normal_force[loaded], problem.moment[loaded]
+    if np.any(moment != 0):
+        contact = tilted_contact(problem.profile, force, moment)
+    else:
+        a = problem.profile.half_width(force)
+        k_n = edge_factor_k_n(problem.profile, a)
+        contact = TiltedContact(-a, a, np.zeros_like(a), k_n, k_n)
+    parts = np.full((len(fields(TiltedContact)), len(loaded)), np.nan)
+    for part, field in zip(parts, fields(TiltedContact), strict=True):
+        part[loaded] = getattr(contact, field.name)
+    return TiltedContact(*parts)
+
+
+def governing_length(problem: HalfPlaneProblem, half_width: float) -> float:
+    """Length over which the edge description holds: a, or a - b of a flat-and-rounded profile."""
+    inner = [kink for kink in problem.profile.kinks if kink < half_width]
+    return half_width - max(inner, default=0.0)

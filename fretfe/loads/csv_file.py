@@ -22,6 +22,16 @@ from fretfe.files import require_file
 SEPARATORS = {",": ",", ";": ";", "tab": "\t", "space": " "}
 
 
+# Rows that are read: more than the steps of any load.
+MOST_ROWS = 1_000_000
+# Numbers nearer to zero have lost digits: they are remains of something else.
+SMALLEST_CELL = 1e-300
+
+
+class _NoCells(CaseError):
+    """A line has no cells with some delimiter."""
+
+
 @dataclass(frozen=True)
 class Table:
     """Columns (n,) by name, n >= 1, and the line of the file that each row stands in."""
@@ -76,6 +86,10 @@ def read_table(
     data, lines = array("d"), array("l")
     for line, cells in rows:
         _require_no_more_cells(path, line, cells, header)
+        if len(lines) == MOST_ROWS:
+            raise CaseError(
+                f"{path}: line {line}: expected at most {MOST_ROWS:,} rows of numbers, found more"
+            )
         lines.append(line)
         data.extend(numbers.read(line, cells, place) for place in places)
     if not lines:
@@ -114,12 +128,23 @@ def possible_headers(path: Path) -> list[tuple[str, ...]]:
     """Column names of a file by each of the separators that it might have, the comma first.
 
     Raises:
-        CaseError: if the file cannot be read.
+        CaseError: if the file cannot be read, with any of them.
     """
-    return [
-        tuple(name.strip() for name in next(_rows(path, delimiter))[1])
-        for delimiter in SEPARATORS.values()
-    ]
+    return list(_headers(path).values())
+
+
+def _headers(path: Path) -> dict[str, tuple[str, ...]]:
+    """Column names by the delimiters with which the header can be read, the comma first."""
+    found: dict[str, tuple[str, ...]] = {}
+    problems: list[CaseError] = []
+    for delimiter in SEPARATORS.values():
+        try:
+            found[delimiter] = tuple(name.strip() for name in next(_rows(path, delimiter))[1])
+        except _NoCells as error:  # names in quotes end at another delimiter
+            problems.append(error)
+    if not found:
+        raise problems[0]
+    return found
 
 
 def _told_delimiter(path: Path, names: Sequence[str]) -> str:
@@ -128,8 +153,7 @@ def _told_delimiter(path: Path, names: Sequence[str]) -> str:
     Spaces may stand beside any other delimiter: they are the delimiter only if nothing else is.
     """
     found: dict[tuple[str, ...], str] = {}
-    for delimiter in SEPARATORS.values():
-        header = tuple(name.strip() for name in next(_rows(path, delimiter))[1])
+    for delimiter, header in _headers(path).items():
         if set(names) <= set(header) and not (found and delimiter == " "):
             found.setdefault(header, delimiter)
     if len(found) > 1:
@@ -155,10 +179,26 @@ def _rows(path: Path, delimiter: str) -> Iterator[tuple[int, list[str]]]:
                     yield reader.line_num, row
     except OSError as error:
         raise CaseError(f"{path}: expected a CSV file, found none ({error.strerror})") from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise CaseError(f"{path}: expected a CSV file (UTF-8 text), found: {error}") from None
+    except UnicodeDecodeError:
+        raise CaseError(f"{path}: {_not_text(path)}") from None
+    except csv.Error as error:
+        place = f"{path}: line {reader.line_num}"
+        raise _NoCells(f"{place}: expected cells of a CSV file, found: {error}") from None
     if empty:
         raise CaseError(f"{path}: expected a header row with the column names, found an empty file")
+
+
+def _not_text(path: Path) -> str:
+    """Place at which a file is not the text that it should be, in words."""
+    try:
+        path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = error.object.count(b"\n", 0, error.start) + 1
+        found = f"the byte {error.object[error.start]:#04x}"
+    return (
+        f"line {line}: expected UTF-8 text, found {found}, as in a file that was saved with "
+        "another encoding (latin-1, UTF-16); save it as UTF-8"
+    )
 
 
 def _require_no_more_cells(path: Path, line: int, cells: list[str], header: list[str]) -> None:
@@ -221,6 +261,11 @@ class _Numbers:
                 else (f"a number from {-LARGEST:g} to {LARGEST:g}")
             )
             raise CaseError(f"{self.path}: {place}: expected {expected}, found {found}")
+        if 0 < abs(number) < SMALLEST_CELL:
+            raise CaseError(
+                f"{self.path}: {place}: expected 0, or a number of {SMALLEST_CELL:g} or more, "
+                f"found {shortened(cell)!r}"
+            )
         for mark in marks:
             self.first.setdefault(mark, f"{cell!r} in {place}")
         if len(self.first) > 1:

@@ -1,21 +1,133 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""All loads on one clock, as arrays."""
+"""All loads on one clock, as arrays, and the cycle that is evaluated."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fretfe._typing import Array
-from fretfe.case import Case, complaint
+from fretfe._typing import Array, Indices
+from fretfe.case import Case, CsvPoints, complaint
 from fretfe.errors import CaseError
-from fretfe.loads.cycle import check_times, find_cycle
-from fretfe.loads.segments import SAME_TIME, Piece, read_pieces
+from fretfe.loads.segments import SAME_TIME, Key, Piece, read_pieces
 
+# Periods divide a cycle if their ratio is a whole number to this accuracy (periods are typed).
+WHOLE_NUMBER = 1e-6
+# A cycle is closed if no load differs by more than this fraction of its largest value.
+CLOSED = 1e-6
 # Parts of a step at whose ends the loads are known.
 PARTS = 8
+
+
+def check_times(case: Case, times: Array) -> None:
+    """Check that every time that the case names is the time of a step.
+
+    Args:
+        case: the case.
+        times: (T,) step times.
+
+    Raises:
+        CaseError: lists all times that are not, each with the nearest step times.
+    """
+    problems = [
+        complaint(case.source, key, _no_step(times, time))
+        for key, time in _named_times(case)
+        if np.min(np.abs(times - time)) > SAME_TIME * times[-1]
+    ]
+    if problems:
+        raise CaseError("\n".join(problems))
+
+
+def find_cycle(
+    case: Case, times: Array, values: Array, channels: Mapping[str, Sequence[Piece]]
+) -> tuple[int, int] | None:
+    """First and last step of the cycle: the one the case gives, or that of the slowest wave.
+
+    Args:
+        case: the case, its times checked.
+        times: (T,) step times.
+        values: (T, C) load values.
+        channels: segments of each load.
+
+    Raises:
+        CaseError: the cycle is not a whole number of periods of every wave in it, or the last
+            period of the slowest wave does not bring all loads back.
+    """
+    waves = {
+        (name, index): piece
+        for name, pieces in channels.items()
+        for index, piece in enumerate(pieces)
+        if piece.period is not None
+    }
+    if case.cycle.given is not None:
+        start, end = case.cycle.given
+    elif waves:
+        slowest = max(waves.values(), key=lambda wave: (wave.period, wave.end))
+        start, end = slowest.end - (slowest.period or 0.0), slowest.end
+    else:
+        return None
+    _check_periods(case, start, end, waves)
+    first, last = (int(np.argmin(np.abs(times - time))) for time in (start, end))
+    if case.cycle.given is None:
+        _check_closed(case, times, values, first, last)
+    return first, last
+
+
+def _named_times(case: Case) -> Iterator[tuple[Key, float]]:
+    for name, contact in case.contacts.items():
+        yield ("contacts", name, "friction_from"), contact.friction_from
+    if case.cycle.given is not None:
+        yield from zip((("cycle", "start"), ("cycle", "end")), case.cycle.given, strict=True)
+    if not isinstance(case.output.fields, str):
+        for index, time in enumerate(case.output.fields):
+            yield ("output", "fields", index), time
+
+
+def _no_step(times: Array, time: float) -> str:
+    if time > times[-1]:
+        return f"expected a time within the history, which ends at {times[-1]:g}, found {time:g}"
+    after = int(np.searchsorted(times, time))
+    return (
+        f"expected the time of a step, found {time:.10g}; the nearest steps are at "
+        f"{times[after - 1]:.10g} and {times[after]:.10g}"
+    )
+
+
+def _check_periods(
+    case: Case, start: float, end: float, waves: Mapping[tuple[str, int], Piece]
+) -> None:
+    """Demand that the cycle holds whole periods of every wave that acts in it."""
+    for (name, index), wave in waves.items():
+        # A wave that ends where the cycle starts, or the other way round, does not act in it.
+        shared = min(end, wave.end) - max(start, wave.start)
+        periods = (end - start) / (wave.period or end - start)
+        if shared <= SAME_TIME * end or abs(periods - round(periods)) <= WHOLE_NUMBER * periods:
+            continue
+        text = (
+            f"expected a period that divides the cycle from {start:g} to {end:g} (length "
+            f"{end - start:g}), found {wave.period:g}: change it, or give [cycle] a length that is "
+            "a whole multiple of every period"
+        )
+        key = "csv" if isinstance(case.loads[name].history[index], CsvPoints) else "period"
+        raise CaseError(complaint(case.source, ("loads", name, "history", index, key), text))
+
+
+def _check_closed(case: Case, times: Array, values: Array, first: int, last: int) -> None:
+    drift = np.abs(values[last] - values[first])
+    open_channels = np.flatnonzero(drift > CLOSED * np.max(np.abs(values), axis=0))
+    if not open_channels.size:
+        return
+    channel = int(open_channels[0])
+    name = list(case.loads)[channel]
+    text = (
+        "expected every load to return in the cycle, the last period of the slowest wave, found "
+        f"{values[first, channel]:g} at time {times[first]:g} and {values[last, channel]:g} at "
+        f"time {times[last]:g}: hold the load during that period, or name the cycle in [cycle]"
+    )
+    raise CaseError(complaint(case.source, ("loads", name), text))
 
 
 @dataclass(frozen=True)
@@ -27,8 +139,8 @@ class History:
         times: (T,) increasing; ``times[0] == 0``.
         values: (T, C), in the units of each load; row 0 is zero: the unloaded state.
         cycle: first and last step index of the cycle that is evaluated, if there is one.
-        between: (n, S, C) values at S places within each of the n steps of the cycle, at equal
-            distances in time; None without a cycle, or if they are not known.
+        between: (T-1, PARTS-1, C) values within each of the steps, at equal distances in time; None
+            if all loads are straight lines there, or not known.
     """
 
     channels: tuple[str, ...]
@@ -49,6 +161,59 @@ class History:
     def step(self, time: float) -> int:
         """Index of the step at a time, the nearest one if there is none."""
         return int(np.argmin(np.abs(self.times - time)))
+
+    def divided(self, steps: Indices, shares: Array) -> History:
+        """The same loads on a finer clock.
+
+        Args:
+            steps: (n,) number of the step in which each state of the finer clock lies.
+            shares: (n,) of the step, in (0, 1], at which it is reached: 1 at its end.
+        """
+        if np.all(shares == 1.0) and np.array_equal(steps, np.arange(len(self.times))):
+            return self
+        ends = np.flatnonzero(shares == 1.0)
+        between = None
+        if self.between is not None:
+            begin = np.where(np.append(-1, steps[:-1]) == steps, np.append(0.0, shares[:-1]), 0.0)
+            places = begin[1:, None] + (shares - begin)[1:, None] * np.arange(1, PARTS) / PARTS
+            inner = within_steps(
+                self.values, self.between, np.repeat(steps[1:], PARTS - 1), places.ravel()
+            )
+            between = inner.reshape(len(steps) - 1, PARTS - 1, len(self.channels))
+        cycle = None
+        if self.cycle is not None and self.cycle[1] < len(ends):
+            cycle = (int(ends[self.cycle[0]]), int(ends[self.cycle[1]]))
+        return replace(
+            self,
+            times=within_steps(self.times[:, None], None, steps, shares)[:, 0],
+            values=within_steps(self.values, self.between, steps, shares),
+            cycle=cycle,
+            between=between,
+        )
+
+
+def within_steps(values: Array, between: Array | None, steps: Indices, shares: Array) -> Array:
+    """(n, C) values at shares (n,) of steps (n,).
+
+    Each load follows one smooth segment within a step, as all kinks are at the ends of steps.
+
+    Args:
+        values: (T, C) at the ends of the steps.
+        between: (T-1, PARTS-1, C) within them, as of `History`; None for straight lines.
+        steps: (n,) numbers of steps.
+        shares: (n,) of them, in (0, 1].
+    """
+    found = values[steps].astype(float)
+    inside = np.flatnonzero(shares < 1.0)
+    own = steps[inside]
+    ends = values[own - 1], values[own]
+    if between is None:
+        share = shares[inside, None]
+        found[inside] = (1 - share) * ends[0] + share * ends[1]
+    else:
+        points = np.concatenate([ends[0][:, None], between[own - 1], ends[1][:, None]], axis=1)
+        found[inside] = np.einsum("np,npc->nc", _lagrange(shares[inside]), points)
+    return found
 
 
 def build_history(case: Case) -> History:
@@ -80,12 +245,28 @@ def build_history(case: Case) -> History:
     values = np.column_stack([_evaluate(pieces, times) for pieces in channels.values()])
     check_times(case, times)
     cycle = find_cycle(case, times, values, channels)
-    between = _between(channels, times[cycle[0] : cycle[1] + 1]) if cycle is not None else None
-    return History(tuple(channels), times, values, cycle, between)
+    return History(tuple(channels), times, values, cycle, _between(channels, times))
 
 
-def _between(channels: Mapping[str, Sequence[Piece]], times: Array) -> Array:
-    """(n, S, C) values of all loads within the steps between n + 1 times."""
+def _lagrange(shares: Array) -> Array:
+    """(n, PARTS+1) weights of values at equal distances within a step, at shares (n,) of it.
+
+    Those of the polynomial through all of them: of a sine with 7 steps a cycle it is right to 1e-9.
+    """
+    nodes = np.arange(PARTS + 1) / PARTS
+    signs = [(-1) ** j * math.comb(PARTS, j) for j in range(PARTS + 1)]
+    distance = shares[:, None] - nodes
+    at_node = np.abs(distance) < 1e-14
+    # The barycentric form, which is not defined at the nodes themselves.
+    parts = np.array(signs) / np.where(at_node, 1.0, distance)
+    weights = parts / parts.sum(axis=1, keepdims=True)
+    return np.where(at_node.any(axis=1, keepdims=True), at_node.astype(float), weights)
+
+
+def _between(channels: Mapping[str, Sequence[Piece]], times: Array) -> Array | None:
+    """(T-1, PARTS-1, C) values of all loads within the steps; None if all are straight lines."""
+    if not any(piece.curved for pieces in channels.values() for piece in pieces):
+        return None
     shares = np.arange(1, PARTS) / PARTS
     instants = (times[:-1, None] + np.diff(times)[:, None] * shares).ravel()
     values = np.column_stack([_evaluate(pieces, instants) for pieces in channels.values()])

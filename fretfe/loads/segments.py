@@ -27,13 +27,17 @@ SAME_END = 1e-9
 
 @dataclass(frozen=True)
 class Piece:
-    """One segment in the half-open interval (start, end]; ``period`` only if it repeats itself."""
+    """One segment in the half-open interval (start, end]; ``period`` only if it repeats itself.
+
+    ``curved`` unless it is a straight line between its steps.
+    """
 
     start: float
     end: float
     steps: Array
     value: Callable[[Array], Array]
     period: float | None = None
+    curved: bool = False
 
 
 def read_pieces(case: Case, name: str) -> list[Piece]:
@@ -146,7 +150,8 @@ def _wave(segment: Wave, start: float, value: float) -> Piece:
     first = float(values(np.array([start]))[0])
     _check_continuous(("wave",), start, value, first, abs(segment.mean) + abs(segment.amplitude))
     steps = start + segment.period * _wave_steps(segment)
-    return Piece(start, float(steps[-1]), steps, values, segment.period)
+    curved = segment.wave == "sine"
+    return Piece(start, float(steps[-1]), steps, values, segment.period, curved)
 
 
 def _wave_steps(segment: Wave) -> Array:

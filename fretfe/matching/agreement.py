@@ -23,7 +23,7 @@ FARTHER = 1.1
 
 @dataclass(frozen=True)
 class Reach:
-    """How far two tractions agree.
+    """Distance over which two tractions agree.
 
     Attributes:
         tolerance: largest relative difference.
@@ -128,7 +128,7 @@ def _profile(target: Target, name: str) -> Profile:
 
 
 def _reach(s: Array, error: Array, size: Array, tolerance: float) -> Reach:
-    """How far two fields agree, but for differences too narrow to be seen by both meshes."""
+    """Distance over which two fields agree, but for what is too narrow for both meshes."""
     beyond: Bools = ~(error <= tolerance)
     starts, ends = np.flatnonzero(np.diff(beyond, prepend=False, append=False)).reshape(-1, 2).T
     for start, end in zip(starts, ends, strict=True):

@@ -9,8 +9,8 @@ the rig leaves an interval; a family is as long as what all of them leave.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.optimize import brentq
@@ -20,6 +20,7 @@ from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge
 from fretfe.errors import ModelError
 from fretfe.matching.pads import Factors, PadTest, pad_test
 from fretfe.matching.rig import Rig, Shape
+from fretfe.matching.spreads import number_spreads, relative_bars
 from fretfe.matching.target import Target
 
 # Radii of rounded ends, and members of a family, that are looked at, and choices that are listed.
@@ -73,8 +74,8 @@ class Choice:
             counts, over the latter; NaN if that is not known.
         slip_misfit: longer slip zone to expect over the one to expect of the component, less 1; NaN
             if the pad would slide or nothing is known of the component's.
-        force_spread, shear_spread: error bars of P and of the amplitude of Q that come from those
-            of the factors, with the same pad.
+        spreads: error bars of the numbers of the test that come from those of the factors, with
+            the same pad.
     """
 
     shape: Shape
@@ -82,8 +83,7 @@ class Choice:
     binding: tuple[str, ...]
     misfit: float
     slip_misfit: float
-    force_spread: float = math.nan
-    shear_spread: float = math.nan
+    spreads: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def score(self) -> float:
@@ -94,7 +94,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Choices:
-    """What the rig can do with a shape.
+    """Tests that the rig can do with a shape.
 
     Attributes:
         shape: of the pad.
@@ -133,7 +133,7 @@ def choose(target: Target, rig: Rig, factors: Factors, shape: Shape) -> Choices:
 
 @dataclass(frozen=True)
 class _Search:
-    """What all families of a shape are searched for."""
+    """A search of all families of a shape for tests."""
 
     target: Target
     rig: Rig
@@ -170,25 +170,9 @@ class _Search:
         return [family.make(float(size)) for size in sizes]
 
     def with_spreads(self, choice: Choice) -> Choice:
-        """A choice with its error bars; those of both factors are taken as independent."""
-        parts = []
-        for name in ("k_n", "k_t_range"):
-            value, spread = getattr(self.factors, name), getattr(self.target, f"{name}_spread")
-            low, high = (
-                pad_test(choice.test.profile, replace(self.factors, **{name: value + each}))
-                for each in (-spread, spread)
-            )
-            force, shear = (
-                high.normal_force - low.normal_force,
-                (high.shear_amplitude - low.shear_amplitude),
-            )
-            parts.append((force / 2, shear / 2))
-        forces, shears = np.transpose(parts)
-        return replace(
-            choice,
-            force_spread=math.hypot(*forces),
-            shear_spread=math.hypot(*shears),
-        )
+        """A choice with its error bars."""
+        bars = relative_bars(self.target)
+        return replace(choice, spreads=number_spreads(choice.test, bars, self.rig))
 
     def _choice(self, test: PadTest, binding: tuple[str, ...]) -> Choice:
         # Both lengths to second order, under a shear force.
@@ -245,6 +229,7 @@ def _flat(radius: float, e_star: float) -> Callable[[float], Profile]:
 def _bounds(rig: Rig, shape: Shape) -> tuple[Bound, ...]:
     forces, strength = rig.forces, rig.specimen.yield_stress
     widest = WIDEST * min(rig.pad.half_width, rig.specimen.half_width)
+    deepest = WIDEST * min(rig.pad.height, rig.specimen.thickness)
     bounds = [
         Bound("smallest normal force", lambda test: test.normal_force - test.normal_amplitude,
               forces.normal[0], math.inf),
@@ -255,12 +240,15 @@ def _bounds(rig: Rig, shape: Shape) -> tuple[Bound, ...]:
         Bound("Q/(f P), which is sliding at 1", lambda test: test.shear_ratio, 0.0, 1.0),
         Bound("half-width of the contact, for the half-widths of the bodies",
               lambda test: test.widest, 0.0, widest),
+        Bound("half-width of the contact, for the height of the pad and the thickness",
+              lambda test: test.widest, 0.0, deepest),
     ]  # fmt: skip
     if forces.normal_amplitude is not None:
         low, high = forces.normal_amplitude
         name = "amplitude of the normal force"
         bounds.append(Bound(name, lambda test: test.normal_amplitude, low, high))
-    if strength is not None:
+    # The pressure of a wedge is infinite at its tip: there is no limit that it could keep.
+    if strength is not None and shape != "wedge":
         name = "largest pressure, by the yield stress"
         bounds.append(Bound(name, lambda test: test.peak_pressure, 0.0, YIELD * strength))
     if shape == "flat_rounded":
@@ -296,7 +284,7 @@ def _allowed(
 def _interval(
     family: _Family, factors: Factors, bounds: tuple[Bound, ...]
 ) -> tuple[float, float, tuple[str, str], tuple[str, ...]]:
-    """What all bounds leave of a family: ends, names of the bounds that bind there, or reasons."""
+    """The part of a family that all bounds leave: ends, bounds that bind there, or reasons."""
     ends = (pad_test(family.make(family.low), factors), pad_test(family.make(family.high), factors))
     low, high, binding = family.low, family.high, ["the size of the pad", "the size of the pad"]
     reasons = []
@@ -317,7 +305,7 @@ def _interval(
 
 
 def _margin(bound: Bound, limit: float, sign: float, test: PadTest) -> float:
-    """How far a test is inside a limit; an unknown value is outside of all."""
+    """Margin of a test inside a limit; an unknown value is outside of all."""
     value = bound.value(test)
     if math.isnan(value):
         return -math.inf

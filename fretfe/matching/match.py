@@ -1,24 +1,75 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""From the edge of a component to tests with the same factors, and back from the tests."""
+"""From the edge of a component to tests with the same factors, and back to what they are worth."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from fretfe.case import Units
 from fretfe.errors import CaseError, ModelError
+from fretfe.idealise.bodies import PROFILES, read_block
 from fretfe.matching.agreement import Agreement, compare_edges
 from fretfe.matching.choose import Choices, choose
-from fretfe.matching.corrected import corrected
-from fretfe.matching.pads import Factors, PadTest
+from fretfe.matching.pads import Factors, PadTest, closed_form, pad_test
 from fretfe.matching.rig import Rig
 from fretfe.matching.target import NORMAL_COUNTS, Target, read_target
+from fretfe.mesh.templates import check_parameters, find_template
 from fretfe.results.model import Result
 
 # Coefficients of friction, or moduli, that differ by less than this fraction are the same.
 SAME = 0.01
+
+
+def corrected(factors: Factors, found: Target, result: Result) -> PadTest:
+    """The same pad with the loads that give the factors.
+
+    Args:
+        factors: that are wanted.
+        found: left edge of the test.
+        result: of the test.
+
+    Raises:
+        ModelError: if the test is not one of the templates of pads.
+    """
+    test = _as_run(factors, found, result)
+    had = closed_form(test)
+    asked = replace(
+        factors,
+        k_n=had.k_n * factors.k_n / found.k_n,
+        k_t_range=had.k_t_range * factors.k_t_range / found.k_t_range,
+        k_i_range=had.k_i_range * factors.k_i_range / found.k_i_range if had.k_i_range else 0.0,
+    )
+    return pad_test(test.profile, asked)
+
+
+def _as_run(factors: Factors, found: Target, result: Result) -> PadTest:
+    """The test with the forces that its contact has carried in the cycle."""
+    template = result.case.geometry.template
+    if template not in PROFILES:
+        raise ModelError(
+            f"{result.directory or result.case.source}: expected a test with one of the templates "
+            f"{', '.join(PROFILES)} to correct, found {template or 'a mesh'}"
+        )
+    known = find_template(template, length=result.case.units.length)
+    values = check_parameters(known, result.case.geometry.parameters)
+    profile = read_block(template, values, result.case).profile
+    contact = result.contacts[0]
+    begin, end = result.loads.cycle or (0, len(result.loads.times) - 1)
+    force, shear = (each[begin : end + 1] for each in (contact.normal_force, contact.shear_force))
+    varies = factors.k_i_range > 0
+    middle = float(force.max() + force.min()) / 2
+    return PadTest(
+        profile=profile,
+        factors=factors,
+        half_width=float(profile.half_width(middle)),
+        normal_force=middle,
+        normal_amplitude=float(np.ptp(force)) / 2 if varies else 0.0,
+        shear_amplitude=(found.in_step if varies else 1) * float(np.ptp(shear)) / 2,
+    )
 
 
 @dataclass(frozen=True)
@@ -69,7 +120,7 @@ def match_test(result: Result, edge: str, rig: Rig) -> Match:
     _require_same(result, target, rig)
     factors = _factors(target, rig)
     shapes = tuple(choose(target, rig, factors, shape) for shape in rig.pad.shapes)
-    return Match(target, rig, factors, shapes, _notes(target, factors))
+    return Match(target, rig, factors, shapes, (*_notes(target, factors), *_unchecked(rig)))
 
 
 def compare_tests(match: Match, tests: Sequence[tuple[str, Result]]) -> Comparison:
@@ -136,8 +187,18 @@ def _require_same_friction(target: Target, friction: float, where: str) -> None:
         )
 
 
+def _unchecked(rig: Rig) -> tuple[str, ...]:
+    """Bounds of the rig that a shape of pad has nothing to compare with."""
+    if rig.specimen.yield_stress is None or "wedge" not in rig.pad.shapes:
+        return ()
+    return (
+        "the pressure of a wedge is infinite at its tip, whatever the load: specimen.yield_stress "
+        "is no bound for wedges",
+    )
+
+
 def _notes(target: Target, factors: Factors) -> tuple[str, ...]:
-    """What differs from the component although the factors are the same."""
+    """Differences from the component although the factors are the same."""
     normal = target.friction * target.k_i_range
     if factors.k_i_range > 0 or normal <= NORMAL_COUNTS * target.k_t_range:
         return target.warnings

@@ -25,7 +25,7 @@ EXACT, NEWTON = 1e-14, 60
 
 @dataclass(frozen=True)
 class Factors:
-    """What the edge of a test shall have.
+    """Factors that the edge of a test shall have.
 
     Attributes:
         k_n: K_N at the mean load.

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.edges.front import ContactSummary, Station
 from fretfe.errors import CaseError, ModelError, OutputError
+from fretfe.evaluate.contacts import ContactSummary, Station
 from fretfe.results.model import Result
 
 # Correlation of K_T and K_I below which they do not vary in step.
@@ -164,10 +164,10 @@ def _cycle(result: Result, station: Station, edge: str) -> tuple[int, int]:
 def _ranges(result: Result, station: Station, begin: int, end: int) -> tuple[float, float, float]:
     """Ranges of K_T, its error bar, and of K_I."""
     if (begin, end) == result.loads.cycle:
-        return station.k_t_range, station.k_t_range_spread, station.k_i_range
+        return station.k_t_range, station.k_range_spread, station.k_i_range
     k_t, k_i = station.k_t[[begin, end]], station.k_i[[begin, end]]
     size = float(np.ptp(k_t))
-    relative = station.k_t_range_spread / station.k_t_range if station.k_t_range > 0 else math.nan
+    relative = station.k_range_spread / station.k_t_range if station.k_t_range > 0 else math.nan
     return size, relative * size, float(np.ptp(k_i))
 
 

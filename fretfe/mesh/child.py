@@ -9,22 +9,25 @@ import sys
 import threading
 from pathlib import Path
 
-from fretfe.environment import machine_memory
+from fretfe.environment import machine_memory, memory_shortage
 from fretfe.errors import FretfeError
-from fretfe.mesh.contained import ERROR, MESH, OPENED, WORK, Work
-from fretfe.mesh.raw_file import write_raw
+from fretfe.mesh.contained import ERROR, MESH, OPENED, WORK, Work, write_raw
 
 
 def main(folder: Path) -> None:
     """Do the work in a folder and leave the mesh, or the error, there."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
     _limit_memory()
-    # Written by the process that started this one, into a folder that is its own.
-    work: Work = pickle.loads((folder / WORK).read_bytes())
     try:
+        # Written by the process that started this one, into a folder that is its own.
+        work: Work = pickle.loads((folder / WORK).read_bytes())
         write_raw(folder / MESH, work((folder / OPENED).touch))
-    except (FretfeError, MemoryError) as error:
+    except FretfeError as error:
         (folder / ERROR).write_text(f"{type(error).__name__}\n{error}", encoding="utf-8")
+    except Exception as error:
+        if not memory_shortage(error):
+            raise
+        (folder / ERROR).write_text(f"{MemoryError.__name__}\n", encoding="utf-8")
 
 
 def _end_with_parent() -> None:

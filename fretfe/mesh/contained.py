@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Reads geometry and mesh files in a process of its own, which may crash or hang.
-
-OpenCASCADE, Gmsh and HDF5 end the process, or never end, on some files that are damaged.
-"""
+"""Reads geometry and mesh files in a process of its own, which may crash."""
 
 from __future__ import annotations
 
 import contextlib
+import json
+import math
 import os
 import pickle
 import signal
@@ -14,14 +13,18 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
-from fretfe.environment import without_launcher
-from fretfe.errors import CaseError, DependencyError, FretfeError, MeshError
-from fretfe.geometry.gmsh_model import RawMesh
-from fretfe.mesh.raw_file import read_raw
+import numpy as np
 
+from fretfe._typing import Array
+from fretfe.environment import NO_ROOM, address_room, without_launcher
+from fretfe.errors import CaseError, DependencyError, FretfeError, MemoryShortError, MeshError
+from fretfe.mesh.gmsh import ElementBlock, RawMesh
+
+Blocks = Mapping[str, list[ElementBlock]]
 # Seconds for reading a file, and for each megabyte of it; for meshing what was read.
 READING, READING_MEGABYTE, MESHING = 20.0, 20.0, 3600.0
 # Files in the folder that both processes know. The first process writes the work, nobody else.
@@ -30,6 +33,43 @@ ERRORS = {each.__name__: each for each in (CaseError, DependencyError, MeshError
 
 # Reads a file into a mesh; calls what it is given when the file has been read.
 Work = Callable[[Callable[[], None]], RawMesh]
+
+
+def write_raw(path: Path, raw: RawMesh) -> None:
+    """Write a mesh; `read_raw` reads it back."""
+    arrays: dict[str, Any] = {"points": raw.points}
+
+    def listed(groups: Blocks) -> list[Any]:
+        table: list[Any] = []
+        for name, blocks in groups.items():
+            table.append([name, []])
+            for block in blocks:
+                arrays[f"block{len(arrays)}"] = block.nodes
+                table[-1][1].append([block.gmsh_type, f"block{len(arrays) - 1}"])
+        return table
+
+    head = {
+        "dimension": raw.dimension,
+        "bodies": listed(raw.bodies),
+        "boundaries": listed(raw.boundaries),
+    }
+    np.savez(path, head=np.array(json.dumps(head)), **arrays)
+
+
+def read_raw(path: Path) -> RawMesh:
+    """Read what `write_raw` has written; nothing in such a file is executed."""
+    with np.load(path, allow_pickle=False) as file:
+        head = json.loads(str(file["head"]))
+
+        def blocks(table: list[Any]) -> dict[str, list[ElementBlock]]:
+            return {
+                name: [ElementBlock(kind, file[key]) for kind, key in parts]
+                for name, parts in table
+            }
+
+        points: Array = file["points"]
+        bodies, boundaries = blocks(head["bodies"]), blocks(head["boundaries"])
+    return RawMesh(points, head["dimension"], bodies, boundaries)
 
 
 def raw_mesh_of(work: Work, path: Path, reading: float | None = None) -> RawMesh:
@@ -54,7 +94,7 @@ def raw_mesh_of(work: Work, path: Path, reading: float | None = None) -> RawMesh
         if (folder / ERROR).exists():
             kind, _, text = (folder / ERROR).read_text(encoding="utf-8").partition("\n")
             if kind == MemoryError.__name__:
-                raise MeshError(f"{path}: reading it takes more memory than the machine has")
+                raise _too_large(path)
             raise ERRORS[kind](text)
         if code == 0 and (folder / MESH).exists():
             return read_raw(folder / MESH)
@@ -103,8 +143,20 @@ def _wait(process: subprocess.Popen[bytes], folder: Path, path: Path, reading: f
     )
 
 
+def _too_large(path: Path) -> FretfeError:
+    """The error of a process without enough memory: a limit is the user's, a machine has an end."""
+    if math.isfinite(address_room()):
+        return MemoryShortError(
+            f"{path}: there is not enough memory to read it: the address space of a process is "
+            "limited (see ulimit -v)"
+        )
+    return MeshError(f"{path}: reading it takes more memory than the machine has")
+
+
 def _ended(path: Path, code: int, messages: str) -> FretfeError:
     """The error of a process that has left no mesh."""
+    if NO_ROOM.search(messages):
+        return _too_large(path)
     if "Traceback (most recent call last)" in messages and code == 1:
         raise RuntimeError(f"reading {path} failed:\n{messages}")
     if code >= 0:

@@ -5,7 +5,8 @@ Measured with one thread on a 2026 server processor (AVX-512, 25 GFlop/s in dens
 plane on meshes from 2 000 to 330 000 unknowns with 60 to 1 900 contact tractions: memory is right
 within a third, time within a factor of two on a quiet machine of that kind. In space on bodies of
 tetrahedra of order 2 with 23 000 to 285 000 unknowns and 760 to 4 000 contact tractions: memory is
-right within 15 %.
+right within 15 %. There a step takes from a tenth of what is estimated, where most nodes stick, to
+ten times that, where the contact slides as a whole.
 """
 
 from __future__ import annotations
@@ -31,6 +32,9 @@ SLOW_FACTORS = (
     "memory is short: the factors of the bodies are symmetric ones, which take half the space and "
     "about three times as long"
 )
+# Displacements of degree 1 over elements, in large meshes of triangles and of tetrahedra; unknowns
+# of meshes that fit everywhere.
+UNKNOWNS_PER_ELEMENT, FEWEST_UNKNOWNS = {2: 1.0, 3: 0.54}, 1000
 # Full matrices of the size of the interface that are held at the same time, of 8 bytes an entry.
 MATRICES = 6
 # Seconds: a factor by n^1.5 in the plane and n^2 in space, what is done cell by cell by n, start-up
@@ -39,7 +43,12 @@ FACTORISING = {2: (3.0e-8, 1.5), 3: (1.7e-9, 2.0)}
 ASSEMBLING, STARTING = {2: 1.2e-5, 3: 2.5e-5}, 3.0
 # Seconds by powers of the number of contact tractions: a factorisation of the interface, of which a
 # history needs a few; a step, its evaluation included.
-INTERFACE, ORDERS, STEP_SQUARED, STEP = 3.0e-11, 3, {2: 2.0e-9, 3: 1.5e-8}, 5.0e-3
+INTERFACE, ORDERS, STEP_SQUARED, STEP = 3.0e-11, 3, {2: 8.0e-9, 3: 4.0e-8}, 5.0e-3
+# Seconds behind the last step: for each unknown and station of a front its edge factors, local
+# problems included; for each unknown and state its fields; pictures and report, and for each
+# unknown.
+EDGES, FIELDS = {2: 4.0e-6, 3: 3.0e-6}, {2: 2.0e-6, 3: 3.0e-6}
+DRAWING, PICTURES = 4.0, {2: 3.0e-5, 3: 5.0e-5}
 # What makes a model smaller, in the plane and in space.
 PROPOSALS = {
     2: "make the elements larger away from the contact edges (growth, body_size), or use "
@@ -59,7 +68,8 @@ class Cost:
         steps: of the load history.
         memory: bytes.
         factors: those of them that hold the factors of the bodies.
-        seconds: with one thread, without pictures and report.
+        seconds: with one thread, pictures and report included.
+        behind: those of them behind the last step.
         dimension: 2 of a plane case, 3 of a solid one.
     """
 
@@ -69,6 +79,7 @@ class Cost:
     memory: float
     factors: float
     seconds: float
+    behind: float
     dimension: int
 
     @property
@@ -81,11 +92,14 @@ class Cost:
         """The estimate in words."""
         return (
             f"{self.unknowns} unknowns, {self.tractions} contact tractions, {self.steps} steps: "
-            f"about {_rounded(self.memory / 2**30)} GB and {_duration(self.seconds)}"
+            f"about {_rounded(self.memory / 2**30)} GB and {_duration(self.seconds)}, "
+            f"{_duration(self.behind)} of them for edge factors, fields and pictures"
         )
 
 
-def estimate_cost(mesh: Mesh, degree: int, nodes: int, steps: int) -> Cost:
+def estimate_cost(
+    mesh: Mesh, degree: int, nodes: int, steps: int, stations: int = 0, states: int = 0
+) -> Cost:
     """Estimate memory and time of a case.
 
     Args:
@@ -93,6 +107,8 @@ def estimate_cost(mesh: Mesh, degree: int, nodes: int, steps: int) -> Cost:
         degree: of the displacements.
         nodes: multiplier nodes of all contacts.
         steps: of the load history; those of one mesh if it refines itself.
+        stations: of all fronts.
+        states: whose fields are written.
     """
     bodies = [body_unknowns(body, degree) for body in mesh.bodies.values()]
     dimension = mesh.dimension
@@ -105,8 +121,25 @@ def estimate_cost(mesh: Mesh, degree: int, nodes: int, steps: int) -> Cost:
     preparation = sum(factor * n**power + ASSEMBLING[dimension] * n for n in bodies)
     interface = ORDERS * INTERFACE * tractions**3
     march = steps * (STEP + STEP_SQUARED[dimension] * tractions**2)
-    seconds = STARTING + preparation + interface + march
-    return Cost(sum(bodies), tractions, steps, memory, factors, seconds, dimension)
+    unknowns = sum(bodies)
+    behind = unknowns * (EDGES[dimension] * stations + FIELDS[dimension] * states)
+    behind += DRAWING + PICTURES[dimension] * unknowns
+    seconds = STARTING + preparation + interface + march + behind
+    return Cost(unknowns, tractions, steps, memory, factors, seconds, behind, dimension)
+
+
+def least_memory(elements: float, dimension: int) -> float:
+    """Bytes that a mesh of triangles or tetrahedra takes at least, with displacements of degree 1.
+
+    Args:
+        elements: of two bodies of about the same size.
+        dimension: 2 in the plane, 3 in space.
+    """
+    unknowns = elements * UNKNOWNS_PER_ELEMENT[dimension]
+    if unknowns < FEWEST_UNKNOWNS:
+        return ALWAYS
+    factors = PER_ENTRY * 2 * _factor_entries(int(unknowns / 2), dimension)
+    return ALWAYS + factors + PER_UNKNOWN * unknowns
 
 
 def _factor_entries(unknowns: int, dimension: int) -> float:

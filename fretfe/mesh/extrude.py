@@ -17,7 +17,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Solid
-from fretfe.mesh.cell_geometry import MIDDLES, reference_nodes, reversal
+from fretfe.mesh.elements import MIDDLES, reference_nodes, reversal
 from fretfe.mesh.mesh import BodyMesh, Mesh
 
 FRONT, BACK = "front", "back"
@@ -47,7 +47,8 @@ def extrude(mesh: Mesh, solid: Solid) -> Mesh:
         Tetrahedra and hexahedra of the same order. The boundaries keep their names; those at the
         ends are called `<body>_back` (z = 0) and `<body>_front` (z = length).
     """
-    return Mesh({name: _extruded(body, solid) for name, body in mesh.bodies.items()})
+    bodies = {name: _extruded(body, solid) for name, body in mesh.bodies.items()}
+    return replace(mesh, bodies=bodies)
 
 
 def _extruded(body: BodyMesh, solid: Solid) -> BodyMesh:

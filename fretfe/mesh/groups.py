@@ -13,16 +13,16 @@ from fretfe._typing import Indices
 from fretfe.case import Case
 from fretfe.case.channels import DisplacementLoad, PlatenLoad, TiltLoad
 from fretfe.errors import MeshError
-from fretfe.geometry.gmsh_model import BODY_KINDS, BOUNDARY_KINDS
-from fretfe.geometry.templates import did_you_mean
-from fretfe.mesh.cell_geometry import (
+from fretfe.mesh.elements import (
     CORNERS,
     MIDDLES,
     facet_measures,
     row_keys,
     smallest_angle,
 )
+from fretfe.mesh.gmsh import BODY_KINDS, BOUNDARY_KINDS
 from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.mesh.templates import did_you_mean
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def _shared_count(body: BodyMesh, size: int) -> int:
 
 
 def _distinct(numbers: Indices) -> int:
-    """How many numbers differ; three times as fast as `np.unique`."""
+    """Number of different numbers; three times as fast as `np.unique`."""
     return 1 + int(np.count_nonzero(np.diff(np.sort(numbers, axis=None))))
 
 

@@ -7,6 +7,7 @@ last of several *NODE blocks, and passes over node sets made of sets, surfaces a
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,19 +15,49 @@ from pathlib import Path
 from fretfe.errors import MeshError
 from fretfe.files import require_file
 
-# Keywords that change nodes, elements or what numbers mean: without them the mesh would be wrong.
+# Keywords, without blanks, that change nodes, elements or what numbers mean, or that join parts:
+# without them the model would be another one. And what to do instead.
+_WITHOUT_PARTS = (
+    "write the file without parts (Abaqus/CAE: model attribute 'Do not use parts and assemblies in "
+    "input files')"
+)
+_WRITTEN_OUT = "write out all nodes and elements"
+_JOINED = (
+    "it joins nodes or parts, which would come apart here: mesh them as one part with common "
+    "nodes, or make them bodies of their own in contact"
+)
 REFUSED = {
+    **dict.fromkeys(("PART", "INSTANCE", "ASSEMBLY"), _WITHOUT_PARTS),
     **dict.fromkeys(
-        ("PART", "INSTANCE", "ASSEMBLY"),
-        "write the file without parts (Abaqus/CAE: model attribute 'Do not use parts and "
-        "assemblies in input files')",
+        (
+            *("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "IMPERFECTION"),
+            *("SYMMETRICMODELGENERATION", "IMPORT", "MAP", "PARAMETER", "MODELCHANGE"),
+        ),
+        _WRITTEN_OUT,
     ),
     **dict.fromkeys(
-        ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"),
-        "write out all nodes and elements",
+        (
+            *("TIE", "MPC", "EQUATION", "NETWORKMPC", "EMBEDDEDELEMENT", "RIGIDBODY", "COUPLING"),
+            *("KINEMATIC", "DISTRIBUTING", "KINEMATICCOUPLING", "DISTRIBUTINGCOUPLING"),
+            *("SHELLTOSOLIDCOUPLING", "CYCLICSYMMETRYMODEL", "FASTENER", "PRE-TENSIONSECTION"),
+            *("SUBSTRUCTUREGENERATE", "SUBSTRUCTUREPROPERTY", "MATRIXASSEMBLE", "USERELEMENT"),
+            *("BONDEDREGION", "COHESIVEBEHAVIOR", "RELEASE", "JOINT", "CONNECTORSECTION"),
+            *("RIGIDSURFACE", "IMPLICITRIGIDBODY", "SPRING", "DASHPOT", "DISPLAYBODY"),
+        ),
+        _JOINED,
     ),
 }
+# Say nothing of the model.
+TITLES = ("HEADING", "INCLUDE")
+# Parameters, or their values, that make a keyword join parts.
+JOINING = {
+    "CONTACTPAIR": ("TIED",),
+    "SURFACEBEHAVIOR": ("TIED",),
+    "CONTACTINITIALIZATIONDATA": ("TIED",),
+}
 DEEPEST = 10
+# Stands for bytes that are not UTF-8; in comments they do not matter.
+UNKNOWN = "\N{REPLACEMENT CHARACTER}"
 MOST_MEMBERS = 100_000_000
 
 
@@ -42,7 +73,7 @@ class Card:
 
 @dataclass
 class Deck:
-    """What an input file says of the mesh; names are in capitals, as case does not count.
+    """The mesh in an input file; names are in capitals, as case does not count.
 
     Attributes:
         nodes: coordinates by number.
@@ -50,6 +81,7 @@ class Deck:
         node_sets: numbers of nodes, in order.
         element_sets: numbers of elements.
         surfaces: element numbers and sides (S1 is 1; 0 is whatever side is free).
+        unused: how often there was each keyword that was not used.
     """
 
     nodes: dict[int, tuple[float, float, float]] = field(default_factory=dict)
@@ -57,6 +89,7 @@ class Deck:
     node_sets: dict[str, list[int]] = field(default_factory=dict)
     element_sets: dict[str, list[int]] = field(default_factory=dict)
     surfaces: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
+    unused: Counter[str] = field(default_factory=Counter)
 
 
 def read_deck(path: Path) -> Deck:
@@ -74,21 +107,43 @@ def read_deck(path: Path) -> Deck:
         "SURFACE": _surface,
     }
     for card in _cards(path, DEEPEST):
-        if card.keyword in REFUSED:
-            raise MeshError(
-                f"{card.place}: *{card.keyword} is not supported; {REFUSED[card.keyword]}"
-            )
-        if card.keyword in readers:
-            try:
-                readers[card.keyword](deck, card)
-            except (ValueError, IndexError, KeyError, OverflowError) as error:
-                raise MeshError(f"{card.place}: cannot read *{card.keyword}: {error}") from error
+        _refuse_keyword(card)
+        # blanks in keywords do not count
+        read = readers.get(card.keyword.replace(" ", ""))
+        if read is None:
+            deck.unused.update([card.keyword] if card.keyword not in TITLES else ())
+            continue
+        try:
+            _require_text(card)
+            read(deck, card)
+        except (ValueError, IndexError, KeyError, OverflowError) as error:
+            raise MeshError(f"{card.place}: cannot read *{card.keyword}: {error}") from error
     if not deck.nodes or not deck.elements:
         raise MeshError(
             f"{path}: expected an Abaqus or CalculiX input file with nodes and elements, found "
             f"{len(deck.nodes)} nodes and {len(deck.elements)} elements"
         )
     return deck
+
+
+def _refuse_keyword(card: Card) -> None:
+    """Raise for a keyword without which the model would be another one."""
+    keyword = card.keyword.replace(" ", "")
+    words = {*card.parameters, *(value.upper() for value in card.parameters.values())}
+    joining = sorted(words.intersection(JOINING.get(keyword, ())))
+    if keyword in REFUSED or joining:
+        with_word = f" with {joining[0]}" if joining else ""
+        raise MeshError(
+            f"{card.place}: *{card.keyword}{with_word} is not supported; "
+            f"{REFUSED.get(keyword, _JOINED)}"
+        )
+
+
+def _require_text(card: Card) -> None:
+    """Bytes that are not UTF-8 would make different names the same one."""
+    texts = [*card.parameters.values(), *(value for row in card.rows for value in row)]
+    if any(UNKNOWN in text for text in texts):
+        raise ValueError("expected UTF-8 text, found other bytes in a name or a number")
 
 
 def _cards(path: Path, depth: int) -> Iterator[Card]:

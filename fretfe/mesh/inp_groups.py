@@ -1,30 +1,79 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Bodies and boundaries of an Abaqus or CalculiX mesh: element sets, node sets and surfaces."""
+"""Bodies and boundaries of an Abaqus or CalculiX mesh: kinds of elements, sets, sides."""
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Set
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from fretfe.case import Selector
 from fretfe.errors import MeshError
-from fretfe.geometry.gmsh_model import ElementBlock, RawMesh
+from fretfe.mesh.elements import CORNERS, MIDDLES, VTK_MIDDLES, complete, in_gmsh_order
+from fretfe.mesh.gmsh import ElementBlock, RawMesh
 from fretfe.mesh.inp import Deck, read_deck
-from fretfe.mesh.inp_sides import (
-    BODY_ELEMENTS,
-    CELLS,
-    FACET_ELEMENTS,
-    FACETS,
-    SOLID,
-    UNSUPPORTED,
-    Facet,
-    sides,
-)
-from fretfe.mesh.node_order import in_gmsh_order
-from fretfe.mesh.serendipity import complete
+
+# Plane strain and plane stress; shells and membranes, which mesh generators write for plane cells.
+PLANE = re.compile(r"(?:CPEG|CPE|CPS|M3D|STRI|S)([34689])\w*\Z")
+SOLID = re.compile(r"C3D(4|8|10|20)(?!\d)\w*\Z")
+LINE = re.compile(r"(?:T2D|T3D|B2|B3)\d\w*\Z")
+UNSUPPORTED = {
+    "axisymmetric elements": re.compile(r"C?G?AX|SAX|MAX|SFMAX"),
+    "prisms": re.compile(r"C3D(?:6|15)(?!\d)|SC6"),
+    "pyramids": re.compile(r"C3D(?:5|13)(?!\d)"),
+    "volume elements": re.compile(r"C3D(?!(?:4|8|10|20)(?!\d))|SC\d|CSS\d"),
+}
+# Points with a mass and surfaces without stiffness: a model without them has the same statics.
+HARMLESS = re.compile(r"(?:MASS|ROTARYI|HEATCAP|SFM)\w*\Z")
+# Elements of bodies, and those that may stand for their facets, by dimension.
+BODY_ELEMENTS, FACET_ELEMENTS = {2: PLANE, 3: SOLID}, {2: LINE, 3: PLANE}
+# Gmsh types by dimension and number of nodes.
+CELLS = {2: {3: 2, 4: 3, 6: 9, 8: 16, 9: 10}, 3: {4: 4, 8: 5, 10: 11, 20: 17}}
+FACETS = {2: {2: 1, 3: 8}, 3: {3: 2, 4: 3, 6: 9, 8: 16}}
+SHAPES = {
+    2: {3: "triangle", 6: "triangle"} | dict.fromkeys((4, 8, 9), "quadrilateral"),
+    3: {4: "tetrahedron", 10: "tetrahedron", 8: "hexahedron", 20: "hexahedron"},
+}
+# Corners of the sides S1, S2, ... of each shape.
+SIDES = {
+    "triangle": ((0, 1), (1, 2), (2, 0)),
+    "quadrilateral": ((0, 1), (1, 2), (2, 3), (3, 0)),
+    "tetrahedron": ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
+    "hexahedron": (
+        *((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1)),
+        *((1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Facet:
+    """A side of an element, by number; its nodes are corners, then middles of edges."""
+
+    element: int
+    side: int
+    nodes: tuple[int, ...]
+    corners: frozenset[int]
+
+
+def sides(number: int, nodes: tuple[int, ...], dimension: int) -> list[Facet]:
+    """Sides S1, S2, ... of an element."""
+    shape = SHAPES[dimension][len(nodes)]
+    around = (MIDDLES if dimension == 2 else VTK_MIDDLES)[shape]
+    middles = {frozenset(ends): i for i, ends in enumerate(around, CORNERS[shape])}
+    found = []
+    for side, corners in enumerate(SIDES[shape], start=1):
+        facet = [nodes[corner] for corner in corners]
+        if len(nodes) > CORNERS[shape]:
+            ahead = corners[1:] if len(corners) == 2 else (*corners[1:], corners[0])
+            pairs = zip(corners, ahead, strict=False)
+            facet += [nodes[middles[frozenset(pair)]] for pair in pairs]
+        found.append(Facet(number, side, tuple(facet), frozenset(facet[: len(corners)])))
+    return found
 
 
 def read_inp(
@@ -66,7 +115,19 @@ def read_inp(
         facets = groups.boundary(name, _label(name, selectors[1]))
         rows = ([place[n] for n in facet.nodes] for facet in facets)
         outside[name] = _blocks(rows, FACETS[dimension])
-    return complete(RawMesh(points, dimension, named, outside))
+    notes = tuple(_unused(path, deck, cells.keys() | groups.used))
+    return complete(RawMesh(points, dimension, named, outside, notes))
+
+
+def _unused(path: Path, deck: Deck, used: Set[int]) -> Iterator[str]:
+    """Parts of the file that are not used, in words."""
+    if deck.unused:
+        listed = ", ".join(f"*{keyword}" for keyword in sorted(deck.unused))
+        yield f"{path.name}: keywords that are not used: {listed}"
+    kinds = Counter(kind for number, (kind, _) in deck.elements.items() if number not in used)
+    if kinds:
+        listed = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
+        yield f"{path.name}: elements that are not used: {listed}"
 
 
 def _label(name: str, selectors: Mapping[str, Selector]) -> str:
@@ -90,6 +151,14 @@ def _cells(path: Path, deck: Deck, dimension: int) -> dict[int, tuple[int, ...]]
                     f"(C3D8, C3D20), found {what} ({kind}), which are not supported"
                 )
         match = BODY_ELEMENTS[dimension].match(kind)
+        known = match or FACET_ELEMENTS[dimension].match(kind) or LINE.match(kind)
+        if not known and not HARMLESS.match(kind):
+            raise MeshError(
+                f"{path}: element {number} is of type {kind}, which is not supported: a model "
+                "without it would be another one. Expected plane elements, tetrahedra (C3D4, "
+                "C3D10) or hexahedra (C3D8, C3D20), and lines, shells or membranes along them "
+                "for boundaries"
+            )
         if match and len(nodes) != int(match[1]):
             raise MeshError(
                 f"{path}: element {number} of type {kind}: expected {match[1]} nodes, found "
@@ -156,6 +225,8 @@ class _Groups:
         self._by_side: dict[tuple[int, int], Facet] = {}
         self._by_nodes: dict[frozenset[int], Facet] = {}
         self._exterior: list[Facet] = []
+        # elements that stand for facets
+        self.used: set[int] = set()
         for elements in bodies:
             facets = [
                 facet for number, nodes in elements for facet in sides(number, nodes, dimension)
@@ -227,6 +298,7 @@ class _Groups:
                     "a surface"
                 )
             found.append(facet)
+            self.used.add(number)
         return found
 
 

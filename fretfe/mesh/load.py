@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
@@ -13,17 +14,17 @@ from fretfe.case import Case, Geometry, check_dimension, complaint
 from fretfe.case.selectors import ABAQUS, CAD, GMSH_SCRIPT, XDMF, FileKind, Selector, file_kind
 from fretfe.errors import CaseError, MeshError
 from fretfe.files import file_fault
-from fretfe.geometry.cad import cad_model
-from fretfe.geometry.gmsh_model import RawMesh
-from fretfe.geometry.sizing import Sizes, apply_sizes, apply_sizes_on_faces
-from fretfe.geometry.templates import Template, find_template, read_template
+from fretfe.mesh.cad import cad_model
 from fretfe.mesh.contained import raw_mesh_of
 from fretfe.mesh.extrude import BACK, FRONT, extrude
+from fretfe.mesh.gmsh import RawMesh
 from fretfe.mesh.groups import check_groups, named_boundaries
 from fretfe.mesh.inp_groups import read_inp
 from fretfe.mesh.make import SetSizes, mesh_model, mesh_script, mesh_template, read_mesh
 from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.sizing import Sizes, apply_sizes, apply_sizes_on_faces
 from fretfe.mesh.split import mesh_from_raw
+from fretfe.mesh.templates import Template, find_template, read_template
 from fretfe.mesh.xdmf import read_xdmf
 
 # Growth of the element size per distance from the contact surfaces.
@@ -98,7 +99,7 @@ def _mesh_of_case(case: Case, size: SetSizes | None) -> Mesh:
     if geometry.template is None:
         assert geometry.file is not None
         return _mesh_of_file(case, geometry.file, size)
-    template = find_template(geometry.template)
+    template = find_template(geometry.template, length=case.units.length)
     if size is not None:
         _refuse_sizes(case, template)
     return mesh_template(template, geometry.parameters, geometry.order, size)
@@ -127,10 +128,11 @@ def _mesh_of_file(case: Case, file: str, size: SetSizes | None) -> Mesh:
         return _mesh_of_cad_file(case, path, size)
     if kind is XDMF:
         raw = raw_mesh_of(_reading_xdmf(case, path), path)
-        return mesh_from_raw(raw, str(path))
+        return mesh_from_raw(raw, str(path), case.geometry.merge, mergeable=True)
     if kind is ABAQUS:
-        return mesh_from_raw(_read_inp(case, path), str(path))
-    return read_mesh(path)
+        raw = _read_inp(case, path)
+        return mesh_from_raw(raw, str(path), case.geometry.merge, mergeable=True)
+    return read_mesh(path, case.geometry.merge)
 
 
 def _mesh_of_script(case: Case, path: Path, size: SetSizes | None) -> Mesh:
@@ -165,7 +167,7 @@ def _mesh_of_cad_file(case: Case, path: Path, size: SetSizes | None) -> Mesh:
         surfaces = [name for each in contacts for name in (each.surface1, each.surface2)]
         size = partial(_even_sizes, dict.fromkeys(surfaces, geometry.size or 0.0))
     model = partial(cad_model, path, geometry, case.units.length)
-    return mesh_model(model, path, geometry.order, size)
+    return mesh_model(model, path, geometry.order, size, geometry.size or math.inf)
 
 
 def _even_sizes(sizes: Mapping[str, float], gmsh: ModuleType) -> None:

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""From a Gmsh model or a mesh file to one mesh per body, checked.
-
-The functions are serial: they are called on one process. Lengths are in the units of the mesh.
-"""
+"""From a Gmsh model or a mesh file to one mesh per body, checked, and its expected size."""
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
@@ -13,22 +11,114 @@ from functools import partial
 from pathlib import Path
 from types import ModuleType
 
+from fretfe.environment import machine_memory
 from fretfe.errors import MeshError
 from fretfe.files import require_file
-from fretfe.geometry.gmsh_model import RawMesh, gmsh_model, raw_mesh, script_model
-from fretfe.geometry.templates import Template
 from fretfe.mesh.contained import MESHING, raw_mesh_of
+from fretfe.mesh.cost import least_memory
+from fretfe.mesh.gmsh import RawMesh, gmsh_model, raw_mesh, script_model
 from fretfe.mesh.mesh import Mesh
 from fretfe.mesh.split import mesh_from_raw
+from fretfe.mesh.templates import Template
 
+# The size of a model over its smallest elements up to which there are not many, in the plane and in
+# space.
+HARMLESS = {2: 1e5, 3: 5e2}
+# More elements than any case needs.
+MOST_ELEMENTS = 5e6
+# Factors of all element sizes: for a first look at the curves, and for meshes that become finer.
+FIRST, COARSE, STEP, FINEST = 4096.0, 256.0, 4.0, 4.0
+# Elements along all curves that a coarse mesh may have; cells from which their number tells enough.
+ALONG_CURVES, ENOUGH = 2000, 5000
+# Equilateral triangles on the square of their side.
+PER_SQUARE = 4 / math.sqrt(3)
+FACTOR = "Mesh.MeshSizeFactor"
 # Sets the element sizes of the current Gmsh model.
 SetSizes = Callable[[ModuleType], None]
+# Growth of the element size per distance from fine curves, where no other one is known.
+GROWTH = 0.2
 # Opens a Gmsh model, and closes it.
 OpenModel = Callable[[], AbstractContextManager[ModuleType]]
 
 
-def read_mesh(path: str | os.PathLike[str]) -> Mesh:
+def require_room(gmsh: ModuleType, source: str, smallest: float, growth: float) -> None:
+    """Check that the mesh of the current model is not larger than this machine can solve.
+
+    Args:
+        gmsh: the library, with a model whose element sizes are set.
+        source: file or template, for messages.
+        smallest: size of the smallest elements; 0 if that is not known.
+        growth: of the size per distance from fine curves.
+
+    Raises:
+        MeshError: with an estimate of elements and memory, before the mesh is made.
+    """
+    low_high = gmsh.model.getBoundingBox(-1, -1)
+    extent = math.dist(low_high[:3], low_high[3:])
+    dimension = gmsh.model.getDimension()
+    if extent <= HARMLESS[dimension] * smallest or gmsh.model.mesh.getElementTypes().size:
+        return
+    elements, memory = expected_elements(gmsh, growth), machine_memory()
+    needed = least_memory(elements, dimension)
+    if elements > MOST_ELEMENTS or needed > (memory or math.inf):
+        there = f" (there are {memory / 2**30:.0f} GB)" if memory else ""
+        raise MeshError(
+            f"{source}: expected at most {MOST_ELEMENTS:.0e} elements that this machine can solve, "
+            f"found sizes that would make about {elements:.1g}, which take "
+            f"{needed / 2**30:.0f} GB of memory or more{there}: make the elements larger, or let "
+            "them grow faster away from the contact. Nothing was meshed"
+        )
+
+
+def expected_elements(gmsh: ModuleType, growth: float) -> float:
+    """Number of cells of the mesh to come; 0 for one that is small, or that coarse meshes fail for.
+
+    Args:
+        gmsh: the library, with a model whose element sizes are set.
+        growth: of the size per distance from fine curves, as these need many rows of triangles.
+    """
+    dimension = gmsh.model.getDimension()
+    before = gmsh.option.getNumber(FACTOR)
+    try:
+        curves = len(gmsh.model.getEntities(1))
+        along = FIRST * max(_count(gmsh, 1, FIRST * before) - curves, 0)
+        # sizes s + g d over a line of length l: the integral of 1/h² over the area is l/(s g)
+        in_rows = along * PER_SQUARE / growth if dimension == 2 else 0.0
+        if in_rows > MOST_ELEMENTS:
+            return in_rows
+        factor = max(COARSE, along / ALONG_CURVES)
+        coarser, found = 0, _count(gmsh, dimension, factor * before)
+        while found < ENOUGH and factor > FINEST:
+            factor /= STEP
+            coarser, found = found, _count(gmsh, dimension, factor * before)
+        if found < ENOUGH:
+            return 0.0
+        coarser = coarser or _count(gmsh, dimension, STEP * factor * before)
+    except Exception:
+        # Gmsh raises nothing more special. Quadrilaterals, for instance, need even numbers of sides
+        # along each curve, which coarse meshes may not have.
+        return 0.0
+    finally:
+        gmsh.option.setNumber(FACTOR, before)
+        gmsh.model.mesh.clear()
+    power = math.log(found / max(coarser, 1)) / math.log(STEP)
+    return max(in_rows, float(found * factor ** min(max(power, 1.0), dimension)))
+
+
+def _count(gmsh: ModuleType, dimension: int, factor: float) -> int:
+    """Cells of a dimension in a mesh whose sizes are multiplied by a factor."""
+    gmsh.model.mesh.clear()
+    gmsh.option.setNumber(FACTOR, factor)
+    gmsh.model.mesh.generate(dimension)
+    return sum(len(tags) for tags in gmsh.model.mesh.getElements(dimension)[1])
+
+
+def read_mesh(path: str | os.PathLike[str], merge: float | None = None) -> Mesh:
     """Read a Gmsh file (.msh, format 2.2 or 4.1) whose physical groups have names.
+
+    Args:
+        path: of the file.
+        merge: distance up to which nodes of a body become one; None merges none.
 
     Raises:
         MeshError: The file is missing or unreadable, or the mesh in it is not a set of separate
@@ -36,7 +126,8 @@ def read_mesh(path: str | os.PathLike[str]) -> Mesh:
     """
     path = Path(path)
     _require_gmsh_file(path)
-    return mesh_from_raw(raw_mesh_of(partial(_merged, path), path), str(path))
+    raw = raw_mesh_of(partial(_merged, path), path)
+    return mesh_from_raw(raw, str(path), merge, mergeable=True)
 
 
 def mesh_template(
@@ -58,8 +149,14 @@ def mesh_template(
         MeshError: Gmsh cannot mesh the geometry, or the mesh is not valid.
     """
     model = partial(script_model, template, parameters)
-    raw = _meshed(model, template.path, order, size, lambda: None)
-    return mesh_from_raw(raw, f"template '{template.name}'")
+    known = {each.name: each.default for each in template.parameters} | {**parameters}
+    smallest = min(known[each.name] for each in template.parameters if each.is_size)
+    what = f"template '{template.name}'"
+    # A mesh that refines itself begins with few elements, and counts them.
+    smallest = smallest if size is None else math.inf
+    fineness = smallest, known["growth"]
+    raw = _meshed(model, what, order, size, fineness, lambda: None)
+    return mesh_from_raw(raw, what)
 
 
 def mesh_script(
@@ -70,12 +167,12 @@ def mesh_script(
     Arguments and errors are those of `mesh_template`.
     """
     model = partial(script_model, template, parameters)
-    work = partial(_meshed, model, template.path, order, size)
+    work = partial(_meshed, model, str(template.path), order, size, (0.0, GROWTH))
     # A script may build, and mesh, for long.
     return mesh_from_raw(raw_mesh_of(work, template.path, MESHING), str(template.path))
 
 
-def mesh_model(model: OpenModel, path: Path, order: int, size: SetSizes) -> Mesh:
+def mesh_model(model: OpenModel, path: Path, order: int, size: SetSizes, smallest: float) -> Mesh:
     """Mesh the model of a file in a process of its own; its physical groups have names.
 
     Args:
@@ -83,24 +180,32 @@ def mesh_model(model: OpenModel, path: Path, order: int, size: SetSizes) -> Mesh
         path: File that it comes from.
         order: Polynomial order of the elements.
         size: Sets element sizes.
+        smallest: Size of the smallest elements; infinite if it is known that there are not many.
 
     Raises:
         MeshError: Gmsh cannot mesh the geometry, or the mesh is not valid.
     """
-    raw = raw_mesh_of(partial(_meshed, model, path, order, size), path)
+    raw = raw_mesh_of(partial(_meshed, model, str(path), order, size, (smallest, GROWTH)), path)
     return mesh_from_raw(raw, str(path))
 
 
 def _meshed(
-    model: OpenModel, path: Path, order: int, size: SetSizes | None, opened: Callable[[], None]
+    model: OpenModel,
+    source: str,
+    order: int,
+    size: SetSizes | None,
+    fineness: tuple[float, float],
+    opened: Callable[[], None],
 ) -> RawMesh:
+    """The mesh of a model, if it is not too large by its smallest elements and their growth."""
     with model() as gmsh:
         opened()
         if size is not None:
             size(gmsh)
+        require_room(gmsh, source, *fineness)
         gmsh.model.mesh.generate(gmsh.model.getDimension())
         gmsh.model.mesh.setOrder(order)
-        return raw_mesh(gmsh, path)
+        return raw_mesh(gmsh, Path(source))
 
 
 def _merged(path: Path, opened: Callable[[], None]) -> RawMesh:

@@ -23,6 +23,7 @@ class BodyMesh:
             the left of a facet that is walked from its first to its second end. Of a solid by
             physical group of surfaces, triangles (3 or 6 nodes) or quadrilaterals (4 or 9) that run
             counter-clockwise seen from outside.
+        pieces: Number of its pieces, which do not touch each other.
     """
 
     name: str
@@ -31,15 +32,27 @@ class BodyMesh:
     cell: str
     order: int
     boundaries: dict[str, Indices]
+    pieces: int = 1
 
 
 @dataclass(frozen=True)
 class Mesh:
-    """Bodies by name; no two of them share a node."""
+    """Bodies by name; no two of them share a node.
+
+    Attributes:
+        bodies: by name.
+        notes: what a reader of the results should know of how it was read, in words.
+    """
 
     bodies: dict[str, BodyMesh]
+    notes: tuple[str, ...] = ()
 
     @property
     def dimension(self) -> int:
         """Number of coordinates."""
         return next(iter(self.bodies.values())).points.shape[1]
+
+
+def place_text(point: Array) -> str:
+    """A place in words."""
+    return f"({', '.join(f'{value:.6g}' for value in point)})"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Split a mesh into its bodies, each with its own node numbers, cells and boundaries, checked."""
+"""Split a mesh into its bodies, each with its own node numbers, merged where a case asks for it."""
 
 from __future__ import annotations
 
@@ -7,31 +7,34 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
 from fretfe.case.base import LARGEST, SMALLEST
 from fretfe.errors import MeshError
-from fretfe.geometry.gmsh_elements import (
+from fretfe.mesh.elements import (
+    CORNERS,
     ELEMENTS,
+    FACET_SHAPES,
+    PLURALS,
     SERENDIPITY_HEXAHEDRON,
     SERENDIPITY_QUADRILATERAL,
     SHAPE_DIMENSIONS,
     UNSUPPORTED,
-)
-from fretfe.geometry.gmsh_model import ElementBlock, RawMesh
-from fretfe.mesh.cell_geometry import (
-    CORNERS,
-    FACET_SHAPES,
-    PLURALS,
     directed_facets,
     exterior_facets,
     positive_cells,
     row_keys,
+    shortest_edges,
 )
-from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.mesh.gmsh import ElementBlock, RawMesh
+from fretfe.mesh.mesh import BodyMesh, Mesh, place_text
+from fretfe.mesh.pieces import connected_groups, require_joined
 
 # Out-of-plane coordinates below this fraction of the size of the mesh are round-off.
 PLANE_TOLERANCE = 1e-9
+# Part of the shortest side of an element by which a coordinate may be rounded.
+LOST_DIGITS = 1e-7
 EXPECTED = {
     2: "triangles with 3 or 6 nodes or quadrilaterals with 4 or 9",
     3: "tetrahedra with 4 or 10 nodes or hexahedra with 8 or 27",
@@ -40,6 +43,61 @@ SERENDIPITY = {
     SERENDIPITY_QUADRILATERAL: ("8-node quadrilaterals", "9-node ones"),
     SERENDIPITY_HEXAHEDRON: ("20-node hexahedra", "27-node ones"),
 }
+
+
+def merged(raw: RawMesh, tolerance: float, source: str) -> tuple[RawMesh, str]:
+    """A mesh without double nodes within its bodies; nodes of different bodies stay apart.
+
+    Args:
+        raw: mesh whose bodies share no nodes.
+        tolerance: distance up to which nodes are merged, in the unit of the mesh.
+        source: file, for messages.
+
+    Returns:
+        The mesh, with the boundaries on the nodes that are left, and what was done, in words.
+
+    Raises:
+        MeshError: an element would lose a node.
+    """
+    target = np.arange(len(raw.points))
+    counts = []
+    for name, blocks in raw.bodies.items():
+        nodes = np.unique(np.concatenate([block.nodes.ravel() for block in blocks]))
+        target[nodes] = nodes[_representatives(raw, nodes, tolerance)]
+        _require_whole(name, blocks, raw, target, source)
+        counts.append(f"{np.count_nonzero(target[nodes] != nodes)} of '{name}'")
+    note = f"merge = {tolerance:g}: nodes joined with others in the same place: {', '.join(counts)}"
+    bodies, boundaries = (
+        {
+            name: [ElementBlock(block.gmsh_type, target[block.nodes]) for block in blocks]
+            for name, blocks in groups.items()
+        }
+        for groups in (raw.bodies, raw.boundaries)
+    )
+    return replace(raw, bodies=bodies, boundaries=boundaries), note
+
+
+def _representatives(raw: RawMesh, nodes: Indices, tolerance: float) -> Indices:
+    """(n,) place of the first of all nodes that each of some is merged with."""
+    pairs = cKDTree(raw.points[nodes]).query_pairs(tolerance, output_type="ndarray")
+    labels = connected_groups(len(nodes), *pairs.T)
+    first = np.unique(labels, return_index=True)[1]
+    return np.asarray(first[labels])
+
+
+def _require_whole(
+    name: str, blocks: list[ElementBlock], raw: RawMesh, target: Indices, source: str
+) -> None:
+    for block in blocks:
+        ordered = np.sort(target[block.nodes], axis=1)
+        bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
+        if len(bad):
+            place = raw.points[block.nodes[bad[0]]].mean(axis=0)[: raw.dimension]
+            raise MeshError(
+                f"{source}: geometry.merge: expected a distance smaller than all elements, found "
+                f"one at which {len(bad)} elements of body '{name}' lose nodes, the first at "
+                f"{place_text(place)}"
+            )
 
 
 @dataclass(frozen=True)
@@ -55,14 +113,27 @@ class _Cells:
 _Facets = dict[str, Indices]
 
 
-def mesh_from_raw(raw: RawMesh, source: str) -> Mesh:
+def mesh_from_raw(
+    raw: RawMesh, source: str, merge: float | None = None, *, mergeable: bool = False
+) -> Mesh:
     """Split a mesh into bodies with their own node numbers and boundaries.
+
+    Args:
+        raw: mesh.
+        source: of it, for messages.
+        merge: distance up to which nodes of a body become one; None merges none.
+        mergeable: whether a case could ask for that, for messages.
 
     Raises:
         MeshError: It is not a set of separate plane or solid bodies with valid elements.
     """
     _require_finite(raw.points, source)
-    cells = {name: _cells(name, blocks, raw, source) for name, blocks in raw.bodies.items()}
+    notes = list(raw.notes)
+    if merge is not None:
+        _node_owners(raw, _all_cells(raw, source), source)
+        raw, note = merged(raw, merge, source)
+        notes.append(note)
+    cells = _all_cells(raw, source)
     _require_one_order(raw, cells, source)
     owner = _node_owners(raw, cells, source)
     # number of each node within its body
@@ -84,8 +155,18 @@ def mesh_from_raw(raw: RawMesh, source: str) -> Mesh:
                 group: {shape: local[corners] for shape, corners in parts.items()}
                 for group, parts in facets[number].items()
             },
+            mergeable=mergeable,
         )
-    return Mesh(bodies)
+    notes += [
+        f"body '{body.name}' consists of {body.pieces} pieces that do not touch each other"
+        for body in bodies.values()
+        if body.pieces > 1
+    ]
+    return Mesh(bodies, tuple(notes))
+
+
+def _all_cells(raw: RawMesh, source: str) -> dict[str, _Cells]:
+    return {name: _cells(name, blocks, raw, source) for name, blocks in raw.bodies.items()}
 
 
 def _require_finite(points: Array, source: str) -> None:
@@ -94,7 +175,7 @@ def _require_finite(points: Array, source: str) -> None:
     if len(bad):
         raise MeshError(
             f"{source}: expected coordinates from {-LARGEST:g} to {LARGEST:g}, found a node at "
-            f"{_coordinates(bad[0])}"
+            f"{place_text(bad[0])}"
         )
     extent = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
     if extent < SMALLEST:
@@ -152,7 +233,7 @@ def _node_owners(raw: RawMesh, cells: Mapping[str, _Cells], source: str) -> Indi
             group, sides = {2: ("surface", "curves"), 3: ("volume", "surfaces")}[raw.dimension]
             raise MeshError(
                 f"{source}: bodies '{other}' and '{names[number]}' share {len(shared)} of their"
-                f" nodes, the first at {_coordinates(raw.points[shared[0]])}; each body needs a"
+                f" nodes, the first at {place_text(raw.points[shared[0]])}; each body needs a"
                 f" mesh of its own. Either a {group} is in two physical {group}s, or the interface"
                 f" was merged: give each body its own points and {sides} there (in Gmsh no"
                 " Coherence, BooleanFragments or Mesh > Remove duplicate nodes)"
@@ -167,7 +248,7 @@ def _plane_points(name: str, points: Array, source: str) -> Array:
     if height.max() > PLANE_TOLERANCE * np.ptp(points, axis=0).max():
         raise MeshError(
             f"{source}: expected volumes, or surfaces in the plane z = 0, but the mesh has no"
-            f" volumes and body '{name}' has a node at {_coordinates(points[height.argmax()])}."
+            f" volumes and body '{name}' has a node at {place_text(points[height.argmax()])}."
             " Shells are not supported: mesh the volumes (in Gmsh Mesh > 3D) and name each in a"
             " physical volume"
         )
@@ -202,13 +283,15 @@ def _body(
     cells: _Cells,
     source: str,
     boundaries: Mapping[str, _Facets],
+    *,
+    mergeable: bool,
 ) -> BodyMesh:
     """Check the cells, turn them the right way round, and turn the facets with them."""
     nodes, bad = positive_cells(points, cells.nodes, cells.cell, cells.order)
     if len(bad):
         raise MeshError(
             f"{source}: body '{name}' has inverted elements ({len(bad)} of {len(nodes)}), the"
-            f" first at {_coordinates(points[nodes[bad[0]]].mean(axis=0))}"
+            f" first at {place_text(points[nodes[bad[0]]].mean(axis=0))}"
         )
     shape = FACET_SHAPES[cells.cell]
     outside, folded = exterior_facets(directed_facets(nodes, cells.cell, cells.order), shape)
@@ -217,6 +300,9 @@ def _body(
             f"{source}: body '{name}' has elements that overlap, the first at the"
             f" {_facet_text(points[folded[0]])}"
         )
+    _require_digits(name, points, outside, shape, source)
+    body = BodyMesh(name, points, nodes, cells.cell, cells.order, {})
+    pieces = require_joined(body, outside, source, mergeable=mergeable)
     found = {}
     for group, parts in boundaries.items():
         if other := parts.keys() - {shape}:
@@ -225,7 +311,19 @@ def _body(
                 f" {PLURALS[cells.cell]}; expected {PLURALS[shape]}, the facets of these"
             )
         found[group] = _matching(group, points, outside, parts[shape], source)
-    return BodyMesh(name, points, nodes, cells.cell, cells.order, found)
+    return replace(body, boundaries=found, pieces=pieces)
+
+
+def _require_digits(name: str, points: Array, outside: Indices, shape: str, source: str) -> None:
+    """Far from the origin coordinates have no digits left for the shape of a surface."""
+    farthest = np.abs(points).max(axis=0)
+    smallest = float(shortest_edges(points, outside, shape).min())
+    if np.spacing(farthest.max()) > LOST_DIGITS * smallest:
+        raise MeshError(
+            f"{source}: body '{name}' has coordinates up to {farthest.max():.6g} and elements of "
+            f"{smallest:.3g}: so far from the origin coordinates have too few digits for the shape "
+            "of the surfaces. Expected bodies near the origin: move the mesh there"
+        )
 
 
 def _matching(
@@ -260,9 +358,5 @@ def _refuse_facets(group: str, points: Array, bad: Indices, count: int, source: 
 def _facet_text(corners: Array) -> str:
     """The facet with some corners (c, d) in words."""
     if len(corners) == 2:
-        return f"edge from {_coordinates(corners[0])} to {_coordinates(corners[1])}"
-    return f"facet around {_coordinates(corners.mean(axis=0))}"
-
-
-def _coordinates(point: Array) -> str:
-    return f"({', '.join(f'{value:.6g}' for value in point)})"
+        return f"edge from {place_text(corners[0])} to {place_text(corners[1])}"
+    return f"facet around {place_text(corners.mean(axis=0))}"

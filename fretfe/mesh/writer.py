@@ -9,10 +9,13 @@ from typing import Any
 import numpy as np
 
 from fretfe.errors import OutputError
-from fretfe.geometry.gmsh_elements import NUMBERS
-from fretfe.geometry.gmsh_model import gmsh_model
-from fretfe.mesh.cell_geometry import FACET_SHAPES
+from fretfe.files import cut_off, disk_reason, replacing
+from fretfe.mesh.elements import FACET_SHAPES, NUMBERS
+from fretfe.mesh.gmsh import gmsh_model
 from fretfe.mesh.mesh import BodyMesh, Mesh
+
+# What a file ends with.
+LAST = b"$EndElements\n"
 
 
 def write_mesh(mesh: Mesh, path: Path) -> None:
@@ -23,7 +26,20 @@ def write_mesh(mesh: Mesh, path: Path) -> None:
     """
     if path.suffix != ".msh":
         raise OutputError(f"{path}: expected a mesh file that ends in .msh, found {path.suffix!r}")
-    with gmsh_model(path) as gmsh:
+    try:
+        with replacing(path, path.suffix) as new:
+            _write(mesh, new)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot write the mesh: {disk_reason(error)}") from error
+
+
+def _write(mesh: Mesh, new: Path) -> None:
+    """Write a file.
+
+    Raises:
+        OSError: if it cannot be written, of which Gmsh says nothing.
+    """
+    with gmsh_model(new) as gmsh:
         first_node = 1
         facet_dimension, boundary = mesh.dimension - 1, 1
         for entity, body in enumerate(mesh.bodies.values(), start=1):
@@ -39,7 +55,11 @@ def write_mesh(mesh: Mesh, path: Path) -> None:
                 gmsh.model.addPhysicalGroup(facet_dimension, [boundary], name=name)
                 boundary += 1
             first_node += len(body.points)
-        gmsh.write(str(path))
+        gmsh.write(str(new))
+        with new.open("rb") as file:
+            file.seek(max(new.stat().st_size - len(LAST), 0))
+            if file.read() != LAST:
+                raise cut_off(new)
 
 
 def _add_body(gmsh: Any, body: BodyMesh, entity: int, first_node: int) -> None:

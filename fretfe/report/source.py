@@ -10,12 +10,11 @@ import numpy as np
 
 from fretfe._typing import Indices
 from fretfe.case import Case
-from fretfe.edges import stress_history
-from fretfe.edges.area import AreaSummary, shear_extremes
-from fretfe.edges.extremes import load_extremes
-from fretfe.edges.front import ContactSummary, Station
+from fretfe.evaluate import stress
+from fretfe.evaluate.contacts import ContactSummary, Station
+from fretfe.evaluate.resultants import AreaSummary, load_extremes, shear_extremes
+from fretfe.history.solution import ContactHistory
 from fretfe.results.model import Result
-from fretfe.results.solution import ContactHistory
 
 # More loads than this are not named in a title.
 MOST_LOADS = 3
@@ -137,7 +136,7 @@ def worst_states(shown: Shown) -> Indices:
     Empty if the loads are regular.
     """
     assert shown.run.solution is not None
-    return stress_history.worst_states(shown.run.solution, [shown.summary])
+    return stress.worst_states(shown.run.solution, [shown.summary])
 
 
 def worst_run_states(run: Result) -> Indices:
@@ -147,7 +146,7 @@ def worst_run_states(run: Result) -> Indices:
     """
     if run.solution is None:
         return np.zeros(0, dtype=np.int64)
-    return stress_history.worst_states(run.solution, run.contacts)
+    return stress.worst_states(run.solution, run.contacts)
 
 
 def edge_title(edge: Station) -> str:

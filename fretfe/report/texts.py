@@ -40,6 +40,11 @@ def with_error(value: float, spread: float) -> str:
     return f"{value:.{decimals}f} ± {spread:.{decimals}f}"
 
 
+def marked(text: str, uncertain: bool) -> str:
+    """A number with ~ before it if it is uncertain; what is missing carries no mark."""
+    return f"~{text}" if uncertain and text != MISSING else text
+
+
 def rounded(value: float) -> str:
     """A number with three digits; no exponent where it can do without."""
     return f"{float(f'{value:.3g}'):.6g}"

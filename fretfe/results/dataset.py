@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fretfe._typing import Indices
-from fretfe.edges.area import AreaSummary
-from fretfe.edges.front import ContactSummary
 from fretfe.errors import DependencyError
+from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.resultants import AreaSummary
+from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
-from fretfe.results.solution import ContactHistory, Solution
 
 if TYPE_CHECKING:
     import xarray as xr

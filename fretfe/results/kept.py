@@ -6,12 +6,11 @@ from __future__ import annotations
 import numpy as np
 
 from fretfe._typing import Indices
-from fretfe.edges.area import shear_extremes
-from fretfe.edges.extremes import load_extremes
-from fretfe.edges.front import ContactSummary
-from fretfe.edges.slip_zones import cycle_states
+from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.resultants import load_extremes, shear_extremes
+from fretfe.evaluate.slip import cycle_states
+from fretfe.history.solution import Solution
 from fretfe.results.model import Result
-from fretfe.results.solution import Solution
 
 # Histories of more states are long: their tractions are not all kept unless the case asks for that,
 # and lists of more numbers do not stand in the text of the results.

@@ -15,18 +15,22 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case
-from fretfe.edges.area import AreaSummary
-from fretfe.edges.front import ContactSummary
-from fretfe.edges.limits import ModelLimit
-from fretfe.edges.local_parameters import LocalParameters, local_parameters
-from fretfe.edges.refinement import Refinement
-from fretfe.edges.stress_history import StressHistory
-from fretfe.edges.stress_parameters import StressParameters, stress_parameters
 from fretfe.errors import CaseError, ConvergenceError, OutputError
+from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.limits import ModelLimit
+from fretfe.evaluate.refinement import Refinement
+from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.stress import (
+    LocalParameters,
+    StressHistory,
+    StressParameters,
+    local_parameters,
+    stress_parameters,
+)
+from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
 from fretfe.results.dataset import make_dataset, require
 from fretfe.results.records import area_records, edge_records
-from fretfe.results.solution import ContactHistory, Solution
 from fretfe.results.stress_file import STRESSES, read_stress
 
 if TYPE_CHECKING:

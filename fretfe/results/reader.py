@@ -1,10 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The results of a run, read back from its folder as the `Result` that the run returned.
-
-Numbers that do not exist, null in JSON, are NaN here; so is what was infinite. The integrals and
-neighbouring loads behind the edge factors are not stored: `ContactHistory.integrals` and
-`neighbours` are None.
-"""
+"""The results of a run, read back from its folder as the `Result` that they were."""
 
 from __future__ import annotations
 
@@ -21,25 +16,50 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case, parse_case
-from fretfe.edges.area import AreaSummary
-from fretfe.edges.front import ContactSummary, Station, fronts_of
-from fretfe.edges.limits import ModelLimit
-from fretfe.edges.refinement import Refinement
 from fretfe.errors import CaseError, ConvergenceError, OutputError
+from fretfe.evaluate.contacts import ContactSummary, Front, Station
+from fretfe.evaluate.limits import ModelLimit
+from fretfe.evaluate.refinement import Refinement
+from fretfe.evaluate.resultants import AreaSummary
 from fretfe.files import file_fault
+from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
+from fretfe.history.state_array import StateArray
+from fretfe.history.stream import select_rows
 from fretfe.loads import History
 from fretfe.results.dataset import NODAL
 from fretfe.results.digest import are_unchanged
 from fretfe.results.hdf5_file import read_fault, require_own
 from fretfe.results.model import Result
 from fretfe.results.run_folder import unfinished
-from fretfe.results.shapes import require_shapes
-from fretfe.results.solution import ContactHistory, FullStickUnits, Repeat, Solution
-from fretfe.results.states import StateArray
-from fretfe.results.stream import select_rows
 from fretfe.results.writer import ARRAYS, ELSEWHERE, NUMBERS, SCHEMA
 
 T = TypeVar("T")
+C = TypeVar("C", ContactSummary, AreaSummary)
+
+
+def require_shapes(group: h5py.Group, states: int, kept: int) -> None:
+    """Check that the arrays of a contact are over the same states and nodes.
+
+    Args:
+        group: of the contact.
+        states: T.
+        kept: number of states whose tractions are stored.
+
+    Raises:
+        ValueError: for the first array that does not fit.
+        KeyError: for one that is not there.
+    """
+    nodes = group["weights"].shape
+    expected = {
+        "friction": ((states,), 1),
+        "points": (nodes, 2),
+        "frames": (nodes, 3),
+        **{name: ((kept, *nodes), 3 if last else 2) for name, last in NODAL.items()},
+    }
+    for name, (shape, dimensions) in expected.items():
+        found = group[name].shape
+        if found[: len(shape)] != shape or len(found) != dimensions:
+            raise ValueError(f"{group.name}/{name}: expected an array over {shape}, found {found}")
 
 
 @dataclass(frozen=True)
@@ -93,7 +113,7 @@ def read_numbers(directory: Path) -> dict[str, Any]:
 
 
 def _require_end(directory: Path) -> None:
-    """What is in a folder in which a run was cut off, or is at work, are no results.
+    """Refuse a folder in which a run was cut off or is at work: it has no results.
 
     Raises:
         OutputError: if there is one.
@@ -193,7 +213,7 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         case=case,
         loads=history,
         backend=str(numbers["backend"]),
-        contacts=tuple(_contact(name, table) for name, table in numbers["contacts"].items()),
+        contacts=tuple(_contact(ContactSummary, *each) for each in numbers["contacts"].items()),
         notes=tuple(numbers["notes"]),
         failure=None if numbers["complete"] else ConvergenceError(numbers["failure"]),
         solution=solution,
@@ -202,30 +222,23 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         seconds=numbers["seconds"],
         ranks=numbers["ranks"],
         limits=tuple(restored(ModelLimit, each) for each in numbers["limits"]),
-        areas=tuple(
-            restored(AreaSummary, {**table, "name": name})
-            for name, table in numbers["areas"].items()
-        ),
+        areas=tuple(_contact(AreaSummary, *each) for each in numbers["areas"].items()),
         refinement=restored_refinement(refinement) if refinement else None,
         directory=directory,
     )
 
 
-def _contact(name: str, table: Mapping[str, Any]) -> ContactSummary:
-    stations = [
-        restored(
-            Station,
-            {
-                **each,
-                "front": each["side"],
-                "number": each["station"],
-                "slip_zones": _rows(each["slip_zones"]),
-            },
-        )
-        for each in table["edges"]
-    ]
-    contact = restored(ContactSummary, {**table, "name": name, "fronts": ()})
-    return replace(contact, fronts=fronts_of(stations))
+def _contact(cls: type[C], name: str, table: Mapping[str, Any]) -> C:
+    contact = restored(cls, {**table, "name": name, "fronts": ()})
+    return replace(contact, fronts=tuple(_front(each) for each in table["fronts"]))
+
+
+def _front(table: Mapping[str, Any]) -> Front:
+    stations = tuple(
+        restored(Station, {**each, "slip_zones": _rows(each["slip_zones"])})
+        for each in table["stations"]
+    )
+    return replace(restored(Front, {**table, "stations": ()}), stations=stations)
 
 
 def _rows(table: Any) -> list[Mapping[str, Any]]:
@@ -238,11 +251,7 @@ def _rows(table: Any) -> list[Mapping[str, Any]]:
 
 def restored_refinement(table: Mapping[str, Any]) -> Refinement:
     """A refinement from its table in `results.json`."""
-    passes = [
-        {**each, "stations": [{**edge, "front": edge["side"]} for edge in each["edges"]]}
-        for each in table["passes"]
-    ]
-    return restored(Refinement, {**table, "passes": passes})
+    return restored(Refinement, table)
 
 
 def restored(cls: type[T], table: Mapping[str, Any]) -> T:
@@ -372,7 +381,7 @@ def _stored(path: Path, dataset: h5py.Dataset, numbers: Indices, count: int) -> 
 
 
 def _identity(path: Path) -> tuple[int, int] | None:
-    """What tells a file from another one of the same name; None if there is none."""
+    """Identity of a file among others of the same name; None if there is none."""
     if not path.exists():
         return None
     status = path.stat()

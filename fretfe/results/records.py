@@ -7,8 +7,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from fretfe.edges.area import AreaSummary
-from fretfe.edges.front import ContactSummary, Station
+from fretfe.evaluate.contacts import ContactSummary, Station
+from fretfe.evaluate.resultants import AreaSummary
 
 # Slip zones of a record: those of the last two half cycles.
 ZONES = 2
@@ -58,12 +58,12 @@ def _record(contact: ContactSummary, station: Station) -> dict[str, Any]:
     return {
         "contact": contact.name,
         "edge": station.front,
-        "position": float(station.position[-1]),
-        "half_width": float(contact.half_width[-1]),
+        "position": float(station.position[station.last]),
+        "half_width": float(contact.half_width[station.last]),
         "k_n": station.told_k_n,
-        "k_n_spread": float(station.k_n_spread[-1]),
+        "k_n_spread": station.last_k_n[1],
         "k_t_range": station.told_range,
-        "k_t_range_spread": float(station.k_t_range_spread),
+        "k_t_range_spread": float(station.k_range_spread),
         "k_i_range": float(station.k_i_range),
         **{name: float((lengths | spreads | predictions).get(name, math.nan)) for name in numbers},
         "gross": any(zone.gross for zone in zones),

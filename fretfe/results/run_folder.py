@@ -18,11 +18,17 @@ from pathlib import Path
 from typing import Any
 
 from fretfe.errors import OutputError
-from fretfe.results.files import disk_reason, replace_text
+from fretfe.files import disk_reason, replace_text
+from fretfe.results.digest import KEY, are_unchanged, with_digest
 
 MARK, LOCK = "run.json", "run.lock"
 SCHEMA = {"name": "fretfe-run", "version": 1}
 FINISHED = "finished"
+NEEDED = {"doing", "complete"}
+ANEW = (
+    "The file is damaged, so that the run cannot be continued: run the case without --resume, "
+    "which starts it anew"
+)
 # Errors of file systems without locks.
 NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS)
 
@@ -94,12 +100,12 @@ def _owner(path: Path) -> tuple[int, str] | None:
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
         return int(found["process"]), str(found["host"])
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
 
 
 def _require_ended(directory: Path, owner: tuple[int, str], locks: bool) -> None:
-    """Where there are locks, this process now has that of the owner, if that was on this host.
+    """Require that the owner has ended; one on this host has if this process got the lock.
 
     Raises:
         OutputError: if the owner may be at work.
@@ -154,7 +160,8 @@ def write_mark(directory: Path, mark: Mapping[str, Any]) -> None:
         OutputError: if that is not possible.
     """
     who = {"process": os.getpid(), "host": socket.gethostname()}
-    text = json.dumps({"schema": SCHEMA, **who, **mark}, indent=1, allow_nan=False)
+    said = with_digest({"schema": SCHEMA, **who, **mark})
+    text = json.dumps(said, indent=1, allow_nan=False)
     try:
         replace_text(directory / MARK, text + "\n")
     except OSError as error:
@@ -162,20 +169,24 @@ def write_mark(directory: Path, mark: Mapping[str, Any]) -> None:
 
 
 def read_mark(directory: Path) -> dict[str, Any] | None:
-    """How far the run in a folder has come; None without a note of it.
+    """Progress of the run in a folder; None without a note of it.
 
     Raises:
-        OutputError: if the note is not one of this version.
+        OutputError: if the note is not one of this version, or not as it was written.
     """
     path = directory / MARK
     try:
         mark = json.loads(path.read_text(encoding="utf-8"))
     except (FileNotFoundError, NotADirectoryError):
         return None
-    except (OSError, ValueError) as error:
-        raise OutputError(f"{path}: expected the state of a run, found: {error}") from error
-    if not isinstance(mark, dict) or mark.get("schema") != SCHEMA:
-        raise OutputError(f"{path}: expected schema {SCHEMA}, found something else")
+    except (OSError, ValueError, RecursionError) as error:
+        found = "brackets in brackets" if isinstance(error, RecursionError) else str(error)
+        raise OutputError(f"{path}: expected the state of a run, found: {found}. {ANEW}") from error
+    if not isinstance(mark, dict) or mark.get("schema") != SCHEMA or not mark.keys() >= NEEDED:
+        raise OutputError(f"{path}: expected schema {SCHEMA}, found something else. {ANEW}")
+    # Those of earlier versions have no digest.
+    if KEY in mark and not are_unchanged(mark):
+        raise OutputError(f"{path}: expected the state of a run, found a changed one. {ANEW}")
     return mark
 
 

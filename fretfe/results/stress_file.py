@@ -16,9 +16,9 @@ import h5py
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.edges.stress_history import BodyStress, EdgeStress, StressHistory
 from fretfe.errors import OutputError
-from fretfe.results.files import replacing
+from fretfe.evaluate.stress import BodyStress, EdgeStress, StressHistory
+from fretfe.files import replacing
 from fretfe.results.hdf5_file import new_hdf5, read_fault, require_own, room, store
 
 STRESSES = "stress.h5"
@@ -29,7 +29,7 @@ ROWS = 1
 
 @dataclass(frozen=True)
 class StressSite:
-    """Where the stress of a contact is to be written; as of `StressHistory`.
+    """Places at which the stress of a contact is written; as of `StressHistory`.
 
     Attributes:
         contact: its name.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What a run leaves on disk: `results.json` for numbers and histories, `results.h5` for arrays.
+"""Files that a run leaves: `results.json` for numbers and histories, `results.h5` for arrays.
 
 Contact surfaces of solids are in `contacts.hdf` too, for ParaView, and the stations of their
 fronts in `stations.csv`. Counted cycles of irregular loads are in `cycles.csv`.
@@ -25,27 +25,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fretfe._typing import Array, Indices
-from fretfe.edges.area import AreaSummary
-from fretfe.edges.front import ContactSummary, SlipZone, Station
-from fretfe.edges.refinement import Refinement
 from fretfe.environment import versions
 from fretfe.errors import CaseError, OutputError
-from fretfe.results.contact_file import SURFACES, write_surfaces
-from fretfe.results.cycle_file import CYCLES, write_cycles
+from fretfe.evaluate.contacts import ContactSummary, Front, SlipZone, Station
+from fretfe.evaluate.refinement import Refinement
+from fretfe.evaluate.resultants import AreaSummary
+from fretfe.files import disk_reason, make_folder, replace_text, replacing
+from fretfe.history.solution import ContactHistory, Solution
+from fretfe.history.state_array import StateArray, states_in_block
+from fretfe.results.csv_files import CYCLES, STATIONS, write_cycles, write_stations
 from fretfe.results.dataset import NODAL
 from fretfe.results.digest import with_digest
-from fretfe.results.field_file import FIELDS
-from fretfe.results.files import disk_reason, replace_text, replacing
+from fretfe.results.field_files import FIELDS, SURFACES, write_surfaces
 from fretfe.results.hdf5_file import new_hdf5, room, store
 from fretfe.results.kept import LONG, kept_states
 from fretfe.results.model import BodyArrays, Result
 from fretfe.results.run_folder import MARK
-from fretfe.results.solution import ContactHistory, Solution
-from fretfe.results.states import StateArray, states_in_block
-from fretfe.results.station_file import STATIONS, write_stations
 from fretfe.results.stress_file import STRESSES
 
-SCHEMA = {"name": "fretfe-results", "version": 4}
+SCHEMA = {"name": "fretfe-results", "version": 6}
 NUMBERS, ARRAYS, REPORT = "results.json", "results.h5", "report.html"
 # Of a sweep: table, picture, and the variants as they are solved.
 TABLE, FIGURE, VARIANTS = SWEEP_FILES = "sweep.csv", "sweep.png", "variants.jsonl"
@@ -67,7 +65,7 @@ def prepare_directory(directory: Path) -> None:
     """
     probe = directory / ".fretfe-probe"
     try:
-        directory.mkdir(parents=True, exist_ok=True)
+        make_folder(directory)
         probe.touch()
         probe.unlink()
     except OSError as error:
@@ -204,7 +202,7 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
             "cycle": loads.cycle,
             "loads": dict(zip(loads.channels, loads.values.T, strict=True)),
             "contacts": {contact.name: _contact_numbers(contact) for contact in result.contacts},
-            "areas": {area.name: _area_numbers(area) for area in result.areas},
+            "areas": {area.name: _contact_numbers(area) for area in result.areas},
             **_solution_numbers(result.solution),
             "mesh": {
                 name: {
@@ -221,7 +219,7 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
 
 
 def _solution_numbers(solution: Solution | None) -> dict[str, Any]:
-    """How the steps were solved and what moved the bodies; null without a solution."""
+    """Steps as they were solved, and coordinates of the bodies; null without a solution."""
     if solution is None:
         return {"drivers": None, "coordinates": None, "steps": None}
     return {
@@ -245,41 +243,39 @@ def _solution_numbers(solution: Solution | None) -> dict[str, Any]:
 def _refinement_numbers(refinement: Refinement) -> dict[str, Any]:
     """All meshes of a run that refined its mesh, and the limits of their values."""
     numbers = asdict(refinement)
-    for each in numbers["passes"]:
-        each["edges"] = [
-            {"side": station.pop("front"), **station} for station in each.pop("stations")
-        ]
     numbers["limits"] = [
-        {"contact": station.contact, "side": station.front, "values": limits}
+        {"contact": station.contact, "front": station.front, "values": limits}
         for station, limits in refinement.limits
     ]
     return numbers
 
 
-def _contact_numbers(contact: ContactSummary) -> dict[str, Any]:
-    """A contact's histories; its fronts in one list of stations."""
-    numbers = {field.name: getattr(contact, field.name) for field in fields(contact)}
-    del numbers["name"], numbers["fronts"]
-    return {**numbers, "edges": [_station_numbers(station) for station in contact.stations]}
-
-
-def _area_numbers(area: AreaSummary) -> dict[str, Any]:
-    """A contact of solids: its histories."""
-    numbers = {field.name: getattr(area, field.name) for field in fields(area)}
+def _contact_numbers(contact: ContactSummary | AreaSummary) -> dict[str, Any]:
+    """A contact's histories and its fronts, without its name."""
+    numbers = _by_field(contact)
     del numbers["name"]
-    return numbers
+    return {**numbers, "fronts": [_front_numbers(front) for front in contact.fronts]}
+
+
+def _front_numbers(front: Front) -> dict[str, Any]:
+    stations = [_station_numbers(station) for station in front.stations]
+    return {**_by_field(front), "stations": stations}
 
 
 def _station_numbers(station: Station) -> dict[str, Any]:
-    """A station; `side` is the name of its front, `station` its place along the front."""
-    numbers = {field.name: getattr(station, field.name) for field in fields(station)}
+    """A station; many slip zones are one table of lists."""
+    numbers = _by_field(station)
     zones = station.slip_zones
     if len(zones) > LONG:
         names = [field.name for field in fields(SlipZone)]
         numbers["slip_zones"] = {
             name: np.array([getattr(zone, name) for zone in zones]) for name in names
         }
-    return {"station": numbers.pop("number"), "side": numbers.pop("front"), **numbers}
+    return numbers
+
+
+def _by_field(owner: Any) -> dict[str, Any]:
+    return {field.name: getattr(owner, field.name) for field in fields(owner)}
 
 
 @dataclass(frozen=True)

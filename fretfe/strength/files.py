@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""A strength map as JSON and as a figure in a folder."""
+"""A strength map as JSON and as a figure: tests and edges in the plane of K_N and ΔK_T."""
 
 from __future__ import annotations
 
@@ -8,21 +8,144 @@ import math
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
+
 from fretfe.errors import OutputError
-from fretfe.results.files import disk_reason, replace_text
+from fretfe.files import disk_reason, replace_text
+from fretfe.report.figures.plot import log_axis
+from fretfe.report.theme import COLOURS, FILE_DPI, GREY, PURPLE, STYLE, VERMILLION, WIDTH
 from fretfe.results.writer import prepare_other
-from fretfe.strength.figure import write_strength
 from fretfe.strength.fit import COVERAGE, LifeFit
 from fretfe.strength.margins import Margin, StrengthMap
 
+HEIGHT = 4.6
+# Up to this number edges have a mark of their own each, else one for each result.
+MOST_MARKS = 5
+# Of edges; dots and upward triangles are those of tests.
+MARKERS = "sDvPX"
+# A logarithmic axis over less than this factor has the ticks of a linear one.
+NARROW = 8
+# Beside all points, as a factor.
+MARGIN = 1.15
+POINTS = 60
 SCHEMA = {"name": "fretfe-strength", "version": 1}
 # Attributes of an edge and of its margin, which are keys of the file.
 OF_EDGE = (
     "result", "contact", "edge", "station", "k_n", "k_n_spread", "k_t_range",
     "k_t_range_spread", "friction",
 )  # fmt: skip
-JUDGED = ("strength", "margin", "low", "high", "fit_share", "scatter_share", "edge_share")
+JUDGED = (
+    "strength",
+    "strength_spread",
+    "margin",
+    "low",
+    "high",
+    "fit_share",
+    "scatter_share",
+    "edge_share",
+)
 STRENGTH, PICTURE = "strength.json", "strength.png"
+
+
+def plot_strength(found: StrengthMap) -> Figure:
+    """Failures and run-outs of the tests, the strength at the life, and the edges."""
+    units = found.tests.units
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, HEIGHT), layout="constrained")
+        axes = figure.subplots()
+        _draw_tests(figure, axes, found)
+        for fit in found.fits:
+            _draw_fit(axes, found, fit)
+        _draw_edges(axes, found)
+        _limit(axes, found)
+        axes.set_xlabel(f"K_N [{units.stress}/√{units.length}]")
+        axes.set_ylabel(f"ΔK_T [{units.stress}·√{units.length}]")
+        figure.legend(loc="outside upper center", ncols=2)
+    return figure
+
+
+def write_strength(found: StrengthMap, path: Path) -> None:
+    """Write the figure."""
+    with mpl.rc_context(STYLE):
+        plot_strength(found).savefig(path, dpi=FILE_DPI)
+
+
+def _draw_tests(figure: Figure, axes: Axes, found: StrengthMap) -> None:
+    tests = found.tests
+    lives = LogNorm(tests.life.min(), max(tests.life.max(), 1.01 * tests.life.min()))
+    failed, ended = ~tests.runout, tests.runout
+    image = axes.scatter(
+        tests.k_n[failed], tests.k_t_range[failed], c=tests.life[failed],
+        s=26, cmap=COLOURS, norm=lives, label="test, failed", zorder=2,
+    )  # fmt: skip
+    if ended.any():
+        axes.scatter(
+            tests.k_n[ended], tests.k_t_range[ended], s=34, marker="^", facecolors="none",
+            edgecolors=GREY, linewidths=1.1, label="test, run-out", zorder=2,
+        )  # fmt: skip
+    bar = figure.colorbar(image, ax=axes, label="life of failed tests [cycles]", pad=0.02)
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda life, _: f"{life:.0e}"))
+    bar.ax.yaxis.set_minor_formatter(FuncFormatter(lambda *_: ""))
+
+
+def _draw_fit(axes: Axes, found: StrengthMap, fit: LifeFit) -> None:
+    """The strength at the life and where 95 % of single specimens are, over its tested K_N."""
+    own = [each for each in found.margins if each.fit is fit]
+    if all(each.reason for each in own):
+        return
+    k_n = np.geomspace(*fit.tested, POINTS)
+    strength = np.asarray(fit.strength(k_n, found.life))
+    half = np.array([fit.quantile * np.sqrt(sum(fit.variances(x, found.life))) for x in k_n])
+    label = f"strength at {found.life:g} cycles"
+    axes.plot(k_n, strength, color=PURPLE, label=label, zorder=1)
+    axes.fill_between(
+        k_n, strength / 10**half, strength * 10**half, color=PURPLE, alpha=0.12, lw=0,
+        label="95 % of single specimens", zorder=0,
+    )  # fmt: skip
+
+
+def _draw_edges(axes: Axes, found: StrengthMap) -> None:
+    edges = [each.edge for each in found.margins if each.edge.k_t_range > 0 and each.edge.k_n > 0]
+    by_edge = len(edges) <= MOST_MARKS
+    names = list(dict.fromkeys(each.name if by_edge else each.result for each in edges))
+    for number, name in enumerate(names):
+        own = [each for each in edges if (each.name if by_edge else each.result) == name]
+        axes.errorbar(
+            [each.k_n for each in own],
+            [each.k_t_range for each in own],
+            xerr=[_bar(each.k_n_spread) for each in own],
+            yerr=[_bar(each.k_t_range_spread) for each in own],
+            # Edges often agree: the first one is seen around those that cover it.
+            fmt=MARKERS[number % len(MARKERS)],
+            ms=6 + 5 * (len(names) - number - 1) / len(names),
+            mfc="none", mew=1.4, color=VERMILLION, ls="none", capsize=2, lw=1.0,
+            label=name, zorder=3,
+        )  # fmt: skip
+
+
+def _bar(spread: float) -> float:
+    return spread if np.isfinite(spread) else 0.0
+
+
+def _limit(axes: Axes, found: StrengthMap) -> None:
+    """Logarithmic axes around all points."""
+    edges = [each.edge for each in found.margins]
+    for which, tests, own in (
+        ("x", found.tests.k_n, [each.k_n for each in edges]),
+        ("y", found.tests.k_t_range, [each.k_t_range for each in edges]),
+    ):
+        values = np.concatenate([tests, [each for each in own if each > 0]])
+        getattr(axes, f"set_{which}lim")(values.min() / MARGIN, values.max() * MARGIN)
+        log_axis(axes, which)
+        if values.max() < NARROW * values.min():
+            axis = axes.xaxis if which == "x" else axes.yaxis
+            axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+            axis.set_minor_locator(NullLocator())
 
 
 def strength_numbers(found: StrengthMap) -> dict[str, Any]:

@@ -1,36 +1,180 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Margins of component edges against the strength that tests have shown."""
+"""Margins of component edges, points in the plane of K_N and ΔK_T, against tested strength."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from fretfe._typing import Array, Bools
+from fretfe.case import Body
 from fretfe.errors import CaseError
+from fretfe.evaluate.contacts import ContactSummary, Station
+from fretfe.evaluate.resultants import AreaSummary
 from fretfe.results.model import Result
-from fretfe.strength.component import ComponentEdge, component_edges, result_labels
 from fretfe.strength.fit import SAME, LifeFit, fit_life
 from fretfe.strength.tests_file import StrengthTests, read_tests
 
+# f ΔK_I over ΔK_T above which the normal load varies, and turning above which (K_T, K_S) does.
+SMALL = 0.05
 # Tests agree with a contact if friction and Young's modulus do to these fractions, and Poisson's
 # ratio to this difference. Friction of a test is hardly known better.
 FRICTION, YOUNG, POISSON = 0.1, 0.05, 0.02
 
 
 @dataclass(frozen=True)
+class ComponentEdge:
+    """An edge of a plane contact, or a station of a front of solids.
+
+    Attributes:
+        result: folder of the result.
+        contact: its name.
+        edge: left or right; of solids the front.
+        station: number along the front; 0 in the plane.
+        k_n, k_n_spread: K_N at the end of the evaluated cycle, and error bar; NaN where not known.
+        k_t_range, k_t_range_spread: range of K_T over the evaluated cycle, of solids that of
+            (K_T, K_S) along its main direction, and error bar; NaN where not known.
+        friction: coefficient of the contact.
+        bodies: of the contact.
+        obstacle: why its strength cannot be judged; empty if it can.
+        remarks: what tests at constant P and of equal cycles do not cover.
+    """
+
+    result: str
+    contact: str
+    edge: str
+    station: int
+    k_n: float
+    k_n_spread: float
+    k_t_range: float
+    k_t_range_spread: float
+    friction: float
+    bodies: tuple[Body, ...]
+    obstacle: str
+    remarks: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """All of it, in words."""
+        return " ".join((self.result, self.contact, self.edge))
+
+
+def component_edges(results: Sequence[Result]) -> tuple[ComponentEdge, ...]:
+    """All edges of results, those of solids without ends of fronts.
+
+    Raises:
+        CaseError: if the units of the results differ.
+    """
+    units = {result.case.units for result in results}
+    if len(units) > 1:
+        listed = "; ".join(", ".join(each.model_dump().values()) for each in units)
+        raise CaseError(f"expected results in the same units, found {listed}")
+    labels = result_labels(results)
+    return tuple(
+        edge
+        for result, label in zip(results, labels, strict=True)
+        for edge in (*_plane_edges(result, label), *_solid_stations(result, label))
+    )
+
+
+def result_labels(results: Sequence[Result]) -> list[str]:
+    """Names of folders, or paths where names are the same."""
+    folders = [each.directory for each in results]
+    names = [
+        folder.name if folder else each.case.title
+        for folder, each in zip(folders, results, strict=True)
+    ]
+    return [
+        str(folder) if folder and names.count(name) > 1 else name
+        for folder, name in zip(folders, names, strict=True)
+    ]
+
+
+def _plane_edges(result: Result, label: str) -> Iterator[ComponentEdge]:
+    for contact in result.contacts:
+        for edge in contact.stations:
+            remarks = []
+            if edge.cycles.irregular:
+                remarks.append(
+                    "the loads are irregular: judged is the range over the whole cycle, other "
+                    "counted cycles do no damage here"
+                )
+            yield _edge(result, label, contact, edge, remarks)
+
+
+def _solid_stations(result: Result, label: str) -> Iterator[ComponentEdge]:
+    for area in result.areas:
+        for front in area.fronts:
+            for station in front.judged:
+                remarks = []
+                if station.turning > SMALL:
+                    remarks.append(
+                        f"(K_T, K_S) turns: the range across its direction is {station.turning:.0%}"
+                    )
+                yield _edge(result, label, area, station, remarks)
+
+
+def _edge(
+    result: Result,
+    label: str,
+    contact: ContactSummary | AreaSummary,
+    edge: Station,
+    remarks: list[str],
+) -> ComponentEdge:
+    if not contact.steady:
+        remarks.append("the cycle is not steady")
+    pair = contact.pair
+    friction = result.case.contacts[pair].friction
+    k_n, k_t_range = edge.told_k_n, edge.told_range
+    if k_t_range > 0 and friction * edge.k_i_range > SMALL * k_t_range:
+        share = friction * edge.k_i_range / k_t_range
+        remarks.append(f"P varies: f ΔK_I is {share:.0%} of ΔK_T, which the tests do not cover")
+    return ComponentEdge(
+        result=label, contact=contact.name, edge=edge.front, station=edge.number,
+        k_n=k_n, k_n_spread=edge.last_k_n[1],
+        k_t_range=k_t_range, k_t_range_spread=float(edge.k_range_spread),
+        friction=friction, bodies=_bodies(result, pair),
+        obstacle=_obstacle(result, k_n, k_t_range), remarks=tuple(remarks),
+    )  # fmt: skip
+
+
+def _bodies(result: Result, pair: str) -> tuple[Body, ...]:
+    """The two bodies of a contact; all of the case if a result does not tell which they are."""
+    named = result.solution.contacts if result.solution is not None else ()
+    for each in named:
+        if each.pair == pair:
+            return result.case.bodies[each.body1], result.case.bodies[each.body2]
+    return tuple(result.case.bodies.values())
+
+
+def _obstacle(result: Result, k_n: float, k_t_range: float) -> str:
+    if result.failure is not None:
+        return "the run is not complete"
+    if not math.isfinite(k_n):
+        return "K_N is not known, or its error bar is more than half of it"
+    if result.loads.cycle is None:
+        return "there is no evaluated cycle"
+    if not math.isfinite(k_t_range):
+        return "ΔK_T is not known, or its error bar is more than half of it"
+    if not k_t_range > 0:
+        return "ΔK_T is zero"
+    return ""
+
+
+@dataclass(frozen=True)
 class Margin:
-    """What tests say of an edge; NaN where they do not, and then `reason` says why.
+    """Margin of an edge by tests; NaN where they do not, and then `reason` says why.
 
     Attributes:
         edge: the edge.
         tests: number of tests that agree with it in friction and material.
         fit: of these tests; None without.
-        strength: ΔK_T at its K_N at which half of all specimens reach the life.
+        strength, strength_spread: ΔK_T at its K_N at which half of all specimens reach the life,
+            and error bar, by the error of the fit and the error bar of K_N.
         margin: that over its ΔK_T.
         low, high: ends of an interval that is meant to hold the margin of a single part with 95 %:
             scatter of single specimens, error of the fit, error bars of K_N and ΔK_T of the edge.
@@ -44,6 +188,7 @@ class Margin:
     fit: LifeFit | None
     reason: str
     strength: float = math.nan
+    strength_spread: float = math.nan
     margin: float = math.nan
     low: float = math.nan
     high: float = math.nan
@@ -149,7 +294,7 @@ def _disagreement(tests: StrengthTests, edge: ComponentEdge) -> str:
 
 
 def _beyond(tests: StrengthTests, chosen: Bools, fit: LifeFit, k_n: float, life: float) -> str:
-    """Why a margin would be extrapolated; empty if it is not."""
+    """Reason why a margin would be extrapolated; empty if it is not."""
     tested = tests.k_n[chosen]
     varied = fit.coefficients[2] != 0
     same = 1.0 if varied else SAME
@@ -184,14 +329,15 @@ def _judged(edge: ComponentEdge, count: int, fit: LifeFit, life: float) -> Margi
     strength = float(fit.strength(edge.k_n, life))
     of_fit, of_scatter = (fit.quantile * math.sqrt(v) for v in fit.variances(edge.k_n, life))
     slope = fit.coefficients[2] / fit.coefficients[1]
-    of_edge = math.hypot(
-        edge.k_t_range_spread / edge.k_t_range, slope * edge.k_n_spread / edge.k_n
-    ) / math.log(10)
+    # The strength goes with K_N to the power of the slope.
+    of_k_n = slope * edge.k_n_spread / edge.k_n / math.log(10)
+    of_edge = math.hypot(edge.k_t_range_spread / edge.k_t_range / math.log(10), of_k_n)
     half = math.hypot(of_fit, of_scatter, of_edge)
     margin = strength / edge.k_t_range
     return Margin(
         edge, count, fit, "",
-        strength=strength, margin=margin, low=margin / 10**half, high=margin * 10**half,
+        strength=strength, strength_spread=math.log(10) * math.hypot(of_fit, of_k_n) * strength,
+        margin=margin, low=margin / 10**half, high=margin * 10**half,
         fit_share=of_fit, scatter_share=of_scatter, edge_share=of_edge,
     )  # fmt: skip
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Slip zones and tractions at a station of solids beside those of the plane problem."""
+"""Slip zones and tractions at a station of solids beside those of the plane problem, with bars."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.edges.curve import Frames
-from fretfe.edges.front import SlipZone, Station
-from fretfe.edges.sectors import coordinates
-from fretfe.edges.solid_fronts import SolidFront, SolidStation
 from fretfe.errors import OutputError
+from fretfe.evaluate.contacts import (
+    Front,
+    Station,
+)
+from fretfe.evaluate.space.sectors import Frames, coordinates
+from fretfe.history.solution import ContactHistory
 from fretfe.results.model import Result
-from fretfe.results.solution import ContactHistory
 from fretfe.submodel.equivalent import Equivalent
 
 # Nodes are taken from half of the way to the next stations, and half-widths deep.
@@ -28,8 +29,9 @@ class ZonePair:
     Attributes:
         start, end: times.
         solid, solid_spread: length found in solids, and error bar; NaN where not known.
-        predicted: by the factors of the station.
-        plane: length found in the plane; NaN where there is none.
+        predicted, predicted_spread: by the factors of the station, and error bar by theirs.
+        plane, plane_spread: length found in the plane, and error bar, which holds those of the
+            factors of the station; NaN where there is none.
     """
 
     start: float
@@ -37,7 +39,9 @@ class ZonePair:
     solid: float
     solid_spread: float
     predicted: float
+    predicted_spread: float
     plane: float
+    plane_spread: float
 
 
 @dataclass(frozen=True)
@@ -55,10 +59,14 @@ class StationModel:
 
     Attributes:
         contact, front, station: which it is.
-        half_width, radius: of the plane contact in the last state, and of its cylinder.
+        half_width: of the plane contact in the last state.
+        radius, radius_spread: of its cylinder, and error bar by that of K_N.
+        normal_force, normal_force_spread: P in the last state, likewise.
         k_angle: direction of (K_T, K_S) that stands for K_T, in degrees from `inward`.
         turning: range across it over that along it, which the plane leaves out.
-        k_n, plane_k_n: K_N in the last state.
+        k_n, k_n_spread: K_N of the station in the last state, and error bar.
+        plane_k_n: K_N of the plane problem, whose error bar is the same.
+        k_range, k_range_spread: range of (K_T, K_S) over the cycle, and error bar; NaN without.
         k_mismatch: largest difference of the histories of K over its range.
         k_i_mismatch: the same of K_I over the larger one of both ranges.
         times: (n,) states taken over.
@@ -75,10 +83,16 @@ class StationModel:
     station: int
     half_width: float
     radius: float
+    radius_spread: float
+    normal_force: float
+    normal_force_spread: float
     k_angle: float
     turning: float
     k_n: float
+    k_n_spread: float
     plane_k_n: float
+    k_range: float
+    k_range_spread: float
     k_mismatch: float
     k_i_mismatch: float
     times: Array
@@ -92,7 +106,7 @@ class StationModel:
 
 
 def compare(
-    solid: Result, front: SolidFront, station: SolidStation, given: Equivalent, plane: Result,
+    solid: Result, front: Front, station: Station, given: Equivalent, plane: Result,
     name: str,
 ) -> StationModel:  # fmt: skip
     """Compare a station of the contact `name` with its plane problem."""
@@ -108,10 +122,16 @@ def compare(
         station=station.number,
         half_width=given.half_width,
         radius=given.radius,
+        radius_spread=given.bars.k_n * given.radius,
+        normal_force=float(given.normal_force[-1]),
+        normal_force_spread=given.bars.k_n * float(given.normal_force[-1]),
         k_angle=station.k_angle,
         turning=station.turning,
         k_n=float(station.k_n[last]),
+        k_n_spread=float(station.k_n_spread[last]),
         plane_k_n=float(edge.k_n[there[-1]]),
+        k_range=station.k_range,
+        k_range_spread=station.k_range_spread,
         k_mismatch=float(np.abs(k - plane_k)[1:].max() / size),
         k_i_mismatch=float(np.abs(k_i - plane_k_i)[1:].max() / max(size, float(np.ptp(k_i[1:])))),
         times=solid.loads.times[here],
@@ -126,7 +146,7 @@ def compare(
 
 
 def _zones(
-    solid: Result, station: SolidStation, edge: Station, given: Equivalent
+    solid: Result, station: Station, edge: Station, given: Equivalent
 ) -> tuple[ZonePair, ...]:
     """Half cycles between the same states."""
     shift = int(given.states[0] - given.plane_states[0])
@@ -140,19 +160,20 @@ def _zones(
             solid=zone.told_length,
             solid_spread=zone.spread,
             predicted=zone.prediction,
-            plane=_plane_length(plane.get((max(zone.start, first), zone.end))),
+            predicted_spread=given.bars.slip * zone.prediction,
+            plane=twin.told_length if twin else np.nan,
+            plane_spread=twin.spread if twin else np.nan,
         )
-        for zone in station.slip_zones
-        if zone.end > first
+        for zone, twin in (
+            (each, plane.get((max(each.start, first), each.end)))
+            for each in station.slip_zones
+            if each.end > first
+        )
     )
 
 
-def _plane_length(zone: SlipZone | None) -> float:
-    return zone.told_length if zone else np.nan
-
-
 def _solid_tractions(
-    solid: Result, name: str, front: SolidFront, station: SolidStation, given: Equivalent
+    solid: Result, name: str, front: Front, station: Station, given: Equivalent
 ) -> Tractions:
     """Means around the nodes next to a station in the last state."""
     contact, state = solid.contact_history(name), int(given.states[-1])
@@ -172,7 +193,7 @@ def _solid_tractions(
     return Tractions(s[near][order], traction[order, 0], shear[order])
 
 
-def _frames(front: SolidFront, station: SolidStation) -> Frames:
+def _frames(front: Front, station: Station) -> Frames:
     """The frame of a station as that of a front."""
     frame = station.frame
     return Frames(

@@ -6,18 +6,24 @@ Lengths, stresses and forces are in the units of the case, forces per unit thick
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case, contact_modulus
-from fretfe.edges.front import told
-from fretfe.edges.solid_fronts import SolidStation
 from fretfe.errors import ModelError
+from fretfe.evaluate.contacts import (
+    ContactSummary,
+    SlipZone,
+    Station,
+    fronts_of,
+    told,
+)
+from fretfe.history.solution import ContactHistory
 from fretfe.results.model import Result
-from fretfe.results.solution import ContactHistory
 
 # Steps in which the cylinder is pressed on, without friction, before the history of the station.
 PRESSING = 4
@@ -42,6 +48,8 @@ class Equivalent:
         k_i: (n,)
         normal_force, shear_force: (n,) P and Q.
         friction: coefficient.
+        bars: relative error bars of the factors of the station. With the half-width as it is,
+            radius and P have that of K_N, Q that of the range of (K_T, K_S).
     """
 
     states: Indices
@@ -52,6 +60,7 @@ class Equivalent:
     normal_force: Array
     shear_force: Array
     friction: float
+    bars: Bars
 
     @property
     def plane_states(self) -> Indices:
@@ -111,7 +120,7 @@ def _length(cycle: tuple[int, int]) -> int:
     return cycle[1] - cycle[0] + 1
 
 
-def equivalent(result: Result, contact: ContactHistory, station: SolidStation) -> Equivalent:
+def equivalent(result: Result, contact: ContactHistory, station: Station) -> Equivalent:
     """The cylinder on a half-plane for a station.
 
     Its contact is as wide as makes the slip zone grow as at the station, to second order: that of
@@ -146,12 +155,11 @@ def equivalent(result: Result, contact: ContactHistory, station: SolidStation) -
         normal_force=np.pi * e_star * widths**2 / (4 * radius),
         shear_force=shear,
         friction=float(contact.friction[last]),
+        bars=bars_of(station, last),
     )
 
 
-def _states(
-    result: Result, contact: ContactHistory, station: SolidStation, usable: Bools
-) -> Indices:
+def _states(result: Result, contact: ContactHistory, station: Station, usable: Bools) -> Indices:
     """The states to take over, up to the last one; of a cycle all.
 
     Raises:
@@ -174,17 +182,17 @@ def _states(
     return np.arange(first, last + 1)
 
 
-def along_direction(station: SolidStation) -> Array:
+def along_direction(station: Station) -> Array:
     """(T,) the vector (K_T, K_S) along the direction in which it varies most in the cycle."""
     angle = np.radians(station.k_angle)
     return np.asarray(np.cos(angle) * station.k_t + np.sin(angle) * station.k_s)
 
 
-def _name(station: SolidStation) -> str:
+def _name(station: Station) -> str:
     return f"station {station.number} of {station.front}"
 
 
-def _require(station: SolidStation, k_n: float) -> None:
+def _require(station: Station, k_n: float) -> None:
     """Check that a station is that of an edge with known factors."""
     if station.end:
         raise ModelError(
@@ -203,7 +211,7 @@ def _modulus(case: Case, contact: ContactHistory) -> float:
     return contact_modulus(case.bodies[contact.body1], case.bodies[contact.body2], "strain")
 
 
-def _half_width(station: SolidStation) -> float:
+def _half_width(station: Station) -> float:
     """Half-width of a cylinder's contact whose slip zone grows like that of a station.
 
     Of a cylinder d = d1 (1 + d1/(2 a)), of a sphere d1 (1 + d1/a), d1 the first order: their
@@ -211,3 +219,72 @@ def _half_width(station: SolidStation) -> float:
     """
     length = min(station.depth, station.length)
     return float(length / (1 + max(station.curvature, 0.0) * length))
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Relative error bars of the factors of a station.
+
+    Attributes:
+        k_n: of K_N in the reference state.
+        k_range: of the range of (K_T, K_S); NaN where it has none.
+    """
+
+    k_n: float
+    k_range: float
+
+    @property
+    def slip(self) -> float:
+        """That of slip zones; by K_N alone where nothing is known of the range."""
+        return math.hypot(self.k_n, self.k_range if math.isfinite(self.k_range) else 0.0)
+
+    @property
+    def note(self) -> str:
+        """Contents of the error bars, in words."""
+        if math.isfinite(self.k_range):
+            return (
+                f"error bars hold those of the station: {self.k_n:.1%} of K_N, "
+                f"{self.k_range:.1%} of the range of (K_T, K_S)"
+            )
+        return (
+            f"error bars hold {self.k_n:.1%} of K_N of the station; its range of (K_T, K_S) has no "
+            "error bar, so that those of slip zones are too small"
+        )
+
+
+def bars_of(station: Station, state: int) -> Bars:
+    """The bars of a station whose K_N is that of a state."""
+    size = station.k_range
+    return Bars(
+        k_n=float(station.k_n_spread[state] / station.k_n[state]),
+        k_range=float(station.k_range_spread / size) if size > 0 else math.nan,
+    )
+
+
+def with_bars(plane: Result, bars: Bars) -> Result:
+    """The plane problem with error bars that hold those of the station."""
+    contacts = tuple(_wider_contact(each, bars) for each in plane.contacts)
+    return replace(plane, contacts=contacts, notes=(*plane.notes, bars.note))
+
+
+def _wider_contact(contact: ContactSummary, bars: Bars) -> ContactSummary:
+    return replace(contact, fronts=fronts_of(_wider(each, bars) for each in contact.stations))
+
+
+def _wider(station: Station, bars: Bars) -> Station:
+    parts = station.k_range_parts
+    own = math.hypot(parts.discretisation, bars.k_range * station.k_t_range)
+    parts = replace(parts, discretisation=own)
+    return replace(
+        station,
+        k_n_spread=(station.k_n_spread**2 + (bars.k_n * station.k_n) ** 2) ** 0.5,
+        k_range_spread=parts.total,
+        k_range_parts=parts,
+        slip_zones=tuple(_wider_zone(zone, bars) for zone in station.slip_zones),
+    )
+
+
+def _wider_zone(zone: SlipZone, bars: Bars) -> SlipZone:
+    if zone.gross:
+        return zone
+    return replace(zone, spread=math.hypot(zone.spread, bars.slip * zone.length))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Run the plane problem of a station of solids, and write what the two differ by."""
+"""Run the plane problem of a station of solids; write and draw what the two do."""
 
 from __future__ import annotations
 
@@ -9,18 +9,68 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from fretfe.case import parse_case
-from fretfe.edges.area import AreaSummary
-from fretfe.edges.solid_fronts import SolidFront, SolidStation
+from fretfe.case import Units, parse_case
 from fretfe.errors import CaseError, ModelError, OutputError
+from fretfe.evaluate.contacts import Front, Station
+from fretfe.evaluate.resultants import AreaSummary
+from fretfe.report.pictures.panels import save_png
+from fretfe.report.theme import BLUE, GREEN, PICTURE_DPI, STYLE, VERMILLION
 from fretfe.results.model import Result
+from fretfe.results.writer import write_results
 from fretfe.runner import Runner
 from fretfe.submodel.comparison import StationModel, compare
-from fretfe.submodel.equivalent import equivalent
+from fretfe.submodel.equivalent import equivalent, with_bars
 
+SIZE = (10.4, 3.6)
 NUMBERS, PICTURE = "station.json", "station.png"
+
+
+@mpl.rc_context(STYLE)
+def draw_station(units: Units, model: StationModel, path: Path) -> None:
+    """Draw tractions next to the edge, histories of K, and slip zones, side by side."""
+    figure = Figure(figsize=SIZE, dpi=PICTURE_DPI, layout="constrained")
+    tractions, histories, zones = figure.subplots(1, 3, width_ratios=(1.5, 1, 1))
+    figure.suptitle(f"Station {model.station} of {model.front}, contact {model.contact}")
+    _tractions(tractions, model)
+    tractions.set_xlabel(f"distance from the front [{units.length}]")
+    tractions.set_ylabel(f"traction [{units.stress}]")
+    histories.plot(model.times, model.k, "o", ms=3.5, color=BLUE, label="solid")
+    histories.plot(model.times, model.plane_k, "-", color=VERMILLION, label="plane")
+    histories.set_xlabel(f"time [{units.time}]")
+    histories.set_ylabel(f"K − K at the end [{units.stress}·√{units.length}]")
+    _zones(zones, model)
+    zones.set_xlabel(f"end of the half cycle [{units.time}]")
+    zones.set_ylabel(f"slip zone [{units.length}]")
+    for axes in (tractions, histories, zones):
+        axes.legend()
+    save_png(figure, path)
+
+
+def _tractions(axes: Axes, model: StationModel) -> None:
+    solid, plane = model.solid_tractions, model.plane_tractions
+    axes.plot(solid.s, solid.pressure, "o", ms=3, color=BLUE, label="p, solid")
+    axes.plot(plane.s, plane.pressure, "-", color=BLUE, label="p, plane")
+    axes.plot(solid.s, solid.shear, "s", ms=3, color=VERMILLION, label="q, solid")
+    axes.plot(plane.s, plane.shear, "-", color=VERMILLION, label="q, plane")
+    axes.set_title(f"t = {model.time:g}", loc="left")
+
+
+def _zones(axes: Axes, model: StationModel) -> None:
+    ends = np.array([zone.end for zone in model.zones])
+    kinds = (("solid", "o", BLUE), ("plane", "x", VERMILLION), ("predicted", "_", GREEN))
+    for kind, mark, colour in kinds:
+        spread = np.array([getattr(zone, f"{kind}_spread") for zone in model.zones])
+        axes.errorbar(
+            ends, [getattr(zone, kind) for zone in model.zones],
+            np.where(np.isfinite(spread), spread, 0.0),
+            fmt=mark, ms=4, color=colour, label=kind, capsize=2, lw=1.0,
+        )  # fmt: skip
+    axes.set_ylim(bottom=0.0)
 
 
 def run_station(
@@ -54,8 +104,11 @@ def run_station(
         raise ModelError(f"station {station} of {chosen_front.name}: {error}") from None
     if plane.failure is not None:
         raise plane.failure
+    plane = with_bars(plane, given.bars)
     model = compare(result, chosen_front, chosen, given, plane, contact)
     if output is not None:
+        # What reads the plane problem afterwards must not take its factors for exact ones.
+        write_results(output, plane)
         _write(output, result, model)
     return model
 
@@ -72,7 +125,7 @@ def _area(result: Result, name: str) -> AreaSummary:
     return areas[name]
 
 
-def _chosen(area: AreaSummary, front: int, station: int) -> tuple[SolidFront, SolidStation]:
+def _chosen(area: AreaSummary, front: int, station: int) -> tuple[Front, Station]:
     fronts = area.fronts
     if not fronts:
         raise ModelError(f"contact {area.name}: expected contact fronts, found none")
@@ -95,8 +148,6 @@ def _write(folder: Path, result: Result, model: StationModel) -> None:
     Raises:
         OutputError: if that fails.
     """
-    from fretfe.submodel.figure import draw_station
-
     numbers = {name: getattr(model, name) for name in vars(model) if name != "plane"}
     for name in ("solid_tractions", "plane_tractions"):
         numbers[name] = asdict(numbers[name])

@@ -1,23 +1,72 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Checks that contact surfaces lie opposite each other, and no bodies overlap, before any load."""
+"""Checks of contact surfaces: opposite each other, initial gap, no bodies over each other."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Indices
 from fretfe.case import Case
 from fretfe.errors import MeshError
 from fretfe.mesh.body_overlap import BodyOverlap, body_overlaps
+from fretfe.mesh.load import grouped_mesh, naming_case
+from fretfe.mesh.make import SetSizes
 from fretfe.mesh.mesh import Mesh
-from fretfe.surface.gap import InitialGap, initial_gap
-from fretfe.surface.overlap import search_reach
+from fretfe.surface.curvature import deviations
+from fretfe.surface.overlap import overlap_points, search_reach
+from fretfe.surface.reference import shape_values
 from fretfe.surface.surface import Surface, build_surface
 
+# An interpenetration of this fraction of a facet is not resolved by the mesh and does no harm.
+INTERPENETRATION_PER_FACET = 0.01
+# Coordinates in mesh files may be rounded to this fraction of the size of the surfaces.
+FILE_ROUNDING = 1e-6
 # What is compared with the reach of the search, by dimension.
 _EXTENTS = {2: "length of the shorter", 3: "root of the area of the smaller"}
+
+
+@dataclass(frozen=True)
+class InitialGap:
+    """Initial gap at n places of surface 2 that lie opposite surface 1.
+
+    Attributes:
+        surface1: surface of body 1.
+        surface2: surface of body 2.
+        points: (n, d) coordinates of the places.
+        gap: (n,) distance to surface 1 along the contact normal; negative: interpenetration.
+        weights: (n,) arc length or area that a place stands for.
+        facet1: (n,) facets of surface 1 that the places meet.
+        facet2: (n,) facets of surface 2 that the places are on.
+    """
+
+    surface1: Surface
+    surface2: Surface
+    points: Array
+    gap: Array
+    weights: Array
+    facet1: Indices
+    facet2: Indices
+
+    def allowed_interpenetration(self) -> Array:
+        """(n,) depth that comes with facets and rounding, not with the shape of the bodies."""
+        sides = ((self.surface1, self.facet1), (self.surface2, self.facet2))
+        size = max(float(np.ptp(surface.vertices, axis=0).max()) for surface, _ in sides)
+        coarsest = np.maximum(*(surface.sizes[facets] for surface, facets in sides))
+        deviation = np.add(*(deviations(surface)[facets] for surface, facets in sides))
+        return deviation + INTERPENETRATION_PER_FACET * coarsest + FILE_ROUNDING * size
+
+
+def initial_gap(surface1: Surface, surface2: Surface) -> InitialGap:
+    """Initial gap of two surfaces; without any place if they do not lie opposite each other."""
+    overlap = overlap_points(surface1, surface2)
+    values = shape_values(surface2.shape, surface2.degree, overlap.at2)
+    points = np.einsum("nk,nkd->nd", values, surface2.nodes[overlap.facet2])
+    return InitialGap(
+        surface1, surface2, points, overlap.gap, overlap.weights, overlap.facet1, overlap.facet2
+    )
 
 
 def check_contacts(mesh: Mesh, case: Case) -> None:
@@ -150,3 +199,20 @@ def place(point: Array, digits: int = 6) -> str:
     """Coordinates of a point in words."""
     # Adding zero turns -0 into 0.
     return f"({', '.join(f'{round(float(v), 12) + 0.0:.{digits}g}' for v in point)})"
+
+
+def load_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
+    """Read or make the mesh of a case and check it against the case. Serial.
+
+    Args:
+        case: validated case.
+        size: sets element sizes in place of those of the geometry.
+
+    Raises:
+        CaseError: as for `grouped_mesh`.
+        MeshError: as for `grouped_mesh`, and if contact surfaces overlap or do not face each other.
+    """
+    mesh = grouped_mesh(case, size)
+    with naming_case(case):
+        check_contacts(mesh, case)
+    return mesh

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Curvature of surfaces: mean, by facet, and how far facets are from the smooth surface.
 
-In the plane these are the numbers of `fretfe.surface.chain`. In space they come from the turning of
-the normals between the corners of each facet.
+In the plane these are the numbers of a `Chain`. In space they come from the turning of the normals
+between the corners of each facet.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from itertools import combinations
 import numpy as np
 
 from fretfe._typing import Array, Positions
-from fretfe.surface.chain import STRAIGHT, Chain
-from fretfe.surface.surface import Surface
+from fretfe.surface.reference import rim_nodes
+from fretfe.surface.surface import STRAIGHT, Chain, Surface
 
 # Corners at the ends of the sides along each reference direction.
 SIDES = {
@@ -63,7 +63,7 @@ def deviations(surface: Surface) -> Array:
     """(f,) distance of each facet from the smooth surface through its nodes.
 
     First terms of series for an arc of length h that turns by θ: hθ/8 and, curved, hθ³/512; see
-    `fretfe.surface.chain.Chain.deviations`.
+    `fretfe.surface.surface.Chain.deviations`.
     """
     if surface.dimension == 2:
         return Chain(surface).deviations
@@ -93,12 +93,8 @@ def _missing_at_rim(surface: Surface) -> Array:
     At the rim of a surface of flat facets the normal is that of one side: of the turning between
     there and a corner inside up to a half is missing.
     """
-    edges = np.stack([surface.corners, np.roll(surface.corners, -1, axis=1)], axis=2)
-    found, count = np.unique(np.sort(edges.reshape(-1, 2), axis=1), axis=0, return_counts=True)
-    rim = np.zeros(len(surface.vertices), dtype=bool)
-    rim[found[count == 1]] = True
     first, second = _pairs(surface)
-    at_rim = rim[surface.corners]
+    at_rim = rim_nodes(surface.corners, len(surface.vertices))[surface.corners]
     return np.where(at_rim[:, first] != at_rim[:, second], 2.0, 1.0)
 
 

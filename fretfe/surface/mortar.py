@@ -19,10 +19,9 @@ from scipy import sparse
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import ModelError
-from fretfe.surface.chain import Chain
 from fretfe.surface.overlap import OverlapPoints, overlap_points
 from fretfe.surface.reference import shape_values
-from fretfe.surface.surface import Surface, tangent_frames
+from fretfe.surface.surface import Chain, Surface, tangent_frames
 
 # Hats with less than this fraction of their support inside the overlap carry no multiplier.
 SMALLEST_SUPPORT = 1e-6

@@ -11,14 +11,15 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.mesh.groups import BodySummary
+from fretfe.surface.checks import InitialGap
 from fretfe.surface.curvature import curvatures, deviations
-from fretfe.surface.gap import InitialGap
 from fretfe.surface.surface import Surface
 
 # Degrees. Tetrahedra that are long along a straight edge are flat but good; slivers are flatter.
 SMALLEST_ANGLES = {"triangle": 15.0, "quadrilateral": 15.0, "tetrahedron": 0.3, "hexahedron": 15.0}
 LARGEST_GAP = 0.01  # of the extent of the overlap
 ELEMENTS_PER_RADIUS = 10.0
+FEWEST_ELEMENTS = 4
 LARGEST_SIZE_RATIO = 3.0
 # Gaps that differ by less than this fraction of the extent of a contact are equal.
 ROUND_OFF = 1e-9
@@ -165,6 +166,11 @@ def _contact_warnings(contact: ContactQuality, unit: str, straight: bool) -> Ite
             f" other; expected at most {LARGEST_SIZE_RATIO:g} times"
         )
     for surface in contact.surfaces:
+        if surface.opposite < FEWEST_ELEMENTS:
+            yield (
+                f"{surface.name} has {surface.opposite} of its elements opposite the other surface;"
+                f" expected at least {FEWEST_ELEMENTS}: where the contact ends cannot be told"
+            )
         if surface.per_radius < ELEMENTS_PER_RADIUS:
             yield (
                 f"{surface.name} has an element of {surface.radius_size:.4g} {unit} where the"

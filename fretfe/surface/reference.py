@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from fretfe._typing import Array, Positions
+from fretfe._typing import Array, Bools, Indices, Positions
 
 Shape = Literal["interval", "triangle", "quadrilateral"]
 
@@ -159,3 +159,22 @@ _SLOPES: dict[Shape, Callable[[int, Array], Array]] = {
     "triangle": _triangle_slopes,
     "quadrilateral": _quadrilateral_slopes,
 }
+
+
+def facet_edges(corners: Indices) -> Indices:
+    """(F * c, 2) ends of the edges of facets with corners (F, c), in the sense of each facet."""
+    return np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
+
+
+def edges_once(corners: Indices) -> Indices:
+    """(E, 2) ends of the edges of facets with corners (F, c), each edge once."""
+    return np.unique(np.sort(facet_edges(corners), axis=1), axis=0)
+
+
+def rim_nodes(corners: Indices, count: int) -> Bools:
+    """(count,) nodes at the ends of edges that only one of the facets with corners (F, c) has."""
+    edges = np.sort(facet_edges(corners), axis=1)
+    found, facets = np.unique(edges, axis=0, return_counts=True)
+    rim = np.zeros(count, dtype=bool)
+    rim[found[facets == 1]] = True
+    return rim

@@ -3,7 +3,22 @@
 
 from __future__ import annotations
 
-from fretfe.sweeps.engine import Solved, Sweep, run_sweep
-from fretfe.sweeps.variants import Variant, make_variants, parse_ranges
+from fretfe.sweeps.engine import (
+    Solved,
+    Sweep,
+    Variant,
+    make_variants,
+    parse_ranges,
+    require_apart,
+    run_sweep,
+)
 
-__all__ = ["Solved", "Sweep", "Variant", "make_variants", "parse_ranges", "run_sweep"]
+__all__ = [
+    "Solved",
+    "Sweep",
+    "Variant",
+    "make_variants",
+    "parse_ranges",
+    "require_apart",
+    "run_sweep",
+]

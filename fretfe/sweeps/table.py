@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""A sweep as a CSV file and as a table for the terminal."""
+"""A sweep as a CSV file, a picture, and a table for the terminal; what is solved already."""
 
 from __future__ import annotations
 
 import csv
+import json
 import math
+import time
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -13,14 +16,22 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from fretfe.results.files import replacing
-from fretfe.sweeps.engine import Sweep
+from fretfe.errors import OutputError
+from fretfe.evaluate.contacts import known_length
+from fretfe.files import disk_reason, replacing, sync
+from fretfe.report.figures.sweep import write_sweep
+from fretfe.results.digest import KEY, are_unchanged, with_digest
+from fretfe.results.writer import FIGURE, TABLE, VARIANTS
+from fretfe.sweeps.engine import Solved, Sweep
 
 LAST_COLUMNS = ("seconds", "failure")
 # Longer tables are for the file.
 MOST_ROWS = 60
 EDGE_COLUMNS = ("K_N", "ΔK_T", "slip zones", "predicted")
 AREA_COLUMNS = ("P", "|Q|", "in contact", "sticks", "p_max", "work")
+# Seconds after which the cases solved so far are on the disk; those that a machine that goes down
+# loses are solved again.
+SYNC_SECONDS = 1.0
 
 
 def write_table(path: Path, sweep: Sweep) -> None:
@@ -98,11 +109,13 @@ def _cells(keys: tuple[str, ...], record: Mapping[str, Any], solids: bool) -> li
 
 def _edge_cells(record: Mapping[str, Any]) -> list[str]:
     slip = "gross" if record["gross"] else _pair(record, "slip")
+    zones = [(record[f"slip_{number}"], record[f"slip_{number}_spread"]) for number in (1, 2)]
+    known = all(known_length(*zone) for zone in zones if math.isfinite(zone[0]))
     return [
         record["edge"],
         _number(record["k_n"]),
         _number(record["k_t_range"]),
-        slip if record["resolved"] else f"~{slip}",
+        slip if record["resolved"] and known else f"~{slip}",
         _pair(record, "predicted"),
     ]
 
@@ -125,3 +138,84 @@ def _pair(record: Mapping[str, Any], name: str) -> str:
 
 def _number(value: float, digits: int = 4) -> str:
     return f"{value:.{digits}g}" if math.isfinite(value) else "-"
+
+
+def write_files(sweep: Sweep, directory: Path) -> bool:
+    """Write table and picture; return True if there is a picture.
+
+    Raises:
+        OutputError: if a file cannot be written.
+    """
+    try:
+        write_table(directory / TABLE, sweep)
+        # A picture of an earlier sweep would not belong to this table.
+        (directory / FIGURE).unlink(missing_ok=True)
+        return write_sweep(directory / FIGURE, sweep.keys, sweep.records(), sweep.units)
+    except OSError as error:
+        raise _cannot(directory, error) from error
+
+
+class SolvedFile:
+    """The cases of a sweep in the order in which they are solved; the table grows with them.
+
+    Args:
+        directory: folder of the sweep.
+    """
+
+    def __init__(self, directory: Path) -> None:
+        self._directory = directory
+        self._records: list[dict[str, Any]] = []
+        self._columns: list[str] = []
+        self._next = 0.0
+
+    def read(self) -> dict[int, Solved]:
+        """The cases that are there, by number; a line that was cut off or changed is left out.
+
+        Raises:
+            OutputError: if the file cannot be written; so does `add`.
+        """
+        path = self._directory / VARIANTS
+        lines = path.read_text("utf-8", "replace").splitlines() if path.is_file() else []
+        found: dict[int, Solved] = {}
+        for line in lines:
+            try:
+                data = json.loads(line)
+                if not are_unchanged(data):
+                    continue
+                del data[KEY]
+                data["edges"], data["notes"] = tuple(data["edges"]), tuple(data["notes"])
+                number = data.pop("number")
+                found[number] = Solved(**data)
+            except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+                continue
+        path.unlink(missing_ok=True)
+        for number, solved in found.items():
+            self.add(number, solved)
+        return found
+
+    def add(self, number: int, solved: Solved) -> None:
+        """Add a case."""
+        text = json.dumps({"number": number, **asdict(solved)}, default=lambda value: value.item())
+        line = json.dumps(with_digest(json.loads(text)))
+        records = solved.records()
+        self._records += records
+        columns = columns_of(self._records)
+        table = self._directory / TABLE
+        try:
+            with (self._directory / VARIANTS).open("a", encoding="utf-8") as file:
+                file.write(line + "\n")
+                if time.monotonic() >= self._next:
+                    file.flush()
+                    sync(file.fileno())
+                    self._next = time.monotonic() + SYNC_SECONDS
+            if columns == self._columns:
+                add_records(table, records, columns)
+            else:
+                write_records(table, self._records, columns)
+        except OSError as error:
+            raise _cannot(self._directory, error) from error
+        self._columns = columns
+
+
+def _cannot(directory: Path, error: OSError) -> OutputError:
+    return OutputError(f"{directory}: the sweep cannot be written: {disk_reason(error)}")

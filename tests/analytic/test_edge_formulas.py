@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from fretfe.analytic._arguments import Side
+from fretfe.analytic._numerics import Side
 from fretfe.analytic.edges import (
     dissipation_per_cycle,
     edge_advance,

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from fretfe.analytic._arguments import Side
+from fretfe.analytic._numerics import Side
 from fretfe.analytic.edges import tangential_factor
 from fretfe.analytic.moderate_tension import (
     cyclic_shear_moderate_tension,

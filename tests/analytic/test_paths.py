@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fretfe.analytic._arguments import Side
+from fretfe.analytic._numerics import Side
 from fretfe.analytic.edges import (
     factor_range_phase_shifted,
     normal_increment_factor,

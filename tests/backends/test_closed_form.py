@@ -11,9 +11,8 @@ from halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, loop, problem, solv
 
 from fretfe._typing import Array
 from fretfe.analytic.profiles import FlatRounded, Wedge
-from fretfe.backends.analytic import solve_closed_form
-from fretfe.backends.closed_form import ASYMPTOTE, EXACT, MODERATE
-from fretfe.edges.front import ContactSummary
+from fretfe.backends.analytic import ASYMPTOTE, EXACT, MODERATE, solve_closed_form
+from fretfe.evaluate.contacts import ContactSummary
 from fretfe.idealise import HalfPlaneProblem
 
 pytestmark = pytest.mark.formula

@@ -82,10 +82,11 @@ def test_keys_are_those_of_the_document(folder: Path, backend: str) -> None:
     assert set(data) == described("Top level")
     contact = data["contacts"]["main"]
     assert set(contact) == described("`contacts.NAME`")
-    for edge in contact["edges"]:
-        assert set(edge) == described("`contacts.NAME.edges[i]`")
+    for front in contact["fronts"]:
+        (edge,) = front["stations"]
+        assert set(edge) == described("`contacts.NAME.fronts[i].stations[0]`")
         for zone in edge["slip_zones"]:
-            assert set(zone) == described("`contacts.NAME.edges[i].slip_zones[j]`")
+            assert set(zone) == described("`contacts.NAME.fronts[i].stations[0].slip_zones[j]`")
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -134,9 +135,10 @@ def test_numbers_are_those_of_hertz_and_cattaneo(
     a = float(profile.half_width(600.0))
     assert np.allclose(contact["normal_force"][4:], 600, rtol=1e-8)
     assert np.isclose(contact["half_width"][-1], a, rtol=tolerance)
-    for edge in contact["edges"]:
-        sign = -1 if edge["side"] == "left" else 1
-        k_t = tangential_factor(60.0, 0.0, a, edge["side"])
+    for front in contact["fronts"]:
+        (edge,) = front["stations"]
+        sign = -1 if edge["front"] == "left" else 1
+        k_t = tangential_factor(60.0, 0.0, a, edge["front"])
         assert np.isclose(edge["position"][-1], sign * a, rtol=tolerance)
         assert np.isclose(edge["k_n"][-1], edge_factor_k_n(profile, a), rtol=tolerance)
         # State 6 is the first peak of the shear force.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""`PYTHONPATH=tests python -m campaign [solids] [COUNT]`: are numbers right, flagged or wrong?
+"""`PYTHONPATH=tests python -m campaign [moving] [solids] [COUNT]`: are numbers right or wrong?
 
 Progress and each number that is wrong without a warning go to the standard error, the tables for
 docs/validate.md to the standard output. One process for each processor.
@@ -12,19 +12,26 @@ import sys
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
-from campaign.judge import QUANTITIES, Judged, judge_case
-from campaign.judge_solids import SOLID_QUANTITIES, judge_solid
-from campaign.tables import RESOLVED, RESOLVED_SOLIDS, tables
+from campaign.judge import QUANTITIES, Judged, judge_case, judge_moving
+from campaign.judge_solids import SOLID_QUANTITIES, judge_moving_solid, judge_solid
+from campaign.tables import RESOLVED, RESOLVED_SOLIDS, kinds, tables
 
-COUNT, SOLIDS = 300, 30
+# How many are judged if nothing is said, and by what, by the words.
+COUNTS = {"": 300, "moving": 100, "solids": 30, "moving solids": 40}
+JUDGES = {
+    "": judge_case,
+    "moving": judge_moving,
+    "solids": judge_solid,
+    "moving solids": judge_moving_solid,
+}
 
 
 def main() -> None:
-    """Judge the first cases, plane ones or solids, and print the tables."""
+    """Judge the first cases, plane ones, those with loads that move much, or solids."""
     words = sys.argv[1:]
-    solids = words[:1] == ["solids"]
-    count = int(words[-1]) if words[solids:] else SOLIDS if solids else COUNT
-    judge = judge_solid if solids else judge_case
+    which = " ".join(word for word in words if not word.isdecimal())
+    count = next((int(word) for word in words if word.isdecimal()), COUNTS[which])
+    judge = JUDGES[which]
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     judged: list[Judged] = []
@@ -36,8 +43,10 @@ def main() -> None:
                     _tell(f"\n{each.text}\n")
             _tell(f"\r{done} of {count}")
     _tell("\n")
-    kinds = (SOLID_QUANTITIES, RESOLVED_SOLIDS) if solids else (QUANTITIES, RESOLVED)
-    print(tables(judged, *kinds))
+    solids = (SOLID_QUANTITIES, RESOLVED_SOLIDS)
+    print(tables(judged, *(solids if "solids" in which else (QUANTITIES, RESOLVED))))
+    if which == "moving":
+        print(f"\n{kinds(judged)}")
 
 
 def _tell(text: str) -> None:

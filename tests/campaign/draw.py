@@ -8,7 +8,7 @@ what makes it slide. All draws of a number depend on that number alone.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,12 @@ MESHES = Path(__file__).parents[2] / "meshes"
 # Height and half-width of the bodies over the half-width of the contact: next to half-planes.
 BODY = 40.0
 PROFILES = ("cylinder", "wedge", "flat_rounded")
+# Kinds of histories: waves; or P down to a fiftieth of its maximum within single steps, missions
+# from CSV files, a cycle in the middle, and few steps in a cycle with all loads out of phase.
+WAVES, SWEPT, MISSION, MIDDLE, PHASES = "waves", "swept", "mission", "middle", "phases"
+MOVING = (SWEPT, MISSION, MIDDLE, PHASES)
+# Repetitions of the points of a cycle.
+SWEPT_CYCLES, MISSION_CYCLES = 3, 2
 TOP = {"type": "platen", "boundary": "upper_top", "control": "force"}
 
 
@@ -42,6 +48,9 @@ class Draw:
         degree: of the displacements; also the order of the geometry.
         steps: load steps in a cycle.
         quadrilaterals: recombined elements instead of triangles.
+        kind: of the history.
+        points: P over its maximum and Q/(f P) at the points of a cycle, `steps` of them and the
+            first one once more, with straight lines between; none for waves.
     """
 
     number: int
@@ -59,6 +68,8 @@ class Draw:
     degree: int
     steps: int
     quadrilaterals: bool
+    kind: str = WAVES
+    points: tuple[tuple[float, float], ...] = ()
 
 
 def draw(number: int) -> Draw:
@@ -90,13 +101,39 @@ def draw(number: int) -> Draw:
     )
 
 
+def draw_moving(number: int) -> Draw:
+    """The case of a number, with a history of each other kind in turn."""
+    random = np.random.default_rng(8000 + number)
+    kind = MOVING[number % len(MOVING)]
+    size = 10 ** random.uniform(1.0, 1.9)
+    one = replace(draw(number), kind=kind, per_half_width=float(size))
+    if kind == PHASES:
+        return replace(
+            one,
+            steps=int(random.integers(7, 13)),
+            normal_range=float(random.uniform(0.1, 0.6)),
+            normal_phase=float(random.uniform(0.0, 360.0)),
+            tension=float(random.uniform(0.1, 0.8)),
+            tension_phase=float(random.uniform(0.0, 360.0)),
+        )
+    if kind == MIDDLE:
+        return one
+    steps = int(random.integers(2, 9) if kind == SWEPT else random.integers(15, 50))
+    normal, shear = random.uniform(0.02, 1.0, steps), random.uniform(-1.0, 1.0, steps)
+    if kind == SWEPT:
+        normal[steps // 2] = 10 ** random.uniform(-1.7, -0.7)
+    elif random.random() < 0.5:
+        normal[:] = 1.0
+    # A cycle begins and ends at the highest load, where the mesh is as fine as was drawn.
+    normal[0], shear[0] = 1.0, 0.0
+    points = [(float(p), float(one.level * q)) for p, q in zip(normal, shear, strict=True)]
+    return replace(one, steps=steps, points=(*points, points[0]), normal_range=0.0, tension=0.0)
+
+
 def case_of(one: Draw, steps: int | None = None) -> dict[str, Any]:
     """The case that a draw makes, with another number of steps in a cycle if wanted."""
     peak = peak_load(one)
-    mean = peak / (1 + one.normal_range)
-    amplitude = one.level * one.friction * largest_shear(mean, one.normal_range, one.normal_phase)
-    normal = wave(-mean, -one.normal_range * mean, one.normal_phase, steps or one.steps)
-    shear = wave(0.0, amplitude, 0.0, steps or one.steps)
+    normal, shear = _histories(one, steps or one.steps)
     loads: dict[str, Any] = {
         "press": {**TOP, "direction": "y", "history": normal},
         "shear": {**TOP, "direction": "x", "history": shear},
@@ -126,7 +163,68 @@ def case_of(one: Draw, steps: int | None = None) -> dict[str, Any]:
         "supports": supports,
         "loads": loads,
         "output": {"fields": "none"},
+        **_cycle(one),
     }
+
+
+def _histories(one: Draw, steps: int) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Of P and Q, with so many steps in a cycle."""
+    if one.points:
+        return _through_points(one, steps)
+    mean = peak_load(one) / (1 + one.normal_range)
+    amplitude = one.level * one.friction * largest_shear(mean, one.normal_range, one.normal_phase)
+    normal = wave(-mean, -one.normal_range * mean, one.normal_phase, steps)
+    shear = wave(0.0, amplitude, 0.0, steps)
+    if one.kind == MIDDLE:
+        # Two smaller cycles about the same means follow.
+        for history, size in ((normal, 0.5), (shear, 0.6)):
+            final = {**history[1], "amplitude": size * history[1]["amplitude"]}
+            start = final["mean"] + final["amplitude"] * math.sin(math.radians(final["phase"]))
+            history += [{"ramp": start, "until": 4.0, "steps": 2}, final]
+    return normal, shear
+
+
+def _through_points(one: Draw, steps: int) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """A ramp until time 1, then straight lines between points, again and again."""
+    cycles = SWEPT_CYCLES if one.kind == SWEPT else MISSION_CYCLES
+    parts = max(steps // one.steps, 1)
+    times = np.arange(parts * one.steps * cycles + 1) / (parts * one.steps)
+    values = _points(one)
+    at = np.linspace(0.0, 1.0, one.steps + 1)
+    histories = []
+    for each in values.T:
+        along = np.interp(times % 1.0, at, each).tolist()
+        ramp = {"ramp": along[0], "until": 1.0, "steps": 4}
+        histories.append([ramp, {"times": (1 + times[1:]).tolist(), "values": along[1:]}])
+    return histories[0], histories[1]
+
+
+def _points(one: Draw) -> np.ndarray:
+    """(n + 1, 2) vertical and horizontal force at the points of a cycle."""
+    normal, share = np.transpose(one.points) * np.array([[peak_load(one)], [one.friction]])
+    return np.column_stack([-normal, share * normal])
+
+
+def _cycle(one: Draw) -> dict[str, Any]:
+    if one.kind == MIDDLE:
+        return {"cycle": {"start": 2.0, "end": 3.0}}
+    if not one.points:
+        return {}
+    end = 1.0 + (SWEPT_CYCLES if one.kind == SWEPT else MISSION_CYCLES)
+    return {"cycle": {"start": end - 1, "end": end}}
+
+
+def with_mission(case: dict[str, Any], one: Draw, folder: Path) -> dict[str, Any]:
+    """The case with the points of its cycle from a CSV file in a folder, which is repeated."""
+    file = folder / "mission.csv"
+    rows = np.column_stack([1 + np.linspace(0.0, 1.0, one.steps + 1), _points(one)])
+    np.savetxt(file, rows, fmt="%.17g", delimiter=",", header="time,normal,shear", comments="")
+    loads = dict(case["loads"])
+    for name, column in (("press", "normal"), ("shear", "shear")):
+        ramp = loads[name]["history"][0]
+        csv = {"csv": str(file), "time": "time", "value": column, "repeat": MISSION_CYCLES}
+        loads[name] = {**loads[name], "history": [ramp, csv]}
+    return {key: value for key, value in case.items() if key != "cycle"} | {"loads": loads}
 
 
 def with_quadrilaterals(case: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -168,6 +266,11 @@ def element_size(one: Draw) -> float:
     """Element size at the contact edges."""
     rounded = 1 - one.shape if one.profile == "flat_rounded" else 1.0
     return one.a * rounded / one.per_half_width
+
+
+def edge_slope(one: Draw) -> float:
+    """Slope of the profile at the edge of the contact at the highest load."""
+    return (1 - one.shape) * one.a / _rounding(one) if one.profile == "flat_rounded" else one.shape
 
 
 def _rounding(one: Draw) -> float:

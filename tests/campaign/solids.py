@@ -9,7 +9,7 @@ depend on that number alone.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -82,6 +82,21 @@ def draw_solid(number: int) -> SolidDraw:
         normal_phase=float(random.choice([0.0, 45.0, 90.0, 180.0])),
         per_half_width=float(10 ** random.uniform(0.6, 1.15)),
         steps=int(random.choice([8, 12, 16])),
+    )
+
+
+def draw_moving_solid(number: int) -> SolidDraw:
+    """The case of a number in which P falls to a small part of its peak within one or two steps."""
+    random = np.random.default_rng(7000 + number)
+    return replace(
+        draw_solid(number),
+        profile=("sphere", "cylinder")[number % 2],
+        ratio=1.0,
+        angle=float(random.uniform(0.0, 90.0)) if number % 2 == 0 else 0.0,
+        normal_range=float(random.uniform(0.3, 0.85)),
+        normal_phase=float(random.choice([0.0, 45.0, 90.0, 180.0])),
+        per_half_width=float(10 ** random.uniform(0.75, 1.0)),
+        steps=int(random.choice([4, 6, 8])),
     )
 
 

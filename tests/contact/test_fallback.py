@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from halfplane_interface import Flank
 from halfspace import SphereOnFlat
+from marching import march_through
 
 from fretfe.contact.admm import status_by_fixed_point
 from fretfe.contact.certificate import certify
@@ -105,7 +106,7 @@ WALK = np.array([[0, 0, 0], [0.0, -0.8, 0], [0.3, -0.8, 0], [-0.2, -0.5, 0], [0.
 
 
 def march(interface: Interface) -> list[StepResult]:
-    return list(March(interface).run([plane(interface, tuple(row)) for row in WALK]))
+    return list(march_through(March(interface), [plane(interface, tuple(row)) for row in WALK]))
 
 
 def always(failing: Callable[[int], bool]) -> Callable[[Solve], Solve]:
@@ -145,7 +146,9 @@ def test_march_cuts_a_step_that_fails_twice(monkeypatch: pytest.MonkeyPatch) -> 
     """Newton and the slow method fail in step 3: two halves instead, of which nothing is lost."""
     interface = cylinder()
     halved = np.insert(WALK, 3, (WALK[2] + WALK[3]) / 2, axis=0)
-    expected = list(March(interface).run([plane(interface, tuple(row)) for row in halved]))
+    expected = list(
+        march_through(March(interface), [plane(interface, tuple(row)) for row in halved])
+    )
     monkeypatch.setattr(Newton, "solve", always(lambda call: call in (3, 4))(Newton.solve))
     found = march(interface)
     assert [result.parts for result in found] == [1, 1, 2, 1]
@@ -161,7 +164,7 @@ def test_march_gives_up_after_all_cuts(monkeypatch: pytest.MonkeyPatch) -> None:
     interface = cylinder()
     monkeypatch.setattr(Newton, "solve", always(lambda call: call > 2)(Newton.solve))
     steps = [plane(interface, tuple(row)) for row in WALK]
-    marching = March(interface).run(steps)
+    marching = march_through(March(interface), steps)
     next(marching), next(marching)
     message = rf"step 3 of 4 .*: made to fail .*halving the step {MAX_CUTS} times.*the 2 steps"
     with pytest.raises(ConvergenceError, match=message):

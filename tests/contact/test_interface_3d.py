@@ -12,19 +12,27 @@ import halfspace
 import numpy as np
 import pytest
 from halfspace import SphereOnFlat
+from marching import march_through
 from numpy.typing import NDArray
 
 from fretfe._typing import Array
 from fretfe.contact import march as march_module
 from fretfe.contact.admm import status_by_fixed_point
 from fretfe.contact.certificate import certify
-from fretfe.contact.compliance import DenseCompliance
 from fretfe.contact.factored import FactoredOperator
-from fretfe.contact.interface import Interface
+from fretfe.contact.interface import DenseCompliance, Interface
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.newton import LoadedStep, Newton
-from fretfe.contact.state import OPEN, SLIP, STICK, Status, StepLoads
-from fretfe.contact.status_rules import Guess, LinearSolution, StatusRules
+from fretfe.contact.state import (
+    OPEN,
+    SLIP,
+    STICK,
+    Guess,
+    LinearSolution,
+    Status,
+    StatusRules,
+    StepLoads,
+)
 from fretfe.errors import ConvergenceError
 
 FRICTION = 0.4
@@ -48,7 +56,9 @@ def march(
     values = np.zeros((len(shear) + 2, 3))
     values[1:, 0] = normal
     values[2:, 1:] = shear * friction * -normal
-    return list(March(interface).run([halfspace.loads(interface, v, friction) for v in values]))
+    return list(
+        march_through(March(interface), [halfspace.loads(interface, v, friction) for v in values])
+    )
 
 
 def nodal(interface: Interface, result: StepResult) -> Array:
@@ -218,7 +228,7 @@ def walks(nu: float) -> list[StepResult]:
         values = np.zeros((11, 3))
         values[1:] = np.column_stack([-normal, size * np.cos(angle), size * np.sin(angle)])
         steps = [halfspace.loads(interface, v, friction) for v in values]
-        results += list(March(interface).run(steps))
+        results += list(march_through(March(interface), steps))
     return results
 
 
@@ -241,7 +251,9 @@ def test_gross_slip_by_displacement(nu: float) -> None:
     values = np.zeros((len(turns) + 2, 3))
     values[1:, 0] = -LIMIT / FRICTION
     values[2:, 1:] = travel
-    results = list(March(interface).run([halfspace.loads(interface, v, FRICTION) for v in values]))
+    results = list(
+        march_through(March(interface), [halfspace.loads(interface, v, FRICTION) for v in values])
+    )
     assert_newton_alone(results, 10)
     forces = np.array([result.state.forces[1:] for result in results[2:]])
     assert all(set(result.state.status) == {OPEN, SLIP} for result in results[2:])
@@ -276,7 +288,9 @@ def test_frictionless_contact_moves_freely(nu: float) -> None:
     # Nodes close in steps that also move sideways.
     share = np.linspace(0.0, 1.0, 13)
     values = share[:, None] * np.array([-LIMIT / FRICTION, 0.3, -0.2])
-    results = list(March(interface).run([halfspace.loads(interface, v, 0.0) for v in values]))
+    results = list(
+        march_through(March(interface), [halfspace.loads(interface, v, 0.0) for v in values])
+    )
     # Shear is what the linear system makes of zero.
     shear = np.array([result.state.traction[:, 1:] for result in results])
     np.testing.assert_allclose(shear, 0.0, atol=1e-14)
@@ -289,7 +303,7 @@ def test_certificate_sees_slip_across_the_shear() -> None:
         halfspace.loads(interface, np.array([-1.0, 0.8 * q, 0.6 * q]) * LIMIT / FRICTION, FRICTION)
         for q in (0.0, 0.7 * FRICTION)
     ]
-    before, after = March(interface).run([replace(steps[0], values=np.zeros(3)), *steps])
+    before, after = march_through(March(interface), [replace(steps[0], values=np.zeros(3)), *steps])
     state, reference = after.state, before.state.relative[:, 1:]
     node = int(np.flatnonzero(state.status == SLIP)[0])
     relative = state.relative.copy()

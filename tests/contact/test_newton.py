@@ -12,6 +12,7 @@ import halfplane_interface as halfplane
 import numpy as np
 import pytest
 from halfplane_interface import Flank
+from marching import march_through
 
 from fretfe._typing import Array
 from fretfe.contact.certificate import certify
@@ -57,7 +58,7 @@ def march(interface: Interface, values: Array, friction: float | Array) -> list[
     steps = [
         halfplane.loads(interface, row, f) for row, f in zip(values, coefficients, strict=True)
     ]
-    return list(March(interface).run(steps))
+    return list(march_through(March(interface), steps))
 
 
 def worst(results: Sequence[StepResult]) -> float:
@@ -192,8 +193,8 @@ def test_history_is_committed_only_with_the_step() -> None:
     rows = np.array([[0, 0, 0], [0, -LOAD, 0], [0.2, -LOAD, 0], [-0.2, -LOAD, 0]])
     loads = [halfplane.loads(interface, row, FRICTION) for row in rows]
     marcher = March(interface)
-    first = list(marcher.run(loads))
-    second = list(marcher.run(loads))
+    first = list(march_through(marcher, loads))
+    second = list(march_through(marcher, loads))
     np.testing.assert_array_equal(first[-1].state.status, second[-1].state.status)
     np.testing.assert_allclose(
         first[-1].state.traction, second[-1].state.traction, rtol=0, atol=1e-13
@@ -208,7 +209,7 @@ def partial_slip() -> tuple[Interface, StepLoads, ContactState, Array]:
     interface = cylinder(0.04)
     rows = np.array([[0, 0, 0], [0, -LOAD, 0], [0.6 * FRICTION * LOAD, -LOAD, 0]])
     steps = [halfplane.loads(interface, row, FRICTION) for row in rows]
-    before, after = March(interface).run(steps)
+    before, after = march_through(March(interface), steps)
     return interface, steps[-1], after.state, before.state.relative[:, 1:]
 
 
@@ -485,7 +486,7 @@ def test_loads_without_resistance_are_reported(
     steps = [halfplane.loads(interface, row, FRICTION) for row in values]
     kept: list[StepResult] = []
     with pytest.raises(ConvergenceError) as caught:
-        kept.extend(iter(March(interface).run(steps)))
+        kept.extend(iter(march_through(March(interface), steps)))
     message = str(caught.value)
     assert message.startswith("step 3 of 4 did not converge: ")
     assert "slides or opens as a whole" in message
@@ -495,7 +496,9 @@ def test_loads_without_resistance_are_reported(
 def test_solved_steps_are_handed_over_before_the_failure() -> None:
     interface = cylinder(0.04)
     values = np.array([(0, 0, 0), (0, -0.8, 0), (0.2, -0.8, 0), (0.9, -0.8, 0)])
-    marching = March(interface).run([halfplane.loads(interface, v, FRICTION) for v in values])
+    marching = march_through(
+        March(interface), [halfplane.loads(interface, v, FRICTION) for v in values]
+    )
     assert worst([next(marching), next(marching)]) < CERTIFIED
     with pytest.raises(ConvergenceError, match="step 3 of 3"):
         next(marching)

@@ -10,11 +10,9 @@ import pytest
 
 from fretfe._typing import Array, Bools
 from fretfe.contact import factored
-from fretfe.contact.compliance import DenseCompliance
-from fretfe.contact.factored import FactoredOperator
-from fretfe.contact.interface import Coordinate, Interface
+from fretfe.contact.factored import FactoredOperator, unknown_tractions
+from fretfe.contact.interface import Coordinate, DenseCompliance, Interface
 from fretfe.contact.operator import Conditions, InterfaceOperator, Response
-from fretfe.contact.sliding import unknown_tractions
 from fretfe.contact.state import OPEN, SLIP, STICK
 
 NODES = 40

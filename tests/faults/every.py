@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from faults import case_files, exports, files, folders, lives, models, rigs
+from faults import case_files, exports, files, folders, lives, models, pieces, rigs
 from faults.fault import Fault
 
-SOURCES = (case_files, files, folders, models, rigs, lives, exports)
+SOURCES = (case_files, files, folders, models, rigs, lives, exports, pieces)
 
 
 def all_faults() -> list[Fault]:

@@ -80,7 +80,9 @@ def _node(text: bytes, data: bytes, marker: bytes = b"$Nodes\n") -> bytes:
     return data[:start] + b"\n".join(lines)
 
 
-def _scaled(factor: float) -> Change:
+def with_places(move: Callable[[list[float]], list[float]]) -> Change:
+    """A change of the coordinates of every node in a mesh of format 2.2."""
+
     def change(data: bytes) -> bytes:
         head, rest = data.split(b"$Nodes\n")
         nodes, tail = rest.split(b"$EndNodes")
@@ -88,10 +90,15 @@ def _scaled(factor: float) -> Change:
         lines = [count]
         for row in rows:
             number, *values = row.split()
-            lines.append(b" ".join([number, *(repr(factor * float(v)).encode() for v in values)]))
+            places = move([float(value) for value in values])
+            lines.append(b" ".join([number, *(repr(place).encode() for place in places)]))
         return head + b"$Nodes\n" + b"\n".join(lines) + b"\n$EndNodes" + tail
 
     return change
+
+
+def _scaled(factor: float) -> Change:
+    return with_places(lambda places: [factor * place for place in places])
 
 
 def _meshes() -> Iterator[Fault]:

@@ -23,7 +23,7 @@ from fretfe.case import parse_case
 from fretfe.loads import build_history
 from fretfe.mesh.writer import write_mesh
 from fretfe.results.writer import write_results
-from fretfe.surface.load import load_mesh
+from fretfe.surface.checks import load_mesh
 
 COARSE = {"size": 0.2, "growth": 0.5}
 LOADS = {"press": press(steps=1), "shear": shear(steps=4, cycles=1)}
@@ -165,7 +165,8 @@ def _write_runs(folder: Path) -> None:
     write_run(folder / "analytic", "analytic")
     write_run(folder / "incomplete", "incomplete")
     write_run(folder / "no_cycle", "no cycle")
-    metres = parse_case({**CYCLE, "units": {"length": "m", "stress": "Pa"}})
+    # The labels of another set of units, whose numbers count as they are.
+    metres = parse_case({**CYCLE, "units": {"length": "metre", "stress": "Pa"}})
     write_run(folder / "metres", "halfplane", metres)
     contact = CYCLE["contacts"]["main"]
     others = {

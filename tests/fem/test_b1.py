@@ -19,11 +19,10 @@ from meshes_b1 import RADIUS, write_b1
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import Hertz
 from fretfe.case import parse_case
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.front import ContactSummary
+from fretfe.evaluate.contacts import ContactSummary
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
-from fretfe.results.solution import SLIP, ContactHistory, Solution
+from fretfe.history.solution import SLIP, ContactHistory, Solution
 
 E_STAR = YOUNG / (2 * (1 - POISSON**2))
 PRESS, EXTREMES = 5, (15, 35, 55)
@@ -51,7 +50,7 @@ def run_b1(
     case = parse_case(b1_case(mesh, degree, friction_from, multipliers))
     outcome = solve(MPI.COMM_WORLD, case)
     assert outcome.solution is not None
-    return Run(outcome.solution, outcome.solution.contacts[0], evaluate(outcome.solution)[0])
+    return Run(outcome.solution, outcome.solution.contacts[0], outcome.contacts[0])
 
 
 # The meshes nearly match: at order 1 multipliers on the slightly coarser side alternate less.

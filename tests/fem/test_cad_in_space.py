@@ -14,8 +14,8 @@ from pad_cases import pad, press
 
 from fretfe.case import parse_case
 from fretfe.errors import CaseError, FretfeError, MeshError
-from fretfe.geometry.gmsh_model import gmsh_model
-from fretfe.mesh.cell_geometry import facet_measures
+from fretfe.mesh.elements import facet_measures
+from fretfe.mesh.gmsh import gmsh_model
 from fretfe.mesh.load import grouped_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh
 

@@ -17,7 +17,7 @@ from meshes_b1 import write_b1
 
 from fretfe.case import load_case
 from fretfe.mesh.make import read_mesh
-from fretfe.surface.load import load_mesh
+from fretfe.surface.checks import load_mesh
 
 
 def on_two_processes(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
@@ -51,12 +51,12 @@ def test_run_prints_edges_and_where_the_results_are(results: Path) -> None:
 
 def test_results_hold_what_the_guide_describes(results: Path) -> None:
     data = json.loads((results / "results.json").read_text())
-    assert data["schema"] == {"name": "fretfe-results", "version": 4}
+    assert data["schema"] == {"name": "fretfe-results", "version": 6}
     assert data["complete"] is True
     steps = len(data["times"])
     contact = data["contacts"]["main"]
     assert len(contact["normal_force"]) == steps == 20
-    assert [edge["side"] for edge in contact["edges"]] == ["left", "right"]
+    assert [front["name"] for front in contact["fronts"]] == ["left", "right"]
     assert len(data["steps"]["certificate"]["worst"]) == steps
     assert data["units"]["stress"] == "MPa"
     assert list(data["drivers"]) == ["press", "shear"]
@@ -93,9 +93,11 @@ def test_two_processes_give_the_same_results(results: Path, folder: Path) -> Non
     assert parallel["ranks"] == 2
     for quantity in ("normal_force", "shear_force", "half_width", "centre"):
         compare(serial["contacts"]["main"][quantity], parallel["contacts"]["main"][quantity])
-    for one, other in zip(
-        serial["contacts"]["main"]["edges"], parallel["contacts"]["main"]["edges"], strict=True
-    ):
+    edges = (
+        [front["stations"][0] for front in run["contacts"]["main"]["fronts"]]
+        for run in (serial, parallel)
+    )
+    for one, other in zip(*edges, strict=True):
         for quantity in ("position", "k_n", "k_t", "k_i", "k_t_range"):
             compare(one[quantity], other[quantity])
         lengths = [[zone["length"] for zone in edge["slip_zones"]] for edge in (one, other)]

@@ -25,7 +25,7 @@ from fretfe.fem._compat import (
     versions,
     vtk_order,
 )
-from fretfe.results.field_file import CELL_TYPES
+from fretfe.results.field_files import CELL_TYPES
 
 COMM = MPI.COMM_WORLD
 # Two elements each in Gmsh's order: corners, then middles of edges. The middle of the left edge is

@@ -16,8 +16,7 @@ from fretfe.case import Case, load_case, parse_case
 from fretfe.errors import MeshError
 from fretfe.mesh.body_overlap import body_overlaps
 from fretfe.mesh.mesh import BodyMesh, Mesh
-from fretfe.surface.checks import check_contacts
-from fretfe.surface.load import load_mesh
+from fretfe.surface.checks import check_contacts, load_mesh
 
 STEEL = {"young": 2e5, "poisson": 0.3}
 SQUARES_CASE = """

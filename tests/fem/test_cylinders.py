@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 
 from fretfe.case import parse_case
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.front import ContactSummary
+from fretfe.evaluate.contacts import ContactSummary
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
-from fretfe.results.solution import ContactHistory
+from fretfe.history.solution import ContactHistory
 
 HALF_WIDTH, PEAK_PRESSURE, STICK_HALF_WIDTH = 0.680778, 9.351351, 0.496511
 K_N, K_T = 16.02826, 0.255377
@@ -58,7 +57,7 @@ def run(**parameters: float) -> tuple[ContactHistory, ContactSummary]:
     )
     outcome = solve(MPI.COMM_WORLD, case)
     assert outcome.solution is not None and outcome.failure is None
-    return outcome.solution.contacts[0], evaluate(outcome.solution)[0]
+    return outcome.solution.contacts[0], outcome.contacts[0]
 
 
 @pytest.fixture(scope="module")

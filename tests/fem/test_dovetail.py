@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 
 from fretfe.case import parse_case
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.front import ContactSummary
+from fretfe.evaluate.contacts import ContactSummary
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
-from fretfe.results.solution import STICK, Solution
+from fretfe.history.solution import STICK, Solution
 
 DEMO = Path(__file__).parents[2] / "demos" / "dovetail.toml"
 
@@ -30,7 +29,7 @@ def run_dovetail(edge_size: float) -> tuple[Solution, tuple[ContactSummary, ...]
     case = parse_case(data)
     outcome = solve(MPI.COMM_WORLD, case)
     assert outcome.solution is not None and outcome.failure is None
-    return outcome.solution, evaluate(outcome.solution)
+    return outcome.solution, outcome.contacts
 
 
 @pytest.fixture(scope="module")

@@ -11,15 +11,15 @@ import pytest
 from scipy.special import ellipe, ellipkm1
 
 from fretfe._typing import Array
+from fretfe.history.solution import ContactHistory
 from fretfe.results.model import Result
-from fretfe.results.solution import ContactHistory
 
 Data = dict[str, Any]
 Solve = Callable[[Data], Result]
 
 YOUNG, FRICTION = 2e5, 0.5
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
 
 
 def tables(template: str, poisson: float, loads: dict[str, Data], **parameters: float) -> Data:

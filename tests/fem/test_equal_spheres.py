@@ -15,20 +15,19 @@ from typing import Any
 import blocks
 import numpy as np
 import pytest
+from marching import march_through
 
 from fretfe._typing import Array
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case, Solid, parse_case
-from fretfe.contact.compliance import DenseCompliance
-from fretfe.contact.interface import Interface
+from fretfe.contact.interface import DenseCompliance, Interface
 from fretfe.contact.march import March
 from fretfe.contact.state import StepLoads
 from fretfe.fem._compat import MPI
-from fretfe.fem.model import step_loads
-from fretfe.fem.prepared import build_model
+from fretfe.fem.model import build_model, step_loads
 from fretfe.fem.run import load_history
 from fretfe.fem.timing import Clock
-from fretfe.mesh.cell_geometry import reversal
+from fretfe.mesh.elements import reversal
 from fretfe.mesh.extrude import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 
@@ -39,7 +38,7 @@ PEAK = 3 * FORCE / (2 * np.pi)
 SHEAR = 0.4 * FRICTION * FORCE
 CYCLES, RISE, STEPS = 6, 4, 12
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
 
 
 def lines(growth: float, fine: int) -> Array:
@@ -117,7 +116,7 @@ def problem() -> tuple[Interface, Sequence[StepLoads]]:
 
 def tractions(interface: Interface, steps: Sequence[StepLoads]) -> Array:
     """(T, N, 3) over the peak of the pressure, from the pressed state on."""
-    found = [result.state.traction for result in March(interface).run(steps)]
+    found = [result.state.traction for result in march_through(March(interface), steps)]
     return np.array(found) / interface.roots[:, None] / PEAK
 
 

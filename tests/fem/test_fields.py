@@ -23,7 +23,7 @@ from fretfe.errors import OutputError
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.run import solve
-from fretfe.results.field_file import FIELDS, FieldReader, FieldWriter
+from fretfe.results.field_files import FIELDS, FieldReader, FieldWriter
 
 COARSE = cylinder(size=0.05)
 

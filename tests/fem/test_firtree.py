@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 
 from fretfe.case import parse_case
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.front import ContactSummary
+from fretfe.evaluate.contacts import ContactSummary
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
-from fretfe.results.solution import Solution
+from fretfe.history.solution import Solution
 
 DEMO = Path(__file__).parents[2] / "demos" / "firtree.toml"
 LOBES = ("1", "2", "3")
@@ -33,7 +32,7 @@ def run_firtree(**parameters: float) -> tuple[Solution, dict[str, ContactSummary
     case = parse_case(data)
     outcome = solve(MPI.COMM_WORLD, case)
     assert outcome.solution is not None and outcome.failure is None
-    return outcome.solution, {each.name: each for each in evaluate(outcome.solution)}
+    return outcome.solution, {each.name: each for each in outcome.contacts}
 
 
 @pytest.fixture(scope="module")

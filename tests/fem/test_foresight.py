@@ -12,14 +12,13 @@ import pytest
 from pad_cases import STEEL, TOP, cylinder, pad, pad_text, press, shear
 from typer.testing import CliRunner
 
-from fretfe.backends.observer import Observer
-from fretfe.backends.protocol import RunOptions
+from fretfe.backends.protocol import Observer, RunOptions
 from fretfe.case import load_case, parse_case
 from fretfe.cli.app import app
-from fretfe.edges.foresight import coarse_contacts
+from fretfe.evaluate.resolution import coarse_contacts
 from fretfe.fem.backend import BACKEND
 from fretfe.loads import build_history
-from fretfe.surface.load import load_mesh
+from fretfe.surface.checks import load_mesh
 
 DEMOS = Path(__file__).parents[2] / "demos"
 

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import fcntl
-import time
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +12,9 @@ import ufl
 from dolfinx import fem
 from dolfinx.mesh import create_unit_square
 
-from fretfe.fem import form_cache
+from fretfe.fem import elasticity as form_cache
 from fretfe.fem._compat import MPI
-from fretfe.fem.form_cache import FOLDER, LOCK, compiled
+from fretfe.fem.elasticity import FOLDER, LOCK, compiled
 
 
 @pytest.fixture(name="folder")
@@ -45,14 +44,16 @@ def test_other_flags_of_the_compiler_make_another_library(folder: Path) -> None:
     assert len(list(folder.glob("*.so"))) == 2
 
 
-def test_what_a_killed_compilation_left_is_removed(folder: Path) -> None:
+def test_what_a_killed_compilation_left_is_removed(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A source without the mark of its end: FFCx would wait for it."""
     area()
     (mark,) = folder.glob("*.c.cached")
     mark.unlink()
-    begin = time.perf_counter()
+    # FFCx would end with an error after that time; compiling may take long on a busy machine.
+    monkeypatch.setattr(form_cache, "TIMEOUT", 1)
     assert fem.assemble_scalar(area()) == pytest.approx(1.0)
-    assert time.perf_counter() - begin < form_cache.TIMEOUT / 2
     assert mark.exists()
 
 

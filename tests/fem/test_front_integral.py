@@ -17,7 +17,7 @@ from contact_runs import ramp
 from fretfe._typing import Array, Bools
 from fretfe.bodies.body import Material
 from fretfe.case import Solid, parse_case
-from fretfe.edges.nested_areas import AREAS, OUTSIDE
+from fretfe.evaluate.space.fronts import AREAS, OUTSIDE
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
@@ -300,7 +300,7 @@ def ball_errors(
 
 # Errors are those of the mesh: the bonded front is as ragged as the nodes at it.
 @pytest.mark.slow
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(1800)
 def test_bonded_sphere() -> None:
     """Twelve elements over the radius: one per cent low on the average, the least for P."""
     errors = ball_errors(Ellipse(1.0, 1.0), 1 / 12, 0.3, [Tube(0.3, 0.6), Tube(0.4, 0.8)])
@@ -315,7 +315,7 @@ def test_bonded_sphere() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(1800)
 def test_bonded_ellipse() -> None:
     """Eight elements over the smaller half axis, four over the radius of the front at its ends."""
     ellipse = Ellipse(1.0, 0.5)

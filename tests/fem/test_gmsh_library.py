@@ -12,7 +12,7 @@ import pytest
 from launch import python
 
 from fretfe.errors import DependencyError
-from fretfe.geometry.gmsh_library import PACKAGES, import_gmsh, missing_libraries
+from fretfe.mesh.gmsh import PACKAGES, import_gmsh, missing_libraries
 
 LACKING = ("libGLU.so.1", "libXft.so.2", "libnobody.so.3")
 
@@ -53,7 +53,7 @@ def test_all_that_is_missing_is_found(broken: Path) -> None:
 def test_libraries_and_commands_are_told(
     broken: Path, monkeypatch: pytest.MonkeyPatch, instead: Path
 ) -> None:
-    monkeypatch.setattr("fretfe.geometry.gmsh_library.missing_libraries", lambda _: sorted(LACKING))
+    monkeypatch.setattr("fretfe.mesh.gmsh.missing_libraries", lambda _: sorted(LACKING))
     with pytest.raises(DependencyError) as caught:
         import_gmsh()
     told = str(caught.value).splitlines()

@@ -7,7 +7,7 @@ import pytest
 
 from fretfe.errors import ModelError
 from fretfe.fem._compat import MPI
-from fretfe.fem.groups import find_group, share_out, together
+from fretfe.fem.parallel import find_group, share_out, together
 
 
 @pytest.mark.parametrize(

@@ -20,9 +20,9 @@ from fretfe._typing import Array
 from fretfe.case import parse_case
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
+from fretfe.history.solution import ContactHistory
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
-from fretfe.results.solution import ContactHistory
 
 SAME = np.eye(2)
 ANGLE = np.radians(31.0)

@@ -18,10 +18,10 @@ from fretfe._typing import Array
 from fretfe.case import Solid, parse_case
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
+from fretfe.history.solution import ContactHistory
 from fretfe.mesh.extrude import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
-from fretfe.results.solution import ContactHistory
 
 UNITS = np.eye(3)
 # Of the pad on the block.

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from marching import march_through
 
 from fretfe._typing import Array
 from fretfe.backends.protocol import DEFAULTS
@@ -21,8 +22,7 @@ from fretfe.case import parse_case
 from fretfe.contact.march import March
 from fretfe.contact.state import StepLoads
 from fretfe.fem._compat import MPI
-from fretfe.fem.model import step_loads
-from fretfe.fem.prepared import build_model
+from fretfe.fem.model import build_model, step_loads
 from fretfe.fem.run import load_history
 from fretfe.fem.timing import Clock
 
@@ -34,7 +34,7 @@ DOVETAIL = Path(__file__).parents[2] / "demos" / "dovetail_solid.toml"
 JUMPS = 60
 HISTORY = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
 
 
 def loads(boundary: str, centre: list[float], **directions: str) -> Data:
@@ -112,7 +112,7 @@ def test_every_jump_is_found(data: Data, draw: Draw) -> None:
                 values[labels.index(name)] = value
             yield replace(loaded, values=values)
 
-    results = list(March(interface).run(list(jumps())))
+    results = list(march_through(March(interface), list(jumps())))
     assert len(results) == JUMPS
     assert all(each.parts == 1 and each.fallbacks == 0 for each in results)
     assert max(each.certificate.worst for each in results) < 1e-8

@@ -16,9 +16,9 @@ from fretfe.bodies.rigid_modes import modes_restrained_by_contact
 from fretfe.case import parse_case
 from fretfe.mesh.groups import mesh_summary
 from fretfe.mesh.mesh import BodyMesh, Mesh
-from fretfe.surface.chain import Chain
 from fretfe.surface.checks import initial_gaps
 from fretfe.surface.quality import ContactQuality, contact_quality, mesh_warnings
+from fretfe.surface.surface import Chain
 
 STEEL = {"young": 2e5, "poisson": 0.3}
 CASE: dict[str, Any] = {

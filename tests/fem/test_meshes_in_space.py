@@ -22,9 +22,9 @@ from fretfe.case import Solid, parse_case
 from fretfe.errors import CaseError, MeshError
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
-from fretfe.geometry.gmsh_model import gmsh_model
-from fretfe.mesh.cell_geometry import facet_measures, jacobian_determinants, reversal
+from fretfe.mesh.elements import facet_measures, jacobian_determinants, reversal
 from fretfe.mesh.extrude import extrude
+from fretfe.mesh.gmsh import gmsh_model
 from fretfe.mesh.groups import body_unknowns, mesh_summary
 from fretfe.mesh.load import grouped_mesh
 from fretfe.mesh.make import read_mesh

@@ -17,8 +17,8 @@ from fretfe._typing import Array
 from fretfe.case import parse_case
 from fretfe.errors import MeshError
 from fretfe.fem._compat import MPI
-from fretfe.geometry.gmsh_model import gmsh_model
-from fretfe.mesh.cell_geometry import CORNERS, facet_measures
+from fretfe.mesh.elements import CORNERS, facet_measures
+from fretfe.mesh.gmsh import gmsh_model
 from fretfe.mesh.load import grouped_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh
 

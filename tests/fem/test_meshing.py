@@ -14,13 +14,13 @@ from meshes_b1 import RADIUS, ZONE, write_b1
 from tiny_meshes import CURVED_QUADRILATERAL, CURVED_TRIANGLE, TWO_SQUARES, TinyMesh
 
 from fretfe.errors import MeshError
-from fretfe.geometry.gmsh_model import gmsh_model
-from fretfe.mesh.cell_geometry import (
+from fretfe.mesh.elements import (
     directed_facets,
     exterior_facets,
     facet_measures,
     jacobian_determinants,
 )
+from fretfe.mesh.gmsh import gmsh_model
 from fretfe.mesh.make import read_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh
 

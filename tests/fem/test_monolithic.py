@@ -20,9 +20,9 @@ from fretfe._typing import Array
 from fretfe.contact.state import SLIP, STICK
 from fretfe.errors import ConvergenceError, FretfeError
 from fretfe.fem.model import Model
-from fretfe.geometry.templates import find_template
 from fretfe.mesh.make import mesh_template, read_mesh
 from fretfe.mesh.mesh import BodyMesh
+from fretfe.mesh.templates import find_template
 
 Data = dict[str, Any]
 

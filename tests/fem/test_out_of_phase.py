@@ -11,8 +11,7 @@ import pytest
 from meshes_b1 import write_b1
 
 from fretfe.case import parse_case
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.front import ContactSummary
+from fretfe.evaluate.contacts import ContactSummary
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 
@@ -65,7 +64,7 @@ def run(mesh: Path, steps: int) -> ContactSummary:
     )
     outcome = solve(MPI.COMM_WORLD, case)
     assert outcome.solution is not None and outcome.failure is None
-    return evaluate(outcome.solution)[0]
+    return outcome.contacts[0]
 
 
 @pytest.fixture(scope="module")

@@ -28,11 +28,10 @@ from fretfe.analytic.profiles import (
     edge_factor_k_n,
 )
 from fretfe.case import parse_case
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.front import ContactSummary
+from fretfe.evaluate.contacts import ContactSummary
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
-from fretfe.results.solution import ContactHistory
+from fretfe.history.solution import ContactHistory
 
 YOUNG, POISSON = 200e3, 0.3
 E_STAR = composite_modulus(YOUNG, POISSON, YOUNG, POISSON)
@@ -104,7 +103,7 @@ def press(punch: Punch, degree: int = 2) -> Pressed:
     )
     outcome = solve(MPI.COMM_WORLD, case)
     assert outcome.solution is not None and outcome.failure is None
-    return punch, outcome.solution.contacts[0], evaluate(outcome.solution)[0]
+    return punch, outcome.solution.contacts[0], outcome.contacts[0]
 
 
 @pytest.fixture(scope="module", params=PUNCHES)

@@ -24,7 +24,7 @@ from fretfe.fem import refine as refine_module
 from fretfe.fem.backend import BACKEND
 from fretfe.mesh.groups import mesh_summary
 from fretfe.mesh.mesh import Mesh
-from fretfe.results.field_file import FieldReader
+from fretfe.results.field_files import FieldReader
 from fretfe.results.model import Result
 
 E_STAR = 210e3 / (1 - 0.09) / 2

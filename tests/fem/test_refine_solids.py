@@ -13,8 +13,7 @@ from pad_cases import pad, press
 from fretfe.backends import RunOptions
 from fretfe.case import Case, parse_case
 from fretfe.fem.backend import BACKEND
-from fretfe.fem.refine import starting_mesh
-from fretfe.fem.refine_solids import FINER, finer_case, is_solid
+from fretfe.fem.refine import FINER, finer_case, is_solid, starting_mesh
 from fretfe.mesh.groups import count_unknowns
 
 
@@ -54,7 +53,7 @@ def test_first_mesh_is_that_of_the_case() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(1800)
 def test_sphere_until_the_limit(capsys: pytest.CaptureFixture[str]) -> None:
     """Three meshes; the fourth one has too many unknowns."""
     data = tables(FRICTION, shear=cycles())

@@ -59,7 +59,7 @@ def test_a_continued_dovetail_is_the_undisturbed_one(tmp_path: Path) -> None:
 
 def test_another_mesh_is_not_continued(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     RUNNER.run(dovetail(), tmp_path, Told(5))
-    monkeypatch.setattr("fretfe.fem.prepared.Prepared.digest", "other")
+    monkeypatch.setattr("fretfe.fem.model.Prepared.digest", "other")
     with pytest.raises(OutputError, match=r"these have changed since: mesh\. Run"):
         RUNNER.run(dovetail(), tmp_path, resume=True)
 

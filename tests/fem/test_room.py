@@ -15,7 +15,7 @@ from pad_cases import pad
 from fretfe.case import parse_case
 from fretfe.environment import address_room
 from fretfe.errors import MemoryShortError
-from fretfe.fem import room
+from fretfe.fem import backend as room
 from fretfe.runner import Runner
 
 MIB = 2**20

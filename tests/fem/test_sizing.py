@@ -11,7 +11,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fretfe.geometry.sizing import (
+from fretfe.mesh.elements import facet_measures
+from fretfe.mesh.groups import count_unknowns, mesh_summary
+from fretfe.mesh.make import mesh_template
+from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.sizing import (
     Sizes,
     Source,
     apply_sizes,
@@ -20,11 +24,7 @@ from fretfe.geometry.sizing import (
     length_of,
     round_curves,
 )
-from fretfe.geometry.templates import find_template
-from fretfe.mesh.cell_geometry import facet_measures
-from fretfe.mesh.groups import count_unknowns, mesh_summary
-from fretfe.mesh.make import mesh_template
-from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.templates import find_template
 
 EVEN, GROWTH = 0.1, 0.25
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 
 import pytest
 import soak
+from plots import whole_plots
 
 
 @pytest.mark.slow
 def test_runs_leave_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(soak, "WARM", 60)
-    before, after = soak.soak(160)
+    with whole_plots():
+        before, after = soak.soak(160)
     assert after.memory - before.memory < 20
     assert after.files <= before.files
     assert after.communicators >= before.communicators

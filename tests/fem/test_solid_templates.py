@@ -13,11 +13,11 @@ from fretfe._typing import Array
 from fretfe.case import parse_case
 from fretfe.errors import CaseError
 from fretfe.fem.refine import starting_mesh
-from fretfe.geometry.templates import find_template, template_directory
-from fretfe.mesh.cell_geometry import facet_measures
+from fretfe.mesh.elements import facet_measures
 from fretfe.mesh.groups import body_unknowns, mesh_summary
 from fretfe.mesh.make import mesh_template
 from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.mesh.templates import find_template, template_directory
 
 SIDES = {"left", "right", "back", "front", "contact"}
 COARSE_SPHERE = {"size": 0.35, "growth": 0.5}

@@ -15,12 +15,12 @@ from pad_cases import pad_text, press
 from scipy.spatial import cKDTree
 
 from fretfe.case import Solid
-from fretfe.geometry.gmsh_model import gmsh_model
-from fretfe.geometry.templates import find_template
-from fretfe.mesh.cell_geometry import directed_facets, exterior_facets, jacobian_determinants
+from fretfe.mesh.elements import directed_facets, exterior_facets, jacobian_determinants
 from fretfe.mesh.extrude import extrude
+from fretfe.mesh.gmsh import gmsh_model
 from fretfe.mesh.make import mesh_template
 from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.mesh.templates import find_template
 from fretfe.mesh.writer import write_mesh
 
 COARSE: dict[str, dict[str, float]] = {

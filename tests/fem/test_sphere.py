@@ -19,10 +19,10 @@ from halfspace import HalfSpaceRun, SphereOnFlat, run_forces
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
+from fretfe.history.solution import SLIP as SLIPS
+from fretfe.history.solution import STICK as STICKS
+from fretfe.history.solution import ContactHistory, Solution
 from fretfe.results.model import Result
-from fretfe.results.solution import SLIP as SLIPS
-from fretfe.results.solution import STICK as STICKS
-from fretfe.results.solution import ContactHistory, Solution
 
 Data = dict[str, Any]
 Solve = Callable[[Data], Result]
@@ -40,7 +40,7 @@ HOLD = [{"hold": True, "until": 1.0}]
 RISE, TURN, HALF = 4, 12, 0.5
 ANGLES = 2 * np.pi * np.concatenate([np.zeros(RISE), np.arange(1, TURN + 1) / TURN])
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
 
 
 def geometry(size: float, width: float) -> Data:

@@ -18,12 +18,12 @@ import fretfe
 from fretfe._typing import Array
 from fretfe.analytic.half_plane_stress import elliptical_stress
 from fretfe.bodies.body import Material
-from fretfe.case import parse_case
-from fretfe.edges.stress_history import StressHistory, worst_states
+from fretfe.case import changed, parse_case
 from fretfe.errors import CaseError, ModelError, OutputError
+from fretfe.evaluate.stress import StressHistory, worst_states
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
-from fretfe.fem.stress_points import StressPoints
+from fretfe.fem.stress_output import StressPoints
 from fretfe.report.figures.stress import stress_plot
 from fretfe.report.source import shown_contacts
 from fretfe.report.texts import with_error
@@ -234,11 +234,24 @@ def test_a_continued_run_has_the_same_stress(tmp_path: Path) -> None:
     RUNNER.run(case, tmp_path / "whole")
     RUNNER.run(case, tmp_path / "cut", Told(9))
     assert read_stress(tmp_path / "cut", "main").states[-1] == 9
-    RUNNER.run(case, tmp_path / "cut", resume=True)
+    told = Told()
+    RUNNER.run(changed(case, {"output.fields": "last"}), tmp_path / "cut", told, resume=True)
     one, other = (load_result(tmp_path / name).stress_history("main") for name in ("whole", "cut"))
     assert np.array_equal(one.states, other.states)
     for first, second in zip(one.bodies, other.bodies, strict=True):
         assert first.stress == pytest.approx(second.stress, rel=1e-9, abs=1e-6, nan_ok=True)
+    # What takes long besides the steps, before them and behind them, is named as it begins.
+    begun = [each.split(":")[0] for each in told.done]
+    assert list(dict.fromkeys(begun)) == [
+        "mesh",
+        "condensation of the bodies",
+        "edge factors",
+        "evaluation of edges and slip zones",
+        "stress near the contacts",
+        "fields",
+    ]
+    assert told.done[1].startswith("condensation of the bodies: upper, ")
+    assert "edge factors: 2 of 2" in told.done and told.done[-1] == "fields: state 1 of 1"
 
 
 def test_irregular_loads_have_the_states_of_the_worst_cycle(tmp_path: Path) -> None:

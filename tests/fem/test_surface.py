@@ -12,9 +12,8 @@ import pytest
 from fretfe._typing import Array
 from fretfe.errors import MeshError
 from fretfe.mesh.mesh import BodyMesh
-from fretfe.surface.chain import Chain
 from fretfe.surface.reference import reference_nodes, shape_values
-from fretfe.surface.surface import build_surface
+from fretfe.surface.surface import Chain, build_surface
 
 ORDERS = pytest.mark.parametrize("order", [1, 2])
 

@@ -9,7 +9,7 @@ import pytest
 from template_parameters import checked, defaults
 
 from fretfe.errors import CaseError
-from fretfe.geometry.templates import find_template, template_names
+from fretfe.mesh.templates import find_template, template_names
 
 
 @pytest.mark.parametrize(

@@ -19,11 +19,11 @@ from scipy.spatial import cKDTree
 from template_parameters import checked
 
 from fretfe.errors import CaseError, MeshError
-from fretfe.geometry.templates import Template, find_template
-from fretfe.mesh.cell_geometry import directed_facets, exterior_facets, facet_measures
+from fretfe.mesh.elements import directed_facets, exterior_facets, facet_measures
 from fretfe.mesh.groups import BodySummary, mesh_summary
 from fretfe.mesh.make import mesh_template
 from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.mesh.templates import Template, find_template
 
 COARSE = {"edge_size": 0.05, "edge_zone": 0.15, "flank_size": 0.3, "growth": 0.3}
 COARSE_CYLINDER = COARSE_WEDGE = {"size": 0.05, "growth": 0.3}
@@ -376,7 +376,11 @@ BAD: dict[str, tuple[str, str, dict[str, float]]] = {
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_refused_geometry_is_bad(case: str, tmp_path: Path) -> None:
+def test_refused_geometry_is_bad(
+    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Gmsh may never end with coarse meshes of curves that cross.
+    monkeypatch.setattr("fretfe.mesh.make.require_room", lambda *_: None)
     name, message, parameters = BAD[case]
     template = find_template(name)
     with pytest.raises(CaseError, match=rf"\n  - {message}"):

@@ -70,7 +70,7 @@ def test_factors_of_full_stick_at_four_edges(sheared: Result) -> None:
         assert contact.shear_mismatch == pytest.approx(0.0, abs=0.01)
         for station in contact.stations:
             assert station.k_t_range_fitted == pytest.approx(station.k_t_range, rel=4e-3)
-            assert station.k_t_range_parts.extraction < 2e-3 * station.k_t_range
+            assert station.k_range_parts.extraction < 2e-3 * station.k_t_range
 
 
 def test_results_and_tables_have_both_patches(sheared: Result, tmp_path: Path) -> None:

@@ -28,12 +28,11 @@ from user_geometry import (
 from fretfe.case import Selector, parse_case
 from fretfe.errors import CaseError, FretfeError, MeshError
 from fretfe.fem.backend import BACKEND
-from fretfe.geometry.cad import cad_model
-from fretfe.geometry.gmsh_model import gmsh_model
-from fretfe.geometry.shapes import Shapes
-from fretfe.mesh.cell_geometry import facet_measures
+from fretfe.mesh.cad import Shapes, cad_model
+from fretfe.mesh.elements import facet_measures
+from fretfe.mesh.gmsh import gmsh_model
 from fretfe.mesh.mesh import Mesh
-from fretfe.surface.load import load_mesh
+from fretfe.surface.checks import load_mesh
 
 FORCE = 600.0
 # In mm and N, as in pad_cases.

@@ -14,9 +14,9 @@ from pad_cases import pad, pad_text, press
 from fretfe.case import load_case, parse_case
 from fretfe.cli.app import app
 from fretfe.errors import CaseError, FretfeError, MeshError
-from fretfe.geometry.templates import template_directory
+from fretfe.mesh.templates import template_directory
 from fretfe.quality.validate.variants import coarser
-from fretfe.surface.load import load_mesh
+from fretfe.surface.checks import load_mesh
 
 # Two squares, one on the other, with a trace of having run.
 SCRIPT = """

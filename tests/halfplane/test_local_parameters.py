@@ -10,10 +10,10 @@ import pytest
 from halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, loop, problem
 
 from fretfe.analytic.partial_slip import PartialSlip
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.local_parameters import local_parameters
+from fretfe.evaluate.evaluate import evaluate
+from fretfe.evaluate.stress import local_parameters
 from fretfe.halfplane import solve_half_planes
-from fretfe.results.solution import STICK
+from fretfe.history.solution import STICK
 
 AMPLITUDE = 0.4 * LIMIT
 # Largest slip is at the edges, which lie between two of 300 nodes.

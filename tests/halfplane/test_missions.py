@@ -9,7 +9,7 @@ from halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, problem, solved
 
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.rainflow import rainflow
-from fretfe.edges.front import ContactSummary
+from fretfe.evaluate.contacts import ContactSummary
 
 COUNT = 24
 

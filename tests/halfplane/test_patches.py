@@ -19,11 +19,12 @@ from halfplane_problems import problem
 from numpy.typing import ArrayLike
 
 from fretfe._typing import Array
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.front import ContactSummary
-from fretfe.edges.separation import separate_patches
+from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.evaluate import evaluate
+from fretfe.evaluate.plane.patches_in_time import separate_patches
+from fretfe.evaluate.step_ends import at_step_ends
 from fretfe.halfplane import solver
-from fretfe.results.solution import Solution
+from fretfe.history.solution import Solution
 
 E_STAR, CURVATURE = 100.0, 0.01
 # The patches of bumps at -1 and 1 merge at this load.
@@ -74,7 +75,7 @@ def solve(
         outcome = solver.solve_half_planes(given)
     assert outcome.failure is None
     solution = separate_patches(outcome.solution)
-    return solution, evaluate(solution, outcome.unit_factors)
+    return at_step_ends(solution, evaluate(solution, outcome.unit_factors))
 
 
 @cache

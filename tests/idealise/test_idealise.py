@@ -13,7 +13,7 @@ from fretfe.analytic.profiles import FlatRounded, Hertz, Wedge
 from fretfe.case import parse_case
 from fretfe.errors import ModelError
 from fretfe.idealise import NotIdealisable, idealise, obstacles
-from fretfe.idealise.edges import contact_edges, governing_length
+from fretfe.idealise.problem import contact_edges, governing_length
 
 E_STAR = 210e3 / (2 * 0.91)
 

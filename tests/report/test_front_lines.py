@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from solid_runs import RADIUS, solid_result, surface
 
-from fretfe.edges.solid_evaluation import evaluate_fronts
-from fretfe.edges.tracks_in_space import follow_fronts
-from fretfe.report.pictures.front_lines import WORST
-from fretfe.report.pictures.surfaces import draw_surface
+from fretfe.evaluate.space.evaluate import evaluate_fronts
+from fretfe.evaluate.space.fronts import follow_fronts
+from fretfe.report.pictures.surfaces import WORST, draw_surface
 from fretfe.results.model import Result
 
 STATE = 24

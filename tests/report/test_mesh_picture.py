@@ -14,9 +14,13 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.text import Text
 from numpy.typing import NDArray
+from small_files import small_files
 
 from fretfe._typing import Array
 from fretfe.case import Case, parse_case
+from fretfe.errors import OutputError
+from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.mesh.writer import write_mesh
 from fretfe.report.pictures.mesh import (
     CURVE_PIECES,
     boundary_curves,
@@ -126,6 +130,28 @@ def test_picture_is_written_without_a_display(
     for colour in ("0072B2", "E69F00"):
         wanted = np.array([int(colour[i : i + 2], 16) for i in (0, 2, 4)]) / 255
         assert (np.abs(pixels[..., :3] - wanted).max(axis=2) < 0.01).any()
+
+
+@pytest.mark.pictures
+def test_a_mesh_and_its_picture_that_do_not_fit_are_told(tmp_path: Path) -> None:
+    """Gmsh says nothing; what was there before stays."""
+    pytest.importorskip("gmsh")
+    case, bodies = pairs(2)
+    mesh = Mesh({name: BodyMesh(name=name, **vars(body)) for name, body in bodies.items()})
+    files = {
+        "mesh.msh": lambda path: write_mesh(mesh, path),
+        "mesh.png": lambda path: write_mesh_picture(path, case, bodies),
+    }
+    for name, write in files.items():
+        path = tmp_path / name
+        path.write_text("before")
+        with (
+            small_files(500),
+            pytest.raises(OutputError, match=rf"{name}: cannot write the (mesh|picture): .*large"),
+        ):
+            write(path)
+        assert path.read_text() == "before"
+    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(files)
 
 
 def test_scales_are_equal_in_x_and_y() -> None:

@@ -14,13 +14,16 @@ from pathlib import Path
 
 import pytest
 from pad_cases import pad
+from plots import whole_plots
 from stored_runs import REASON, RUNS, edit_numbers, solved, write_many_contacts, write_run
 
 from fretfe.case import parse_case
-from fretfe.edges.refinement import Pass, Refinement, StationValues
 from fretfe.errors import OutputError
+from fretfe.evaluate.refinement import Pass, Refinement, StationValues
 from fretfe.report.page.glossary import HEADERS, PLANE_TERMS, SOLID_TERMS, TERMS, Glossary
 from fretfe.report.page.html import render, write_report
+from fretfe.report.page.tables import edge_table
+from fretfe.results.reader import read_result
 from fretfe.results.writer import REPORT, write_results
 
 SCRIPT = "<script>alert(1)</script>"
@@ -75,7 +78,8 @@ class Page(HTMLParser):
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """The report of each run."""
     folder = tmp_path_factory.mktemp("runs")
-    return {name: render(write_run(folder / name, name)) for name in RUNS}
+    with whole_plots():
+        return {name: render(write_run(folder / name, name)) for name in RUNS}
 
 
 def check_alone(text: str) -> Page:
@@ -159,10 +163,41 @@ def test_verdicts(tmp_path: Path, verdict: str) -> None:
     folder = write_run(tmp_path, "analytic")
     edit_numbers(
         folder,
-        lambda n: n["contacts"]["main"]["edges"][1]["slip_zones"][-1].update(VERDICTS[verdict]),
+        lambda n: n["contacts"]["main"]["fronts"][1]["stations"][0]["slip_zones"][-1].update(
+            VERDICTS[verdict]
+        ),
     )
     rows = Page(render(folder)).rows("Contact edges")
     assert [row[9] for row in rows] == ["agrees"] * 3 + [verdict]
+
+
+@pytest.mark.parametrize(
+    ("zone", "found", "printed"),
+    [
+        ({"spread": 0.09}, "1.000 ± 0.090", "1"),
+        ({"spread": 0.11}, "~1.00 ± 0.11", "~1"),
+        ({"spread": 0.01, "resolved": False}, "~1.000 ± 0.010", "~1"),
+        ({"spread": 0.6}, "-", "-"),
+        ({"length": 0.0, "spread": 0.02}, "0.000 ± 0.020", "0"),
+        ({"length": 0.0, "spread": 0.02, "resolved": False}, "~0.000 ± 0.020", "~0"),
+    ],
+)
+def test_vague_zones_are_marked_and_no_slip_is_0(
+    tmp_path: Path, zone: dict[str, object], found: str, printed: str
+) -> None:
+    folder = write_run(tmp_path, "analytic")
+    change = {"length": 1.0, "resolved": True, **zone}
+    edit_numbers(
+        folder,
+        lambda n: n["contacts"]["main"]["fronts"][1]["stations"][0]["slip_zones"][-1].update(
+            change
+        ),
+    )
+    assert Page(render(folder)).rows("Contact edges")[-1][6] == found
+    run = read_result(folder)
+    table = edge_table(run.case, run.contacts)
+    cells = list(table.columns[-2].cells)
+    assert str(cells[-1]).endswith(f" / {printed}")
 
 
 def test_large_expected_error_excuses_nothing(tmp_path: Path) -> None:
@@ -170,7 +205,7 @@ def test_large_expected_error_excuses_nothing(tmp_path: Path) -> None:
     folder = write_run(tmp_path, "analytic")
 
     def edit(numbers: dict) -> None:
-        edge = numbers["contacts"]["main"]["edges"][0]
+        edge = numbers["contacts"]["main"]["fronts"][0]["stations"][0]
         zone = edge["slip_zones"][-1]
         edge["stiffening"] = 0.8 / zone["length"]
         zone.update(predicted=0.6 * zone["length"], predicted_loop=None)
@@ -186,7 +221,8 @@ def test_what_a_user_wrote_is_text(tmp_path: Path) -> None:
             units={"length": f"m{SCRIPT}$x_1$", "stress": "&<b>'\"", "time": "{{ 1 }}"},
         )
     )
-    page = check_alone(render(write_run(tmp_path, "no cycle", case)))
+    with whole_plots():
+        page = check_alone(render(write_run(tmp_path, "no cycle", case)))
     assert "b" not in page.tags
     assert page.words.count(SCRIPT) >= 2  # heading and case
     assert any("{{ 1 }}" in words for words in page.words)
@@ -199,7 +235,8 @@ def test_failure_is_told_as_text(pages: dict[str, str]) -> None:
 
 
 def test_many_contacts(tmp_path: Path) -> None:
-    text = render(write_many_contacts(tmp_path, 2))
+    with whole_plots():
+        text = render(write_many_contacts(tmp_path, 2))
     page = check_alone(text)
     assert len(page.rows("Contact edges")) == 2 * 2 * 2
     # For each contact: tractions, edges, slip map, local parameters, factors, path, loop; for all:
@@ -287,8 +324,9 @@ def test_history_that_ended_before_its_first_step(tmp_path: Path) -> None:
         whole = cut({**numbers, "case": None}, len(numbers["times"]))
         assert isinstance(whole, dict)
         numbers.update({**whole, "case": numbers["case"], "cycle": None, "complete": False})
-        for edge in numbers["contacts"]["main"]["edges"]:
-            edge["slip_zones"] = []
+        for front in numbers["contacts"]["main"]["fronts"]:
+            (edge,) = front["stations"]
+            edge.update(slip_zones=[], last=0)
 
     edit_numbers(folder, edit)
     page = check_alone(render(folder))
@@ -326,7 +364,8 @@ def test_frictionless_contact_has_a_report(tmp_path: Path) -> None:
     folder = write_run(tmp_path, "halfplane")
 
     def edit(numbers: dict) -> None:
-        for edge in numbers["contacts"]["main"]["edges"]:
+        for front in numbers["contacts"]["main"]["fronts"]:
+            (edge,) = front["stations"]
             edge.update(slip_zones=[], k_t=[0.0] * len(edge["k_t"]), k_t_range=0.0)
 
     edit_numbers(folder, edit)

@@ -22,6 +22,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 from stored_runs import edit_numbers
 
+from fretfe.history.solution import SLIP, STICK
 from fretfe.report.pictures import folder as folder_module
 from fretfe.report.pictures.child import _run
 from fretfe.report.pictures.fields import open_fields
@@ -30,9 +31,8 @@ from fretfe.report.pictures.panels import Pixels
 from fretfe.report.pictures.plan import MOST_EDGES, plan_pictures
 from fretfe.report.pictures.status import STATUS
 from fretfe.report.pictures.stress import draw_bodies, find_look
-from fretfe.results.field_file import FIELDS
+from fretfe.results.field_files import FIELDS
 from fretfe.results.reader import load_result
-from fretfe.results.solution import SLIP, STICK
 from fretfe.results.writer import PICTURE_LIST, PICTURES
 
 # Load extremes and end of the last cycle, from t = 2 to t = 3.
@@ -161,7 +161,8 @@ def test_backends_without_bodies_have_no_pictures(folder: Path) -> None:
 
 def test_contacts_without_edges_are_told_apart(folder: Path) -> None:
     def forget(numbers: dict[str, Any]) -> None:
-        for edge in numbers["contacts"]["main"]["edges"]:
+        for front in numbers["contacts"]["main"]["fronts"]:
+            (edge,) = front["stations"]
             edge["position"][-1] = None
 
     (folder / FIELDS).unlink()

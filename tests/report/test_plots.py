@@ -4,18 +4,19 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from plots import whole_plots
 from stored_runs import write_run
 
 from fretfe.analytic.partial_slip import hertz_dissipation
 from fretfe.analytic.profiles import Hertz, composite_modulus
 from fretfe.report.figures.edges import _near, _stuck_change
-from fretfe.report.figures.history import _tension_varies
-from fretfe.report.figures.loops import loop_area, without_slope, work_loop_plots
+from fretfe.report.figures.history import _tension_varies, loop_area, without_slope, work_loop_plots
 from fretfe.report.figures.plot import make_plot
 from fretfe.report.figures.slip import slip_plot
 from fretfe.report.source import Shown, shown_contacts
@@ -25,6 +26,12 @@ from fretfe.results.reader import load_result
 
 P, Q, FRICTION = 600.0, 60.0, 0.4
 PROFILE = Hertz(50.0, composite_modulus(210e3, 0.3, 210e3, 0.3))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def whole() -> Iterator[None]:
+    with whole_plots():
+        yield
 
 
 @pytest.fixture(scope="module")

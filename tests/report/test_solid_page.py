@@ -9,17 +9,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plots import whole_plots
 from solid_runs import FRICTION, NORMAL, SHEAR, solid_result, surface, write_solid
 from typer.testing import CliRunner
 
 from fretfe.cli.app import app
-from fretfe.edges.area import shear_direction
-from fretfe.edges.solid_evaluation import evaluate_fronts
-from fretfe.edges.tracks_in_space import follow_fronts
-from fretfe.report.figures.areas import area_plot, force_plot
+from fretfe.evaluate.resultants import shear_direction
+from fretfe.evaluate.space.evaluate import evaluate_fronts
+from fretfe.evaluate.space.fronts import follow_fronts
+from fretfe.report.figures.solids import area_plot, force_plot
 from fretfe.report.page.answer import summary
-from fretfe.report.page.html import render
-from fretfe.report.page.sections import draw_plots
+from fretfe.report.page.html import draw_plots, render
 from fretfe.report.source import extremes
 from fretfe.results.reader import load_result
 from fretfe.results.writer import write_results
@@ -34,7 +34,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def text(folder: Path) -> str:
     """The page without its drawings and its style."""
-    page = re.sub(r"<svg.*?</svg>|<style>.*?</style>", "", render(folder), flags=re.DOTALL)
+    with whole_plots():
+        whole = render(folder)
+    page = re.sub(r"<svg.*?</svg>|<style>.*?</style>", "", whole, flags=re.DOTALL)
     return re.sub(r"\s+", " ", page)
 
 
@@ -122,7 +124,8 @@ def test_fronts_are_shown_with_their_verdicts(tmp_path: Path) -> None:
     (area,) = result.areas
     shown = replace(result, areas=(replace(area, fronts=(replace(front, stations=stations),)),))
     write_results(tmp_path, shown)
-    page = render(tmp_path)
+    with whole_plots():
+        page = render(tmp_path)
     assert "1 contact front with 12 stations, no slip zones." in page
     assert "Front 1 of contact main" in page
     row = re.search(r"<td>main front 1</td>(.*?)</tr>", page, flags=re.DOTALL)

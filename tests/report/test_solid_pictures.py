@@ -32,8 +32,9 @@ from solid_runs import (
 )
 
 from fretfe._typing import Array
-from fretfe.edges.area import evaluate_areas
 from fretfe.errors import ConvergenceError
+from fretfe.evaluate.resultants import evaluate_areas
+from fretfe.history.solution import OPEN, SLIP, STICK
 from fretfe.report.page.html import render
 from fretfe.report.pictures import cycle
 from fretfe.report.pictures.cycle import MOST_BYTES, cycle_frames, draw_cycle
@@ -47,7 +48,6 @@ from fretfe.report.pictures.surfaces import FILLS, draw_surface, lay_out
 from fretfe.report.pictures.unroll import Unrolled, unroll
 from fretfe.results.dataset import NODAL
 from fretfe.results.model import Result
-from fretfe.results.solution import OPEN, SLIP, STICK
 from fretfe.results.writer import PICTURE_LIST, PICTURES, write_results
 
 EXTREMES = [24, 32]

@@ -13,8 +13,7 @@ from scipy.spatial.transform import Rotation
 from fretfe._typing import Array, Bools
 from fretfe.case import Case, Solid, parse_case
 from fretfe.errors import MeshError
-from fretfe.mesh.body_overlap import body_overlaps
-from fretfe.mesh.closed_surface import ClosedSurface
+from fretfe.mesh.body_overlap import ClosedSurface, body_overlaps
 from fretfe.mesh.extrude import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.checks import check_contacts

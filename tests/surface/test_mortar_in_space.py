@@ -12,8 +12,8 @@ import sheets
 from scipy.spatial.transform import Rotation
 
 from fretfe._typing import Array
+from fretfe.surface.checks import initial_gap
 from fretfe.surface.curvature import deviations, mean_curvature
-from fretfe.surface.gap import initial_gap
 from fretfe.surface.mortar import Coupling, couple
 from fretfe.surface.overlap import contact_normals, overlap_points, project_in_space, search_reach
 from fretfe.surface.quality import contact_quality

@@ -11,9 +11,8 @@ from blocks import block
 from fretfe._core import _kernels
 from fretfe._typing import Array, Indices
 from fretfe.mesh.mesh import BodyMesh
-from fretfe.surface.overlap import contact_normals, project, search_reach
+from fretfe.surface.overlap import contact_normals, opposite_candidates, project, search_reach
 from fretfe.surface.reference import quadrature, shape_values
-from fretfe.surface.search import opposite_candidates
 from fretfe.surface.surface import Surface, build_surface
 
 CURVED = pytest.mark.parametrize("curved", [False, True], ids=["straight", "curved"])

@@ -14,9 +14,8 @@ from fretfe.case import Solid
 from fretfe.errors import MeshError, ModelError
 from fretfe.mesh.extrude import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
-from fretfe.surface.chain import Chain
 from fretfe.surface.reference import reference_nodes, shape_values
-from fretfe.surface.surface import Surface, build_surface, tangent_frames
+from fretfe.surface.surface import Chain, Surface, build_surface, tangent_frames
 
 KINDS = pytest.mark.parametrize(
     ("shape", "order"), [(s, o) for s in ("triangle", "quadrilateral") for o in (1, 2)]

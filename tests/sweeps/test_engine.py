@@ -22,8 +22,7 @@ from fretfe.errors import ConvergenceError
 from fretfe.report.figures.sweep import write_sweep
 from fretfe.results.model import Result
 from fretfe.sweeps import Sweep, make_variants, run_sweep
-from fretfe.sweeps.files import write_files
-from fretfe.sweeps.table import sweep_table
+from fretfe.sweeps.table import sweep_table, write_files
 
 FRICTION, AMPLITUDE = "contacts.main.friction", "loads.shear.amplitude"
 RADIUS = "geometry.parameters.upper_radius"
@@ -169,3 +168,16 @@ def test_table_shows_what_was_solved_and_what_was_not() -> None:
     lines = capture.get().splitlines()
     assert any("0.05" in line and "failed" in line for line in lines)
     assert sum("main" in line and "0.4 " in line for line in lines) == 2
+
+
+@pytest.mark.parametrize(("part", "marks"), [(0.09, 0), (0.11, 2)])
+def test_table_marks_vague_slip_zones(
+    monkeypatch: pytest.MonkeyPatch, part: float, marks: int
+) -> None:
+    sweep = swept(friction=(0.4,))
+    records = [{**each, "slip_2_spread": part * each["slip_2"]} for each in sweep.records()]
+    monkeypatch.setattr(type(sweep), "records", lambda _: records)
+    console = Console(width=120)
+    with console.capture() as capture:
+        console.print(sweep_table(sweep))
+    assert capture.get().count("~") == marks

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pad_cases import pad
+from pad_cases import HERTZ, pad
 
 from fretfe.case import parse_case
 from fretfe.errors import CaseError
-from fretfe.sweeps import make_variants, parse_ranges
+from fretfe.sweeps import make_variants, parse_ranges, require_apart
 
 FRICTION = "contacts.main.friction"
 
@@ -106,3 +106,12 @@ def test_refused_before_any_work(ranges: dict[str, Any], message: str) -> None:
 def test_long_ranges_are_not_made() -> None:
     with pytest.raises(CaseError, match="expected at most 10000 variants, found 1000000000000"):
         parse_ranges([f"{FRICTION}=0:1:1000000000000"])
+
+
+@pytest.mark.parametrize("fixed", [FRICTION, "contacts.*.friction"])
+def test_what_varies_is_not_set_as_well(tmp_path: Path, fixed: str) -> None:
+    path = tmp_path / "pad.toml"
+    path.write_text(HERTZ)
+    require_apart(path, ["bodies.upper.young=1e5"], {FRICTION: 0.3})
+    with pytest.raises(CaseError, match=r"in both|sets the same value"):
+        require_apart(path, [f"{fixed}=0.2"], {FRICTION: 0.3})

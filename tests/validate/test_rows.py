@@ -18,13 +18,13 @@ from told import Told
 
 from fretfe.backends import RunOptions, find_backend
 from fretfe.case import Case, parse_case
-from fretfe.edges.evaluate import evaluate
-from fretfe.edges.front import fronts_of
+from fretfe.evaluate.contacts import fronts_of
+from fretfe.evaluate.evaluate import evaluate
 from fretfe.halfplane import solve_half_planes
 from fretfe.loads import History
 from fretfe.quality.validate import Row, validate
 from fretfe.quality.validate.rows import compared, missing
-from fretfe.quality.validate.single import expected_error, own_rows
+from fretfe.quality.validate.single import expected_error, own_rows, slid_before, unresolved
 from fretfe.quality.validate.variants import MEAN, MESH, START, make_variants, overloaded, shifted
 from fretfe.results.model import Result
 
@@ -47,6 +47,30 @@ def test_verdicts(value: float, reference: float, verdict: str) -> None:
     whole = missing("main", "", "d", "no friction")
     assert whole.verdict == "-"
     assert (row.where, whole.where) == ("main, left edge", "main")
+
+
+def test_a_zone_after_a_whole_slide_is_not_called_too_short_for_the_mesh() -> None:
+    result = halfplane(0.3)
+    assert result.solution is not None
+    (contact,), (history,) = result.contacts, result.solution.contacts
+    stations = tuple(
+        replace(each, slip_zones=tuple(replace(z, resolved=False) for z in each.slip_zones))
+        for each in contact.stations
+    )
+    contact = replace(contact, fronts=fronts_of(stations))
+    station = stations[0]
+    zone = station.slip_zones[-1]
+    assert slid_before(result, contact, station, zone) == ""
+    found = unresolved(result, contact, station, zone, 0.9 * zone.length)
+    assert found.startswith("too few elements over the slip zone: 1.1 of")
+    assert "known to ±" in unresolved(result, contact, station, zone, zone.length / 10)
+    traction = history.mean_traction[:].copy()
+    traction[..., 1] = 0.98 * history.friction.max() * traction[..., 0]
+    solution = replace(result.solution, contacts=(replace(history, mean_traction=traction),))
+    slid = replace(result, contacts=(contact,), solution=solution)
+    rows = [row for row in own_rows(slid) if row.quantity.startswith("d, by formula")]
+    assert len(rows) == 4
+    assert all("the shear is 98% of f p all over the flank" in row.reason for row in rows)
 
 
 @cache

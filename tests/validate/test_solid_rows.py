@@ -11,44 +11,50 @@ import solid_runs
 from test_fronts_in_space import fronts, grid, hertz
 
 from fretfe._typing import Array
-from fretfe.edges.solid_fronts import SolidFront
-from fretfe.quality.validate.plan import plan
+from fretfe.evaluate.contacts import Front
 from fretfe.quality.validate.rows import Row
-from fretfe.quality.validate.solids import solid_companion_rows, solid_rows
-from fretfe.quality.validate.stations import Pairs, at_places, front_row, nearest_front
+from fretfe.quality.validate.run import plan
+from fretfe.quality.validate.solids import (
+    Pairs,
+    at_places,
+    front_row,
+    nearest_front,
+    solid_companion_rows,
+    solid_rows,
+)
 from fretfe.quality.validate.variants import MEAN, MESH, START, Variant, coarser, make_variants
 from fretfe.results.model import Result
 
 
 @pytest.fixture(scope="module")
-def circle() -> SolidFront:
+def circle() -> Front:
     (front,) = fronts(*grid(), [hertz(1.0, 1.0)])
     return front
 
 
 @pytest.fixture(scope="module")
-def ellipse() -> SolidFront:
+def ellipse() -> Front:
     (front,) = fronts(*grid(half=1.3, across=1.8), [hertz(1.0, 1.5)])
     return front
 
 
-def result_with(front: SolidFront) -> Result:
+def result_with(front: Front) -> Result:
     result = solid_runs.solid_result()
     return replace(result, areas=(replace(result.areas[0], fronts=(front,)),))
 
 
-def scaled(front: SolidFront, factor: float) -> SolidFront:
+def scaled(front: Front, factor: float) -> Front:
     stations = (replace(each, k_n=each.k_n * factor) for each in front.stations)
     return replace(front, stations=tuple(stations))
 
 
-def row_of(values: Array, references: Array, circle: SolidFront) -> Row:
+def row_of(values: Array, references: Array, circle: Front) -> Row:
     area = solid_runs.solid_result().areas[0]
     pairs = Pairs(values, references, np.full(len(values), 0.1))
     return front_row(area, circle, "K_N", pairs, "for a test")
 
 
-def test_nine_tenths_of_the_stations_must_agree(circle: SolidFront) -> None:
+def test_nine_tenths_of_the_stations_must_agree(circle: Front) -> None:
     values = np.ones(20)
     two_off = np.r_[1.5, 1.5, np.full(18, 1.05)]
     row = row_of(values, two_off, circle)
@@ -59,12 +65,12 @@ def test_nine_tenths_of_the_stations_must_agree(circle: SolidFront) -> None:
     assert row_of(values, three_off, circle).verdict == "FAIL"
 
 
-def test_few_numbers_are_no_comparison(circle: SolidFront) -> None:
+def test_few_numbers_are_no_comparison(circle: Front) -> None:
     row = row_of(np.ones(20), np.r_[np.full(11, np.nan), np.ones(9)], circle)
     assert row.verdict == "-" and "at 9 of 20 stations" in row.reason
 
 
-def test_numbers_between_the_stations(circle: SolidFront) -> None:
+def test_numbers_between_the_stations(circle: Front) -> None:
     places = circle.along("point")
     between = (places + np.roll(places, -1, axis=0)) / 2
     expected = circle.along("told_k_n")
@@ -74,13 +80,13 @@ def test_numbers_between_the_stations(circle: SolidFront) -> None:
     np.testing.assert_allclose(found, (expected + np.roll(expected, -1)) / 2, rtol=1e-9)
 
 
-def test_front_of_a_companion_is_the_nearest(circle: SolidFront, ellipse: SolidFront) -> None:
+def test_front_of_a_companion_is_the_nearest(circle: Front, ellipse: Front) -> None:
     assert nearest_front(circle, [ellipse, circle]) is circle
     assert nearest_front(circle, [replace(circle, closed=False)]) is None
     assert nearest_front(circle, []) is None
 
 
-def test_companion_mesh_within_the_error_bars(circle: SolidFront) -> None:
+def test_companion_mesh_within_the_error_bars(circle: Front) -> None:
     for factor, verdict in ((1.005, "pass"), (1.3, "FAIL")):
         other = result_with(scaled(circle, factor))
         rows = {row.quantity: row for row in solid_companion_rows(MESH, result_with(circle), other)}
@@ -91,7 +97,7 @@ def test_companion_mesh_within_the_error_bars(circle: SolidFront) -> None:
     assert lost.verdict == "-" and "no such front" in lost.reason
 
 
-def test_contact_without_fronts_is_unknown(circle: SolidFront) -> None:
+def test_contact_without_fronts_is_unknown(circle: Front) -> None:
     rows = {row.quantity: row for row in solid_rows(solid_runs.solid_result())}
     assert rows["fronts"].verdict == "unknown"
     rows = {row.quantity: row for row in solid_rows(result_with(circle))}
@@ -108,7 +114,7 @@ def test_layers_of_an_extruded_case_are_thicker_in_its_companion() -> None:
     assert coarse.geometry.solid.layers == round(case.geometry.solid.layers / 1.5)
 
 
-def test_plan_tells_number_time_and_memory(circle: SolidFront) -> None:
+def test_plan_tells_number_time_and_memory(circle: Front) -> None:
     seconds = {"condensation": 20.0, "steps": 10.0, "edge integrals": 30.0}
     result = replace(result_with(circle), seconds=seconds)
     case, history = result.case, result.loads

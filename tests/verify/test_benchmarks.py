@@ -13,12 +13,10 @@ import pytest
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
 from fretfe.backends import Installed, backend_names, find_backend
 from fretfe.quality.verify import references
-from fretfe.quality.verify.benchmarks import benchmarks
-from fretfe.quality.verify.controls import controls
-from fretfe.quality.verify.loops import LOOPS, SHORTEST
+from fretfe.quality.verify.classic import FRICTION, MESH, SLOPE
+from fretfe.quality.verify.cycles import LOOPS, SHORTEST
 from fretfe.quality.verify.model import Benchmark, Row
-from fretfe.quality.verify.run import run_benchmark
-from fretfe.quality.verify.sliding import FRICTION, MESH, SLOPE
+from fretfe.quality.verify.run import benchmarks, controls, run_benchmark
 from fretfe.runner import OneProcess
 
 pytestmark = pytest.mark.formula
@@ -26,8 +24,8 @@ pytestmark = pytest.mark.formula
 BACKENDS = ("analytic", "halfplane")
 BENCHMARKS = {benchmark.name: benchmark for benchmark in benchmarks()}
 CONTROLS = {control.name: control for control in controls()}
-THREE_DIMENSIONAL = ("two spheres, normal", "sphere, tangential")
-NOT_FOR_HALF_PLANES = (*THREE_DIMENSIONAL, "sliding wedge block")
+SOLIDS = ("sphere, cyclic shear",)
+NOT_FOR_HALF_PLANES = (*SOLIDS, "sliding wedge block")
 
 
 def run(benchmark: Benchmark, backend: str) -> tuple[Row, ...]:
@@ -56,7 +54,7 @@ def test_control_is_caught(name: str, backend: str) -> None:
 def test_what_is_left_out_has_a_reason(name: str, backend: str) -> None:
     (row,) = run(BENCHMARKS[name], backend)
     assert row.verdict == "skipped"
-    words = "three-dimensional" if name in THREE_DIMENSIONAL else "sliding_wedge.msh"
+    words = "found 'sphere'" if name in SOLIDS else "sliding_wedge.msh"
     assert words in row.reason
 
 

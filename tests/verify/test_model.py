@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fretfe.loads import History
-from fretfe.quality.verify.loops import TENSION_ONLY, loop_case
+from fretfe.quality.verify.cycles import TENSION_ONLY, loop_case
 from fretfe.quality.verify.model import Quantity, Row, Verdict, compare, failed, remark
 from fretfe.results.model import Result
 

@@ -18,9 +18,8 @@ from fretfe.cli.app import app
 from fretfe.cli.verify import verify as verify_backends
 from fretfe.errors import CaseError
 from fretfe.quality.verify import run
-from fretfe.quality.verify.benchmarks import benchmarks
-from fretfe.quality.verify.controls import controls
 from fretfe.quality.verify.model import Benchmark
+from fretfe.quality.verify.run import benchmarks, controls
 
 KEYS = {
     "benchmark", "quantity", "backend", "computed", "reference", "difference", "tolerance",

@@ -1,13 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-3.0-or-later
 # Install fretfe on a bare Debian, word for word as docs/install.md says, and run its tests there.
-# Usage: test.sh SUITE [fresh]      SUITE: trixie, sid, ...; fresh: not with the system of last time
-# Exit code 3: Debian's packages cannot be installed, and nothing of fretfe was tried.
+# Usage: test.sh SUITE [fresh|prepare]      SUITE: trixie, sid, ...; fresh: not with the system of last
+# time; prepare: make a fresh system with the packages, and no more
+# The versions of all packages go to build/debian/SUITE.
+# Exit code 3: Debian's packages cannot be installed, and nothing of fretfe was tried; 4: with these
+# packages fretfe cannot be installed, or a test fails.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/outside.sh"
 
 suite=$1
-fresh=${2:-}
+system=${2:-}
 root=$cache/$suite
 
 # The commands in the first code block of docs/install.md after a marker.
@@ -26,7 +29,8 @@ install=$(commands install)
 lock "$suite"
 
 # Packages that were taken off the list must be gone: another list, another system.
-if [ "$fresh" = fresh ] || ! [ "$(cat "$root/etc/fretfe-packages" 2>/dev/null)" = "$packages" ]; then
+if [ -n "$system" ] || ! [ "$(cat "$root/etc/fretfe-packages" 2>/dev/null)" = "$packages" ]; then
     rm -rf --one-file-system "$root"
 fi
+[ "$system" = prepare ] && install=
 in_namespaces tools/debian/in_namespace.sh "$cache" "$suite" "$packages" "$install"

@@ -14,12 +14,10 @@ PAGES = {
     "results": (
         "Results",
         (
-            "fretfe.results.solution",
-            "fretfe.edges.local_parameters",
-            "fretfe.edges.stress_history",
-            "fretfe.edges.stress_parameters",
-            "fretfe.edges.critical_planes",
-            "fretfe.exchange.compared",
+            "fretfe.history.solution",
+            "fretfe.evaluate.stress",
+            "fretfe.evaluate.critical_planes",
+            "fretfe.exchange.comparison",
         ),
     ),
     "strength": (
@@ -29,7 +27,7 @@ PAGES = {
     "errors": ("Errors", ("fretfe.errors",)),
     "case": ("Case files", ("fretfe.case", "fretfe.loads")),
     "backends": ("Backends", ("fretfe.backends", "fretfe.idealise", "fretfe.halfplane")),
-    "edges": ("Edges in tractions of any code", ("fretfe.edges",)),
+    "edges": ("Edges in tractions of any code", ("fretfe.evaluate",)),
     "match": (
         "Matched laboratory tests",
         ("fretfe.matching.match", "fretfe.matching.choose", "fretfe.matching.rig"),

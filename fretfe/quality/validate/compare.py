@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from fretfe.edges.front import ContactSummary, Station
+from fretfe.evaluate.contacts import ContactSummary, Station
 from fretfe.quality.validate.rows import Row, Verdict, compared, missing
 from fretfe.quality.validate.single import BORDER_ELEMENTS, BORDER_FRACTION, element_size
 from fretfe.quality.validate.variants import COARSER, MEAN, MESH, START
@@ -48,9 +48,16 @@ def _twin(contact: ContactSummary, other: Result) -> ContactSummary | None:
     if contact.name == contact.pair and len(twins) == 1:
         return twins[0]
     for each in twins:
-        if abs(each.centre[-1] - contact.centre[-1]) < contact.half_width[-1]:
+        (centre, half_width), (other_centre, _) = _place(contact), _place(each)
+        if abs(other_centre - centre) < half_width:
             return each
     return None
+
+
+def _place(contact: ContactSummary) -> tuple[float, float]:
+    """Centre and half-width at the end of the cycle."""
+    last = contact.stations[0].last
+    return float(contact.centre[last]), float(contact.half_width[last])
 
 
 def _slip_rows(
@@ -76,7 +83,7 @@ def _mesh_rows(contact: str, station: Station, coarse: Station, size: float) -> 
     """Extrapolated error of each number, first order."""
     reason = f"elements {COARSER:g} times as large: the error of the case is about twice the change"
     for quantity, value, reference, share in (
-        ("K_N", float(station.k_n[-1]), float(coarse.k_n[-1]), MESH_TOLERANCE),
+        ("K_N", station.last_k_n[0], coarse.last_k_n[0], MESH_TOLERANCE),
         ("ΔK_T", station.k_t_range, coarse.k_t_range, MESH_TOLERANCE),
     ):
         if math.isnan(value) or math.isnan(reference):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""One comparison of a validation, and its verdict."""
+"""Comparisons of a validation, their verdicts, and all of them as a table and as plain data."""
 
 from __future__ import annotations
 

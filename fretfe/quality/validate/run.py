@@ -1,21 +1,67 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Run a case and its companions, and collect the rows."""
+"""Run a case and its companions, of a cost that is told before, and collect the rows."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
 
 from fretfe.backends import Backend, RunOptions
 from fretfe.backends.protocol import DEFAULTS, Session, session_of
 from fretfe.case import Case
+from fretfe.environment import peak_memory
 from fretfe.errors import FretfeError, StoppedError
 from fretfe.quality.validate.compare import companion_rows
-from fretfe.quality.validate.plan import plan
 from fretfe.quality.validate.rows import Row, missing
 from fretfe.quality.validate.single import limit_rows, own_rows
 from fretfe.quality.validate.solids import solid_companion_rows, solid_rows
-from fretfe.quality.validate.variants import Variant, make_variants
+from fretfe.quality.validate.variants import COARSER, MESH, Variant, make_variants
 from fretfe.results.model import Result
+
+# Phases of a run that companions on the same mesh go through too.
+REPEATED = ("steps", "edge integrals", "evaluation")
+# Powers of the element size by which the time of a run falls on a coarser mesh.
+POWERS = {False: 2, True: 4}
+
+
+def plan(variants: Sequence[Variant], result: Result) -> str:
+    """Number of companions, about the time of each, and the memory."""
+    if not variants:
+        return "no companions"
+    seconds = [_seconds(variant, result) for variant in variants]
+    each = ", ".join(
+        f"{variant.name} {_time(time)}" for variant, time in zip(variants, seconds, strict=True)
+    )
+    total = f", {_time(sum(seconds))} together" if len(variants) > 1 else ""
+    count = f"{len(variants)} companion{'s' if len(variants) > 1 else ''}"
+    memory = f"{peak_memory() / 1e9:.1f} GB at most, what the case itself took"
+    return f"{count}: {each}{total}, estimated; {memory}"
+
+
+def _seconds(variant: Variant, result: Result) -> float:
+    took = result.seconds
+    if variant.name == MESH:
+        return sum(took.values()) / COARSER ** POWERS[bool(result.areas)]
+    share = 1.0
+    if variant.history is not None:
+        share = len(variant.history.times) / max(len(result.loads.times), 1)
+    # Integrals do not depend on the number of steps.
+    return sum(
+        time * (share if phase == "steps" else 1.0)
+        for phase, time in took.items()
+        if phase in REPEATED
+    )
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
 
 
 @dataclass(frozen=True)
@@ -83,3 +129,70 @@ def _companion(
         return [missing("all", "", variant.name, f"no solution: {other.failure}")]
     rows = solid_companion_rows if result.areas else companion_rows
     return list(rows(variant.name, result, other))
+
+
+def print_validation(console: Console, validation: Validation) -> None:
+    """Print a line per row, the reasons they refer to by number, and the summary."""
+    reasons = list(dict.fromkeys(row.reason for row in validation.rows))
+    table = Table(title="Validation", title_justify="left", box=box.SIMPLE, title_style="bold")
+    table.pad_edge = False
+    table.padding = (0, 1, 0, 0)
+    for header in ("where", "quantity"):
+        table.add_column(header, no_wrap=True)
+    for header in ("value", "reference", "difference", "tolerance", "why"):
+        table.add_column(header, justify="right", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
+    for row in validation.rows:
+        numbers = (row.value, row.reference, row.difference, row.tolerance)
+        names = map(escape, (row.where, row.quantity))
+        why = str(reasons.index(row.reason) + 1)
+        table.add_row(*names, *map(_number, numbers), why, row.verdict)
+    console.print(table)
+    for number, reason in enumerate(reasons, start=1):
+        console.print(f"{number:3d}. {reason}", highlight=False, markup=False)
+    console.print(summary(validation), highlight=False)
+
+
+def summary(validation: Validation) -> str:
+    """Numbers of rows by verdict, and their meaning."""
+    counts = {
+        verdict: sum(row.verdict == verdict for row in validation.rows)
+        for verdict in ("pass", "FAIL", "outside", "depends", "unknown", "-")
+    }
+    text = (
+        f"{counts['pass']} agree, {counts['FAIL']} fail, {counts['outside']} outside the range of "
+        f"a formula, {counts['depends']} depend on the start, {counts['-']} not applicable."
+    )
+    if counts["unknown"]:
+        return (
+            f"{text} {counts['unknown']} unknown: nothing can be said of this case before they are "
+            "known."
+        )
+    if counts["FAIL"]:
+        return f"{text} Do not use these numbers before the failures are understood."
+    if counts["outside"]:
+        return f"{text} Use the computed numbers where a formula is outside its range."
+    if not counts["pass"]:
+        return f"{text} Nothing was compared."
+    return f"{text} The edge description holds for this case."
+
+
+def as_numbers(validation: Validation) -> dict[str, Any]:
+    """The rows in plain types; numbers that do not exist are None."""
+    return {
+        "schema": {"name": "fretfe-validation", "version": 1},
+        "passed": validation.passed,
+        "rows": [_plain(row) for row in validation.rows],
+    }
+
+
+def _plain(row: Row) -> dict[str, Any]:
+    values = {**asdict(row), "difference": row.difference}
+    return {
+        key: None if isinstance(value, float) and not math.isfinite(value) else value
+        for key, value in values.items()
+    }
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}" if math.isfinite(value) else "-"

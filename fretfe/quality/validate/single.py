@@ -8,10 +8,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fretfe.edges import analyse_tractions
-from fretfe.edges.front import LARGEST_SPREAD, ContactSummary, SlipZone, Station
-from fretfe.edges.section import plane_front
-from fretfe.edges.slip_zones import cycle_states
+from fretfe.evaluate import analyse_tractions
+from fretfe.evaluate.contacts import LARGEST_SPREAD, ContactSummary, SlipZone, Station
+from fretfe.evaluate.plane.section import plane_front
+from fretfe.evaluate.slip import cycle_states
 from fretfe.quality.validate.rows import Row, Verdict, compared, missing
 from fretfe.results.model import Result
 
@@ -27,6 +27,11 @@ BORDER_ELEMENTS, BORDER_FRACTION = 0.2, 0.02
 # The expected error of the asymptote is a first-order estimate: trusted within this factor, and
 # not at all where it is large.
 ESTIMATE_FACTOR, LARGEST_ERROR = 1.5, 0.1
+# Elements over a slip zone from which they are not too few for its border.
+FEWEST_ELEMENTS = 4
+# Predicted lengths from the edge behind which the flank begins, and mean shear there over f p from
+# which the contact nearly slides.
+FLANK, NEAR_SLIDING = 1.5, 0.95
 CERTIFIED, BALANCED = 1e-6, 1e-8
 
 
@@ -37,7 +42,7 @@ def own_rows(result: Result) -> Iterator[Row]:
         yield from _existence_rows(result, contact)
         size = element_size(result, contact)
         for station in contact.stations:
-            yield from _station_rows(contact, station, size)
+            yield from _station_rows(result, contact, station, size)
             yield from _traction_rows(result, contact, station, size)
     yield from _solution_rows(result)
 
@@ -59,7 +64,7 @@ def element_size(result: Result, contact: ContactSummary) -> float:
         return 0.0
     history = result.contact_history(contact.name)
     sizes = np.diff(history.arc)
-    places = [station.position[-1] for station in contact.stations]
+    places = [station.position[station.last] for station in contact.stations]
     return float(max(sizes[np.clip(np.searchsorted(history.arc[1:-1], places), 0, None)]))
 
 
@@ -100,17 +105,18 @@ def _existence_rows(result: Result, contact: ContactSummary) -> Iterator[Row]:
         yield missing(contact.name, "", "patch in the cycle", reason, "unknown")
 
 
-def _station_rows(contact: ContactSummary, station: Station, size: float) -> Iterator[Row]:
+def _station_rows(
+    result: Result, contact: ContactSummary, station: Station, size: float
+) -> Iterator[Row]:
     name, side = contact.name, station.front
-    k_n = float(station.k_n[-1])
     yield from _unknown_rows(contact, station)
-    if math.isnan(k_n):
+    if math.isnan(station.last_k_n[0]):
         return
     yield _moving_row(name, station)
     if math.isnan(station.k_t_range_fitted) or math.isnan(station.k_t_range):
         yield missing(name, side, "ΔK_T, by fit", "there is no second way here")
     else:
-        tolerance = K_T_AGREEMENT * station.k_t_range + station.k_t_range_parts.extraction
+        tolerance = K_T_AGREEMENT * station.k_t_range + station.k_range_parts.extraction
         reason = f"{K_T_AGREEMENT:.0%} and the spread over three radii"
         yield compared(
             name,
@@ -121,7 +127,7 @@ def _station_rows(contact: ContactSummary, station: Station, size: float) -> Ite
             tolerance,
             reason,
         )
-    yield from _slip_rows(contact, station, size)
+    yield from _slip_rows(result, contact, station, size)
 
 
 def _moving_row(name: str, station: Station) -> Row:
@@ -149,10 +155,10 @@ def _moving_row(name: str, station: Station) -> Row:
 
 def _unknown_rows(contact: ContactSummary, station: Station) -> Iterator[Row]:
     """Numbers that this run should carry and does not; warnings of the contact say why."""
-    for quantity, value in (("K_N", float(station.k_n[-1])), ("ΔK_T", station.k_t_range)):
+    for quantity, value in (("K_N", station.last_k_n[0]), ("ΔK_T", station.k_t_range)):
         if (
             math.isnan(value)
-            and contact.normal_force[-1] > 0
+            and contact.normal_force[station.last] > 0
             and not math.isnan(contact.cycle_change)
         ):
             reason = next(
@@ -162,14 +168,20 @@ def _unknown_rows(contact: ContactSummary, station: Station) -> Iterator[Row]:
             yield missing(contact.name, station.front, quantity, reason, "unknown")
 
 
-def _slip_rows(contact: ContactSummary, station: Station, size: float) -> Iterator[Row]:
+def _slip_rows(
+    result: Result, contact: ContactSummary, station: Station, size: float
+) -> Iterator[Row]:
     zones = station.slip_zones[-2:]
     if not zones:
-        reason = "no friction, or factors that are not known through the cycle"
+        reason = station.cycles.reason or "the factors are not known through the cycle"
         yield missing(contact.name, station.front, "slip zone", reason)
         return
     for number, zone in enumerate(zones, start=1):
-        yield asymptote_row(contact, station, zone, f"d, by formula, half cycle {number}", size)
+        label = f"d, by formula, half cycle {number}"
+        if not zone.resolved and (reason := slid_before(result, contact, station, zone)):
+            yield missing(contact.name, station.front, label, reason)
+        else:
+            yield asymptote_row(contact, station, zone, label, size)
     if len(zones) == 2:
         # Slip does not repeat itself where both half cycles end.
         tolerance = BORDER_ELEMENTS * size + BORDER_FRACTION * max(z.length for z in zones)
@@ -260,6 +272,46 @@ def asymptote_row(
         reason += ". Long against the edge's own length: use the computed length"
     otherwise: Verdict = "outside" if error > LARGEST_ERROR else "FAIL"
     return compared(name, side, label, zone.length, predicted, tolerance, reason, otherwise)
+
+
+def unresolved(
+    result: Result, contact: ContactSummary, station: Station, zone: SlipZone, size: float
+) -> str:
+    """Reason why a slip zone is not resolved, in words."""
+    if reason := slid_before(result, contact, station, zone):
+        return reason
+    if zone.length > 0 and size > 0 and zone.length >= FEWEST_ELEMENTS * size:
+        return (
+            f"its inner end is known to ± {zone.spread:.2g} only, of {zone.length:.3g} or "
+            f"{zone.length / size:.0f} elements: slip does not fall evenly towards it, or nodes "
+            "slip behind it"
+        )
+    covered = f": {zone.length / size:.1f} of {size:.2g}" if size > 0 else ""
+    return f"too few elements over the slip zone{covered}, {FEWEST_ELEMENTS} are wanted"
+
+
+def slid_before(result: Result, contact: ContactSummary, station: Station, zone: SlipZone) -> str:
+    """Remark if the shear is near f p all over the flank behind a predicted zone; or empty.
+
+    The formulas are for shear that stays below f p there. After a contact has slid as a whole it
+    comes back to f p everywhere, and next to nothing decides how far it slips.
+    """
+    if result.solution is None or not result.solution.keeps(zone.end, zone.end):
+        return ""
+    history = result.contact_history(contact.name)
+    s = plane_front(station.front).inward * (history.arc - station.position[zone.end])
+    pressure, shear = history.mean_traction[zone.end].T
+    behind = FLANK * max(float(np.nan_to_num(zone.prediction)), 0.0)
+    flank = (s > behind) & (s < contact.half_width[zone.end]) & (pressure > 0)
+    weights = history.weights[flank]
+    bound = float(history.friction[zone.end] * (weights @ pressure[flank]))
+    share = abs(float(weights @ shear[flank])) / bound if bound > 0 else 0.0
+    if share < NEAR_SLIDING:
+        return ""
+    return (
+        f"the shear is {share:.0%} of f p all over the flank behind the predicted zone, as where "
+        "the contact has slid as a whole: the formulas are for shear that is far below f p there"
+    )
 
 
 def expected_error(station: Station, length: float) -> float:

@@ -1,36 +1,139 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Rows of a run of solids, by itself and against a companion: one for each front and number."""
+"""Rows of a run of solids, by itself and against a companion: one for each front."""
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe._typing import Array
-from fretfe.edges.area import AreaSummary
-from fretfe.edges.solid_fronts import SolidFront
-from fretfe.edges.solid_verdicts import OUTSIDE, judge
+from fretfe._typing import Array, Bools
+from fretfe.evaluate.contacts import Front, Station
+from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.verdicts import OUTSIDE, judge, last_verdict, withheld
 from fretfe.quality.validate.compare import STEADY_REASONS
-from fretfe.quality.validate.rows import Row, Verdict, missing
+from fretfe.quality.validate.rows import Row, Verdict, compared, missing
 from fretfe.quality.validate.single import BORDER_ELEMENTS, BORDER_FRACTION, steady_row
-from fretfe.quality.validate.stations import (
-    WITHIN,
-    Pairs,
-    at_places,
-    front_row,
-    nearest_front,
-    numbers,
-)
 from fretfe.quality.validate.variants import COARSER, MESH, START
 from fretfe.results.model import Result
 
+# Share of the stations that must agree, as error bars hold for 95 %.
+WITHIN = 0.9
+# Share of the stations that a companion must have a number for.
+CARRIED = 0.5
 # Ranges of K_T and K_S that other reaches of the integrals give, relative to the largest along the
 # front.
 REACH_AGREEMENT = 0.02
 # No more than this part of a number counts of its own error bar: it must not excuse whatever comes.
 LARGEST_BAR = 0.1
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Numbers of n stations and what they are compared with; NaN where there is none.
+
+    Attributes:
+        values: (n,) the numbers.
+        references: (n,) what they should be.
+        tolerances: (n,) largest acceptable differences.
+    """
+
+    values: Array
+    references: Array
+    tolerances: Array
+
+    @property
+    def known(self) -> Bools:
+        """(n,) where there is something to compare."""
+        return np.asarray(np.isfinite(self.values + self.references + self.tolerances))
+
+
+def front_row(
+    area: AreaSummary,
+    front: Front,
+    quantity: str,
+    pairs: Pairs,
+    reason: str,
+    otherwise: Verdict = "FAIL",
+) -> Row:
+    """One row for the stations of a front: that of the worst of the best nine tenths of them."""
+    known = np.flatnonzero(pairs.known)
+    if len(known) < max(CARRIED * len(pairs.values), 1):
+        given = f"there is a number to compare at {len(known)} of {len(pairs.values)} stations only"
+        return missing(area.name, front.name, quantity, given)
+    off = np.abs(pairs.values - pairs.references)[known]
+    tolerances = pairs.tolerances[known]
+    order = np.argsort(off / np.maximum(tolerances, 1e-300))
+    chosen = known[order[math.ceil(WITHIN * len(known)) - 1]]
+    inside = np.count_nonzero(off <= tolerances)
+    return compared(
+        area.name,
+        front.name,
+        quantity,
+        float(pairs.values[chosen]),
+        float(pairs.references[chosen]),
+        float(pairs.tolerances[chosen]),
+        f"{reason}. {inside} of {len(known)} stations agree, {WITHIN:.0%} must; the line is that "
+        "of the worst of these",
+        otherwise,
+    )
+
+
+def numbers(stations: Sequence[Station], name: str) -> Array:
+    """(n,) a number of stations: an attribute, "K_N", or "d" and "d bar" of the last slip zone."""
+    return np.array([_number(station, name) for station in stations])
+
+
+def _number(station: Station, name: str) -> float:
+    if name == "K_N":
+        return station.told_k_n
+    if name == "K_N bar":
+        return station.last_k_n[1]
+    if name in ("d", "d bar"):
+        zone = station.slip_zones[-1] if station.slip_zones else None
+        if zone is None or zone.gross or not zone.resolved:
+            return math.nan
+        return zone.told_length if name == "d" else zone.spread
+    return float(getattr(station, name))
+
+
+def nearest_front(front: Front, others: Sequence[Front]) -> Front | None:
+    """The front among others that runs nearest to the stations of one; None without any."""
+    points = front.along("point")
+
+    def distance(other: Front) -> float:
+        gaps = np.linalg.norm(points[:, None] - other.along("point"), axis=2)
+        return float(gaps.min(axis=1).mean())
+
+    return min(
+        (other for other in others if other.closed == front.closed), key=distance, default=None
+    )
+
+
+def at_places(front: Front, points: Array, names: Sequence[str]) -> Iterator[Array]:
+    """Numbers (n,) of a front at the places of its line that are nearest to points (n, 3).
+
+    Linear between the stations; NaN where a neighbour has none, or is an end.
+    """
+    places = front.along("point")
+    ends = np.roll(places, -1, axis=0) if front.closed else places[1:]
+    starts = places[: len(ends)]
+    lines = ends - starts
+    share = np.einsum("nmd,md->nm", points[:, None] - starts, lines) / np.sum(lines**2, axis=1)
+    share = np.clip(share, 0.0, 1.0)
+    gaps = np.linalg.norm(starts + share[..., None] * lines - points[:, None], axis=2)
+    first = gaps.argmin(axis=1)
+    part = share[np.arange(len(points)), first]
+    second = (first + 1) % len(places)
+    for name in names:
+        values = numbers(front.stations, name)
+        values[front.along("end").astype(bool)] = np.nan
+        # A place on a station needs no neighbour.
+        terms = (part < 1, (1 - part) * values[first]), (part > 0, part * values[second])
+        yield np.sum([np.where(used, term, 0.0) for used, term in terms], axis=0)
 
 
 def solid_rows(result: Result) -> Iterator[Row]:
@@ -47,7 +150,7 @@ def _reason(area: AreaSummary, word: str) -> str:
     return next((text for text in area.warnings if word in text), "too few elements in contact")
 
 
-def _front_rows(area: AreaSummary, front: SolidFront) -> Iterator[Row]:
+def _front_rows(area: AreaSummary, front: Front) -> Iterator[Row]:
     stations = front.judged
     if not stations:
         yield missing(area.name, front.name, "stations", "all of them are near its ends")
@@ -58,9 +161,10 @@ def _front_rows(area: AreaSummary, front: SolidFront) -> Iterator[Row]:
     for quantity, values in told.items():
         unknown = np.count_nonzero(np.isnan(values))
         if unknown > (1 - WITHIN) * len(values):
+            reasons = [each for station in stations if (each := withheld(station))]
             text = (
-                f"not known to within half of it at {unknown} of {len(values)} stations: take "
-                "smaller elements along the front"
+                f"not known to within half of it at {unknown} of {len(values)} stations, as "
+                f"{reasons[len(reasons) // 2]}"
             )
             yield missing(area.name, front.name, quantity, text, "unknown")
     ranges, spread = numbers(stations, "k_range"), _extraction(front)
@@ -71,11 +175,11 @@ def _front_rows(area: AreaSummary, front: SolidFront) -> Iterator[Row]:
     yield from _formula_rows(area, front)
 
 
-def _extraction(front: SolidFront) -> Array:
+def _extraction(front: Front) -> Array:
     return np.array([station.k_range_parts.extraction for station in front.judged])
 
 
-def _formula_rows(area: AreaSummary, front: SolidFront) -> Iterator[Row]:
+def _formula_rows(area: AreaSummary, front: Front) -> Iterator[Row]:
     """The last two slip zones, found and predicted, at the stations where formulas hold."""
     for half in (1, 2):
         label = f"d, by formula, half cycle {half}"
@@ -96,13 +200,13 @@ def _formula_rows(area: AreaSummary, front: SolidFront) -> Iterator[Row]:
         yield front_row(area, front, label, pairs, reason)
 
 
-def _no_formula(
-    area: AreaSummary, front: SolidFront, label: str, excuses: list[tuple[str, str]]
-) -> Row:
-    """The most frequent reason why there is nothing to compare."""
+def _no_formula(area: AreaSummary, front: Front, label: str, excuses: list[tuple[str, str]]) -> Row:
+    """Verdict where nothing can be compared: the most frequent word, and a reason for it."""
     if not excuses:
-        return missing(area.name, front.name, label, "no friction, or factors that are not known")
-    (word, reason), _ = Counter(excuses).most_common(1)[0]
+        own = last_verdict(front.judged[len(front.judged) // 2])
+        return missing(area.name, front.name, label, own.reason)
+    ((word, _),) = Counter(word for word, _ in excuses).most_common(1)
+    reason = next(text for each, text in excuses if each == word)
     verdict: Verdict = "outside" if word == OUTSIDE else "-"
     return missing(area.name, front.name, label, f"{word}: {reason}", verdict)
 
@@ -120,7 +224,7 @@ def solid_companion_rows(name: str, result: Result, other: Result) -> Iterator[R
                 yield from _compared(name, area, front, twin)
 
 
-def _compared(name: str, area: AreaSummary, front: SolidFront, twin: SolidFront) -> Iterator[Row]:
+def _compared(name: str, area: AreaSummary, front: Front, twin: Front) -> Iterator[Row]:
     if name == MESH:
         for label, value, bar in (
             ("K_N", "K_N", "K_N bar"),
@@ -138,7 +242,7 @@ def _compared(name: str, area: AreaSummary, front: SolidFront, twin: SolidFront)
 
 
 def _mesh_row(
-    label: str, area: AreaSummary, front: SolidFront, twin: SolidFront, value: str, bar: str
+    label: str, area: AreaSummary, front: Front, twin: Front, value: str, bar: str
 ) -> Row:
     """A number of the stations on two meshes, within both error bars."""
     places = np.array([station.point for station in front.judged])

@@ -9,8 +9,8 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.case import Case, parse_case
-from fretfe.geometry.templates import find_template
 from fretfe.loads import History
+from fretfe.mesh.templates import find_template
 from fretfe.quality.validate.single import CONSTANT_NORMAL
 from fretfe.results.model import Result
 
@@ -128,7 +128,9 @@ def coarser(case: Case) -> Case | None:
         given = case.geometry.parameters
         sizes = {
             parameter.name: COARSER * given.get(parameter.name, parameter.default)
-            for parameter in find_template(case.geometry.template).parameters
+            for parameter in find_template(
+                case.geometry.template, length=case.units.length
+            ).parameters
             if parameter.name.endswith("size")
         }
         data["geometry"]["parameters"] = {**given, **sizes}

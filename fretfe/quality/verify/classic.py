@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Published cylinder contacts under one loading: Cattaneo-Mindlin, NAFEMS, a fretting specimen."""
+"""Published contacts under one loading, and blocks that slide: closed forms, written out here."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from fretfe.case import Case, parse_case
 from fretfe.quality.verify import measures
 from fretfe.quality.verify.cases import HOLD, Pad, pad_case, press, ramp
 from fretfe.quality.verify.model import Benchmark, Measure, Quantity
@@ -10,6 +13,11 @@ from fretfe.quality.verify.model import Benchmark, Measure, Quantity
 # Published numbers have six digits. Fits of K_N promise a thousandth.
 DIGITS, FITTED = 5e-6, 1e-3
 SHEAR_STEPS = 8
+MESH = Path(__file__).with_name("sliding_wedge.msh")
+SLOPE, FRICTION = 0.1, 0.3
+# The force gives a mean pressure of 0.25 % of E: elastic displacements are a few thousandths of the
+# length, and the push makes all of the contact slip.
+YOUNG, FORCE, PUSH = 200e3, 1000.0, 0.02
 
 
 def relative(
@@ -139,4 +147,53 @@ def _specimen(friction: float, stick: float, centre: float) -> Benchmark:
             Quantity("c/a", stick, 1.0, length, measures.stick_half_width_ratio),
             Quantity("e/a", centre, 1.0, length, measures.stick_centre_ratio),
         ),
+    )
+
+
+def sliding_wedge() -> Benchmark:
+    """A block on a wedge, pressed down with a force and pushed uphill."""
+    ratio = (SLOPE + FRICTION) / (1 - FRICTION * SLOPE)
+    # Exact in any discretisation: equilibrium is met to the accuracy of the solver.
+    tolerances = {"fem": 1e-6}
+    measure = measures.force_ratio("push", "press")
+    return Benchmark(
+        name="sliding wedge block",
+        source="NAFEMS CGS-4 (Feng and Prinja 2001)",
+        case=_case(),
+        quantities=(Quantity("H/V", ratio, ratio, tolerances, measure, needs_tractions=True),),
+    )
+
+
+def _case() -> Case:
+    body = {"young": YOUNG, "poisson": 0.3}
+    platen = {"type": "platen", "boundary": "upper_top"}
+    return parse_case(
+        {
+            "geometry": {"file": MESH.name},
+            "bodies": {"upper": body, "lower": body},
+            "contacts": {
+                "main": {
+                    "surface1": "upper_contact",
+                    "surface2": "lower_contact",
+                    "friction": FRICTION,
+                }
+            },
+            "supports": {"base": {"boundary": "lower_bottom", "fix": ["x", "y"]}},
+            "loads": {
+                "press": {
+                    **platen,
+                    "direction": [0.0, -1.0],
+                    "control": "force",
+                    "history": [press(FORCE)],
+                },
+                "push": {
+                    **platen,
+                    "direction": "x",
+                    "control": "displacement",
+                    "history": [HOLD, ramp(PUSH, 8)],
+                },
+            },
+            "output": {"fields": "none"},
+        },
+        source=MESH.with_name("sliding_wedge.toml"),
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fretfe.edges.front import ContactSummary, Station
+from fretfe.evaluate.contacts import ContactSummary, Station
 from fretfe.quality.verify.model import Measure
 from fretfe.results.model import Result
 
@@ -125,3 +125,37 @@ def force_ratio(numerator: str, denominator: str) -> Measure:
         return float(forces[numerator] / forces[denominator])
 
     return measure
+
+
+def front_mean(attribute: str) -> Measure:
+    """A number of the stations of the only front of a solid contact, mean of them."""
+
+    def measure(result: Result) -> float:
+        fronts = result.areas[0].fronts
+        return float(fronts[0].along(attribute).mean()) if fronts else np.nan
+
+    return measure
+
+
+def front_k_n(result: Result) -> float:
+    """K_N, mean of the stations of the only front."""
+    return float(np.mean([station.last_k_n[0] for station in _front_stations(result)]))
+
+
+def front_radius(result: Result) -> float:
+    """Radius of a round contact about the origin, mean of the stations."""
+    radii = [
+        float(np.linalg.norm(station.point[[0, 2]]) - station.position[station.last])
+        for station in _front_stations(result)
+    ]
+    return float(np.mean(radii))
+
+
+def front_slip_length(result: Result) -> float:
+    """Length of the last slip zones, mean of the stations."""
+    return float(np.mean([_slip_length(station) for station in _front_stations(result)]))
+
+
+def _front_stations(result: Result) -> tuple[Station, ...]:
+    fronts = result.areas[0].fronts
+    return fronts[0].stations if fronts else ()

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Run benchmarks through backends."""
+"""Run benchmarks through backends, and those that are spoilt on purpose and have to fail."""
 
 from __future__ import annotations
 
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fretfe.backends import (
     SILENT,
@@ -20,13 +20,106 @@ from fretfe.backends import (
     installed_backends,
     processes_of,
 )
+from fretfe.case import Case
 from fretfe.errors import CaseError, FretfeError
-from fretfe.quality.verify.benchmarks import benchmarks
-from fretfe.quality.verify.controls import controls, judge
-from fretfe.quality.verify.model import Benchmark, Row, Verdict, compare, failed, remark
+from fretfe.quality.verify.classic import (
+    cylinder_on_block,
+    fretting_specimens,
+    sliding_wedge,
+    two_cylinders,
+)
+from fretfe.quality.verify.cycles import (
+    FRICTION,
+    LAGGING,
+    TENSION_ONLY,
+    cyclic_shear,
+    factor_ranges,
+    loop_benchmarks,
+    loop_case,
+    rocking,
+    slip_lengths,
+    varying_normal_load,
+)
+from fretfe.quality.verify.measures import LEFT, RIGHT
+from fretfe.quality.verify.model import (
+    Benchmark,
+    Measure,
+    Quantity,
+    Row,
+    Verdict,
+    compare,
+    failed,
+    remark,
+)
+from fretfe.quality.verify.spheres import sheared_sphere
+from fretfe.results.model import Result
 
 # Called with each benchmark and its rows.
 Show = Callable[[Benchmark, Sequence[Row]], None]
+
+
+def controls() -> tuple[Benchmark, ...]:
+    """All negative controls."""
+    wrong_sign = replace(LAGGING, tension=-LAGGING.tension)
+    first_loading = tuple(
+        replace(quantity, measure=_first_loading_law(side))
+        for side, quantity in zip((LEFT, RIGHT), slip_lengths(LAGGING), strict=True)
+    )
+    return (
+        # Without friction a shear force would move the pad away: this loop has none.
+        _control(
+            "no friction",
+            loop_case(TENSION_ONLY, friction=0.0),
+            (*slip_lengths(TENSION_ONLY), *factor_ranges(TENSION_ONLY)),
+        ),
+        _control("tension of the wrong sign", loop_case(wrong_sign), slip_lengths(LAGGING)),
+        _control("law of first loading in a cycle", loop_case(LAGGING), first_loading),
+    )
+
+
+def _control(name: str, case: Case, quantities: tuple[Quantity, ...]) -> Benchmark:
+    source = "spoilt on purpose: every comparison has to fail"
+    return Benchmark(f"control: {name}", source, case, quantities, control=True)
+
+
+def _first_loading_law(side: int) -> Measure:
+    """2 ΔK_T/(f K_N) in place of the slip length that the backend found."""
+
+    def measure(result: Result) -> float:
+        station = result.contacts[0].stations[side]
+        return float(2 * station.k_t_range / (FRICTION * station.k_n[-1]))
+
+    return measure
+
+
+def judge(rows: tuple[Row, ...]) -> Row:
+    """The verdict on a control from its comparisons, at least one."""
+    first = rows[0]
+    accepted = [row.quantity for row in rows if row.verdict != "fail"]
+    if accepted:
+        reason = f"accepted: {', '.join(accepted)}"
+        return remark(first.benchmark, first.backend, "NOT CAUGHT", reason)
+    found = ", ".join(
+        f"{row.quantity} {'-' if row.computed is None else f'{row.computed:.4g}'} "
+        f"for {row.reference:.4g}"
+        for row in rows
+    )
+    return remark(first.benchmark, first.backend, "caught", found)
+
+
+def benchmarks() -> tuple[Benchmark, ...]:
+    """All benchmarks, in the order in which they are run."""
+    return (
+        two_cylinders(),
+        cylinder_on_block(),
+        *fretting_specimens(),
+        *loop_benchmarks(),
+        *cyclic_shear(),
+        *varying_normal_load(),
+        rocking(),
+        sliding_wedge(),
+        sheared_sphere(),
+    )
 
 
 @dataclass(frozen=True)
@@ -117,13 +210,13 @@ def run_benchmark(
 
 
 def _alone() -> bool:
-    """Whether MPI is in use and this is its only process; a parallel backend has loaded it."""
+    """True if MPI is in use and this is its only process; a parallel backend has loaded it."""
     mpi = sys.modules.get("mpi4py.MPI")
     return mpi is not None and mpi.COMM_WORLD.size == 1
 
 
 def _why_not(benchmark: Benchmark, installed: Installed) -> str:
-    """Why a benchmark is not run; empty if it is."""
+    """Reason why a benchmark is not run; empty if it is."""
     if benchmark.case is None:
         return benchmark.left_out
     if installed.backend is None:

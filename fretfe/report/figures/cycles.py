@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from fretfe.edges.front import CountedCycles, Station
+from fretfe.evaluate.contacts import CountedCycles, Station
 from fretfe.report.figures.plot import Plot, log_axis, make_plot, plain_axis
 from fretfe.report.source import Shown, edge_title
 from fretfe.report.texts import number

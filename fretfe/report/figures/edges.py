@@ -15,12 +15,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fretfe._typing import Array, Bools
-from fretfe.edges.extremes import load_extremes
-from fretfe.edges.front import Station
+from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.resultants import load_extremes
+from fretfe.history.solution import Solution
 from fretfe.report.figures.plot import Plot, legend_above, log_axis, make_plot
 from fretfe.report.source import Shown, edge_title, inward, when
 from fretfe.report.theme import BLUE, DOUBLE, GREEN, GREY, PALE, VERMILLION
-from fretfe.results.solution import Solution
 
 # Decades below the half-width that are shown at most.
 DECADES = 4
@@ -44,7 +44,7 @@ MOVED = (
 
 @dataclass(frozen=True)
 class _Near:
-    """What is drawn next to one edge.
+    """Curves that are drawn next to one edge.
 
     Attributes:
         edge: the edge.

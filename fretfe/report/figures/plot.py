@@ -6,7 +6,7 @@ from __future__ import annotations
 import io
 import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
 from fretfe._typing import Array, Indices
-from fretfe.report.theme import MAP_DPI, STYLE, WIDTH
+from fretfe.report.theme import GREY, MAP_DPI, STYLE, WIDTH
 
 # A logarithmic axis over less than this factor has numbers between the powers of ten.
 FEW_DECADES = 200
@@ -61,12 +61,17 @@ def make_plot(
         # A unit in letters that the font does not have is drawn as boxes.
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
         figure = Figure(figsize=(WIDTH, height), layout="constrained")
-        canvas = FigureCanvasSVG(figure)
         draw(figure)
-        _lay_out(figure)
-        buffer = io.StringIO()
-        canvas.print_svg(buffer, metadata=METADATA)
-    return Plot(title, caption, _inline(buffer.getvalue(), key))
+        return Plot(title, caption, _svg(figure, key))
+
+
+def _svg(figure: Figure, key: str) -> str:
+    """A figure as an `svg` element; all ids in it begin with the key."""
+    canvas = FigureCanvasSVG(figure)
+    _lay_out(figure)
+    buffer = io.StringIO()
+    canvas.print_svg(buffer, metadata=METADATA)
+    return _inline(buffer.getvalue(), key)
 
 
 def _lay_out(figure: Figure) -> None:
@@ -128,6 +133,19 @@ def plain_axis(axes: Axes, which: str) -> None:
     axis = getattr(axes, f"{which}axis")
     axis.set_major_locator(MaxNLocator(5))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
+
+
+def finish_edge_column(
+    column: Sequence[Axes], title: str, limits: tuple[float, float], length: str
+) -> None:
+    """Title, zero lines and axes of panels above each other, over the place next to an edge."""
+    column[0].set_title(title)
+    column[-1].set_xlim(*limits)
+    column[-1].set_xlabel(f"x [{length}]")
+    column[-1].tick_params(axis="x", labelrotation=30)
+    for axes in column:
+        axes.axhline(0.0, color=GREY, lw=0.6)
+        plain_axis(axes, "y")
 
 
 def legend_above(axes: Axes, columns: int) -> None:

@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from fretfe._typing import Array
-from fretfe.edges.refinement import Refinement, changes_by_kind
+from fretfe.evaluate.refinement import Refinement, changes_by_kind
+from fretfe.history.solution import Solution
 from fretfe.report.figures.plot import Plot, envelope, legend_above, log_axis, make_plot
 from fretfe.report.theme import BLUE, GREEN, GREY, LOW, ORANGE, VERMILLION
-from fretfe.results.solution import Solution
 
 
 def iteration_plot(solution: Solution) -> Plot:
@@ -58,7 +58,7 @@ def _iterations(figure: Figure, solution: Solution) -> None:
 def certificate_plot(solution: Solution) -> Plot | None:
     """Violations of the contact conditions and of equilibrium; None if there is nothing but 0."""
     worst = solution.certificates["worst"][1:]
-    imbalance = relative_imbalance(solution)[1:]
+    imbalance = solution.imbalance("force")[1:]
     if not np.any(worst > 0) and not np.any(imbalance > 0):
         return None
 
@@ -82,13 +82,6 @@ def certificate_plot(solution: Solution) -> Plot | None:
         LOW,
         draw,
     )
-
-
-def relative_imbalance(solution: Solution) -> Array:
-    """(T,) sum of the forces on a body over the largest force; 0 without forces."""
-    scale = solution.certificates["force_scale"]
-    safe = np.where(scale > 0, scale, 1.0)
-    return np.asarray(solution.certificates["force_imbalance"] / safe)
 
 
 def _dots(axes: Axes, x: Array, y: Array, mark: str, colour: str, label: str) -> None:

@@ -7,14 +7,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fretfe.edges.front import Station
-from fretfe.edges.stress_history import EdgeStress, StressHistory
-from fretfe.edges.stress_parameters import StressParameters, stress_parameters
-from fretfe.report.figures.plot import Plot, make_plot, plain_axis
+from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.stress import EdgeStress, StressHistory, StressParameters, stress_parameters
+from fretfe.report.figures.plot import Plot, finish_edge_column, make_plot
 from fretfe.report.figures.slip import edge_window
 from fretfe.report.source import Shown, edge_title
 from fretfe.report.texts import with_error
-from fretfe.report.theme import CYCLE, DOUBLE, GREY
+from fretfe.report.theme import CYCLE, DOUBLE
 
 # Body 1 and body 2, as lines and as markers at the edge.
 LINES, MARKERS = ("--", "-"), ("s", "o")
@@ -69,13 +68,7 @@ def _draw(figure: Figure, shown: Shown, history: StressHistory, edges: list[Edge
             found = stress_parameters(seen, number, material)
             _lines(top, bottom, seen, found, number, units.length)
         _values(top, edge, [each for each in edges if each.edge == edge.front], history)
-        top.set_title(edge_title(edge))
-        bottom.set_xlim(low, high)
-        bottom.set_xlabel(f"x [{units.length}]")
-        bottom.tick_params(axis="x", labelrotation=30)
-        for axes in column:
-            axes.axhline(0.0, color=GREY, lw=0.6)
-            plain_axis(axes, "y")
+        finish_edge_column(column, edge_title(edge), (low, high), units.length)
     panels[0, 0].set_ylabel(f"σ along the surface [{units.stress}]")
     panels[1, 0].set_ylabel(f"SWT [{units.stress}]")
     handles, labels = panels[0, 0].get_legend_handles_labels()

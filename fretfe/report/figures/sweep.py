@@ -69,7 +69,7 @@ def _slip(record: Record, name: str = "slip") -> float:
 
 
 def _places(records: Sequence[Record], key: str) -> tuple[dict[Any, float], list[str]]:
-    """Where the values of a key stand on an axis, and their names if they are no numbers."""
+    """Places of the values of a key on an axis, and their names if they are no numbers."""
     values = list(dict.fromkeys(_hashable(record[key]) for record in records))
     if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
         return {value: float(value) for value in sorted(values)}, []

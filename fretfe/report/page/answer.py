@@ -7,10 +7,10 @@ import math
 from collections import Counter
 from dataclasses import dataclass
 
-from fretfe.edges.front import ContactSummary, SlipZone, Station
-from fretfe.edges.solid_verdicts import AGREES, judge
-from fretfe.quality.validate.single import asymptote_row, element_size
-from fretfe.report.texts import number, with_error
+from fretfe.evaluate.contacts import ContactSummary, SlipZone, Station
+from fretfe.evaluate.verdicts import AGREES, NO_ZONE, last_verdict
+from fretfe.quality.validate.single import asymptote_row, element_size, slid_before, unresolved
+from fretfe.report.texts import marked, number, with_error
 from fretfe.results.model import Result
 
 # Slip zones of an edge that are shown: those of the last loading and unloading.
@@ -39,7 +39,7 @@ class ZoneAnswer:
 
 @dataclass(frozen=True)
 class EdgeAnswer:
-    """An edge as text, at the last state; `zones` are the last ones in time order."""
+    """An edge as text, at the end of the cycle; `zones` are the last ones in time order."""
 
     contact: str
     side: str
@@ -62,9 +62,9 @@ def _edge_answer(run: Result, contact: ContactSummary, edge: Station) -> EdgeAns
     return EdgeAnswer(
         contact=contact.name,
         side=edge.front,
-        position=number(float(edge.position[-1])),
-        k_n=with_error(edge.told_k_n, float(edge.k_n_spread[-1])),
-        k_t_range=with_error(edge.told_range, edge.k_t_range_spread),
+        position=number(float(edge.position[edge.last])),
+        k_n=with_error(edge.told_k_n, edge.last_k_n[1]),
+        k_t_range=with_error(edge.told_range, edge.k_range_spread),
         uncertain=edge.uncertain and math.isfinite(edge.told_k_n),
         zones=tuple(
             _zone_answer(run, contact, edge, zone, size) for zone in edge.slip_zones[-ZONES:]
@@ -76,21 +76,24 @@ def _zone_answer(
     run: Result, contact: ContactSummary, edge: Station, zone: SlipZone, size: float
 ) -> ZoneAnswer:
     row = asymptote_row(contact, edge, zone, "", size)
-    verdict = WORDS[row.verdict]
+    verdict, reason = WORDS[row.verdict], row.reason
     if zone.gross:
         verdict = "gross"
     elif not zone.resolved:
-        verdict = "not resolved"
+        slid = slid_before(run, contact, edge, zone)
+        verdict = "no verdict" if slid else "not resolved"
+        reason = slid or unresolved(run, contact, edge, zone, size)
     times = run.loads.times
+    length = with_error(zone.told_length, zone.spread)
     predicted = zone.prediction
     ratio = predicted / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
         time=f"{times[zone.start]:g} … {times[zone.end]:g}",
-        found="gross" if zone.gross else with_error(zone.told_length, zone.spread),
+        found="gross" if zone.gross else marked(length, zone.uncertain),
         predicted=number(predicted, 3),
         ratio=number(ratio, 3),
         verdict=verdict,
-        reason=row.reason,
+        reason=reason,
     )
 
 
@@ -107,9 +110,8 @@ def _solid_text(run: Result) -> str:
     if not fronts:
         return "No boundary of a contact area could be found: there are no edge factors."
     stations = [station for front in fronts for station in front.stations]
-    words = Counter(
-        judge(station, station.slip_zones[-1]).word for station in stations if station.slip_zones
-    )
+    words = Counter(last_verdict(station).word for station in stations)
+    del words[NO_ZONE]
     text = f"{len(fronts)} contact front{'' if len(fronts) == 1 else 's'} with {len(stations)} "
     if not words:
         return f"{text}stations, no slip zones."

@@ -15,7 +15,7 @@ from rich.table import Table
 if TYPE_CHECKING:
     from fretfe.backends import Installed
     from fretfe.case import Case
-    from fretfe.geometry.templates import Parameter, Template
+    from fretfe.mesh.templates import Parameter, Template
 
 # Characters in a line of a table, more than any has.
 WIDEST = 1000

@@ -1,21 +1,29 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Tables for the terminal."""
+"""Tables of a run: contacts, edges, fronts of solids, the worst counted cycles."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from rich.table import Table
 
 from fretfe._typing import Array
 from fretfe.case import Case
-from fretfe.edges.area import AreaSummary
-from fretfe.edges.front import ContactSummary, SlipZone, Station
-from fretfe.edges.refinement import Refinement, StationValues, changes_by_kind
+from fretfe.evaluate.contacts import ContactSummary, SlipZone, Station
+from fretfe.evaluate.refinement import Refinement, StationValues, changes_by_kind
+from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.verdicts import NO_ZONE, last_verdict
 from fretfe.report.page.listings import plain_table
-from fretfe.report.texts import MISSING, number, percent
+from fretfe.report.texts import MISSING, marked, number, percent, with_error
+from fretfe.results.model import Result
+
+HEADERS = (
+    *("contact", "edge", "cycles", "from t", "to t"),
+    *("ΔK_T", "mean K_T", "count", "d predicted"),
+)
 
 
 def edge_table(case: Case, contacts: tuple[ContactSummary, ...]) -> Table:
@@ -40,24 +48,19 @@ def _edge_cells(edge: Station) -> list[str]:
     zones = edge.slip_zones[-2:]
     measured = [_zone_length(zone) for zone in zones]
     return [
-        number(edge.position[-1]),
-        _marked(number(edge.told_k_n), edge.uncertain),
-        _marked(number(edge.told_range), edge.uncertain_range),
+        number(edge.position[edge.last]),
+        marked(number(edge.told_k_n), edge.uncertain),
+        marked(number(edge.told_range), edge.uncertain_range),
         " / ".join(measured) or MISSING,
         " / ".join(number(zone.prediction, 3) for zone in zones) or MISSING,
     ]
 
 
 def _zone_length(zone: SlipZone) -> str:
-    """Length of a slip zone; ~ marks one that the mesh does not resolve well."""
+    """Length of a slip zone; ~ marks one that is not resolved, or known to a tenth at best."""
     if zone.gross:
         return "gross"
-    return _marked(number(zone.told_length, 3), not zone.resolved)
-
-
-def _marked(text: str, uncertain: bool) -> str:
-    """A number with ~ before it if it is uncertain; what is missing carries no mark."""
-    return f"~{text}" if uncertain and text != MISSING else text
+    return marked(number(zone.told_length, 3), zone.uncertain)
 
 
 def contact_table(
@@ -75,12 +78,13 @@ def contact_table(
     headers = ("contact", "P", "Q", "half-width", "steady", "Δq/(f p_max)")
     table = plain_table(title, headers, text=1)
     cycle = slice(evaluated[0], evaluated[1] + 1) if evaluated else slice(None)
+    last = evaluated[1] if evaluated else -1
     for contact in contacts:
         table.add_row(
             contact.name,
             _range(contact.normal_force[cycle]),
             _range(contact.shear_force[cycle]),
-            number(contact.half_width[-1]),
+            number(contact.half_width[last]),
             _steady(contact),
             number(contact.cycle_change),
         )
@@ -105,13 +109,14 @@ def area_table(
     headers = ("contact", "P", "|Q|", "in contact", "sticks", "p_max", "work", "steady")
     table = plain_table(title, headers, text=1)
     cycle = slice(evaluated[0], evaluated[1] + 1) if evaluated else slice(None)
+    last = evaluated[1] if evaluated else -1
     for area in areas:
         table.add_row(
             area.name,
             _range(area.normal_force[cycle]),
             _range(np.linalg.norm(area.shear_force[cycle], axis=1)),
-            number(area.contact_area[-1]),
-            number(area.stick_area[-1]),
+            number(area.contact_area[last]),
+            number(area.stick_area[last]),
             number(area.largest_pressure[cycle].max()),
             number(area.dissipation),
             _steady(area),
@@ -144,7 +149,7 @@ def mesh_table(refinement: Refinement) -> Table:
 
 
 def limit_table(refinement: Refinement) -> Table:
-    """What the values at each edge tend to over the sequence of meshes."""
+    """Limits that the values at each edge tend to over the sequence of meshes."""
     headers = ("contact", "edge", "K_N", "K_T", "slip zones")
     table = plain_table("Limits that the meshes tend to", headers, text=2)
     for edge, limits in refinement.limits:
@@ -164,3 +169,103 @@ def timing_table(seconds: Mapping[str, float]) -> Table:
 
 def _range(values: Array) -> str:
     return f"{number(values.min())} … {number(values.max())}"
+
+
+def cycle_table(run: Result) -> Table | None:
+    """One row per edge with its worst cycle; None if the loads of all edges are regular.
+
+    `cycles` are all that were counted. An edge whose loads are regular, or whose cycles could not
+    be counted, has its number of cycles only.
+    """
+    edges = [(contact.name, edge) for contact in run.contacts for edge in contact.stations]
+    if not any(edge.cycles.irregular for _, edge in edges):
+        return None
+    units = run.case.units
+    title = (
+        f"Worst counted cycles: t in {units.time}, K_T in {units.stress}·√{units.length}, d in "
+        f"{units.length}"
+    )
+    table = plain_table(title, HEADERS, text=2)
+    for contact, edge in edges:
+        table.add_row(contact, edge.front, *_cells(run, edge))
+    return table
+
+
+def _cells(run: Result, edge: Station) -> list[str]:
+    cycles, times = edge.cycles, run.loads.times
+    if not len(cycles.count):
+        return [cycles.reason, *[MISSING] * (len(HEADERS) - 3)]
+    worst = cycles.worst
+    return [
+        number(float(cycles.count.sum())),
+        *(number(float(times[states[worst]])) for states in (cycles.start, cycles.end)),
+        *(number(float(each[worst])) for each in (cycles.k_t_range, cycles.k_t_mean, cycles.count)),
+        number(float(cycles.slip[worst]), 3),
+    ]
+
+
+def front_table(case: Case, areas: tuple[AreaSummary, ...]) -> Table:
+    """Two rows per front of solids: the range along it, and the station of the largest |ΔK|.
+
+    A station is told by its number and its distance along the front; those too near an end are
+    left out.
+    """
+    units = case.units
+    title = (
+        f"Fronts: lengths in {units.length}, K_N in {units.stress}/√{units.length}, |ΔK| of K_T "
+        f"and K_S in {units.stress}·√{units.length}, slip zones of the last half cycle"
+    )
+    headers = ("front", "K_N", "|ΔK|", "slip", "predicted")
+    table = plain_table(title, headers, text=1)
+    for area in areas:
+        for front in area.fronts:
+            judged = front.judged
+            if not judged:
+                table.add_row(f"{area.name} {front.name}", *[MISSING] * 4)
+                table.add_row("  all too near an end")
+                continue
+            table.add_row(f"{area.name} {front.name}", *_along(judged))
+            for word, count in _verdicts(judged).items():
+                table.add_row(f"  {count} {word}")
+            worst = front.worst
+            if worst is not None:
+                table.add_row(f"  {worst.number} at {number(worst.arc, 3)}", *_at(worst))
+    return table
+
+
+def _verdicts(stations: tuple[Station, ...]) -> Counter[str]:
+    """Numbers of the last slip zones by verdict; those that are not known are counted."""
+    words = Counter(last_verdict(each).word for each in stations)
+    del words[NO_ZONE]
+    return words
+
+
+def _along(stations: tuple[Station, ...]) -> tuple[str, ...]:
+    """Cells of the range of the numbers of all stations."""
+    zones = [each.slip_zones[-1] for each in stations if each.slip_zones]
+    return (
+        _known_range([each.told_k_n for each in stations], digits=4),
+        _known_range([each.told_range for each in stations], digits=3),
+        _known_range([zone.told_length for zone in zones], digits=2),
+        _known_range([zone.prediction for zone in zones], digits=2),
+    )
+
+
+def _at(station: Station) -> tuple[str, ...]:
+    """The same cells of one station, with error bars."""
+    zone = station.slip_zones[-1] if station.slip_zones else None
+    return (
+        with_error(station.told_k_n, station.last_k_n[1]),
+        with_error(station.told_range, station.k_range_spread),
+        with_error(zone.told_length, zone.spread) if zone else MISSING,
+        number(zone.prediction, 3) if zone else MISSING,
+    )
+
+
+def _known_range(values: Sequence[float], digits: int) -> str:
+    """Smallest and largest of the numbers that are known."""
+    known = [value for value in values if math.isfinite(value)]
+    if not known:
+        return MISSING
+    ends = [number(end, digits) for end in (min(known), max(known))]
+    return ends[0] if ends[0] == ends[1] else "…".join(ends)

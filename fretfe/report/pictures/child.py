@@ -66,7 +66,7 @@ def _launchers() -> list[list[str]]:
 
 
 def _run(command: list[str], timeout: float) -> tuple[dict[str, dict[str, Any]], str]:
-    """What a process said about each file, and why it did not say more."""
+    """Reports of a process on each file, and the reason if it did not say more."""
     # A child must not take itself for a process of an MPI run. Its own session: a launcher and
     # all that it starts can be ended together.
     process = subprocess.Popen(
@@ -102,7 +102,7 @@ def _reports(output: str) -> dict[str, dict[str, Any]]:
 
 
 def _reason(code: int, messages: str) -> str:
-    """Why a process ended, in words."""
+    """Reason why a process ended, in words."""
     # A shell between us and the process says 128 + n for signal n.
     number = -code if code < 0 else code - 128
     if number > 0:

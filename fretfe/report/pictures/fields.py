@@ -7,6 +7,7 @@ texts are drawn around an image, and lines upon it, by Matplotlib.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,9 +17,10 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array, Indices
+from fretfe.files import cut_off, replacing
 from fretfe.report.pictures.panels import Pixels, View
 from fretfe.report.theme import COLOURS
-from fretfe.results.field_file import FIELDS, FieldReader
+from fretfe.results.field_files import FIELDS, FieldReader
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 
@@ -226,16 +228,25 @@ class Scene:
         return self._shot(pixels)
 
     def _shot(self, pixels: tuple[int, int]) -> Pixels:
-        """What the camera sees."""
+        """The image that the camera sees."""
         # The plotter's own setter would draw once more.
         self._plotter.render_window.SetSize(*pixels)
         self._plotter.render()
         return np.array(self._plotter.screenshot(return_img=True)[..., :3])
 
     def export(self, bodies: Sequence[BodyField], scale: float, path: Path) -> None:
-        """Write bodies in their deformed shape as a glTF file with colours at the nodes."""
+        """Write bodies in their deformed shape as a glTF file with colours at the nodes.
+
+        Raises:
+            OSError: if it cannot be written, of which VTK says nothing.
+        """
         self._add(bodies, scale, smooth=False)
-        self._plotter.export_gltf(path)
+        with replacing(path) as new:
+            self._plotter.export_gltf(new)
+            try:
+                json.loads(new.read_bytes())
+            except ValueError:
+                raise cut_off(new) from None
 
     def _add(self, bodies: Sequence[BodyField], scale: float, *, smooth: bool) -> None:
         """Have these bodies and no others; smooth: colours follow stresses between nodes."""

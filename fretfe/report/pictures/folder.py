@@ -26,7 +26,7 @@ from fretfe.report.pictures.plan import Wanted, plan_pictures
 from fretfe.report.pictures.status import draw_status
 from fretfe.report.pictures.surfaces import draw_surface
 from fretfe.report.source import folder_of
-from fretfe.results.field_file import FIELDS
+from fretfe.results.field_files import FIELDS
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import PICTURE_LIST, PICTURES, remove_pictures
@@ -223,7 +223,9 @@ def read_pictures(directory: Path) -> Pictures:
         for each in listed["missing"]:
             reasons.setdefault(each["reason"], []).append(each["title"])
         missing = tuple(Missing(tuple(titles), reason) for reason, titles in reasons.items())
-    except (OSError, AttributeError, KeyError, TypeError, ValueError) as error:
+    except (
+        OSError, AttributeError, KeyError, TypeError, ValueError, RecursionError
+    ) as error:  # fmt: skip
         found = f"no key {error}" if isinstance(error, KeyError) else str(error)
         raise OutputError(f"{path}: expected a list of pictures, found: {found}") from error
     return Pictures(shown, files, missing)

@@ -24,6 +24,8 @@ from matplotlib.transforms import Affine2D
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case
+from fretfe.errors import OutputError
+from fretfe.files import disk_reason, replacing
 from fretfe.report.pictures.panels import few_ticks, name_axes, panel_inches
 from fretfe.report.theme import BOUNDARY, ELEMENTS, FILE_DPI, FRAMED, HEADING, SURFACES, TINTS
 from fretfe.results.model import BodyArrays
@@ -55,8 +57,16 @@ def write_mesh_picture(path: Path, case: Case, bodies: Mapping[str, BodyArrays])
         path: picture to write; its ending says which format.
         case: names the contacts and the unit of length.
         bodies: plane meshes, by body.
+
+    Raises:
+        OutputError: if it cannot be written.
     """
-    draw_mesh(case, bodies).savefig(path, dpi=FILE_DPI)
+    figure = draw_mesh(case, bodies)
+    try:
+        with replacing(path, path.suffix) as new:
+            figure.savefig(new, dpi=FILE_DPI)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot write the picture: {disk_reason(error)}") from error
 
 
 @mpl.rc_context(FRAMED)
@@ -319,7 +329,7 @@ def _chains(facets: Indices) -> list[list[int]]:
 
 
 def _bulges(first: Array, last: Array, middle: Array) -> Bools:
-    """Whether edges are visibly curved."""
+    """True if edges are visibly curved."""
     bulge = np.linalg.norm(middle - (first + last) / 2, axis=-1)
     return bulge > VISIBLE_BULGE * np.linalg.norm(last - first, axis=-1)
 

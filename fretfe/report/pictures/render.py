@@ -10,17 +10,22 @@ from __future__ import annotations
 import json
 import sys
 import warnings
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from PIL.Image import Image
+
+from fretfe.files import disk_reason, replacing
 from fretfe.report.pictures import solids, stress
 from fretfe.report.pictures.fields import Fields, Scene, open_fields
 from fretfe.report.pictures.panels import pixels, save_png
 from fretfe.report.pictures.plan import Wanted, plan_pictures
 from fretfe.report.source import extremes, folder_of, when
 from fretfe.report.theme import COLOURS
-from fretfe.results.field_file import FIELDS
+from fretfe.results.field_files import FIELDS
 from fretfe.results.writer import PICTURES
 
 # Of an animation: its width in inches, and how long a cycle takes in milliseconds.
@@ -37,7 +42,16 @@ def draw_pictures(directory: Path, files: list[str]) -> None:
     source = open_fields(directory)
     for wanted in plan_pictures(source.run):
         if wanted.file in files:
-            print(json.dumps({"file": wanted.file, **_draw(source, wanted)}), flush=True)
+            _report(wanted.file, partial(_draw, source, wanted))
+
+
+def _report(file: str, write: Callable[[], dict[str, Any]]) -> None:
+    """Write a file, and report it, or why there is none."""
+    try:
+        found = write()
+    except OSError as error:
+        found = {"reason": f"{file} cannot be written: {disk_reason(error)}"}
+    print(json.dumps({"file": file, **found}), flush=True)
 
 
 def _draw(source: Fields, wanted: Wanted) -> dict[str, Any]:
@@ -74,7 +88,7 @@ def _draw(source: Fields, wanted: Wanted) -> dict[str, Any]:
 
 
 def _style(source: Fields) -> ModuleType:
-    """What draws plane bodies, or solids."""
+    """The function that draws plane bodies, or solids."""
     return solids if source.dimension == 3 else stress
 
 
@@ -106,8 +120,13 @@ def draw_animation(directory: Path, files: list[str]) -> None:
         source.forget()
     scene.close()
     duration = round(DURATION / len(frames))
-    frames[0].save(files[0], save_all=True, append_images=frames[1:], duration=duration, loop=0)
-    print(json.dumps({"file": files[0]}), flush=True)
+    _report(files[0], partial(_write_frames, Path(files[0]), frames, duration))
+
+
+def _write_frames(path: Path, frames: Sequence[Image], duration: int) -> dict[str, Any]:
+    with replacing(path, path.suffix) as new:
+        frames[0].save(new, save_all=True, append_images=frames[1:], duration=duration, loop=0)
+    return {}
 
 
 def export_scene(directory: Path, files: list[str]) -> None:
@@ -122,8 +141,12 @@ def export_scene(directory: Path, files: list[str]) -> None:
     if not states:
         print(json.dumps({"file": files[0], "reason": "there are no fields"}), flush=True)
         return
-    look = _export(source, states[-1], Path(files[0]))
-    print(json.dumps({"file": files[0], "scale": look.scale, "limit": look.limit}), flush=True)
+
+    def write() -> dict[str, Any]:
+        look = _export(source, states[-1], Path(files[0]))
+        return {"scale": look.scale, "limit": look.limit}
+
+    _report(files[0], write)
 
 
 def _export(source: Fields, state: int, path: Path) -> stress.Look | solids.Look:

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fretfe._typing import Array
+from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.report.pictures.fields import BodyField, Fields, surface
 from fretfe.report.pictures.fields import Scene as PlaneScene
 from fretfe.report.pictures.panels import (
@@ -28,8 +29,7 @@ from fretfe.report.pictures.stress import BODIES_PERCENTAGE, add_bar, deformatio
 from fretfe.report.source import loading, when
 from fretfe.report.texts import direction_text, number, rounded
 from fretfe.report.theme import COLOURS, FRAMED, HALO, PICTURE_WIDTH
-from fretfe.results.field_file import CELL_TYPES
-from fretfe.results.solution import OPEN, ContactHistory
+from fretfe.results.field_files import CELL_TYPES
 
 # Height of a panel over its width, and room around the bodies as a fraction of them.
 ASPECT, BORDER = 0.78, 0.04
@@ -82,7 +82,7 @@ class View:
 
 @dataclass(frozen=True)
 class Look:
-    """How solids are drawn, the same at several states.
+    """Look of solids, the same at several states.
 
     Attributes:
         scale: of the displacements.

@@ -14,12 +14,12 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
 from fretfe.report.pictures.mesh import cell_outlines
 from fretfe.report.pictures.panels import View, name_axes, panels, set_limits, settle
 from fretfe.report.source import loading, when
 from fretfe.report.theme import BLUE, FRAMED, GREY, ORANGE, PALE
 from fretfe.results.model import BodyArrays, Result
-from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory
 
 # Height of a panel over its width.
 ASPECT = 0.36

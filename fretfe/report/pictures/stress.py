@@ -15,6 +15,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from fretfe._typing import Array
+from fretfe.history.solution import ContactHistory
 from fretfe.report.pictures.fields import CORNERS, EDGES, BodyField, Fields, Scene
 from fretfe.report.pictures.panels import (
     View,
@@ -37,7 +38,6 @@ from fretfe.report.theme import (
     PICTURE_WIDTH,
     UNDEFORMED,
 )
-from fretfe.results.solution import ContactHistory
 
 # Of the area that is shown, per cent that stay below the last colour.
 BODIES_PERCENTAGE, EDGES_PERCENTAGE = 99.8, 98.0
@@ -58,7 +58,7 @@ BAR_ASPECT = 28
 
 @dataclass(frozen=True)
 class Look:
-    """How bodies are drawn, the same at several states.
+    """Look of bodies, the same at several states.
 
     Attributes:
         scale: of the displacements.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Pictures of the contact surfaces of solids: pressure, shear, stick and slip."""
+"""Pictures of the contact surfaces of solids: pressure, shear, stick and slip, and the fronts."""
 
 from __future__ import annotations
 
@@ -20,18 +20,29 @@ from matplotlib.tri import Triangulation
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
-from fretfe.report.pictures.front_lines import draw_fronts, front_handles, fronts_reading
+from fretfe.evaluate.contacts import Front, Station
+from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
 from fretfe.report.pictures.panels import name_axes, panel_inches, panels, settle
 from fretfe.report.pictures.status import NAMES, STATUS, shares_text, visible_status
 from fretfe.report.pictures.stress import BAR_ASPECT
 from fretfe.report.pictures.unroll import Unrolled, unroll
 from fretfe.report.source import loading, when
 from fretfe.report.texts import direction_text, number, rounded
-from fretfe.report.theme import COLOURS, FRAMED, HALO, PALE
-from fretfe.results.contact_file import in_space
+from fretfe.report.theme import COLOURS, FRAMED, HALO, PALE, VERMILLION
+from fretfe.results.field_files import in_space
 from fretfe.results.model import Result
-from fretfe.results.solution import OPEN, SLIP, STICK, ContactHistory
 
+FRONT: dict[str, Any] = {"color": VERMILLION, "linewidth": 1.1}
+STATION: dict[str, Any] = {
+    "linestyle": "none", "marker": "o", "markersize": 2.6, "color": VERMILLION,
+}  # fmt: skip
+END: dict[str, Any] = {**STATION, "markersize": 3.4, "markerfacecolor": PALE}
+WORST: dict[str, Any] = {
+    "linestyle": "none", "marker": "D", "markersize": 6.0, "color": VERMILLION,
+    "markeredgecolor": "black",
+}  # fmt: skip
+# Distance of the number of the worst station from it, into the contact, in points.
+ASIDE = 16.0
 # Around the part of the surface that is closed in any of the states, as a fraction of it.
 BORDER = 0.1
 # Height of a panel over its width, at least: a slender contact is drawn wider than it is.
@@ -47,6 +58,72 @@ LINES: dict[str, dict[str, Any]] = {
     "edge of stick": {"colors": "black", "linewidths": 1.2, "linestyles": "--"},
 }
 FILLS = {SLIP: STATUS[SLIP]["color"], STICK: STATUS[STICK]["color"], OPEN: PALE}
+
+
+def front_handles(fronts: Sequence[Front]) -> list[Line2D]:
+    """Entries of the legend for what is drawn of the fronts."""
+    entries = [("contact front, stations", {**STATION, **FRONT, "linestyle": "-"}, True)]
+    entries.append(
+        ("stations too near an end", END, any(len(f.judged) < len(f.stations) for f in fronts))
+    )
+    entries.append(("largest |ΔK| of a front", WORST, any(f.worst is not None for f in fronts)))
+    return [Line2D([], [], label=label, **style) for label, style, drawn in entries if drawn]
+
+
+def draw_fronts(
+    panel: Axes,
+    contact: ContactHistory,
+    plane: Unrolled,
+    fronts: Sequence[Front],
+    state: int,
+) -> None:
+    """Draw fronts where they are in a state; a gap where that is not known."""
+    for front in fronts:
+        places = plane.at(contact, _points(front, state))
+        line = np.vstack([places, places[:1]]) if front.closed else places
+        panel.plot(*line.T, path_effects=HALO, zorder=3, **FRONT)
+        end = front.along("end").astype(bool)
+        panel.plot(*places[~end].T, zorder=3.1, **STATION)
+        panel.plot(*places[end].T, zorder=3.1, **END)
+        worst = front.worst
+        if worst is not None and np.isfinite(places[worst.number]).all():
+            panel.plot(*places[worst.number], zorder=3.2, **WORST)
+            _name(panel, contact, plane, worst, places[worst.number])
+
+
+def _points(front: Front, state: int) -> Array:
+    """(n, 3) the stations in a state; NaN where they are not known."""
+    place = np.array([station.position[state] for station in front.stations])
+    points = np.array([station.point for station in front.stations])
+    inward = np.array([station.frame.inward for station in front.stations])
+    return np.asarray(points + place[:, None] * inward)
+
+
+def _name(
+    panel: Axes, contact: ContactHistory, plane: Unrolled, station: Station, place: Array
+) -> None:
+    """Write the number of a station next to it, inside the contact."""
+    ahead = station.point + 1e-3 * station.depth * station.frame.inward
+    inward = np.diff(plane.at(contact, np.array([station.point, ahead])), axis=0)[0]
+    x, y = (float(each) for each in ASIDE * inward / np.linalg.norm(inward))
+    panel.annotate(
+        str(station.number), (float(place[0]), float(place[1])), (x, y), textcoords="offset points",
+        ha="center", va="center", path_effects=HALO, zorder=4, fontweight="bold",
+    )  # fmt: skip
+
+
+def fronts_reading(fronts: Sequence[Front]) -> str:
+    """Legend of the fronts; empty without any."""
+    if not fronts:
+        return ""
+    marked = [f"{front.worst.number} of {front.name}" for front in fronts if front.worst]
+    which = (
+        "; diamond: the largest range |ΔK| of (K_T, K_S) on a front, not too near its end: station "
+        f"{' and '.join(marked)} in stations.csv and in the table of fronts"
+        if marked
+        else ""
+    )
+    return f" Coloured: the smooth front with its stations{which}."
 
 
 @dataclass(frozen=True)
@@ -248,7 +325,7 @@ def _draw_arrows(panel: Axes, sheet: Sheet, state: int) -> None:
 
 
 def reading(sheet: Sheet) -> str:
-    """How to read the picture of a surface."""
+    """Legend of the picture of a surface."""
     plane, units = sheet.plane, sheet.run.case.units
     axes = ", ".join(
         f"{name} points along {direction_text(direction)}"

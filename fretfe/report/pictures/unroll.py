@@ -13,8 +13,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
+from fretfe.history.solution import ContactHistory
 from fretfe.report.texts import direction_text
-from fretfe.results.solution import ContactHistory
 
 # Cosine of the angle that the normals of a surface may have to their mean if it is called flat.
 FLAT = 0.99

@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Linear algebra of matrices that change little: inverses of leading blocks, and nearby systems."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+from scipy.linalg import lapack
+from scipy.sparse.linalg import LinearOperator, gmres
+
+from fretfe._typing import Array, Indices
+
+# Rows of M that are taken at a time: they stay in the processor's cache from one use to the next.
+ROWS = 64
+# Systems of fewer unknowns are factorised as fast as iterations start.
+FEWEST = 500
+# Corrections below this fraction of a solution are round-off.
+ROUND_OFF = 1e-13
+# Iterations and rounds of them after which a factorisation is no more work.
+ITERATIONS, ROUNDS = 12, 2
+
+
+class NestedInverse:
+    """Inverses of the leading blocks of a matrix.
+
+    Args:
+        matrix: (N, N) in Fortran's order, symmetric, positive definite; it is overwritten.
+
+    Raises:
+        numpy.linalg.LinAlgError: if the matrix is not positive definite.
+    """
+
+    def __init__(self, matrix: Array) -> None:
+        # The triangle that LAPACK leaves alone keeps A: one array holds M below and A above.
+        matrix, info = lapack.dpotrf(matrix, lower=0, clean=0, overwrite_a=1)
+        if info:
+            raise np.linalg.LinAlgError(f"row {info} of the matrix is not positive definite")
+        self._rows = lapack.dtrtri(matrix, lower=0, overwrite_c=1)[0].T
+        self._corners: dict[tuple[int, int], Array] = {}
+
+    @property
+    def size(self) -> int:
+        """Number of rows N of the whole matrix."""
+        return len(self._rows)
+
+    def solve(self, size: int, rhs: Array) -> Array:
+        """(n, J) inverse of the leading block of n rows, times (n, J)."""
+        solution = np.zeros_like(rhs)
+        for begin, end in _parts(0, size):
+            before, corner = self._part(begin, end)
+            projection = before @ rhs[:begin] + corner @ rhs[begin:end]
+            solution[:begin] += before.T @ projection
+            solution[begin:end] += corner.T @ projection
+        return solution
+
+    def beyond(self, size: int) -> Array:
+        """(n, N - n) of A: the rows of the leading block, the columns beyond it; a view."""
+        return self._rows[:size, size:]
+
+    def projections(self, vectors: Array) -> Array:
+        """(J, N) rows: M times (N, J) vectors."""
+        result = np.empty(vectors.T.shape)
+        for begin, end in _parts(0, self.size):
+            before, corner = self._part(begin, end)
+            result[:, begin:end] = (before @ vectors[:begin] + corner @ vectors[begin:end]).T
+        return result
+
+    def unit_projections(self, components: Indices) -> Array:
+        """(J, N) rows: M times unit vectors of some components."""
+        result = self._rows[:, components].T
+        result[np.arange(self.size) < components[:, None]] = 0.0
+        return result
+
+    def accumulate(self, sums: Array, projections: Array, begin: int, end: int) -> None:
+        """Add the terms m_i (m_i·v) with begin <= i < end to sums of them; subtract if end < begin.
+
+        Args:
+            sums: (J, N) changed in place.
+            projections: (J, N) of the vectors v, as rows.
+            begin: of the terms.
+            end: of the terms.
+        """
+        sign = 1.0 if begin < end else -1.0
+        for first, last in _parts(min(begin, end), max(begin, end)):
+            before, corner = self._part(first, last)
+            weights = sign * projections[:, first:last]
+            sums[:, :first] += weights @ before
+            sums[:, first:last] += weights @ corner
+
+    def _part(self, begin: int, end: int) -> tuple[Array, Array]:
+        """Some rows of M: before the diagonal block, and that block."""
+        rows = self._rows[begin:end]
+        corner = self._corners.get((begin, end))
+        if corner is None:
+            corner = self._corners[begin, end] = np.tril(rows[:, begin:end])
+        return rows[:, :begin], corner
+
+
+class InverseRows:
+    """Rows of the inverse of a leading block, kept while the block grows and shrinks.
+
+    Args:
+        inverse: of all blocks.
+        vectors: (N, m) which are multiplied with the inverse as well.
+    """
+
+    def __init__(self, inverse: NestedInverse, vectors: Array) -> None:
+        self._inverse = inverse
+        self._fixed = vectors.shape[1]
+        self._place = np.full(inverse.size, -1)
+        self._projections = inverse.projections(vectors)
+        self._rows = np.zeros_like(self._projections)
+        self._size = 0
+
+    def vectors(self, size: int) -> Array:
+        """(m, n) inverse of a leading block times the vectors, as rows; a view."""
+        self._resize(size)
+        return self._rows[: self._fixed, :size]
+
+    def units(self, size: int, components: Indices) -> Array:
+        """(k, n) rows of the inverse of a leading block; a copy."""
+        self._resize(size)
+        missing = components[self._place[components] < 0]
+        if len(missing):
+            self._add(missing)
+        return self._rows[self._place[components], :size]
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """The rows, which are sums in the order in which the block grew; see `recall`."""
+        components = np.flatnonzero(self._place >= 0)
+        return {
+            "operator_rows": self._rows,
+            "operator_units": components[np.argsort(self._place[components])],
+            "operator_size": np.array(self._size),
+        }
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Go on with the rows of `memory`, of the same inverse: with the same round-off."""
+        units = memory["operator_units"]
+        self._place[units] = self._fixed + np.arange(len(units))
+        units_projected = self._inverse.unit_projections(units)
+        self._projections = np.vstack([self._projections, units_projected])
+        self._rows, self._size = memory["operator_rows"], int(memory["operator_size"])
+
+    def _resize(self, size: int) -> None:
+        # From nothing if that is less work.
+        if abs(size - self._size) > size:
+            self._rows[:] = 0.0
+            self._size = 0
+        if size != self._size:
+            self._inverse.accumulate(self._rows, self._projections, self._size, size)
+            self._size = size
+
+    def _add(self, components: Indices) -> None:
+        projections = self._inverse.unit_projections(components)
+        rows = np.zeros_like(projections)
+        self._inverse.accumulate(rows, projections, int(components.min()), self._size)
+        self._place[components] = len(self._rows) + np.arange(len(components))
+        self._rows = np.vstack([self._rows, rows])
+        self._projections = np.vstack([self._projections, projections])
+
+
+def _parts(begin: int, end: int) -> list[tuple[int, int]]:
+    """Ranges of rows from multiple to multiple of `ROWS`."""
+    cuts = [begin, *range((begin // ROWS + 1) * ROWS, end, ROWS), end]
+    return list(itertools.pairwise(cuts)) if begin < end else []
+
+
+class SimilarSystems:
+    """Solver of one linear system after the other, with the factors of an earlier one if they do.
+
+    The solutions are as accurate as those of factors of their own.
+    """
+
+    def __init__(self) -> None:
+        self._unknowns: Indices | None = None
+        self._factors: tuple[Array, Indices]
+
+    def solve(self, unknowns: Indices, matrix: Array, target: Array) -> Array:
+        """(k, J) solution of a system.
+
+        Args:
+            unknowns: numbers that tell its unknowns from those of other systems.
+            matrix: (k, k).
+            target: (k, J) right-hand sides.
+
+        Raises:
+            numpy.linalg.LinAlgError: if the matrix is singular.
+        """
+        if len(matrix) < FEWEST:
+            return np.linalg.solve(matrix, target)
+        if self._unknowns is not None and np.array_equal(unknowns, self._unknowns):
+            found = self._iterate(matrix, target)
+            if found is not None:
+                return found
+        factors, pivots, info = linalg.lapack.dgetrf(matrix)
+        if info:
+            self._unknowns = None
+            raise np.linalg.LinAlgError(f"row {info} of the matrix depends on those before it")
+        self._unknowns, self._factors = unknowns, (factors, pivots)
+        return self._approximate(target)
+
+    def _approximate(self, target: Array) -> Array:
+        """Solution with the matrix that was factorised."""
+        return np.asarray(linalg.lu_solve(self._factors, target, check_finite=False))
+
+    def _iterate(self, matrix: Array, target: Array) -> Array | None:
+        """Solution by preconditioned iterations; None if there would have to be many."""
+        columns = [self._column(matrix, column) for column in target.T]
+        known = [column for column in columns if column is not None]
+        return np.stack(known, axis=1) if len(known) == len(columns) else None
+
+    def _column(self, matrix: Array, target: Array) -> Array | None:
+        """(k,) solution of a system with one right-hand side; None as above."""
+        similar = LinearOperator(
+            matrix.shape, matvec=lambda vector: self._approximate(matrix @ vector), dtype=np.float64
+        )
+        solution = self._approximate(target)
+        for _ in range(ROUNDS + 1):
+            missing = self._approximate(target - matrix @ solution)
+            round_off = ROUND_OFF * float(np.linalg.norm(solution))
+            if np.linalg.norm(missing) <= round_off:
+                return np.asarray(solution + missing)
+            solution += gmres(
+                similar, missing, rtol=0.0, atol=round_off / 100, restart=ITERATIONS, maxiter=1
+            )[0]
+        return None

@@ -1,0 +1,379 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Cycles: whether the evaluated one is steady, where slip turns round, those of irregular loads.
+
+An edge slips forward where K_T - f K_I exceeds what it was, and backward where K_T + f K_I falls
+below. Each place inward from the edge remembers the reversals of the two as a play does, so that
+the range from a forward to a backward reversal, over f K_N, is how far slip reaches in between.
+Counted are therefore the peaks of the one and the valleys of the other, with K_I from the outermost
+place of the edge on; at constant P both are K_T.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fretfe._typing import Array, Bools, Indices
+from fretfe.analytic._numerics import check_positive
+from fretfe.analytic.rainflow import rainflow
+from fretfe.evaluate.contacts import CountedCycles, StationHistory
+from fretfe.history.solution import Solution
+from fretfe.history.state_array import StateArray
+
+# Changes below this fraction of the range are no reversal.
+TOLERANCE = 1e-6
+# Ends of a cycle that differ by less than this fraction of the range are the same state.
+CLOSED = 1e-2
+# Extremes that differ by less than this fraction of the range are equal.
+EQUAL = 1e-6
+# Change of the shear from one cycle to the next, relative to f p_max, below which it is steady.
+STEADY_CHANGE = 1e-3
+# Cycles that are compared, and the fraction of the largest load within which loads are the same.
+MOST_CYCLES, SAME_LOAD = 3, 1e-9
+# A change that is at least so large a part of the one before does not fall.
+FALLING = 0.98
+
+
+def slip_reversals(forward: Array, backward: Array) -> Indices:
+    """Last states of the phases in which slip goes one way, in time order.
+
+    Of a plateau the first state counts. Between two phases an edge may stick.
+
+    Args:
+        forward: (T,) grows while the edge slips forward.
+        backward: (T,) falls while the edge slips backward; the same as `forward` at constant load.
+
+    Returns:
+        (n,) ends; forward and backward phases alternate, the last one may not be complete.
+    """
+    return slip_phases(forward, backward)[0]
+
+
+def slip_phases(forward: Array, backward: Array) -> tuple[Indices, Indices]:
+    """As `slip_reversals`, and (n,) the directions of the phases: 1 forward, -1 backward."""
+    tolerance = TOLERANCE * max(np.ptp(forward), np.ptp(backward))
+    # In the sense of each phase: what makes it go on, what turns it round.
+    senses = {
+        1: (forward.tolist(), backward.tolist()),
+        -1: ((-backward).tolist(), (-forward).tolist()),
+    }
+    ends: list[int] = []
+    directions: list[int] = []
+    direction, end, peak = 0, 0, 0
+    for state in range(1, len(forward)):
+        onward, back = senses[direction or 1]
+        if onward[state] - onward[end] > tolerance:
+            end, peak, direction = state, state, direction or 1
+        elif back[state] > back[peak]:
+            peak = state
+        elif back[peak] - back[state] > tolerance:
+            if direction:
+                ends.append(end)
+                directions.append(direction)
+            direction, end, peak = (1 if direction < 0 else -1), state, state
+    if direction:
+        ends.append(end)
+        directions.append(direction)
+    return np.array(ends, dtype=np.int64), np.array(directions, dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class Worst:
+    """The cycle that an edge under irregular loads is judged by.
+
+    Attributes:
+        half_cycles: first and last state of each, in time order.
+        predicted: slip length by its range.
+        outer: (T,) whether the step to each state belongs to the way from reversal to reversal,
+            and not to a smaller cycle in between; true outside of the half cycles.
+    """
+
+    half_cycles: tuple[tuple[int, int], ...]
+    predicted: float
+    outer: Bools
+
+
+@dataclass(frozen=True)
+class _Slip:
+    """The drivers of the slip of an edge.
+
+    Attributes:
+        forward, backward: (T,) K_T - f K_I and K_T + f K_I.
+        begin: first state from which on they are known, and there is friction.
+        fresh: whether nothing has slipped before that state.
+    """
+
+    forward: Array
+    backward: Array
+    begin: int
+    fresh: bool
+
+    def reached(self, states: Indices | int, way: int) -> Array:
+        """Largest drive of slip one way, 1 or -1, in some states."""
+        return np.asarray(self.forward[states] if way > 0 else -self.backward[states])
+
+
+def count_cycles(cycle: Indices, friction: Array, station: StationHistory) -> CountedCycles:
+    """Count the cycles of a station.
+
+    Args:
+        cycle: states of the evaluated cycle; empty to count the whole history.
+        friction: (T,) coefficient in the step that ends at each state.
+        station: its factors.
+    """
+    known = np.isfinite(station.k_t) & np.isfinite(station.k_i)
+    if not friction.any():
+        return _nothing("there is no friction")
+    first = max(int(np.argmax(friction > 0)) - 1, 0)
+    states = cycle if len(cycle) else np.arange(max(first, int(np.argmax(known))), len(known))
+    unknown = states[~known[states]]
+    if len(unknown):
+        return _nothing(f"K_T is unknown in {len(unknown)} of {len(states)} states")
+    if len(states) < 2:
+        return _nothing("nothing varies")
+    if friction[states[1:]].min(initial=np.inf) == 0:
+        return _nothing("there is no friction in a part of the cycle")
+    slip = _slip(states, friction, station)
+    order, closed = _order(states, slip) if len(cycle) else (states, False)
+    ends, directions = slip_phases(slip.forward[order], slip.backward[order])
+    if not len(ends):
+        return _nothing("nothing varies")
+    turns = order[np.append(0, ends)]
+    upward = np.append(-directions[0], directions) > 0
+    values = np.where(upward, slip.forward[turns], slip.backward[turns])
+    # The repetition itself leads from the last reversal, which is the first one, on.
+    counted = rainflow(values[:-1] if closed else values, repeated=closed)
+    start, end = turns[counted.start], turns[counted.end]
+    reach = counted.range
+    if slip.fresh and not len(cycle):
+        reach = np.maximum(reach, _first_loading(values)[counted.end])
+    retreat = 2 * friction.max() * (station.k_i[states].max() - station.k_i[end])
+    return CountedCycles(
+        start=start,
+        end=end,
+        count=counted.count,
+        k_t_range=np.abs(station.k_t[end] - station.k_t[start]),
+        k_t_mean=(station.k_t[end] + station.k_t[start]) / 2,
+        effective_range=counted.range,
+        slip=np.maximum(reach - retreat, 0.0) / (friction.max() * station.k_n[end]),
+        closed=closed,
+        reason="",
+    )
+
+
+def _nothing(reason: str) -> CountedCycles:
+    none, states = np.zeros(0), np.zeros(0, dtype=np.int64)
+    return CountedCycles(states, states, none, none, none, none, none, False, reason)
+
+
+def _slip(states: Indices, friction: Array, station: StationHistory) -> _Slip:
+    """The drivers of the slip, with K_I from its largest value in some states on."""
+    first = max(int(np.argmax(friction > 0)) - 1, 0)
+    normal = friction.max() * (station.k_i - station.k_i[states].max())
+    forward, backward = station.k_t - normal, station.k_t + normal
+    gaps = np.flatnonzero(~np.isfinite(forward[: states[0] + 1]))
+    begin = max(first, int(gaps[-1]) + 1 if len(gaps) else 0)
+    return _Slip(forward, backward, begin, fresh=begin == first)
+
+
+def _order(states: Indices, slip: _Slip) -> tuple[Indices, bool]:
+    """States of a cycle as they are counted, and whether they repeat themselves.
+
+    A cycle that returns to where it began is counted from its largest load on, to itself.
+    """
+    signals = np.array([slip.forward[states], slip.backward[states]])
+    drift = np.abs(signals[:, -1] - signals[:, 0])
+    if (drift > CLOSED * np.ptp(signals, axis=1).max()).any():
+        return states, False
+    period = states[1:]
+    largest = int(np.argmax(slip.forward[period]))
+    return np.append(np.roll(period, -largest), period[largest]), True
+
+
+def _first_loading(values: Array) -> Array:
+    """(n,) twice the load at each reversal from the first on if it is the largest yet, else 0.
+
+    Beyond all that was before, slip reaches as far as if the load had grown from nothing.
+    """
+    loads = np.abs(values - values[0])
+    return np.asarray(np.where(loads >= np.maximum.accumulate(loads), 2 * loads, 0.0))
+
+
+def worst_path(
+    cycles: CountedCycles, cycle: Indices, friction: Array, station: StationHistory
+) -> Indices:
+    """(n,) states on the way through the worst cycle, without those in smaller ones.
+
+    Empty if all cycles of the station are alike; arguments as for `worst_cycle`.
+    """
+    worst = worst_cycle(cycles, cycle, friction, station)
+    if worst is None:
+        return np.zeros(0, dtype=np.int64)
+    first, last = worst.half_cycles[0][0], worst.half_cycles[-1][1]
+    steps = np.arange(first + 1, last + 1)
+    return np.append(first, steps[worst.outer[steps]])
+
+
+def worst_cycle(
+    cycles: CountedCycles, cycle: Indices, friction: Array, station: StationHistory
+) -> Worst | None:
+    """The largest counted cycle of a station; None if all its cycles are alike.
+
+    Args:
+        cycles: as counted.
+        cycle: states of the evaluated cycle; empty without one.
+        friction: (T,) coefficient in the step that ends at each state.
+        station: its factors.
+    """
+    if not cycles.irregular:
+        return None
+    number = cycles.worst
+    start, end = sorted((int(cycles.start[number]), int(cycles.end[number])))
+    states = cycle if len(cycle) else np.arange(start, len(station.k_t))
+    slip = _slip(states, friction, station)
+    # A range from backward to forward reversal is the larger one that way round.
+    upward = slip.forward[end] - slip.backward[start]
+    way = 1 if upward > slip.forward[start] - slip.backward[end] else -1
+    halves = _closed_halves(end, way, len(cycle) - 1, slip) if cycles.closed else ((start, end),)
+    outer = np.ones(len(station.k_t), dtype=bool)
+    for half, sense in zip(reversed(halves), (way, -way), strict=False):
+        outer[half[0] + 1 : half[1] + 1] = _outer_steps(slip, *half, sense)
+    return Worst(halves, float(cycles.slip[number]), outer)
+
+
+def _closed_halves(last: int, way: int, period: int, slip: _Slip) -> tuple[tuple[int, int], ...]:
+    """Half cycles that end at the later reversal of a cycle and at the one before it.
+
+    The first of them is left out if the history before the cycle does not reach as far.
+
+    Args:
+        last: state of the later reversal.
+        way: in which slip goes until then.
+        period: number of steps of the cycle.
+        slip: what drives it.
+    """
+    middle = _previous(last, -way, period, slip)
+    halves = ((middle, last),)
+    if middle == slip.begin:
+        return halves
+    first = _previous(middle, way, period, slip)
+    size = slip.reached(last, way) + slip.reached(middle, -way)
+    missing = slip.reached(last, way) - slip.reached(first, way)
+    return halves if missing > CLOSED * size else ((first, middle), *halves)
+
+
+def _previous(state: int, way: int, period: int, slip: _Slip) -> int:
+    """Last state within a period before another one in which slip is driven farthest one way."""
+    window = np.arange(max(slip.begin, state - period), state)
+    reached = slip.reached(window, way)
+    equal = reached >= reached.max() - EQUAL * np.ptp(slip.forward[window])
+    return int(window[np.flatnonzero(equal)[-1]])
+
+
+def _outer_steps(slip: _Slip, start: int, end: int, way: int) -> Bools:
+    """(end - start,) steps between two states that drive slip one way farther than before."""
+    inside = slice(start, end + 1)
+    ends, ways = slip_phases(slip.forward[inside], slip.backward[inside])
+    reached = slip.reached(np.arange(start, end + 1), way)
+    before = np.full(len(reached), -np.inf)
+    peaks = ends[ways == way]
+    before[peaks] = reached[peaks]
+    return np.asarray(reached[1:] > np.maximum.accumulate(before)[:-1])
+
+
+def cycle_changes(
+    solution: Solution, traction: StateArray | NDArray[np.float64], friction: Array
+) -> list[float]:
+    """Largest changes of the shear over cycles, relative to f p_max of the evaluated one.
+
+    Args:
+        solution: the solved history.
+        traction: (T, N, d) of a contact, the pressure first.
+        friction: (T,) its coefficient.
+
+    Returns:
+        That of the evaluated cycle, and those of a few cycles before it under the same loads, the
+        latest first; NaN alone if there is no cycle, pressure or friction.
+    """
+    cycles = _same_cycles(solution, friction)
+    if not cycles:
+        return [math.nan]
+    last = cycles[0][1]
+    pressure, bound = float(traction[last][:, 0].max()), float(friction[last])
+    if bound == 0 or pressure <= 0:
+        return [math.nan]
+    return [
+        cycle_change(traction[end][:, 1:], traction[begin][:, 1:], bound, pressure)
+        for begin, end in cycles
+    ]
+
+
+def _same_cycles(solution: Solution, friction: Array) -> list[tuple[int, int]]:
+    """First and last state of the evaluated cycle and of the same ones before it, latest first."""
+    if solution.cycle is None:
+        return []
+    # By the ends of steps: how steps are divided may differ from cycle to cycle.
+    ends = solution.ends
+    values, friction = solution.values[ends], friction[ends]
+    first, last = (solution.step_of(state) for state in solution.cycle)
+    found = [(first, last)]
+    period, scale = last - first, np.abs(values).max(axis=0)
+    while len(found) < MOST_CYCLES and found[-1][0] >= period:
+        end = found[-1][0]
+        begin = end - period
+        difference = np.abs(values[begin : end + 1] - values[first : last + 1])
+        sliding = friction[begin + 1 : end + 1]
+        if np.any(difference > SAME_LOAD * scale) or np.any(sliding != friction[last]):
+            break
+        found.append((begin, end))
+    return [(int(ends[begin]), int(ends[end])) for begin, end in found]
+
+
+def unsteady_text(changes: Sequence[float]) -> str:
+    """Say that a cycle is not steady, and how many more it takes; empty if it is.
+
+    Args:
+        changes: as of `cycle_changes`.
+    """
+    now, *before = changes
+    if not now >= STEADY_CHANGE:
+        return ""
+    found = f"not in steady state: the shear changes by {now:.2g} f p_max over the evaluated cycle"
+    if not before:
+        return f"{found}; add a cycle: after two it is told about how many there have to be"
+    # The slower fall of the last two: the first one, out of the unloaded state, is the fastest.
+    factor = max(
+        late / early if early > 0 else math.inf for late, early in itertools.pairwise(changes)
+    )
+    if factor > FALLING:
+        return (
+            f"{found}, and by {before[0]:.2g} over the one before: the change does not fall, and "
+            "more cycles would not make it steady"
+        )
+    count = max(1, math.ceil(math.log(STEADY_CHANGE / now) / math.log(factor)))
+    cycles = "cycle" if count == 1 else "cycles"
+    return (
+        f"{found}; add about {count} {cycles}: the change falls by a factor of {1 / factor:.2g} "
+        "from one to the next"
+    )
+
+
+def cycle_change(q: Array, q_previous: Array, friction: float, p_max: float) -> float:
+    """Return the largest change of q between the same states of two cycles, relative to f p_max.
+
+    Args:
+        q: (..., n) shear in one cycle.
+        q_previous: (..., n) shear in the cycle before.
+        friction: coefficient f.
+        p_max: largest pressure.
+
+    Raises:
+        ValueError: if ``friction`` or ``p_max`` is not positive.
+    """
+    bound = check_positive("friction", friction) * check_positive("p_max", p_max)
+    return float(np.max(np.abs(q - q_previous)) / bound)

@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Slip-zone length at an edge of a plane contact, from the slip of its nodes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from fretfe._typing import Array, Bools
+from fretfe.evaluate.numerics import average
+from fretfe.evaluate.plane.section import PlaneFront, main_patch
+from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder
+from fretfe.history.solution import OPEN, SLIP, ContactHistory
+from fretfe.history.state_array import blocks
+
+# Error of a node of slip^(2/3), as an error of its place in elements: of finite elements, and of
+# averages over the support of a node.
+NODAL_ERROR = 0.05
+# Half-width of the 95 % interval over the estimated error.
+INTERVAL = 2.0
+# Error bar of a border behind few slipping nodes, in elements, times their number to the power of
+# 1.5: what they hide. Without a fit it is UNSEEN elements.
+FEW, UNSEEN = 2.4, 1.5
+# Slip of less than so many standard deviations of the noise takes no part.
+HIDDEN = 5.0
+# Slip of sticking nodes below this fraction of the largest slip is round-off, no noise.
+ROUND_OFF = 1e-9
+# Numbers of nodes in the windows, next to the border, and then all.
+COUNTS = (4, 6, 9, 13, 19, 28, 42, 63, 94)
+# A line through so many nodes takes no part: slip^(2/3) is curved.
+LINE = 9
+# Highest order of the polynomials through slip^(2/3): one more than the highest that is used.
+HIGHEST = 3
+
+# What linear elements, which are too stiff, may move the border of slip by, in elements, times the
+# length of the zone in elements: one of two of them was .8 of one too long.
+LINEAR_ELEMENTS = 1.6
+
+# Fewer sticking nodes than this are no stick zone.
+FEWEST_STUCK = 3
+
+
+def slip_border(s: Array, slip: Array, slipping: Bools) -> SlipBorder:
+    """Return the slip-zone length at one edge; all arrays (n,), nodes *in contact* only.
+
+    |slip|^(2/3) is a smooth function that vanishes linearly at the stick-slip border. The node at
+    the border is left out, since its slip is an average over stick and slip; lines and parabolas
+    through the next few, or many, nodes are averaged (``average``). Slip of sticking nodes is taken
+    as the noise of the samples.
+
+    Args:
+        s: distances of the nodes from the edge inward, increasing.
+        slip: slip increment since the last reversal (or from zero).
+        slipping: whether the node slips.
+    """
+    amount, slips = np.abs(slip), slipping.copy()
+    trusted = slips.copy()
+    # The outermost node carries next to no pressure, so its own status means nothing.
+    slips[0] |= slips[1:2].any()
+    if slips.all():
+        return SlipBorder(np.nan, resolved=True, gross=True, spread=np.inf)
+    count = int(np.argmin(slips))
+    size = float(s[count] - s[count - 1]) if count else float(s[1] - s[0])
+    if count == 0:
+        return SlipBorder(0.0, resolved=True, gross=False, spread=max(float(s[0]), 0.0) + size)
+    low, high = max(s[count - 1], 0.0), s[count]
+    zone = np.arange(0, count - 1 if count > 2 else count)[::-1]
+    zone = zone[trusted[zone]]
+    noise = float(np.sqrt(np.mean(amount[~slips] ** 2)))
+    noise = noise if noise > ROUND_OFF * amount.max() else 0.0
+    if zone.size > 1:
+        border, spread, hidden = _border(s[zone] - low, amount[zone], noise, size)
+        if abs(border - (high - low) / 2) < 1.5 * size + hidden:
+            # Noise hides small slip behind the last node that is known to slip. That node may stand
+            # behind the border itself where slip is a mean over the support of each node; few
+            # nodes cannot tell.
+            behind = size if zone.size >= COUNTS[0] else 0.0
+            inside = border if hidden else np.clip(border, -behind, high - low)
+            return SlipBorder(float(low + inside), resolved=True, gross=False, spread=spread)
+    return SlipBorder(float((low + high) / 2), resolved=False, gross=False, spread=UNSEEN * size)
+
+
+def _border(s: Array, amount: Array, noise: float, size: float) -> tuple[float, float, float]:
+    """Return the place of the border, its error bar, and over what length noise hides the slip.
+
+    Args:
+        s: (m,) places of slipping nodes, from the border outward, m >= 2.
+        amount: (m,) their slip.
+        noise: standard deviation of the slip.
+        size: element size.
+
+    Returns:
+        NaN, infinity and 0 if the slip does not fall toward the border.
+    """
+    highest, nodes = HIGHEST if noise else 2, s.size
+    if noise == 0.0:
+        # Farther nodes may have slipped while the edge moved over them: lines do.
+        s, amount = s[: COUNTS[0] + 1], amount[: COUNTS[0] + 1]
+    w = amount ** (2 / 3)
+    slope, offset = np.polyfit(s, w, 1)
+    if not slope < 0.0:
+        return np.nan, np.inf, 0.0
+    hidden = (HIDDEN * noise) ** (2 / 3) / -slope
+    # What the line expects decides which nodes count, and how much: samples there would bias it.
+    expected = np.maximum(slope * s + offset, 0.0)
+    clear = expected > (HIDDEN * noise) ** (2 / 3)
+    if np.count_nonzero(clear) > 1:
+        s, w, expected = s[clear], w[clear], expected[clear]
+        nodes -= int(np.count_nonzero(~clear))
+    noisy = 2 / 3 * noise / np.sqrt(np.maximum(expected, (HIDDEN * noise) ** (2 / 3) or 1.0))
+    errors = np.hypot(noisy, NODAL_ERROR * size * slope)
+    fits = _zeros(s, w, errors, highest)
+    if s.size < COUNTS[0]:  # nothing to compare a line with, but the one without its last node
+        place, bar = fits[0, -1, 0], INTERVAL * fits[1, -1, 0]
+        if s.size > 2:
+            bar = np.hypot(bar, place - _zero(s[:-1], w[:-1], errors[:-1], 1)[0])
+    else:
+        known = np.ones_like(fits[0])
+        place, bar, _ = average(fits[0], fits[1], 0.0 * known, known, INTERVAL)
+    # Slip may be curved, and the mean at the border that is left out is one more node.
+    return float(place), float(np.hypot(bar, FEW * size / (nodes + 1) ** 1.5)), hidden
+
+
+def _zeros(s: Array, w: Array, errors: Array, highest: int) -> Array:
+    """Return (2, windows, orders) zeros through w (m,) at s (m,) and their standard errors."""
+    # Where the samples are means, the first node may still be one over stick and slip.
+    starts = (0, 1) if s.size > COUNTS[0] else (0,)
+    windows = [slice(i, i + n) for i in starts for n in COUNTS if n < s.size - i]
+    windows += [slice(i, None) for i in starts]
+    fits = np.full((2, len(windows), HIGHEST), np.nan)
+    for number, window in enumerate(windows):
+        count = s[window].size
+        for order in range(1 if count < LINE else 2, min(highest, count - 1) + 1):
+            fits[:, number, order - 1] = _zero(s[window], w[window], errors[window], order)
+    return fits
+
+
+def _zero(s: Array, w: Array, errors: Array, order: int) -> tuple[float, float]:
+    """Return the zero of a polynomial through w (m,) at s (m,) and its standard error, or NaN."""
+    scale = float(np.ptp(s))
+    powers = np.arange(order + 1)
+    matrix = (s[:, None] / scale) ** powers / errors[:, None]
+    inverse = np.linalg.pinv(matrix)
+    coefficients = inverse @ (w / errors)
+    zero, slope = 0.0, -1.0
+    for _ in range(10):  # Newton, from next to the border
+        slope = float(coefficients[1:] @ (powers[1:] * zero ** powers[:-1]))
+        if not slope < 0.0 or abs(zero) > 2.0:
+            return np.nan, np.nan
+        zero -= float(coefficients @ zero**powers) / slope
+    return zero * scale, float(np.linalg.norm(zero**powers @ inverse)) * scale / -slope
+
+
+def slip_border_of(
+    contact: ContactHistory, front: PlaneFront, position: Array, outer: Bools, degree: int
+) -> FindBorder:
+    """Slip zones of a solved contact at a front.
+
+    Args:
+        contact: one contact.
+        front: one of its fronts.
+        position: (T,) of the edge.
+        outer: (T,) whether the slip in the step to each state counts.
+        degree: of the displacements.
+    """
+    hidden = LINEAR_ELEMENTS if degree == 1 else 0.0
+    return lambda start, end: _border_between(
+        contact, front, start, end, float(position[end]), outer, hidden
+    )
+
+
+def _border_between(
+    contact: ContactHistory,
+    front: PlaneFront,
+    start: int,
+    end: int,
+    position: float,
+    outer: Bools,
+    hidden: float,
+) -> SlipBorder:
+    """Slip zone between two states, from the slip that happened while in contact.
+
+    K_T may reverse between two steps, so that the first step of a half cycle still holds slip of
+    the half cycle before: only slip in the direction of the largest slip at this front counts.
+    `hidden` is what the kind of the elements adds to the bar, in elements, if the zone is one long.
+    """
+    forward, backward = _slip_both_ways(contact, start, end, outer)
+    closed = contact.status[end] != OPEN
+    patch = main_patch(contact.arc, contact.traction[end, :, 0])
+    closed[: patch.first] = closed[patch.last + 1 :] = False
+    nodes = front.from_front(np.flatnonzero(closed))
+    total = (forward - backward)[nodes[: len(nodes) // 2]]
+    direction = np.sign(total[np.argmax(np.abs(total))])
+    slip = {1.0: forward, -1.0: backward}.get(direction, np.zeros_like(forward))
+    moved = slip > SMALLEST_SLIP * slip.max()
+    s, moved = front.distances(contact.arc[closed], position), moved[nodes]
+    border = slip_border(s, slip[nodes], moved)
+    unseen = max(float(s[0]), 0.0) + float(s[1] - s[0])
+    zone = slip[nodes][: max(np.count_nonzero(s < border.length), 1)]
+    border = replace(border, largest=float(zone.max()), unseen=unseen)
+    if hidden and border.length > 0:
+        place = int(np.clip(np.searchsorted(s, border.length), 1, len(s) - 1))
+        size = float(s[place] - s[place - 1])
+        hidden *= size * min(size / border.length, 0.5)
+        border = replace(border, spread=math.hypot(border.spread, hidden))
+    behind = _slip_behind(moved)
+    if behind is None or border.gross:
+        return border
+    spread = max(border.spread, float(s[behind]) - border.length)
+    return replace(border, resolved=False, spread=spread)
+
+
+def _slip_both_ways(
+    contact: ContactHistory, start: int, end: int, outer: Bools
+) -> tuple[Array, Array]:
+    """(N,) sums of slip increments to larger and smaller x in the outer steps between states."""
+    sums = np.zeros((2, len(contact.arc)))
+    for part in blocks(end - start, len(contact.arc)):
+        first, last = start + part.start, start + part.stop
+        slipping = contact.status[first + 1 : last + 1] == SLIP
+        slipping &= outer[first + 1 : last + 1, None]
+        increments = np.where(slipping, np.diff(contact.slip[first : last + 1, :, 0], axis=0), 0.0)
+        sums += np.maximum(increments, 0.0).sum(axis=0), np.maximum(-increments, 0.0).sum(axis=0)
+    return sums[0], sums[1]
+
+
+def _slip_behind(moved: Bools) -> int | None:
+    """Innermost node that has slipped behind one that has not, but for the zone of the other edge.
+
+    None without any. Few sticking nodes in between are none.
+
+    Args:
+        moved: (n,) nodes in contact that have slipped, from the front inward.
+    """
+    stuck = np.flatnonzero(~moved[1:]) + 1  # the status of the outermost node means nothing
+    if not len(stuck):
+        return None
+    between = moved[stuck[0] : stuck[-1]]
+    if len(stuck) < FEWEST_STUCK:
+        return len(moved) - 1
+    return int(stuck[0] + np.flatnonzero(between)[-1]) if between.any() else None

@@ -1,0 +1,378 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Elements that a contact needs: by its solved history, and by its expected width before that.
+
+The normal force follows from the forces on a body that nothing else holds along the contact normal;
+the width from the initial gap, as for half-planes with a symmetric profile. Nothing is said where
+one of them is not known.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fretfe._typing import Array, Indices
+from fretfe.case import Case, Contact, contact_modulus, unit_vector
+from fretfe.case.channels import DisplacementLoad, PlatenLoad, RotationLoad, TractionLoad
+from fretfe.errors import MeshError
+from fretfe.evaluate.contacts import ContactSummary, SlipZone, Station
+from fretfe.evaluate.factors import WANTED_NODES
+from fretfe.evaluate.plane.section import main_patch, plane_front
+from fretfe.evaluate.refinement import SHORTEST_SLIP, StationValues
+from fretfe.evaluate.slip import cycle_states
+from fretfe.history.solution import ContactHistory, Solution
+from fretfe.loads import History
+from fretfe.mesh.mesh import Mesh
+from fretfe.surface.checks import InitialGap, initial_gaps
+from fretfe.surface.surface import build_surface
+
+# Elements over the length in which the pressure rises, and over a slip zone, in the first mesh that
+# resolves a front; each further level halves the elements.
+PER_RISE, PER_SLIP_ZONE = 16, 8
+# Elements may be larger than asked for by this factor: a mesh follows sizes only roughly.
+MISSED = 1.3
+# So much smaller are the next elements where these are too large to tell K_N.
+BLIND = 4
+# Elements over the half-width of the contact below which K_N that is not known will never be.
+SMALLEST_ELEMENT = 1e-4
+# Slip lengths that are reported and must converge: those of the last loading and unloading.
+ZONES = 2
+# A direction is along the surface if its part along the normal is below this.
+PARALLEL = 1e-3
+# The estimate is good to about this fraction of the width: it must not cry wolf.
+MARGIN = 0.85
+WIDTHS, ANGLES = 400, 64
+# Gaps that differ by less than this fraction of the largest one are the same.
+SAME_GAP = 1e-6
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Places low to high along the arc of a contact that need elements of a size."""
+
+    contact: str
+    low: float
+    high: float
+    size: float
+
+
+def station_values(
+    solution: Solution, contacts: Sequence[ContactSummary]
+) -> tuple[StationValues, ...]:
+    """Values that must converge, of every contact that carries something when it ends."""
+    return tuple(
+        StationValues(
+            contact=contact.name,
+            front=station.front,
+            k_n=station.last_k_n[0],
+            k_t=_k_t(solution, station),
+            slip=tuple(zone.length for zone in _last_zones(station)),
+            rise=_rise(history, contact, station),
+            friction=float(history.friction.max()),
+        )
+        for history, contact, station in _stations(solution, contacts)
+    )
+
+
+def _k_t(solution: Solution, station: Station) -> float:
+    """Range of K_T over the cycle; without one that of the worst counted cycle, or the last value.
+
+    The last value of K_T under irregular loads is as good as any.
+    """
+    if solution.cycle is not None:
+        return station.k_t_range
+    cycles = station.cycles
+    return float(cycles.k_t_range[cycles.worst] if cycles.irregular else station.k_t[-1])
+
+
+def _stations(
+    solution: Solution, contacts: Sequence[ContactSummary]
+) -> Iterator[tuple[ContactHistory, ContactSummary, Station]]:
+    for history, contact in zip(solution.contacts, contacts, strict=True):
+        if np.any(history.traction[contact.stations[0].last, :, 0] > 0):
+            for station in contact.stations:
+                yield history, contact, station
+
+
+def _last_zones(station: Station) -> tuple[SlipZone, ...]:
+    """The last slip zones; those of a contact that slides as a whole have no length."""
+    return tuple(zone for zone in station.slip_zones[-ZONES:] if not zone.gross)
+
+
+def _rise(history: ContactHistory, contact: ContactSummary, station: Station) -> float:
+    """Distance in which p = K_N sqrt(s) would rise to the largest pressure on this side.
+
+    Half of the half-width for Hertz; about the length of the rounding in contact for a flat and
+    rounded punch. At most the half-width; that of the closed elements while K_N is unknown.
+    """
+    pressure = history.traction[station.last, :, 0]
+    patch = main_patch(history.arc, pressure)
+    half_width = float(contact.half_width[station.last])
+    if not np.isfinite(station.last_k_n[0]) or not np.isfinite(half_width):
+        low, high = max(patch.first - 1, 0), min(patch.last + 1, len(pressure) - 1)
+        return float(history.arc[high] - history.arc[low]) / 2
+    inside = slice(patch.first, patch.last + 1)
+    arc, pressure = history.arc[inside], pressure[inside]
+    near = plane_front(station.front).inward * (contact.centre[station.last] - arc) >= 0
+    return float(min((pressure[near].max() / station.last_k_n[0]) ** 2, half_width))
+
+
+def needed_sizes(
+    solution: Solution, contacts: Sequence[ContactSummary], level: int
+) -> tuple[Interval, ...]:
+    """Element sizes that are needed and where; each level halves them."""
+    intervals: list[Interval] = []
+    for values, (history, contact, station) in zip(
+        station_values(solution, contacts), _stations(solution, contacts), strict=True
+    ):
+        intervals += _station_intervals(solution, history, contact, station, values, 2.0**-level)
+    return tuple(intervals)
+
+
+def hopeless(solution: Solution, contacts: Sequence[ContactSummary]) -> str:
+    """Reason why finer elements will not tell K_N of some edge; empty if they may.
+
+    Where K_N is not known elements become smaller from mesh to mesh by a factor, and would do so
+    for ever at an edge that has none: a sharp corner, or the end of a surface.
+    """
+    for history, contact, station in _stations(solution, contacts):
+        if np.isfinite(station.last_k_n[0]) and not station.uncertain:
+            continue
+        cycle = cycle_states(solution.cycle)
+        states = cycle if len(cycle) else np.array([len(solution.times) - 1])
+        element = _largest_element(history.arc, *_front_range(history, station, states))
+        half_width = float(contact.half_width[station.last])
+        scale = half_width if math.isfinite(half_width) else _rise(history, contact, station)
+        if element < SMALLEST_ELEMENT * scale:
+            return (
+                f"K_N at the {station.front} edge of contact {contact.name} is not known with "
+                f"elements of {element:.1g} either, {element / scale:.1g} of the half-width: finer "
+                "ones will not tell it, as at a sharp corner or at the end of a surface"
+            )
+    return ""
+
+
+def resolves(solution: Solution, intervals: Sequence[Interval]) -> bool:
+    """True if the elements of the surfaces that carry the tractions are as small as needed."""
+    contacts = {contact.name: contact for contact in solution.contacts}
+    return all(
+        _largest_element(contacts[each.contact].arc, each.low, each.high) <= MISSED * each.size
+        for each in intervals
+    )
+
+
+def _largest_element(arc: Array, low: float, high: float) -> float:
+    # A front may lie at the end of its surface.
+    first = min(max(int(np.searchsorted(arc, low, side="right")) - 1, 0), len(arc) - 2)
+    last = min(int(np.searchsorted(arc, high, side="left")), len(arc) - 1)
+    return float(np.diff(arc[first : max(last, first + 1) + 1]).max())
+
+
+def _station_intervals(
+    solution: Solution,
+    history: ContactHistory,
+    contact: ContactSummary,
+    station: Station,
+    values: StationValues,
+    refinement: float,
+) -> list[Interval]:
+    """Range of a station in the cycle and its slip zones; finer where numbers are taken.
+
+    Those places are the station at the end of the cycle, or history, and of half cycles, and the
+    inner ends of slip zones; only there do the elements shrink with the level.
+    """
+    cycle = cycle_states(solution.cycle)
+    states = cycle if len(cycle) else np.array([len(solution.times) - 1])
+    low, high = _front_range(history, station, states)
+    size = values.rise / PER_RISE
+    if not np.isfinite(station.last_k_n[0]) or station.uncertain:
+        size = min(size, _largest_element(history.arc, low, high) / BLIND)
+    front = plane_front(station.front)
+    places, intervals = [(float(station.position[station.last]), size)], []
+    for zone in _last_zones(station):
+        length = _length(zone)
+        if length > SHORTEST_SLIP * values.rise:
+            position, zone_size = float(station.position[zone.end]), length / PER_SLIP_ZONE
+            ends = (position, front.place(position, length))
+            intervals.append(Interval(contact.name, min(ends), max(ends), zone_size))
+            size = min(size, zone_size)
+            places += [(end, min(size, zone_size)) for end in ends]
+    intervals.append(Interval(contact.name, low, high, size))
+    intervals += [
+        Interval(contact.name, place, place, refinement * min(size, own))
+        for place, own in places
+        if math.isfinite(place)
+    ]
+    return intervals
+
+
+def _length(zone: SlipZone) -> float:
+    """Length of a slip zone, or what is predicted while the mesh does not resolve it."""
+    if zone.resolved and zone.length > 0:
+        return zone.length
+    return zone.prediction if math.isfinite(zone.prediction) else 0.0
+
+
+def _front_range(history: ContactHistory, station: Station, states: Indices) -> tuple[float, float]:
+    """Range of a station in some states: fitted, or else between the last closed and open nodes."""
+    positions = station.position[states]
+    if np.isfinite(positions).all():
+        return float(positions.min()), float(positions.max())
+    arc, front = history.arc, plane_front(station.front)
+    places = []
+    for state in states:
+        if not np.any(history.traction[state, :, 0] > 0):
+            continue
+        closed = front.outermost(main_patch(arc, history.traction[state, :, 0]))
+        opened = np.clip(closed - front.inward, 0, len(arc) - 1)
+        places += [arc[opened], arc[closed]]
+    return float(min(places)), float(max(places))
+
+
+def coarse_contacts(case: Case, mesh: Mesh, history: History) -> Iterator[str]:
+    """Warnings of contacts that will be too narrow for their elements to be evaluated.
+
+    Args:
+        case: of the contacts.
+        mesh: its plane mesh.
+        history: its loads.
+    """
+    for name, initial in initial_gaps(mesh, case).items():
+        nearest = int(np.argmin(initial.gap))
+        normal = initial.surface2.normals[initial.facet2[nearest]].mean(axis=0)
+        normal /= np.linalg.norm(normal)
+        force = _normal_force(case, mesh, history, name, initial, normal)
+        states = cycle_states(history.cycle)
+        pressed = force[states if len(states) else [-1]] if force is not None else np.zeros(1)
+        if pressed.min() > 0:
+            yield from _warning(case, name, initial, normal, float(pressed.min()))
+
+
+def _warning(
+    case: Case, name: str, initial: InitialGap, normal: Array, force: float
+) -> Iterator[str]:
+    body1, body2 = case.bodies[initial.surface1.body], case.bodies[initial.surface2.body]
+    modulus = contact_modulus(body1, body2, case.model.plane)
+    tangent = np.array([normal[1], -normal[0]])
+    along = initial.points @ tangent
+    width, centre = half_width(along, initial.gap, force / modulus)
+    nodes = _carrier_nodes(case.contacts[name], initial) @ tangent
+    count = np.count_nonzero(np.abs(nodes - centre) < width)
+    if count < MARGIN * WANTED_NODES:
+        unit = case.units.length
+        size = 2 * width / WANTED_NODES
+        yield (
+            f"contact {name}: about {count} nodes in contact expected at P = {force:.4g} "
+            f"(half-width {width:.2g} {unit}), {WANTED_NODES} wanted at least: make the "
+            f"elements there {size:.1g} {unit} long or less"
+        )
+
+
+def _carrier_nodes(contact: Contact, initial: InitialGap) -> Array:
+    """(v, 2) nodes of the surface that carries the tractions."""
+    surfaces = {"surface1": initial.surface1, "surface2": initial.surface2}
+    finer = min(surfaces.values(), key=lambda surface: float(np.median(surface.sizes)))
+    return surfaces.get(contact.multipliers, finer).vertices
+
+
+def half_width(along: Array, gap: Array, force: float) -> tuple[float, float]:
+    """Half-width of the contact, infinite if it is wider than the surfaces, and its centre.
+
+    Infinite, too, where the gap is lowest in several places apart, as of a pad with two bumps: how
+    many of them share the force is not known before.
+
+    With the gap g(x) made even about its lowest place, P/E* = a ∫ g'(a sin t) sin t dt over
+    0 < t < pi/2 (half-planes).
+
+    Args:
+        along: (n,) places along the surface.
+        gap: (n,) initial gap there.
+        force: P/E*.
+    """
+    order = np.argsort(along)
+    x, g = along[order], gap[order] - gap.min()
+    centre = float(x[g <= SAME_GAP * g.max()].mean()) if g.max() > 0 else float(x.mean())
+    widest = min(centre - x[0], x[-1] - centre)
+    widths = np.linspace(0.0, widest, WIDTHS + 1)[1:]
+    even = (np.interp(centre + widths, x, g) + np.interp(centre - widths, x, g)) / 2
+    if even.min() < np.interp(centre, x, g) - SAME_GAP * g.max():
+        return np.inf, centre
+    slopes = np.diff(even, prepend=0.0) / widths[0]
+    angles = (np.arange(ANGLES) + 0.5) * np.pi / 2 / ANGLES
+    at = widths[:, None] * np.sin(angles)
+    steps = np.minimum((at / widths[0]).astype(int), WIDTHS - 1)
+    forces = widths * (slopes[steps] * np.sin(angles)).mean(axis=1) * np.pi / 2
+    if force >= forces[-1]:
+        return np.inf, centre
+    return float(np.interp(force, np.maximum.accumulate(forces), widths)), centre
+
+
+def _normal_force(
+    case: Case, mesh: Mesh, history: History, contact: str, initial: InitialGap, normal: Array
+) -> Array | None:
+    """(T,) normal force P per unit thickness; None if equilibrium alone does not give it."""
+    if any(isinstance(load, RotationLoad) for load in case.loads.values()):
+        return None
+    for surface, sign in ((initial.surface1, -1.0), (initial.surface2, 1.0)):
+        own = mesh.bodies[surface.body].boundaries
+        others = [
+            each for name, each in case.contacts.items()
+            if name != contact and {each.surface1, each.surface2} & set(own)
+        ]  # fmt: skip
+        if not others and not _held(case, set(own), normal):
+            return sign * _force(case, mesh, history, surface.body) @ normal
+    return None
+
+
+def _held(case: Case, own: set[str], normal: Array) -> bool:
+    """True if anything but forces moves or holds a body with these boundaries along the normal."""
+    held = [
+        unit_vector(axis, 2)
+        for support in case.supports.values()
+        if support.boundary in own
+        for axis in support.fix
+    ]
+    platens: dict[str, Array] = {}
+    for load in case.loads.values():
+        if not isinstance(load, DisplacementLoad | PlatenLoad) or load.boundary not in own:
+            continue
+        direction = np.array(unit_vector(load.direction, 2))
+        if isinstance(load, DisplacementLoad) or load.control == "displacement":
+            held.append(tuple(direction))
+        if isinstance(load, PlatenLoad):
+            free = platens.get(load.boundary, normal)
+            platens[load.boundary] = free - (free @ direction) * direction
+    # What is left of the normal is a direction in which a platen is guided.
+    directions = [*map(np.array, held), *platens.values()]
+    return any(abs(float(normal @ direction)) > PARALLEL for direction in directions)
+
+
+def _force(case: Case, mesh: Mesh, history: History, body: str) -> Array:
+    """(T, 2) sum of the forces on a body per unit thickness."""
+    total = np.zeros((len(history.times), 2))
+    own = mesh.bodies[body].boundaries
+    for name, load in case.loads.items():
+        if not isinstance(load, PlatenLoad | TractionLoad) or load.boundary not in own:
+            continue
+        values = history.values[:, history.channels.index(name)]
+        if isinstance(load, PlatenLoad):
+            if load.control == "force":
+                direction = np.array(unit_vector(load.direction, 2)) / case.model.thickness
+                total += np.outer(values, direction)
+        else:
+            total += np.outer(values, _resultant(load, mesh, body))
+    return total
+
+
+def _resultant(load: TractionLoad, mesh: Mesh, body: str) -> Array:
+    """(2,) force of a unit traction; NaN if its boundary is no single curve."""
+    try:
+        surface = build_surface(mesh.bodies[body], load.boundary)
+    except MeshError:
+        return np.full(2, np.nan)
+    if load.direction == "normal":
+        return np.asarray(surface.measures @ surface.normals.mean(axis=1))
+    return surface.extent * np.array(unit_vector(load.direction, 2))

@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Slip zones of a station, between successive reversals of the slip there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fretfe._typing import Array, Indices
+from fretfe.analytic.edges import slip_length_cyclic, slip_length_first_loading, slip_length_loop
+from fretfe.evaluate.contacts import SlipZone, StationHistory
+from fretfe.evaluate.cycles import Worst, slip_reversals
+from fretfe.evaluate.factors import LoadPath
+from fretfe.evaluate.plane.section import plane_front
+
+States = Indices
+
+# Nodes whose slip in a half cycle is below this fraction of the largest slip have not slipped.
+# Where slip turns round between two steps, nodes behind the border move by about as much. What is
+# left out at the border is less than 1 % of the zone, which the fit of the border puts back.
+SMALLEST_SLIP = 3e-4
+# Where no node slips there is no slip zone if the formulas predict less than this fraction of the
+# distance within which no node would see it.
+HIDDEN = 0.1
+# Error bar of border and front over the length of the zone, beyond which it is not resolved.
+LARGEST_SPREAD = 0.5
+# Slip this much weaker than in another half cycle is round-off: nodes that reach f p but do not
+# slip, as where P and Q grow together. At this strength a zone of real slip would be a twentieth of
+# the one that is found.
+FAINT = 0.01
+# The history ends with a complete half cycle if K_T is this close to its extreme, as a fraction of
+# its range.
+AT_EXTREME = 1e-2
+
+
+@dataclass(frozen=True)
+class SlipBorder:
+    """Slip-zone length from the edge inward; 0 without slip, NaN if the whole patch slips.
+
+    If not ``resolved``, too few nodes slip, or the slip does not fall to zero where the sticking
+    nodes begin: the length then ends half an element inside the last slipping node.
+
+    ``spread`` is half the width of an interval that is meant to hold the place of the border with
+    95 %, 0 in closed forms; the error of the edge is not in it. Infinite if a fit has no length.
+
+    ``largest`` is the largest slip of the nodes in the zone, ``unseen`` the length of a zone in
+    which no node would slip; NaN and 0 in closed forms.
+    """
+
+    length: float
+    resolved: bool
+    gross: bool
+    spread: float = 0.0
+    largest: float = np.nan
+    unseen: float = 0.0
+
+    @property
+    def strength(self) -> float:
+        """Largest slip over length^(3/2): about the same in all half cycles, as f K_N / E*."""
+        return self.largest / self.length**1.5 if self.length > 0 else np.nan
+
+
+@dataclass(frozen=True)
+class PredictedSlip:
+    """Slip-zone length of the steady cycle: at constant normal load, and by the general loop."""
+
+    cyclic: float
+    loop: float
+
+
+# Slip zone between two states, measured from the edge at the second one.
+FindBorder = Callable[[int, int], SlipBorder]
+
+
+def cycle_states(cycle: tuple[int, int] | None) -> States:
+    """States of the evaluated cycle, first and last included; empty without a cycle."""
+    if cycle is None:
+        return np.array([], dtype=np.int64)
+    return np.arange(cycle[0], cycle[1] + 1)
+
+
+def slip_zones(
+    cycle: States,
+    friction: Array,
+    station: StationHistory,
+    find_border: FindBorder,
+    path: LoadPath | None = None,
+    place: Callable[[float, float], float] | None = None,
+    worst: Worst | None = None,
+) -> tuple[SlipZone, ...]:
+    """Slip zones of a station in time order.
+
+    Args:
+        cycle: states of the evaluated cycle.
+        friction: (T,) coefficient in the step that ends at each state.
+        station: position and factors.
+        find_border: gives the slip zone of a half cycle.
+        path: loads of the cycle between its steps, unless they are straight lines.
+        place: gives the position that is some length inward from a position of the station; None
+            for a station of a plane front.
+        worst: the cycle whose half cycles alone are looked at, where loads are irregular.
+    """
+    place = place or plane_front(station.front).place
+    frictional = np.flatnonzero((friction > 0) & np.isfinite(station.position))
+    if not len(frictional):
+        return ()
+    first = int(frictional[0]) - 1
+    known = np.isfinite(station.k_t) & np.isfinite(station.k_i)
+    begin = max(first, int(np.argmax(known)))
+    if not known[begin : last_state(cycle, station) + 1].all():
+        return ()
+    zones = []
+    halves = worst.half_cycles if worst else _half_cycles(cycle, friction, station, begin)
+    halves = [(start, end) for start, end in halves if np.isfinite(station.position[end])]
+    borders = _without_faint([find_border(start, end) for start, end in halves])
+    for (start, end), border in zip(halves, borders, strict=True):
+        cyclic, loop = _prediction(cycle, friction[end], end, station)
+        if worst and not len(cycle):
+            cyclic = worst.predicted
+        elif start == first:
+            rise = abs(station.k_t[end] - station.k_t[first])
+            cyclic = float(slip_length_first_loading(rise, station.k_n[end], friction[end]))
+        spread = math.hypot(border.spread, float(station.position_spread[end]))
+        missed = _missed(cycle, friction[end], end, station, path) if path is not None else 0.0
+        # A zone that is long against its edge grows faster than predicted.
+        missed *= max(1.0, border.length / loop) if loop > 0 else 1.0
+        zone = SlipZone(
+            start=start,
+            end=end,
+            length=border.length,
+            border=place(float(station.position[end]), border.length),
+            spread=math.hypot(spread, missed),
+            resolved=border.resolved and _told(border, spread),
+            gross=border.gross,
+            predicted=cyclic,
+            predicted_loop=loop,
+        )
+        zones.append(_doubted(zone, border.spread))
+    return tuple(zones)
+
+
+def _without_faint(borders: list[SlipBorder]) -> list[SlipBorder]:
+    """The slip zones of a station's half cycles; no zone where slip is round-off beside others."""
+    # The length of a zone of an element or less is too vague to be compared by its strength.
+    clear = [each for each in borders if each.length > each.unseen]
+    strongest = max((each.strength for each in clear if each.strength > 0), default=0.0)
+    farthest = max((each.largest for each in clear if each.strength > 0), default=0.0)
+    return [
+        SlipBorder(0.0, resolved=True, gross=False, spread=each.unseen, unseen=each.unseen)
+        if each.strength < FAINT * strongest and each.largest < FAINT * farthest
+        else each
+        for each in borders
+    ]
+
+
+def _told(border: SlipBorder, spread: float) -> bool:
+    """True if the length is known to a good part of itself, or there is none to be known."""
+    return border.gross or border.length == 0 or spread <= LARGEST_SPREAD * border.length
+
+
+def _missed(
+    cycle: States, friction: float, end: int, station: StationHistory, path: LoadPath
+) -> float:
+    """Length by which a zone that ends between two steps of the cycle is longer, as predicted."""
+    _, sampled = _prediction(cycle, friction, end, station)
+    if not np.isfinite(sampled):
+        return 0.0
+    k_t, k_i, k_n = (path.refine(each) for each in (station.k_t, station.k_i, station.k_n))
+    if not np.isfinite(k_t + k_i + k_n).all():
+        return 0.0
+    forward, backward = k_t - friction * k_i, k_t + friction * k_i
+    near = path.instants(end)
+    middle = (forward.max() + backward.min()) / 2
+    turns = forward[near] if station.k_t[end] > middle else -backward[near]
+    turn = near.start + int(np.argmax(turns))
+    return abs(predicted_slip(k_t, k_i, float(k_n[turn]), friction, turn).loop - sampled)
+
+
+def _doubted(zone: SlipZone, spread: float) -> SlipZone:
+    """The zone, not resolved if no node slips though one is predicted, between the nodes perhaps.
+
+    The bar of one that is not resolved reaches the prediction, which may be the better number.
+
+    Args:
+        zone: as found.
+        spread: error bar of its border.
+    """
+    hidden = zone.length == 0 and zone.prediction > HIDDEN * spread > 0
+    if zone.gross or (zone.resolved and not hidden):
+        return zone
+    missed = abs(zone.length - zone.prediction)
+    spread = max(zone.spread, missed) if math.isfinite(missed) else zone.spread
+    return replace(zone, resolved=False, spread=spread)
+
+
+def _half_cycles(
+    cycle: States, friction: Array, station: StationHistory, first: int
+) -> list[tuple[int, int]]:
+    """First and last state of each half cycle in which an edge slips one way, from `first` on.
+
+    Forward slip grows as long as K_T - f K_I does, backward slip as long as K_T + f K_I falls: at
+    constant normal load half cycles end where K_T reverses. What comes after the evaluated cycle
+    has other ranges than those that are told, and is left out.
+    """
+    last = last_state(cycle, station)
+    k_t, k_i = station.k_t[: last + 1], station.k_i[: last + 1]
+    f = friction.max()  # the same in all steps with friction
+    forward, backward = k_t - f * k_i, k_t + f * k_i
+    ends = [first + int(end) for end in slip_reversals(forward[first:], backward[first:])]
+    states = cycle if len(cycle) else np.arange(first, last + 1)
+    if len(ends) > 1 and ends[-1] == last and not _at_extreme(forward, backward, states, last):
+        ends.pop()
+    ends = ends or [last]
+    return list(zip([first, *ends[:-1]], ends, strict=True))
+
+
+def last_state(cycle: States, station: StationHistory) -> int:
+    """The state with which the evaluated cycle ends, or the history without one."""
+    return int(cycle[-1]) if len(cycle) else len(station.k_t) - 1
+
+
+def _at_extreme(forward: Array, backward: Array, states: States, last: int) -> bool:
+    """True if slip one way is as far as it gets in these states: the half cycle is complete."""
+    growth = forward[states].max() - forward[last]
+    fall = backward[last] - backward[states].min()
+    # Both counted from the same state: the length of the slip zone but for a factor.
+    size = np.ptp(
+        np.concatenate([forward[states] - forward[last], backward[states] - backward[last]])
+    )
+    return bool(min(growth, fall) < AT_EXTREME * size)
+
+
+def _prediction(
+    cycle: States, friction: float, end: int, station: StationHistory
+) -> tuple[float, float]:
+    """Slip length by ΔK_T/(f K_N) and by the general loop, if the zone is in the cycle."""
+    k_n = station.k_n
+    if not len(cycle) or end <= cycle[0] or not np.isfinite(k_n[end]):
+        return np.nan, np.nan
+    reference = end - int(cycle[0])
+    predicted = predicted_slip(
+        station.k_t[cycle], station.k_i[cycle], float(k_n[end]), float(friction), reference
+    )
+    return predicted.cyclic, predicted.loop
+
+
+def predicted_slip(
+    k_t: Array, k_i: Array, k_n: float, friction: float, reference: int = 0
+) -> PredictedSlip:
+    """Return the slip lengths that the edge factors of one closed cycle predict.
+
+    Args:
+        k_t: (T,) K_T over the cycle.
+        k_i: (T,) K_I over the cycle; zero at constant normal load.
+        k_n: K_N in the reference state.
+        friction: coefficient f.
+        reference: index of the state whose edge the loop length is measured from.
+
+    Raises:
+        ValueError: if ``k_n`` or ``friction`` is not positive.
+    """
+    cyclic = slip_length_cyclic(np.ptp(k_t), k_n, friction)
+    loop = slip_length_loop(k_t, k_i, k_n, friction, reference)
+    return PredictedSlip(float(cyclic), float(loop))

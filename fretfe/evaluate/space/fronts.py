@@ -1,0 +1,376 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Fronts of solid contacts: found in one state, and followed through the history.
+
+The nodes that stick end in a ragged line, and increments of full stick follow it: factors of single
+stations scatter by some per cent. Their mean over nested areas, which grow by an element
+altogether, has a front where the curve through the fitted places runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.spatial import cKDTree
+
+from fretfe._typing import Array, Bools, Indices
+from fretfe.evaluate.space.pressure_fit import FrontFit, FrontFitter
+from fretfe.evaluate.space.sectors import (
+    Frames,
+    FrontCurve,
+    Normals,
+    Outline,
+    Sector,
+    Sectors,
+    outlines,
+)
+from fretfe.history.solution import ContactHistory, Solution
+from fretfe.history.state_array import blocks
+
+# Edges between nodes in contact and nodes outside that an outline has at least: a closed one might
+# go round a node that happens to be open.
+FEWEST_CROSSED = {True: 12, False: 4}
+# Passes: each measures distances from the curve through the points that the one before found.
+PASSES = 3
+# Length of a piece of the curve, in half-widths of the sectors.
+PIECE = {True: 1.2, False: 1.5}
+FEWEST_PIECES = {True: 8, False: 2}
+# Points that the curve of a closed front follows at least, whatever the number of stations. Those
+# of an open one come too near to its ends.
+POINTS = {True: 40, False: 0}
+# Share of the points that must be known for a curve through them.
+KNOWN_POINTS = 0.5
+# Fits look no farther than this part of the way to the middle of the contact, and of the radius of
+# curvature.
+FARTHEST, NO_FARTHER = 1.5, 0.9
+# Steps of the search for the other side of the contact, along `inward`.
+STEPS = 200
+# Distance of a front from the stations' reference, in elements, up to which the same sectors serve.
+NEAR = 0.75
+# Share of the stations that must be known.
+KNOWN_STATIONS = 0.5
+# Points of a curve between which it is straight, for each of its stations.
+FINER = 8
+# Known stations that a curve through them takes.
+FEWEST = 4
+# Attributes of a fit that there is none of.
+UNKNOWN = np.array([np.nan, np.inf, np.nan, np.inf, np.nan])
+# Curves found anew, at most, for a front that moves far.
+MOST_CURVES = 12
+AREAS = 6
+# How far outside its nodes the front of an area lies, in elements across it: where it is in bonded
+# circles by their factors under a force along, a force across and a moment, by .25, .22 and .2.
+OUTSIDE = 0.21
+# Nodes within this distance of a front, in elements across it, are in an area or not by it, unless
+# the nearest station is not known; others are as they were. Beyond its last station a front goes on
+# straight, as far as that many times the spacing of stations.
+BAND, BEYOND = 2.0, 3.0
+
+
+class SpaceFront:
+    """The stations of a front in one state, and its fits in that and other states.
+
+    Attributes:
+        frames: n stations on the front.
+        sectors: nodes around the stations.
+        depth: (n,) half of the width of the contact, along `inward`.
+    """
+
+    def __init__(
+        self, frames: Frames, sectors: tuple[Sector, ...], depth: Array, weights: Array
+    ) -> None:
+        self.frames, self.sectors, self.depth = frames, sectors, depth
+        radius = 1 / np.maximum(frames.curvature, 1e-300)
+        deepest = np.minimum(FARTHEST * depth, NO_FARTHER * radius)
+        self.fits = FrontFitter(sectors, weights, deepest, depth)
+
+    @property
+    def sizes(self) -> Array:
+        """(n,) lengths of the elements across the front."""
+        return np.array([sector.size for sector in self.sectors])
+
+
+class FrontFinder:
+    """Finds the fronts of a contact surface.
+
+    Args:
+        contact: its nodes and facets.
+        count: number of stations of each front.
+    """
+
+    def __init__(self, contact: ContactHistory, count: int) -> None:
+        assert contact.facets is not None
+        self._points, self._facets = contact.points, contact.facets
+        self._weights = contact.weights
+        self._normals = Normals(contact.points, contact.frames)
+        self._sectors = Sectors(contact.points, contact.facets)
+        self._tree = cKDTree(contact.points)
+        self._count = count
+
+    def fronts(self, contact: Bools, pressure: Array) -> tuple[SpaceFront, ...]:
+        """Fronts in one state, longest first; none where they cannot be told.
+
+        Args:
+            contact: (N,) nodes under pressure.
+            pressure: (N,) means around the nodes.
+        """
+        found = (
+            self._front(line, contact, pressure)
+            for line in outlines(self._facets, contact)
+            if len(line.inside) >= FEWEST_CROSSED[line.closed]
+        )
+        return tuple(front for front in found if front is not None)
+
+    def _front(self, line: Outline, contact: Bools, pressure: Array) -> SpaceFront | None:
+        closed, pieces = line.closed, FEWEST_PIECES[line.closed]
+        middles = line.middles(self._points)
+        curve = _curve(middles, closed, pieces)
+        for _ in range(PASSES):
+            if curve is None:
+                return None
+            front = self._at(curve.at(max(self._count, POINTS[closed]), self._normals), contact)
+            place = front.fits.fit(pressure[None]).place[0]
+            known = np.isfinite(place)
+            if np.count_nonzero(known) < max(KNOWN_POINTS * len(known), 4):
+                return None
+            frames = front.frames
+            points = (frames.points + place[:, None] * frames.inward)[known]
+            if not closed:
+                points = _with_ends(points, middles[[0, -1]])
+            reach = np.median([sector.half_width for sector in front.sectors])
+            pieces = max(FEWEST_PIECES[closed], round(frames.length / (PIECE[closed] * reach)))
+            curve = _curve(points, closed, pieces)
+        return None if curve is None else self._at(curve.at(self._count, self._normals), contact)
+
+    def _at(self, frames: Frames, contact: Bools) -> SpaceFront:
+        depth = self._depths(frames, contact)
+        sectors = tuple(
+            self._sectors.around(frames, station, FARTHEST * float(depth[station]))
+            for station in range(len(frames.arc))
+        )
+        return SpaceFront(frames, sectors, depth, self._weights)
+
+    def _depths(self, frames: Frames, contact: Bools) -> Array:
+        """(n,) half of the distances along `inward` to where the contact ends."""
+        extent = float(np.linalg.norm(np.ptp(self._points[contact], axis=0)))
+        s = np.linspace(0.0, 1.1 * extent, STEPS)
+        places = frames.points[:, None] + s[:, None] * frames.inward[:, None]
+        distance, nodes = self._tree.query(places.reshape(-1, 3))
+        # Behind the border of the surface the nearest node stays behind.
+        inside = contact[nodes] & (distance < np.sqrt(2 * self._weights.max()) + 0.1 * extent)
+        inside = inside.reshape(len(places), STEPS)
+        begun = np.maximum.accumulate(inside, axis=1)
+        ended = begun & ~inside
+        last = np.where(ended.any(axis=1), ended.argmax(axis=1), STEPS - 1)
+        return np.asarray(s[last] / 2)
+
+
+def _curve(points: Array, closed: bool, pieces: int) -> FrontCurve | None:
+    """A curve through points, of fewer pieces where points are missing; None if none of them do."""
+    for fewer in range(pieces, FEWEST_PIECES[closed] - 1, -1):
+        try:
+            curve = FrontCurve(points, closed, fewer)
+        except (np.linalg.LinAlgError, ValueError):
+            continue
+        if curve.known:
+            return curve
+    return None
+
+
+def _with_ends(points: Array, ends: Array) -> Array:
+    """Points of an open front, with its ends (2, 3) moved like the points next to them."""
+    rows = []
+    for end, (near, next_one) in zip(ends, (points[:2], points[-1:-3:-1]), strict=True):
+        along = (near - next_one) / np.linalg.norm(near - next_one)
+        rows.append(near + ((end - near) @ along) * along)
+    return np.vstack([rows[0], points, rows[1]])
+
+
+@dataclass(frozen=True)
+class FrontTrack:
+    """One front in T states, at the n stations that it has in the reference state.
+
+    Attributes:
+        front: in the reference state.
+        fit: (T, n) places are distances inward from there along each station's `inward`.
+    """
+
+    front: SpaceFront
+    fit: FrontFit
+
+
+def follow_fronts(
+    solution: Solution, contact: ContactHistory, count: int
+) -> tuple[FrontTrack, ...]:
+    """The fronts of the last state of the cycle, or of all, followed through the history.
+
+    Longest first. They are searched for again where they have moved in the cycle, or anywhere
+    without one; in states outside of it they are known as far as they stay where they are in it.
+
+    Args:
+        solution: the solved history.
+        contact: one of its contacts.
+        count: number of stations of each front.
+    """
+    finder, found, source = FrontFinder(contact, count), {}, solution.source
+    first, reference = solution.cycle or (0, len(source) - 1)
+
+    def fronts(state: int) -> tuple[SpaceFront, ...]:
+        if state not in found:
+            pressed = np.asarray(contact.traction[state][:, 0] > 0)
+            found[state] = finder.fronts(pressed, contact.mean_traction[state][:, 0])
+        return found[state]
+
+    states = np.unique(source)
+    states = states[contact.nodes_pressed_in(states) > 0]
+    wanted = np.isin(states, source[first : reference + 1])
+    tracks = []
+    for front in fronts(int(source[reference])):
+        fit = _follow(contact, front, states, wanted, fronts)
+        rows = np.full(len(source), -1)
+        inside = np.isin(source, states)
+        rows[inside] = np.searchsorted(states, source[inside])
+        tracks.append(FrontTrack(front, FrontFit(*(each[rows] for each in vars(fit).values()))))
+    return tuple(tracks)
+
+
+def _follow(
+    contact: ContactHistory,
+    front: SpaceFront,
+    states: Indices,
+    wanted: Bools,
+    fronts: Callable[[int], tuple[SpaceFront, ...]],
+) -> FrontFit:
+    """Fits in some states (n,), and a last row of unknown ones."""
+    shape = len(states) + 1, len(front.sectors)
+    values = np.tile(UNKNOWN[:, None, None], shape)
+    todo, own, curve = np.arange(len(states)), -1, front
+    for _ in range(MOST_CURVES):
+        fits = _fit(contact, curve, states[todo])
+        off = np.abs(fits[0]) / curve.sizes
+        known = np.isfinite(off)
+        near = np.where(known, off, 0.0).max(axis=1) <= NEAR
+        near &= known.mean(axis=1) >= KNOWN_STATIONS
+        for row, fit in zip(todo[near], fits[:, near].swapaxes(0, 1), strict=True):
+            values[:, row] = fit if curve is front else at_stations(curve.frames, fit, front.frames)
+        # A state whose own curve does not fit it stays unknown, like one without such a front.
+        todo = todo[~near & (todo != own)]
+        last_first = todo[wanted[todo]][::-1]
+        curves = ((row, _same(front, fronts(int(states[row])))) for row in last_first)
+        own, other = next((each for each in curves if each[1] is not None), (-1, None))
+        if other is None:
+            break
+        curve = other
+    return FrontFit(*values)
+
+
+def _fit(contact: ContactHistory, curve: SpaceFront, states: Indices) -> Array:
+    """(5, n, stations) fits in some states."""
+    parts = []
+    for block in blocks(len(states), contact.traction[0].size):
+        pressure = contact.mean_traction[states[block]][..., 0]
+        parts.append(np.array([*vars(curve.fits.fit(pressure)).values()]))
+    return np.concatenate(parts, axis=1)
+
+
+def _same(front: SpaceFront, others: tuple[SpaceFront, ...]) -> SpaceFront | None:
+    """The front among others that crosses the stations' lines of a front, the nearest to them."""
+    best, distance = None, np.inf
+    for other in others:
+        flat = np.zeros((5, len(other.frames.points)))
+        place = at_stations(other.frames, flat, front.frames)[0]
+        crossed = np.isfinite(place)
+        if crossed.mean() >= KNOWN_STATIONS and np.mean(np.abs(place[crossed])) < distance:
+            best, distance = other, float(np.mean(np.abs(place[crossed])))
+    return best
+
+
+def at_stations(frames: Frames, fit: Array, stations: Frames) -> Array:
+    """(5, n) attributes of a fit (5, m) of one front at the n stations of another one.
+
+    NaN, with infinite bars, where the front does not cross the line along a station's `inward`.
+    """
+    if np.count_nonzero(np.isfinite(fit[0])) < FEWEST:
+        return np.tile(UNKNOWN[:, None], len(stations.arc))
+    points, values = finer(frames, fit[0], fit.T)
+    result = np.tile(UNKNOWN, (len(stations.arc), 1))
+    for station in range(len(stations.arc)):
+        place = points - stations.points[station]
+        x, y = place @ stations.along[station], place @ stations.inward[station]
+        # The contact lies on the right of both: they run the same way.
+        crossed = np.flatnonzero((x[:-1] <= 0) & (x[1:] > 0))
+        if not len(crossed):
+            continue
+        share = -x[crossed] / (x[crossed + 1] - x[crossed])
+        at = (1 - share) * y[crossed] + share * y[crossed + 1]
+        best = int(np.argmin(np.abs(at)))
+        row, part = crossed[best], share[best]
+        result[station] = (1 - part) * values[row] + part * values[row + 1]
+        result[station, 0] = at[best]
+    return result.T
+
+
+def finer(frames: Frames, place: Array, values: Array) -> tuple[Array, Array]:
+    """Many points of a front, in order.
+
+    Args:
+        frames: n stations of a reference front.
+        place: (n,) distances of the front inward from there, NaN where it is not known.
+        values: (n, k) of the stations.
+
+    Returns:
+        (m, 3) points, and (m, k) values between those of the stations.
+    """
+    known = np.isfinite(place)
+    points = (frames.points + place[:, None] * frames.inward)[known]
+    values = values[known]
+    if frames.closed:
+        points, values = np.vstack([points, points[:1]]), np.vstack([values, values[:1]])
+    arc = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    curve = CubicSpline(arc, points, bc_type="periodic" if frames.closed else "not-a-knot")
+    fine = np.unique(np.concatenate([arc, np.linspace(0.0, arc[-1], FINER * len(arc))]))
+    columns = [np.interp(fine, arc, column) for column in values.T]
+    return np.asarray(curve(fine)), np.array(columns).T
+
+
+def nested_areas(
+    points: Array, area: Bools, tracks: Sequence[FrontTrack], places: Sequence[Array]
+) -> list[Bools]:
+    """Contact areas around the fronts of one, smallest first; each N nodes.
+
+    Args:
+        points: (N, 3) nodes of the contact.
+        area: (N,) nodes in contact.
+        tracks: its fronts.
+        places: for each front the places (n,) of its stations, inward from the reference; NaN where
+            they are not known.
+    """
+    inside = np.full(len(points), np.nan)
+    nearest = np.full(len(points), np.inf)
+    for track, place in zip(tracks, places, strict=True):
+        if np.count_nonzero(np.isfinite(place)) < FEWEST:
+            continue
+        distance, depth = _elements_inside(points, track, place)
+        closer = distance < nearest
+        inside[closer], nearest[closer] = depth[closer], distance[closer]
+    near = np.abs(inside) < BAND
+    borders = OUTSIDE + 0.5 - (np.arange(AREAS) + 0.5) / AREAS
+    return [np.where(near, inside > border, area) for border in borders]
+
+
+def _elements_inside(points: Array, track: FrontTrack, place: Array) -> tuple[Array, Array]:
+    """(N,) distances from a front, and (N,) how many elements inward; NaN where it is unknown."""
+    front, known = track.front, np.isfinite(place)
+    stations = front.frames.moved(np.where(known, place, 0.0)).points
+    unknown = ~known[cKDTree(stations).query(points)[1]]
+    values = np.column_stack([front.frames.inward, front.sizes])
+    line, values = finer(front.frames, place, values)
+    distance, row = cKDTree(line).query(points)
+    inward = values[row, :3] / np.linalg.norm(values[row, :3], axis=1)[:, None]
+    offset = points - line[row]
+    depth = np.einsum("nd,nd->n", offset, inward)
+    spacing = front.frames.length / len(place)
+    beyond = np.linalg.norm(offset - depth[:, None] * inward, axis=1) > BEYOND * spacing
+    return distance, np.where(beyond | unknown, np.nan, depth / values[row, 3])

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""K_N and the place of a front at stations of a solid, from the pressures around them.
+
+p = sqrt(t) (K_N + c_1 t + c_2 t^2 + ...), t the distance from the front, is fitted to moments of
+the pressure: its integrals with smooth bumps, which have their places one after the other from the
+front inward and fade out along it. Nodal values alternate about the truth next to a front, as the
+contact area ends at nodes. Moments see of it only that of second order of what elements carry about
+the front, one unknown more, which goes with the curvature of a bump there. Bumps of several widths
+and numbers, and several orders, are joined by ``average``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.sparse import csr_array
+
+from fretfe._typing import Array, Indices
+from fretfe.evaluate.numerics import average
+from fretfe.evaluate.space.sectors import Sector
+
+# Distances between bumps, in elements, and numbers of bumps: the windows of the fits.
+SPACINGS = (1.0, 1.5, 2.0, 3.0)
+COUNTS = (4, 5, 7, 10)
+WINDOWS = tuple((spacing, count) for spacing in SPACINGS for count in COUNTS)
+# Numbers of terms of the series.
+TERMS = (2, 3, 4)
+# A bump reaches over so many spacings to either side.
+REACH = 2
+# Scatter of a moment relative to it, times the distance of bumps in elements; more of the first
+# two, which hold the front.
+SCATTER, FIRST = 0.004, 0.01
+# Half-width of the 95 % interval over the estimated error, of the place and of K_N.
+INTERVALS = np.array([1.5, 1.7])
+# Error of K_N times the square of the number of elements over the half-width of the contact, or
+# over the length in which K_N makes the pressure. Rows of nodes along the front, as layers have
+# them, all end at the same place within an element, and no mean along the front tells: cylinders
+# with 5 to 13 elements are off by .7 to 1.0 of that, of either sign.
+COARSE = 1.0
+# Places of the front that moments are tabulated for, in spacings from the reference front.
+FARTHEST = 1.5
+ITERATIONS = 3
+# Nodes sample a bump well enough if they give its integral to so much.
+SAMPLED = 0.15
+
+
+@dataclass(frozen=True)
+class FrontFit:
+    """Fronts and K_N at n stations in T states; NaN, with infinite bars, where there is no fit.
+
+    Error bars are half the width of an interval that is meant to hold the truth with 95 %.
+
+    Attributes:
+        place: (T, n) distance of the front from the reference front, inward.
+        place_spread: (T, n) its error bar.
+        k_n: (T, n) stress over root of length.
+        k_n_spread: (T, n) its error bar.
+        length: (T, n) over which K_N makes the pressure: that of the Hertzian contact, of this
+            half-width, whose pressure falls behind K_N sqrt(t) as fast.
+    """
+
+    place: Array
+    place_spread: Array
+    k_n: Array
+    k_n_spread: Array
+    length: Array
+
+
+class FrontFitter:
+    """Fits of fronts at n stations, in any number of states.
+
+    Args:
+        sectors: nodes around each station.
+        weights: (N,) areas that belong to the nodes of the surface.
+        deepest: (n,) distances from the reference front as far as which bumps reach.
+        depth: (n,) half-widths of the contact along `inward`.
+    """
+
+    def __init__(
+        self, sectors: Sequence[Sector], weights: Array, deepest: Array, depth: Array
+    ) -> None:
+        self._count, self._depth = len(sectors), depth
+        self._sizes = np.array([sector.size for sector in sectors])
+        self._bends = np.array([sector.curvature for sector in sectors])
+        self._windows = [
+            _window(sectors, weights, deepest, spacing * self._sizes, count)
+            for spacing, count in WINDOWS
+        ]
+
+    def fit(self, pressure: Array) -> FrontFit:
+        """Fronts and K_N, (T, n) each, from the means around the nodes (T, N) in T states."""
+        shape = len(pressure), self._count
+        fits = np.full((2, *shape, len(WINDOWS), len(TERMS)), np.nan)
+        errors, misfits = np.full_like(fits, np.nan), np.ones_like(fits)
+        slopes = np.full(fits.shape[1:], np.nan)
+        for number, (stations, matrix) in enumerate(self._windows):
+            spacing, count = WINDOWS[number]
+            moments = (matrix @ pressure.T).T.reshape(len(pressure), -1, count)
+            states, rows = np.nonzero((moments > 0).all(axis=2))
+            if not len(rows):
+                continue
+            at, distances = stations[rows], spacing * self._sizes[stations[rows]]
+            # Lengths in spacings so far: those of places, and roots of those of K_N.
+            scale = np.array([distances, distances**-0.5])
+            for column, terms in enumerate(TERMS):
+                if count >= terms + 2:  # the place and the spread are unknown too
+                    found = _fit(moments[states, rows], self._bends[at] * distances, terms, spacing)
+                    fits[:, states, at, number, column] = found.values * scale
+                    errors[:, states, at, number, column] = found.errors * scale
+                    misfits[:, states, at, number, column] = found.misfit
+                    slopes[states, at, number, column] = found.slope / distances
+        shifts, intervals = np.zeros_like(fits), INTERVALS[:, None, None]
+        means, bars, shares = average(fits, errors, shifts, misfits, intervals)
+        # p = K_N sqrt(t) (1 - t/(4 a)) next to the edge of a Hertzian contact.
+        slope = np.abs(np.nansum(shares[1] * slopes[..., :-1], axis=(-2, -1)))
+        length = np.divide(0.25, slope, out=np.full_like(slope, np.inf), where=slope > 0)
+        coarse = COARSE * (self._sizes / np.minimum(length, self._depth)) ** 2 * means[1]
+        spread = np.where(np.isfinite(means[1]), np.hypot(bars[1], coarse), np.inf)
+        return FrontFit(means[0], bars[0], means[1], spread, length)
+
+
+def _window(
+    sectors: Sequence[Sector], weights: Array, deepest: Array, distances: Array, count: int
+) -> tuple[Indices, csr_array]:
+    """(m,) stations that have room for some bumps, and what gives their moments (m count, N)."""
+    stations: list[int] = []
+    parts, columns = [np.empty(0)], [np.empty(0, dtype=np.int64)]
+    lengths = [np.zeros(1, dtype=np.int64)]
+    for station, sector in enumerate(sectors):
+        if (count - 1 + REACH) * distances[station] > deepest[station]:
+            continue
+        bumps = _moments(sector, weights[sector.nodes], float(distances[station]), count)
+        if bumps is not None:
+            stations.append(station)
+            parts.append(bumps.ravel())
+            columns.append(np.tile(sector.nodes, count))
+            lengths.append(np.full(count, bumps.shape[1]))
+    rows = np.cumsum(np.concatenate(lengths))
+    shape = len(stations) * count, len(weights)
+    matrix = csr_array((np.concatenate(parts), np.concatenate(columns), rows), shape=shape)
+    return np.array(stations, dtype=np.int64), matrix
+
+
+def _moments(sector: Sector, weights: Array, distance: float, count: int) -> Array | None:
+    """(count, m) what gives the integrals with each bump over the width of the sector.
+
+    Of bumps at 0, 1, 2, ... distances from the reference front; None if the nodes do not sample
+    them.
+    """
+    area = weights * sector.fade / distance
+    bumps = _bump(sector.s / distance - np.arange(count)[:, None]) * area
+    # The width at the reference front.
+    width = bumps.sum(axis=1) / (1 - sector.curvature * distance * np.arange(count))
+    middle = np.median(width)
+    if not np.all(np.abs(width - middle) <= SAMPLED * middle) or not middle > 0:
+        return None
+    return np.asarray(bumps / width[:, None])
+
+
+def _bump(s: Array) -> Array:
+    """Cubic B-spline about 0, of integral 1 and reach 2."""
+    s = np.abs(s)
+    return np.where(s < 1, 2 / 3 - s**2 + s**3 / 2, np.maximum(2 - s, 0.0) ** 3 / 6)
+
+
+def _bump_curvature(s: Array) -> Array:
+    """Second derivative of `_bump`."""
+    s = np.abs(s)
+    return np.where(s < 1, 3 * s - 2, np.maximum(2 - s, 0.0))
+
+
+@dataclass(frozen=True)
+class _Fits:
+    """Fits to the moments of m stations, lengths in spacings; NaN where there is none.
+
+    Attributes:
+        values: (2, m) place and K_N.
+        errors: (2, m) their standard errors.
+        slope: (m,) c_1/K_N.
+        misfit: (m,) chi^2 over degrees of freedom.
+    """
+
+    values: Array
+    errors: Array
+    slope: Array
+    misfit: Array
+
+
+def _fit(moments: Array, curvature: Array, terms: int, spacing: float) -> _Fits:
+    """Fit a series to moments (m, count), the curvature of the front given (m,)."""
+    count, place = moments.shape[1], np.zeros(len(moments))
+    sigma = SCATTER / spacing * moments
+    sigma[:, :2] *= FIRST / SCATTER
+    target = moments / sigma
+    columns = [*range(terms), -1]
+    table, rates = (
+        lambda place, of=of: _model(of, place, curvature)[:, :count, columns] / sigma[..., None]
+        for of in _table()
+    )
+    coefficients = _least_squares(table(place), target)[0]
+    for _ in range(ITERATIONS):
+        moved = np.einsum("mnk,mk->mn", rates(place), coefficients)
+        jacobian = np.concatenate([table(place), moved[..., None]], axis=2)
+        solution, inverse = _least_squares(jacobian, target)
+        coefficients = solution[:, :-1]
+        place = np.clip(place + solution[:, -1], -FARTHEST, FARTHEST)
+    rest = target - np.einsum("mnk,mk->mn", table(place), coefficients)
+    found = (np.abs(place) < FARTHEST) & (coefficients[:, 0] > 0)
+    free = count - terms - 2
+    misfit = np.sum(rest**2, axis=1) / free if free else np.ones(len(moments))
+    values = np.where(found, [place, coefficients[:, 0]], np.nan)
+    errors = np.linalg.norm(inverse[:, [-1, 0]], axis=2).T
+    return _Fits(values, errors, coefficients[:, 1] / coefficients[:, 0], misfit)
+
+
+def _least_squares(matrix: Array, target: Array) -> tuple[Array, Array]:
+    """(m, k) solutions and (m, k, n) pseudo-inverses of m systems (m, n, k) of full rank."""
+    q, r = np.linalg.qr(matrix)
+    inverse = np.linalg.solve(r, q.swapaxes(1, 2))
+    return np.einsum("mkn,mn->mk", inverse, target), inverse
+
+
+def _model(table: CubicSpline, place: Array, curvature: Array) -> Array:
+    """(m, bumps, terms + 1) moments of sqrt(t) t^k, and of a spread, of fronts at places (m,)."""
+    flat, bend, at = table(place), curvature[:, None, None], place[:, None, None]
+    # Areas are those between curved lines: (1 - curvature s) ds, s = place + t.
+    curved = (1 - bend * at) * flat[..., :-2] - bend * flat[..., 1:-1]
+    return np.concatenate([curved, flat[..., -1:]], axis=2)
+
+
+@cache
+def _table() -> tuple[CubicSpline, CubicSpline]:
+    """Moments of sqrt(t) t^k over places of the front, and their rates.
+
+    Each gives (bumps, terms + 1) numbers; integrals over r with t = r^2, by Gauss's rule.
+    """
+    places = np.linspace(-FARTHEST - 0.1, FARTHEST + 0.1, 161)
+    powers, bumps = np.arange(max(TERMS) + 1), np.arange(max(COUNTS))
+    nodes, gauss = np.polynomial.legendre.leggauss(8)
+    # The bumps are polynomials between whole numbers.
+    values = np.zeros((len(places), len(bumps), len(powers) + 1))
+    for row, place in enumerate(places):
+        ends = np.append(place, np.arange(np.floor(place) + 1, max(COUNTS) + REACH + 1))
+        roots = np.sqrt(ends - place)
+        r = (roots[:-1, None] + np.diff(roots)[:, None] * (nodes + 1) / 2).ravel()
+        weight = (np.diff(roots)[:, None] * gauss / 2).ravel()
+        s = place + r**2
+        shapes = _bump(s - bumps[:, None])
+        values[row, :, :-1] = (shapes * weight) @ (2 * r[:, None] ** (2 + 2 * powers))
+        values[row, :, -1] = _bump_curvature(place - bumps)
+    table = CubicSpline(places, values)
+    return table, table.derivative()

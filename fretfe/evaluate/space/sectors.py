@@ -1,0 +1,324 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Sectors of solid contacts: the nodes around a station of a front, and the curves that fronts are.
+
+A sector has the nodes by their distance from the front and along it. The outline of a contact area
+runs between its nodes and those around it; the front is a smooth curve along it. Lengths are in the
+units of the case.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import BSpline, make_lsq_spline
+from scipy.spatial import cKDTree
+
+from fretfe._typing import Array, Bools, Indices
+from fretfe.surface.reference import edges_once
+
+CUBIC = 3
+# Nodes whose normals are averaged at a station.
+NORMALS = 6
+# Half of a sector's width along the front: in elements across it, and in elements along it, which
+# may be much longer. Two rows to either side sample a smooth weight.
+HALF_WIDTH = 8.0
+ROWS = 2.0
+# No wider than that part of the radius of curvature of the front.
+WIDEST = 0.7
+# Edges of elements around a station that are looked at, and the nearest of them, of each of the two
+# directions, whose median is the size of an element.
+AROUND, NEAREST = 200, 8
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Stations of a front in one state, n of them; vectors of unit length.
+
+    Attributes:
+        points: (n, 3) on the front.
+        inward: (n, 3) normal of the front in the tangent plane of the contact, into the contact.
+        along: (n, 3) tangent of the front, `across` x `inward`.
+        across: (n, 3) outward normal of body 2.
+        curvature: (n,) of the front in the tangent plane, positive where the contact is convex.
+        arc: (n,) distance along the front.
+        length: of the front.
+        closed: whether the front runs into itself.
+    """
+
+    points: Array
+    inward: Array
+    along: Array
+    across: Array
+    curvature: Array
+    arc: Array
+    length: float
+    closed: bool
+
+    @property
+    def to_end(self) -> Array:
+        """(n,) distance to the nearer end of an open front; infinite on a closed one."""
+        if self.closed:
+            return np.full(len(self.arc), np.inf)
+        return np.minimum(self.arc, self.length - self.arc)
+
+    def moved(self, inward: Array) -> Frames:
+        """Stations of a front that runs at distances inward (n,) from this one."""
+        return replace(
+            self,
+            points=self.points + inward[:, None] * self.inward,
+            curvature=self.curvature / (1 - self.curvature * inward),
+        )
+
+
+class FrontCurve:
+    """A smooth curve through points of a front, by least squares.
+
+    Args:
+        points: (m, 3) in order, the contact on the right when seen from outside body 2.
+        closed: whether the last point is followed by the first one.
+        pieces: number of polynomial pieces.
+    """
+
+    def __init__(self, points: Array, closed: bool, pieces: int) -> None:
+        self.closed = closed
+        rows = np.vstack([points, points[:1]]) if closed else points
+        place = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(rows, axis=0), axis=1)))
+        self._period = float(place[-1])
+        # A cubic goes through four points; fewer pieces than that follow from fewer points.
+        pieces = max(1, min(pieces, len(points) - CUBIC))
+        self._spline = _spline(place, rows, pieces, closed)
+
+    @property
+    def known(self) -> bool:
+        """True if there were enough points everywhere."""
+        return bool(np.isfinite(self._spline.c).all())
+
+    def at(self, count: int, normals: Normals) -> Frames:
+        """Frames at stations at an even spacing, those of an open front half of it from its ends.
+
+        Args:
+            count: number of stations.
+            normals: of the contact.
+        """
+        fine = np.linspace(0.0, self._period, 64 * count + 1)
+        steps = np.linalg.norm(np.diff(self._spline(fine), axis=0), axis=1)
+        arc = np.append(0.0, np.cumsum(steps))
+        wanted = (np.arange(count) + (0.0 if self.closed else 0.5)) / count * arc[-1]
+        place = np.interp(wanted, arc, fine)
+        points, first = self._spline(place), self._spline(place, 1)
+        second = self._spline(place, 2)
+        across = normals.at(points)
+        along = first - np.einsum("nd,nd->n", first, across)[:, None] * across
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        inward = np.cross(along, across)
+        bend = np.einsum("nd,nd->n", second, inward) / np.einsum("nd,nd->n", first, first)
+        return Frames(points, inward, along, across, bend, wanted, float(arc[-1]), self.closed)
+
+
+class Normals:
+    """Outward normals of body 2, averaged over a few nodes.
+
+    Args:
+        points: (N, 3) nodes.
+        frames: (N, 3, 3) rows: outward normal of body 2, tangents.
+    """
+
+    def __init__(self, points: Array, frames: Array) -> None:
+        self._tree = cKDTree(points)
+        self._normals = frames[:, 0]
+
+    def at(self, places: Array) -> Array:
+        """(n, 3) unit normals at places (n, 3)."""
+        distance, nodes = self._tree.query(places, k=NORMALS)
+        weights = 1 - (distance / (1.001 * distance[:, -1:])) ** 2
+        normals = np.einsum("nk,nkd->nd", weights, self._normals[nodes])
+        return np.asarray(normals / np.linalg.norm(normals, axis=1)[:, None])
+
+
+def _spline(place: Array, rows: Array, pieces: int, closed: bool) -> BSpline:
+    """Cubic spline with even pieces through rows (m, 3) at places (m,), by least squares."""
+    period = place[-1]
+    inner = np.linspace(0.0, period, pieces + 1)
+    if closed:  # three rounds: the middle one knows of no seam
+        turns = np.array([-period, 0.0, period])[:, None]
+        place, rows = (place[:-1] + turns).ravel(), np.concatenate([rows[:-1]] * 3)
+        inner = np.append((inner[:-1] + turns).ravel(), 2 * period)
+    # The ends of the knots are those of the points, and counted four times.
+    inner = inner[(inner > place[0]) & (inner < place[-1])]
+    first, last = ([end] * (CUBIC + 1) for end in (place[0], place[-1]))
+    return make_lsq_spline(place, rows, np.concatenate([first, inner, last]), CUBIC)
+
+
+@dataclass(frozen=True)
+class Outline:
+    """A line half-way between nodes in contact and nodes outside, one point for each edge crossed.
+
+    Attributes:
+        inside, outside: (n,) nodes at both ends of the edges, in order along the line, the contact
+            on its right when seen from outside body 2.
+        closed: whether the line runs into itself; an open one ends at the border of the surface.
+    """
+
+    inside: Indices
+    outside: Indices
+    closed: bool
+
+    def middles(self, points: Array) -> Array:
+        """(n, 3) middles of the edges, of nodes at points (N, 3)."""
+        return np.asarray((points[self.inside] + points[self.outside]) / 2)
+
+
+def outlines(facets: Indices, contact: Bools) -> tuple[Outline, ...]:
+    """Outlines of the nodes in contact (N,), longest first.
+
+    Args:
+        facets: (F, 3 or 4) nodes, counter-clockwise seen from outside body 2.
+        contact: (N,) nodes in contact.
+    """
+    following = _segments(_triangles(facets), contact)
+    lines = []
+    for first in sorted(set(following) - set(following.values())):
+        lines.append(_walk(following, first, closed=False))
+    while following:
+        lines.append(_walk(following, min(following), closed=True))
+    return tuple(sorted(lines, key=lambda line: -len(line.inside)))
+
+
+def _triangles(facets: Indices) -> Indices:
+    """(m, 3) facets, quadrilaterals cut in two."""
+    if facets.shape[1] == 3:
+        return facets
+    return np.concatenate([facets[:, [0, 1, 2]], facets[:, [0, 2, 3]]])
+
+
+# An edge from a node in contact to one outside.
+Edge = tuple[int, int]
+
+
+def _segments(triangles: Indices, contact: Bools) -> dict[Edge, Edge]:
+    """The crossed edge that follows each crossed edge, the contact on the right."""
+    following = {}
+    mixed = triangles[np.isin(contact[triangles].sum(axis=1), (1, 2))]
+    for triangle in mixed.tolist():
+        inside = [bool(contact[node]) for node in triangle]
+        odd = inside.index(inside.count(True) == 1)
+        alone, after, before = (triangle[(odd + turn) % 3] for turn in range(3))
+        if inside[odd]:  # round a node in contact, which stays on the right
+            following[alone, before] = (alone, after)
+        else:
+            following[after, alone] = (before, alone)
+    return following
+
+
+def _walk(following: dict[Edge, Edge], first: Edge, closed: bool) -> Outline:
+    """The line that begins at an edge; takes it out of `following`."""
+    edges, edge = [first], first
+    while edge in following:
+        edge = following.pop(edge)
+        edges.append(edge)
+    nodes = np.array(edges[:-1] if closed else edges, dtype=np.int64)
+    return Outline(nodes[:, 0], nodes[:, 1], closed)
+
+
+@dataclass(frozen=True)
+class Sector:
+    """Nodes around one station.
+
+    Attributes:
+        nodes: (m,) numbers of the nodes.
+        s: (m,) distances from the reference front inward, negative outside.
+        along: (m,) distances along it from the station, along its `along`.
+        fade: (m,) weights that fall from 1 at the station to 0 at both ends of the sector.
+        size: length of an element across the front.
+        along_size: length of an element along the front.
+        curvature: of the reference front.
+        half_width: of the sector, along the front.
+    """
+
+    nodes: Indices
+    s: Array
+    along: Array
+    fade: Array
+    size: float
+    along_size: float
+    curvature: float
+    half_width: float
+
+
+def coordinates(points: Array, frames: Frames, station: int) -> tuple[Array, Array, Array]:
+    """(m,) distances of points (m, 3) inward from a front, along it, and across it.
+
+    The front is taken as its circle of curvature, the surface as its tangent plane.
+    """
+    place = points - frames.points[station]
+    x, y = place @ frames.along[station], place @ frames.inward[station]
+    bend = frames.curvature[station]
+    # Distance from the circle, in a form that holds for a straight front too.
+    radius = np.hypot(bend * x, 1 - bend * y)
+    s = (2 * y - bend * (x**2 + y**2)) / (1 + radius)
+    angle = np.arctan2(bend * x, 1 - bend * y)
+    along = angle / bend if abs(bend) > 1e-12 else x
+    return s, along, place @ frames.across[station]
+
+
+class Sectors:
+    """Makes sectors of a contact surface.
+
+    Args:
+        points: (N, 3) nodes.
+        facets: (F, 3 or 4) of the surface.
+    """
+
+    def __init__(self, points: Array, facets: Indices) -> None:
+        self._points = points
+        self._tree = cKDTree(points)
+        self._edges = edges_once(facets)
+        self._middles = cKDTree(points[self._edges].mean(axis=1))
+
+    def sizes(self, frames: Frames, station: int) -> tuple[float, ...]:
+        """Length of the elements at a station across the front and along it.
+
+        Each is the median of the nearest edges that run more in this direction.
+        """
+        _, found = self._middles.query(frames.points[station], k=min(AROUND, len(self._edges)))
+        vectors = np.diff(self._points[self._edges[found]], axis=1)[:, 0]
+        across, along = (np.abs(vectors @ each[station]) for each in (frames.inward, frames.along))
+        # Of very long elements all edges around may run the same way.
+        sizes = _median(across[across >= along]), _median(along[along > across])
+        return tuple(np.where(np.isfinite(sizes), sizes, np.nanmax(sizes)).tolist())
+
+    def around(self, frames: Frames, station: int, depth: float) -> Sector:
+        """The sector of a station.
+
+        Args:
+            frames: stations of a reference front.
+            station: number of it.
+            depth: distance inward as far as which nodes count, and a bump more.
+        """
+        size, along_size = self.sizes(frames, station)
+        widest = WIDEST / max(abs(float(frames.curvature[station])), 1e-300)
+        wanted = max(HALF_WIDTH * size, ROWS * along_size)
+        half_width = max(min(wanted, widest), ROWS * along_size)
+        depth += 2 * size
+        radius = float(np.hypot(depth, half_width))
+        near = np.array(sorted(self._tree.query_ball_point(frames.points[station], 1.2 * radius)))
+        s, along, across = coordinates(self._points[near], frames, station)
+        inside: Bools = (np.abs(along) <= half_width) & (np.abs(s) <= depth)
+        inside &= np.abs(across) <= depth
+        fade = np.cos(np.pi / 2 * along[inside] / half_width) ** 2
+        return Sector(
+            nodes=near[inside],
+            s=s[inside],
+            along=along[inside],
+            fade=fade,
+            size=size,
+            along_size=along_size,
+            curvature=float(frames.curvature[station]),
+            half_width=half_width,
+        )
+
+
+def _median(lengths: Array) -> float:
+    """Median of the first few lengths; NaN without any."""
+    return float(np.median(lengths[:NEAREST])) if len(lengths) else np.nan

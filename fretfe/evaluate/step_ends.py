@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Reported states of a history whose steps were divided: those at the ends of the steps.
+
+Ranges, slip zones and friction work are those of all states, which have been evaluated before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from fretfe._typing import Array, Indices
+from fretfe.contact.division import LARGEST_MOVE, MOST_PARTS
+from fretfe.evaluate.contacts import ContactSummary, Front, SlipZone, Station
+from fretfe.evaluate.resultants import AreaSummary
+from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
+from fretfe.history.state_array import picked, summed
+
+# Histories (T, ...) of a station, of a contact in the plane and of one between solids.
+STATION = ("position", "position_spread", "k_n", "k_n_spread", "k_t", "k_s", "k_i")
+CONTACT = (
+    "normal_force", "shear_force", "moment", "centre", "half_width", "effective_tension",
+)  # fmt: skip
+AREA = (
+    "normal_force", "shear_force", "force", "centre", "moment", "contact_area", "stick_area",
+    "largest_pressure",
+)  # fmt: skip
+FIELDS = ("traction", "mean_traction", "gap", "slip", "status")
+
+
+def step_ends(solution: Solution) -> StepEnds | None:
+    """The ends of the steps of a solved history; None if there are no other states."""
+    return None if solution.step is None else StepEnds(solution.times, solution.ends)
+
+
+def at_step_ends(
+    solution: Solution, contacts: tuple[ContactSummary, ...]
+) -> tuple[Solution, tuple[ContactSummary, ...]]:
+    """A solved history and its evaluated contacts without the states within steps."""
+    ends = step_ends(solution)
+    if ends is None:
+        return solution, contacts
+    return ends.solution(solution), ends.contacts(solution, contacts)
+
+
+def division_notes(ends: Indices) -> tuple[str, ...]:
+    """Which of n steps were divided, in words.
+
+    Args:
+        ends: (n + 1,) states at their ends, the unloaded one first.
+    """
+    parts = np.diff(ends)
+    if not np.any(parts > 1):
+        return ()
+    divided = np.flatnonzero(parts > 1) + 1
+    fewest, most = parts[divided - 1].min(), parts.max()
+    number = f"{fewest}" if fewest == most else f"{fewest} to {most}"
+    limit = ", the most there may be" if most == MOST_PARTS else ""
+    return (
+        f"{len(divided)} of {len(parts)} steps, the first one step {divided[0]}, were solved in "
+        f"{number} parts{limit}: within them an edge moves by more than {LARGEST_MOVE:.0%} of the "
+        "half-width, or loads out of phase turn. Ranges, slip zones and friction work know the "
+        "states in between, tables and figures show the ends of the steps",
+    )
+
+
+class StepEnds:
+    """The ends of the steps among all states of a solved history.
+
+    Args:
+        times: (T,) of the states.
+        ends: (n + 1,) states at the ends of the n steps, the unloaded one first.
+    """
+
+    def __init__(self, times: Array, ends: Indices) -> None:
+        self._ends = ends
+        self._begins = np.append(0, ends[:-1] + 1)
+        # (T,) number of the step that ends nearest to each state.
+        self._step = np.searchsorted((times[ends][1:] + times[ends][:-1]) / 2, times)
+
+    def contacts(
+        self, solution: Solution, contacts: Sequence[ContactSummary]
+    ) -> tuple[ContactSummary, ...]:
+        """The contacts of a solution in the plane, but for patches that exist in no step's end."""
+        there = {history.name for history in self._lasting(solution)}
+        return tuple(self.contact(each) for each in contacts if each.name in there)
+
+    def contact(self, contact: ContactSummary) -> ContactSummary:
+        """A contact in the plane."""
+        fronts = self._fronts(contact.fronts)
+        return replace(contact, fronts=fronts, **self._histories(contact, CONTACT))
+
+    def area(self, area: AreaSummary) -> AreaSummary:
+        """A contact between solids."""
+        return replace(
+            area,
+            fronts=self._fronts(area.fronts),
+            work=np.add.reduceat(area.work, self._begins),
+            **self._histories(area, AREA),
+        )
+
+    def solution(self, solution: Solution) -> Solution:
+        """The arrays of the solved history."""
+        ends, begins = self._ends, self._begins
+        cycle = solution.cycle
+        return replace(
+            solution,
+            times=solution.times[ends],
+            values=solution.values[ends],
+            cycle=(int(self._step[cycle[0]]), int(self._step[cycle[1]])) if cycle else None,
+            amplitudes=solution.amplitudes[ends],
+            forces=solution.forces[ends],
+            driver_values=solution.driver_values[ends],
+            contacts=tuple(self._history(each) for each in self._lasting(solution)),
+            iterations=np.add.reduceat(solution.iterations, begins),
+            parts=np.add.reduceat(solution.parts, begins),
+            fallbacks=np.add.reduceat(solution.fallbacks, begins),
+            certificates={
+                name: np.maximum.reduceat(values, begins)
+                for name, values in solution.certificates.items()
+            },
+            between=None,
+            repeats=tuple(self._repeat(each) for each in solution.repeats),
+            step=None,
+        )
+
+    def _lasting(self, solution: Solution) -> tuple[ContactHistory, ...]:
+        """The contacts of a solution, but for patches that never exist at the end of a step."""
+        return tuple(each for each in solution.contacts if each.exists[self._ends].any())
+
+    def _histories(self, owner: object, names: Sequence[str]) -> dict[str, Any]:
+        return {name: getattr(owner, name)[self._ends] for name in names}
+
+    def _fronts(self, fronts: tuple[Front, ...]) -> tuple[Front, ...]:
+        return tuple(
+            replace(front, stations=tuple(self._station(each) for each in front.stations))
+            for front in fronts
+        )
+
+    def _station(self, station: Station) -> Station:
+        cycles = station.cycles
+        return replace(
+            station,
+            last=int(self._step[station.last]),
+            cycles=replace(cycles, start=self._step[cycles.start], end=self._step[cycles.end]),
+            slip_zones=self._zones(station.slip_zones),
+            **self._histories(station, STATION),
+        )
+
+    def _zones(self, zones: tuple[SlipZone, ...]) -> tuple[SlipZone, ...]:
+        """Slip zones from one end of a step to a later one."""
+        found = []
+        for zone in zones:
+            end = max(int(self._step[zone.end]), 1)
+            start = min(int(self._step[zone.start]), end - 1)
+            found.append(replace(zone, start=start, end=end))
+        return tuple(found)
+
+    def _repeat(self, repeat: Repeat) -> Repeat:
+        before = repeat.first - 1
+        first, last = int(self._step[before]), int(self._step[repeat.last])
+        return Repeat(first + 1, last, first - int(self._step[before - repeat.period]))
+
+    def _history(self, contact: ContactHistory) -> ContactHistory:
+        ends, units, integrals = self._ends, contact.full_stick, contact.integrals
+        # The areas that are left get numbers of their own.
+        areas = units.area[ends]
+        known = areas if integrals is None else np.append(areas, integrals.areas)
+        used = np.unique(known[known >= 0])
+        if integrals is not None:
+            integrals = replace(integrals, areas=np.searchsorted(used, integrals.areas))
+        return replace(
+            contact,
+            friction=contact.friction[ends],
+            dissipation=summed(contact.dissipation, ends),
+            full_stick=FullStickUnits(
+                picked(units.fields, used),
+                np.where(areas >= 0, np.searchsorted(used, areas), -1),
+            ),
+            integrals=integrals,
+            territory=None if contact.territory is None else contact.territory[ends],
+            **self._fields(contact),
+        )
+
+    def _fields(self, contact: ContactHistory) -> dict[str, Any]:
+        return {name: picked(getattr(contact, name), self._ends) for name in FIELDS}

@@ -1,0 +1,321 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Stress histories of both bodies next to a contact, and local parameters of fretting fatigue.
+
+They are those of the evaluated cycle or, under irregular loads, of the worst one. n is the number
+of states, N that of the nodes of the contact, D that of the depths.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from fretfe._typing import Array, Bools, Indices
+from fretfe.case import Body
+from fretfe.evaluate.contacts import ContactSummary, Station
+from fretfe.evaluate.critical_planes import (
+    Critical,
+    Parameter,
+    fatemi_socie,
+    find_critical,
+    smith_watson_topper,
+)
+from fretfe.evaluate.cycles import worst_path
+from fretfe.evaluate.slip import cycle_states
+from fretfe.history.solution import OPEN, ContactHistory, Solution
+from fretfe.history.state_array import blocks
+
+
+@dataclass(frozen=True)
+class BodyStress:
+    """Stress of one body below the nodes of a contact.
+
+    Attributes:
+        name: of the body.
+        points: (D, N, d) places before deformation; NaN where they are not in the body.
+        normals: (N, d) outward unit normals of the body, against which the depths are counted.
+        stress: (n, D, N, 4) xx, yy, zz, xy in the axes of the case [stress].
+    """
+
+    name: str
+    points: Array
+    normals: Array
+    stress: Array
+
+
+@dataclass(frozen=True)
+class EdgeStress:
+    """Stress along the surface of one body at one edge.
+
+    Attributes:
+        contact: name of the contact, or of one of its patches.
+        edge: "left" or "right".
+        body: name of the body.
+        value: (n,) sigma_t [stress]; NaN where it is not known.
+        spread: (n,) its error bar [stress].
+        reason: why it is known in no state; empty if it is in some.
+    """
+
+    contact: str
+    edge: str
+    body: str
+    value: Array
+    spread: Array
+    reason: str
+
+    @property
+    def largest(self) -> tuple[float, float]:
+        """The largest value and its error bar; NaN if none is known."""
+        if self.reason:
+            return np.nan, np.nan
+        at = int(np.nanargmax(self.value))
+        return float(self.value[at]), float(self.spread[at])
+
+
+@dataclass(frozen=True)
+class StressHistory:
+    """The surroundings of a contact through a cycle.
+
+    Attributes:
+        contact: name of the contact in the case.
+        depths: (D,) below the surfaces [length].
+        states: (n,) numbers of the states.
+        times: (n,) their times.
+        arc: (N,) place along the contact [length].
+        frames: (N, d, d) outward normal of body 2, tangent.
+        traction: (n, N, d) p and q, means around the nodes [stress].
+        slip: (n, N) of body 1 relative to body 2 [length].
+        status: (n, N) as of `ContactHistory`.
+        bodies: body 1 and body 2.
+        edges: of both bodies.
+    """
+
+    contact: str
+    depths: Array
+    states: Indices
+    times: Array
+    arc: Array
+    frames: Array
+    traction: Array
+    slip: Array
+    status: npt.NDArray[np.int8]
+    bodies: tuple[BodyStress, BodyStress]
+    edges: tuple[EdgeStress, ...]
+
+    def at(self, nodes: Indices) -> StressHistory:
+        """The same at some of the nodes (m,)."""
+        first, second = (
+            BodyStress(
+                each.name, each.points[:, nodes], each.normals[nodes], each.stress[:, :, nodes]
+            )
+            for each in self.bodies
+        )
+        return replace(
+            self,
+            arc=self.arc[nodes],
+            frames=self.frames[nodes],
+            traction=self.traction[:, nodes],
+            slip=self.slip[:, nodes],
+            status=self.status[:, nodes],
+            bodies=(first, second),
+        )
+
+
+def judged_states(solution: Solution, contacts: Sequence[ContactSummary]) -> Indices:
+    """(n,) states of the evaluated cycle, or of the whole history without one.
+
+    Where loads are irregular, those on the way through the worst counted cycle of all edges.
+    """
+    worst = worst_states(solution, contacts)
+    if len(worst):
+        return worst
+    first, last = solution.loads.evaluated
+    return np.arange(first, last + 1)
+
+
+def worst_states(solution: Solution, contacts: Sequence[ContactSummary]) -> Indices:
+    """(n,) states on the way through the worst counted cycle of the edges of some contacts.
+
+    Empty if the loads are regular.
+    """
+    histories = {each.name: each for each in solution.contacts}
+    irregular = [
+        (edge, histories[contact.name].friction)
+        for contact in contacts
+        for edge in contact.stations
+        if edge.cycles.irregular
+    ]
+    if not irregular:
+        return np.zeros(0, dtype=np.int64)
+    edge, friction = max(irregular, key=lambda each: largest_range(each[0]))
+    return worst_path(edge.cycles, cycle_states(solution.cycle), friction, edge)
+
+
+def largest_range(edge: Station) -> float:
+    """The range of the worst counted cycle of an edge."""
+    return float(edge.cycles.effective_range.max(initial=0.0))
+
+
+@dataclass(frozen=True)
+class StressParameters:
+    """Of one body at the N nodes of a contact and D depths below; NaN where it does not reach.
+
+    Attributes:
+        body: its name.
+        depths: (D,) [length].
+        largest_tension: (D, N) largest stress along the surface in the cycle [stress].
+        ruiz2: (N,) second parameter of Ruiz, Boddington and Chen (Exp. Mech. 24, 1984) at the
+            surface: the largest tension along it, zero if there is none, times the largest |q|
+            times the range of the slip [stress^2 length]. NaN without the depth 0.
+        swt: (D, N) Smith-Watson-Topper parameter [stress].
+        swt_normal: (D, N, 3) normal of its plane.
+        shear_strain: (D, N) largest amplitude of the shear strain on any plane [1].
+        fatemi_socie: (D, N) Fatemi-Socie parameter [1]; None without its two numbers.
+    """
+
+    body: str
+    depths: Array
+    largest_tension: Array
+    ruiz2: Array
+    swt: Array
+    swt_normal: Array
+    shear_strain: Array
+    fatemi_socie: Array | None
+
+
+def stress_parameters(
+    history: StressHistory,
+    number: int,
+    material: Body,
+    shear_numbers: tuple[float, float] | None = None,
+) -> StressParameters:
+    """Parameters of one of the two bodies of a contact.
+
+    Args:
+        history: the stress near the contact.
+        number: of the body, 0 or 1.
+        material: of that body.
+        shear_numbers: k and yield stress of Fatemi and Socie, if they are known.
+
+    Raises:
+        CaseError: as for `fatemi_socie`.
+    """
+    combined = fatemi_socie(*shear_numbers) if shear_numbers else None
+    body = history.bodies[number]
+    tension = _along_surface(body.stress, history.frames).max(axis=0)
+    normal = _critical(body.stress, material, smith_watson_topper)
+    shape = body.stress.shape[1:3]
+
+    def sheared(parameter: Parameter) -> Array:
+        return _critical(body.stress, material, parameter).value.reshape(shape)
+
+    return StressParameters(
+        body=body.name,
+        depths=history.depths,
+        largest_tension=tension,
+        ruiz2=_ruiz2(history, tension),
+        swt=normal.value.reshape(shape),
+        swt_normal=normal.normal.reshape(*shape, 3),
+        # Without the normal stress there is nothing to be weighted by the yield stress.
+        shear_strain=sheared(fatemi_socie(0.0, 1.0)),
+        fatemi_socie=sheared(combined) if combined else None,
+    )
+
+
+def _critical(stress: Array, material: Body, parameter: Parameter) -> Critical:
+    """Largest parameter at D * N points, of stresses (n, D, N, 4)."""
+    states, depths, nodes, own = stress.shape
+    tensors = np.zeros((states, depths * nodes, 6))
+    tensors[..., :own] = stress.reshape(states, depths * nodes, own)
+    return find_critical(tensors, material.young, material.poisson, parameter)
+
+
+def _along_surface(stress: Array, frames: Array) -> Array:
+    """(n, D, N) stress along the tangent of the contact, from (n, D, N, 4)."""
+    x, y = frames[:, 1].T
+    xx, yy, _, xy = np.moveaxis(stress, 3, 0)
+    return np.asarray(xx * x**2 + yy * y**2 + 2 * xy * x * y)
+
+
+def _ruiz2(history: StressHistory, tension: Array) -> Array:
+    at_surface = np.flatnonzero(history.depths == 0)
+    if not len(at_surface):
+        return np.full(len(history.arc), np.nan)
+    touched: Bools = history.status != OPEN
+    # The state before the first step belongs to the slip if the node is in contact after it.
+    touched[0] = touched[min(1, len(touched) - 1)]
+    slip = np.where(touched, history.slip, np.nan)
+    extent = np.nan_to_num(np.fmax.reduce(slip) - np.fmin.reduce(slip))
+    shear = np.abs(history.traction[..., 1]).max(axis=0)
+    return np.asarray(np.maximum(tension[at_surface[0]], 0.0) * shear * extent)
+
+
+@dataclass(frozen=True)
+class LocalParameters:
+    """Of each of the N nodes of a contact, in the units of the case; zero where nothing slips.
+
+    Attributes:
+        slip_range: (N,) delta, largest distance between two places of the slip while in contact
+            [length]. Its amplitude is half of that.
+        path: (N,) length of the way that slips under pressure in the cycle [length].
+        work: (N,) friction work per area in the cycle, the integral of q ds [force/length]. Its
+            integral over the contact is the friction work of the cycle.
+        pressed_path: (N,) integral of p |ds| [force/length]. Wear after Archard (1953): depth per
+            cycle = k times this, k the specific wear rate (volume per force and way).
+        ruiz: (N,) first parameter of Ruiz, Boddington and Chen (Exp. Mech. 24, 1984): largest |q|
+            in the cycle times `slip_range` [force/length].
+    """
+
+    slip_range: Array
+    path: Array
+    work: Array
+    pressed_path: Array
+    ruiz: Array
+
+
+def local_parameters(contact: ContactHistory, states: tuple[int, int]) -> LocalParameters:
+    """Local parameters between two states.
+
+    The traction in a step is the mean of that at its two ends, but for the friction work, which the
+    solver gives. The pressure and shear of a node are means over the length that belongs to it: at
+    an edge they are those of half an element.
+
+    Args:
+        contact: the contact; all states in between have to be kept.
+        states: first and last state.
+    """
+    first, last = states
+    count, directions = contact.slip.shape[1:]
+    path, pressed, work, shear = (np.zeros(count) for _ in range(4))
+    for part in blocks(last - first, count):
+        steps = slice(first + part.start, first + part.stop + 1)
+        traction = np.asarray(contact.mean_traction[steps])
+        inside = np.asarray(contact.status[steps])[1:] != OPEN
+        moved = inside * np.linalg.norm(np.diff(contact.slip[steps], axis=0), axis=2)
+        path += moved.sum(axis=0)
+        pressed += (moved * (traction[1:, :, 0] + traction[:-1, :, 0]) / 2).sum(axis=0)
+        work += np.asarray(contact.dissipation[steps])[1:].sum(axis=0) / contact.weights
+        shear = np.maximum(shear, np.linalg.norm(traction[..., 1:], axis=2).max(axis=0))
+    extent = np.zeros(count) if last == first else _extent(contact, states, directions)
+    return LocalParameters(extent, path, work, pressed, shear * extent)
+
+
+def _extent(contact: ContactHistory, states: tuple[int, int], directions: int) -> Array:
+    """(N,) largest distance between two places of the slip, of the states in contact."""
+    first, last = states
+    slip = np.asarray(contact.slip[first : last + 1])
+    touched = np.asarray(contact.status[first : last + 1]) != OPEN
+    # The state before the first step belongs to the slip if the node is in contact after it.
+    touched[0] = touched[1]
+    slip = np.where(touched[..., None], slip, np.nan)
+    found = np.zeros(slip.shape[1])
+    if directions == 1:
+        low, high = np.fmin.reduce(slip[..., 0]), np.fmax.reduce(slip[..., 0])
+        return np.nan_to_num(high - low)
+    for later in range(1, len(slip)):
+        distance = np.linalg.norm(slip[:later] - slip[later], axis=2)
+        found = np.fmax(found, np.fmax.reduce(distance))
+    return found

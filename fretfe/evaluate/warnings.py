@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Texts about an evaluated contact that a reader must know: unknown, uncertain, not steady."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from fretfe._typing import Array, Indices
+from fretfe.analytic.rainflow import reversals
+from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.cycles import unsteady_text
+from fretfe.evaluate.factors import WANTED_NODES
+from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
+from fretfe.evaluate.plane.pressure_fit import why_no_root
+from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches, main_patch, plane_front
+from fretfe.evaluate.resultants import ever_closed, never_touch
+from fretfe.evaluate.slip import cycle_states
+from fretfe.history.solution import ContactHistory, Solution
+from fretfe.history.state_array import blocks
+
+# Part of the range of K_T that may lie between the steps without a warning.
+LARGEST_STEPS = 0.02
+# Loads with fewer reversals, their first and last value included, have no cycles to be counted.
+FEWEST_TURNS = 5
+
+
+def warnings_about(
+    solution: Solution,
+    contact: ContactHistory,
+    stations: tuple[Station, ...],
+    changes: Sequence[float],
+) -> Iterator[str]:
+    """Warnings about a contact, most serious first.
+
+    Args:
+        solution: the solved history.
+        contact: one of its contacts.
+        stations: evaluated.
+        changes: of the shear over cycles, as of `cycle_changes`.
+    """
+    yield from _unknown(solution, contact, stations)
+    yield from _uncounted(solution, stations)
+    yield from _surfaces(contact)
+    yield from _patches(contact)
+    if unsteady := unsteady_text(changes):
+        yield unsteady
+    for station in stations:
+        yield from _uncertain(station)
+
+
+def _unknown(
+    solution: Solution, contact: ContactHistory, stations: tuple[Station, ...]
+) -> Iterator[str]:
+    """Factors that cannot be told, and why."""
+    states = cycle_states(solution.cycle)
+    states = states if len(states) else np.array([len(solution.times) - 1])
+    nodes = contact.nodes_pressed_in(states)
+    if not nodes.any():
+        yield from _parted(contact, states)
+        return
+    finer = WANTED_NODES / max(int(nodes.min()), 1)
+    existing = contact.exists[states]
+    shared = (
+        f"the patch exists in {np.count_nonzero(existing)} of the {len(states)} states of the cycle"
+        if not existing.all()
+        else f"{nodes.min()} nodes are in contact, {WANTED_NODES} are wanted at least: make the "
+        f"elements {math.ceil(2 * finer) / 2:g} times smaller"
+        if finer > 1
+        else ""
+    )
+    for station in stations:
+        unknown = contact.exists[station.last] and not math.isfinite(station.last_k_n[0])
+        missing = ["K_N"] if unknown else []
+        # A range without a bar is not told either, if the edge is not known in some state.
+        located = bool(np.isfinite(station.position[states]).all())
+        known = math.isfinite(station.k_t_range) and (
+            located or math.isfinite(station.k_range_spread)
+        )
+        if len(cycle_states(solution.cycle)) and not known:
+            missing.append("ΔK_T")
+        if missing:
+            reason = shared or _no_root(contact, station, states)
+            yield f"{' and '.join(missing)} at the {station.front} edge: unknown, because {reason}"
+
+
+def _parted(contact: ContactHistory, states: Indices) -> Iterator[str]:
+    """A contact that has carried something, but nothing in the states that count."""
+    if not contact.pressed_nodes.any():
+        return  # it never touches, which is told by itself
+    gap = min(float(contact.gap[state].min()) for state in states)
+    which = "in the evaluated cycle" if len(states) > 1 else "at the end"
+    yield (
+        f"the bodies do not touch {which}: the contact carries no force there, and has no edges; "
+        f"the smallest gap is {gap:.3g}. Check the signs and sizes of the loads that should press "
+        "them together"
+    )
+
+
+def _no_root(contact: ContactHistory, station: Station, states: Indices) -> str:
+    """Reason why K_N, or else something behind it, is not known in one of the states."""
+    unknown = states[~np.isfinite(station.k_n[states])]
+    if not len(unknown):
+        return "the tractions of full stick cannot be told next to the edge: refine the mesh there"
+    pressure = contact.traction[unknown[-1], :, 0]
+    patch = main_patch(contact.arc, pressure)
+    return why_no_root(contact.arc, pressure, patch, plane_front(station.front))
+
+
+def _uncounted(solution: Solution, stations: tuple[Station, ...]) -> Iterator[str]:
+    """Irregular loads without a cycle whose cycles cannot be counted, and why."""
+    if solution.cycle is not None:
+        return
+    turns = max((len(reversals(each)) for each in solution.values.T), default=0)
+    for station in stations:
+        known = np.isfinite(station.k_t)
+        if turns >= FEWEST_TURNS and not station.cycles.count.size and not known.all():
+            yield f"cycles at the {station.front} edge are not counted: {station.cycles.reason}"
+
+
+def _patches(contact: ContactHistory) -> Iterator[str]:
+    """The fate of a patch, and nodes that belong to it but lie apart."""
+    if contact.fate:
+        yield (
+            f"not there all the time, as one of several patches of {contact.pair!r}: it "
+            f"{'; it '.join(contact.fate)}. It has edges only where it exists, and K_T and K_I "
+            "begin anew whenever it appears"
+        )
+    shares = []
+    for states in blocks(len(contact.traction), contact.traction[0].size):
+        pressure = contact.traction[states, :, 0]
+        borders = np.diff(pressure > 0, axis=1, prepend=False, append=False)
+        apart = np.count_nonzero(borders, axis=1) > 2
+        shares += [_main_share(contact.arc, state) for state in pressure[apart]]
+    several = [share for share in shares if share < 1 - SMALLEST_PATCH]
+    if several:
+        yield (
+            f"in {len(several)} of {len(contact.traction) - 1} states up to {1 - min(several):.1%} "
+            "of P is on single nodes apart from the patch, too few for edges of their own: make "
+            "the elements smaller there"
+        )
+
+
+def _main_share(arc: Array, pressure: Array) -> float:
+    patches = contact_patches(arc, np.maximum(pressure, 0.0))
+    forces = [patch.force for patch in patches]
+    return max(forces) / sum(forces) if forces else 1.0
+
+
+def _surfaces(contact: ContactHistory) -> Iterator[str]:
+    """Surfaces that never touch, or end where they are in contact."""
+    closed, smallest = ever_closed(contact)
+    if not closed.any():
+        yield never_touch(smallest)
+    for front in PLANE_FRONTS:
+        if front.from_front(closed)[0]:
+            yield (
+                f"the contact reaches the {front.name} end of its surface: extend the physical "
+                "group; the edge found there is not a true contact edge"
+            )
+
+
+def _uncertain(station: Station) -> Iterator[str]:
+    """Numbers of a station that the mesh or the steps leave open."""
+    if station.uncertain:
+        yield (
+            f"K_N at the {station.front} edge is {station.last_k_n[0]:.3g} ± "
+            f"{station.last_k_n[1]:.2g}: refine the mesh at this edge"
+        )
+    steps = station.k_range_parts.steps
+    if steps > LARGEST_STEPS * station.k_t_range:
+        yield (
+            f"the range of K_T at the {station.front} edge may be {steps / station.k_t_range:.1%} "
+            "off by what happens between the steps: take more steps per cycle"
+        )
+    if any(zone.gross for zone in station.slip_zones[-2:]):
+        irregular = station.cycles.irregular
+        which = "in the worst counted cycle" if irregular else "in the last half cycles"
+        yield f"gross slip {which} ({station.front} edge)"
+    elif any(not zone.resolved for zone in station.slip_zones[-2:]):
+        yield f"the {station.front} slip zone is not resolved by the mesh"

@@ -1,0 +1,439 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Cells of Gmsh: types and shapes, node orders of other programs, orientation, facets, angles."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from itertools import product
+from types import MappingProxyType
+
+import numpy as np
+
+from fretfe._typing import Array, Bools, Indices
+from fretfe.mesh.gmsh import ElementBlock, RawMesh
+
+# Reference coordinates of the corners.
+_SQUARE = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+_PLACES: dict[str, tuple[tuple[int, ...], ...]] = {
+    "line": ((-1,), (1,)),
+    "triangle": ((0, 0), (1, 0), (0, 1)),
+    "quadrilateral": _SQUARE,
+    "tetrahedron": ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    "hexahedron": tuple((x, y, z) for z in (-1, 1) for x, y in _SQUARE),
+}
+CORNERS = {cell: len(places) for cell, places in _PLACES.items()}
+PLURALS = {
+    "triangle": "triangles",
+    "quadrilateral": "quadrilaterals",
+    "tetrahedron": "tetrahedra",
+    "hexahedron": "hexahedra",
+}
+SIMPLICES = ("line", "triangle", "tetrahedron")
+# The corners around each node that order 2 adds.
+MIDDLES: dict[str, tuple[tuple[int, ...], ...]] = {
+    "line": ((0, 1),),
+    "triangle": ((0, 1), (1, 2), (2, 0)),
+    "quadrilateral": ((0, 1), (1, 2), (2, 3), (3, 0), (0, 1, 2, 3)),
+    "tetrahedron": ((0, 1), (1, 2), (2, 0), (3, 0), (2, 3), (1, 3)),
+    "hexahedron": (
+        *((0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3)),
+        *((2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7)),
+        *((0, 3, 2, 1), (0, 1, 5, 4), (0, 4, 7, 3), (1, 2, 6, 5), (2, 3, 7, 6), (4, 5, 6, 7)),
+        tuple(range(8)),
+    ),
+}
+# Corners of the facets, seen from outside the cell.
+FACETS: dict[str, tuple[tuple[int, ...], ...]] = {
+    "triangle": ((0, 1), (1, 2), (2, 0)),
+    "quadrilateral": ((0, 1), (1, 2), (2, 3), (3, 0)),
+    "tetrahedron": ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)),
+    "hexahedron": MIDDLES["hexahedron"][12:18],
+}
+FACET_SHAPES = {
+    "triangle": "line",
+    "quadrilateral": "line",
+    "tetrahedron": "triangle",
+    "hexahedron": "quadrilateral",
+}
+# Gauss points along each direction of a facet for its length or area.
+GAUSS_POINTS = 3
+# Steps to the nearest place of a curved facet.
+NEWTON_STEPS = 6
+# Shape and polynomial order of the elements that bodies and boundaries may have.
+ELEMENTS = MappingProxyType(
+    {
+        1: ("line", 1),
+        8: ("line", 2),
+        2: ("triangle", 1),
+        9: ("triangle", 2),
+        3: ("quadrilateral", 1),
+        10: ("quadrilateral", 2),
+        4: ("tetrahedron", 1),
+        11: ("tetrahedron", 2),
+        5: ("hexahedron", 1),
+        12: ("hexahedron", 2),
+    }
+)
+NUMBERS = MappingProxyType({kind: number for number, kind in ELEMENTS.items()})
+SHAPE_DIMENSIONS = MappingProxyType(
+    {"line": 1, "triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 3}
+)
+# Nodes on their edges only: elements of order 2 without the nodes inside.
+SERENDIPITY_QUADRILATERAL, SERENDIPITY_HEXAHEDRON = 16, 17
+# Names of others that users meet, for messages.
+UNSUPPORTED = MappingProxyType(
+    dict.fromkeys((6, 13, 18), "prisms") | dict.fromkeys((7, 14, 19), "pyramids")
+)
+# The corners around each node that follows the corners (VTK file formats; Abaqus has no 27th).
+VTK_MIDDLES = MappingProxyType(
+    {
+        "tetrahedron": ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
+        "hexahedron": (
+            *((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4)),
+            *((0, 4), (1, 5), (2, 6), (3, 7)),
+            *((0, 3, 4, 7), (1, 2, 5, 6), (0, 1, 4, 5), (2, 3, 6, 7), (0, 1, 2, 3), (4, 5, 6, 7)),
+            tuple(range(8)),
+        ),
+    }
+)
+# Shapes of the Gmsh types whose orders differ.
+DIFFERENT = MappingProxyType(
+    {
+        NUMBERS["tetrahedron", 2]: "tetrahedron",
+        NUMBERS["hexahedron", 2]: "hexahedron",
+        SERENDIPITY_HEXAHEDRON: "hexahedron",
+    }
+)
+# The shape functions of corners and of mid-side nodes at the centre of a quadrilateral and of a
+# hexahedron.
+AT_CENTRE = {
+    SERENDIPITY_QUADRILATERAL: np.array([-1 / 4] * 4 + [1 / 2] * 4),
+    SERENDIPITY_HEXAHEDRON: np.array([-1 / 4] * 8 + [1 / 4] * 12),
+}
+
+
+def reference_nodes(cell: str, order: int) -> Array:
+    """(k, d) reference coordinates of the nodes."""
+    corners = np.array(_PLACES[cell], dtype=float)
+    added = [corners[list(around)].mean(axis=0) for around in MIDDLES[cell]]
+    return np.vstack([corners, *added]) if order == 2 else corners
+
+
+def jacobian_determinants(points: Array, cells: Indices, cell: str, order: int) -> Array:
+    """Determinant of the map from the reference cell at each node of each cell: (m, k)."""
+    slopes = _slopes(cell, order, reference_nodes(cell, order))
+    jacobian = np.einsum("qak,mkd->mqad", slopes, points[cells], optimize=True)
+    xi, eta = jacobian[..., 0, :], jacobian[..., 1, :]
+    if jacobian.shape[2] == 2:
+        return xi[..., 0] * eta[..., 1] - xi[..., 1] * eta[..., 0]
+    return np.sum(np.cross(xi, eta) * jacobian[..., 2, :], axis=-1)
+
+
+def _slopes(cell: str, order: int, at: Array) -> Array:
+    """Gradients (q, d, k) of the k Lagrange functions at places (q, d), from monomials."""
+    powers = _powers(cell, order)
+    columns = [
+        powers[:, axis] * _monomials(at, np.maximum(powers - np.eye(at.shape[1])[axis], 0))
+        for axis in range(at.shape[1])
+    ]
+    return np.stack([column @ _coefficients(cell, order) for column in columns], axis=1)
+
+
+@functools.cache
+def _coefficients(cell: str, order: int) -> Array:
+    """(k, k) coefficients of the Lagrange functions (columns) of the monomials (rows)."""
+    return np.linalg.inv(_monomials(reference_nodes(cell, order), _powers(cell, order)))
+
+
+def _powers(cell: str, order: int) -> Array:
+    """(k, d) powers of the reference coordinates in the monomials of a cell."""
+    powers = np.array(list(product(range(order + 1), repeat=len(_PLACES[cell][0]))), dtype=float)
+    return powers[powers.sum(axis=1) <= order] if cell in SIMPLICES else powers
+
+
+def _monomials(at: Array, powers: Array) -> Array:
+    """(q, k) monomials at places (q, d)."""
+    return np.prod(at[:, None] ** powers, axis=2)
+
+
+def positive_cells(points: Array, cells: Indices, cell: str, order: int) -> tuple[Indices, Indices]:
+    """The cells with their nodes reversed where they ran backwards, and the indices of bad cells.
+
+    Plane cells run counter-clockwise then. A cell is bad when its Jacobian determinant changes sign
+    or vanishes at one of its nodes: no numbering of its nodes makes it a valid element.
+    """
+    determinants = jacobian_determinants(points, cells, cell, order)
+    backwards = determinants.sum(axis=1) < 0
+    bad = np.where(backwards, -determinants.max(axis=1), determinants.min(axis=1)) <= 0
+    reversed_cells = cells[:, reversal(cell, order)]
+    return np.where(backwards[:, None], reversed_cells, cells), np.flatnonzero(bad)
+
+
+@functools.cache
+def reversal(cell: str, order: int) -> Indices:
+    """(k,) the nodes of a cell in the order of its mirror image, or of a facet from behind."""
+    nodes = reference_nodes(cell, order)
+    mirrored = nodes.copy()
+    mirrored[:, [0, 1]] = nodes[:, [1, 0]]
+    return np.linalg.norm(mirrored[:, None] - nodes, axis=2).argmin(axis=1)
+
+
+def facet_node_count(cell: str, order: int) -> int:
+    """Number of nodes of each facet of a cell."""
+    return int(_facet_places(cell, order).shape[1])
+
+
+def directed_facets(cells: Indices, cell: str, order: int) -> Indices:
+    """All facets (m * facets, k) of the cells as these run round them, in Gmsh node order."""
+    places = _facet_places(cell, order)
+    return cells[:, places].reshape(-1, places.shape[1])
+
+
+@functools.cache
+def _facet_places(cell: str, order: int) -> Indices:
+    """(facets, k) places of the nodes of each facet among those of its cell."""
+    rows = [list(corners) for corners in FACETS[cell]]
+    if order == 2:
+        numbers = {frozenset(around): i for i, around in enumerate(MIDDLES[cell], CORNERS[cell])}
+        middles = MIDDLES[FACET_SHAPES[cell]]
+        for row, corners in zip(rows, FACETS[cell], strict=True):
+            row += [numbers[frozenset(corners[i] for i in around)] for around in middles]
+    return np.array(rows)
+
+
+def exterior_facets(facets: Indices, shape: str) -> tuple[Indices, Indices]:
+    """Facets (f, k) that only one cell has, and corners of those that are run along twice.
+
+    In a valid mesh two neighbours run along their common facet in opposite senses, so the second
+    array is empty; it is not where cells overlap or fold over.
+    """
+    corners = facets[:, : CORNERS[shape]]
+    if shape == "line":
+        forward, back = corners, corners[:, ::-1]
+    else:
+        # from the smallest number on, a facet is known by it and by its two neighbours
+        first = corners.argmin(axis=1)
+        rolled = corners[
+            np.arange(len(corners))[:, None], (first[:, None] + [0, 1, -1]) % corners.shape[1]
+        ]
+        forward, back = rolled, rolled[:, [0, 2, 1]]
+    forward_keys, back_keys = np.split(row_keys(np.concatenate([forward, back])), 2)
+    ordered, places, counts = np.unique(forward_keys, return_index=True, return_counts=True)
+    exterior = ~_contains(ordered, back_keys)
+    return facets[exterior], corners[places[counts > 1]]
+
+
+def row_keys(rows: Indices) -> Indices:
+    """(n,) one number for each row of indices (n, k), the same for equal rows; sorted like them."""
+    count = int(rows.max(initial=0)) + 1
+    keys = rows[:, 0].astype(np.int64)
+    most = count
+    for column in rows.T[1:]:
+        if most > np.iinfo(np.int64).max // count:
+            # numbers of the rows so far, so that products stay below the largest integer
+            keys, most = np.unique(keys, return_inverse=True)[1], len(keys)
+        keys = keys * count + column
+        most *= count
+    return keys
+
+
+def _contains(ordered: Indices, values: Indices) -> Bools:
+    """For each value, whether it occurs in a sorted array."""
+    places = np.minimum(np.searchsorted(ordered, values), len(ordered) - 1)
+    return ordered[places] == values
+
+
+def smallest_angle(points: Array, cells: Indices, cell: str) -> float:
+    """Smallest corner angle of plane cells, dihedral angle of solid ones, in degrees.
+
+    Edges count as straight; in a hexahedron the angles are those at the ends of each edge.
+    """
+    corners = points[cells[:, : CORNERS[cell]]]
+    arms = corners[:, _neighbours(cell)] - corners[:, :, None]
+    if points.shape[1] == 3:
+        # normals of the planes through each arm of a corner and the two others
+        along, others = arms, np.stack([arms[:, :, [1, 2, 0]], arms[:, :, [2, 0, 1]]])
+        first, second = np.cross(along, others)
+    else:
+        first, second = arms[:, :, 0], arms[:, :, 1]
+    lengths = np.linalg.norm(first, axis=-1) * np.linalg.norm(second, axis=-1)
+    cosine = np.sum(first * second, axis=-1) / lengths
+    return float(np.degrees(np.arccos(np.clip(cosine.max(), -1.0, 1.0))))
+
+
+@functools.cache
+def _neighbours(cell: str) -> Indices:
+    """(corners, d) the corners that each corner of a cell has edges to."""
+    found: list[list[int]] = [[] for _ in _PLACES[cell]]
+    for ends in MIDDLES[cell]:
+        if len(ends) == 2:
+            found[ends[0]].append(ends[1])
+            found[ends[1]].append(ends[0])
+    return np.array(found)
+
+
+def shortest_edges(points: Array, facets: Indices, shape: str) -> Array:
+    """(f,) length of the shortest straight edge of facets (f, k)."""
+    ends = points[facets[:, : CORNERS[shape]]]
+    return np.asarray(np.linalg.norm(np.roll(ends, -1, axis=1) - ends, axis=2).min(axis=1))
+
+
+def facet_measures(points: Array, facets: Indices) -> Array:
+    """Lengths (f,) of facets between points (n, 2), areas of those between points (n, 3).
+
+    Curved ones by three Gauss points along each direction: the error of a length is below 1e-6 for
+    an arc of 30 degrees.
+    """
+    shape, order = facet_kind(points.shape[1], facets.shape[1])
+    at, weights = _quadrature(shape)
+    tangents = np.einsum("qak,fkd->fqad", _slopes(shape, order, at), points[facets])
+    if shape == "line":
+        return np.linalg.norm(tangents[:, :, 0], axis=2) @ weights
+    normals = np.cross(tangents[:, :, 0], tangents[:, :, 1])
+    return np.linalg.norm(normals, axis=2) @ weights
+
+
+def facet_kind(dimension: int, count: int) -> tuple[str, int]:
+    """Shape and order of the facets with a number of nodes, in the plane or in space."""
+    if dimension == 2:
+        return "line", count - 1
+    return {3: ("triangle", 1), 6: ("triangle", 2), 4: ("quadrilateral", 1)}.get(
+        count, ("quadrilateral", 2)
+    )
+
+
+def facet_feet(points: Array, facets: Indices, targets: Array) -> tuple[Array, Array]:
+    """Places on facets (f, k) that are nearest to targets (f, d), and unit normals outward there.
+
+    Both are (f, d). Curved facets by a few Gauss-Newton steps from their centres.
+    """
+    shape, order = facet_kind(points.shape[1], facets.shape[1])
+    nodes = points[facets]
+    lowest, highest = (0.0, 1.0) if shape == "triangle" else (-1.0, 1.0)
+    at = np.full((len(facets), points.shape[1] - 1), 1 / 3 if shape == "triangle" else 0.0)
+    for _ in range(NEWTON_STEPS):
+        tangents = np.einsum("fak,fkd->fad", _slopes(shape, order, at), nodes)
+        off = targets - _places(shape, order, at, nodes)
+        gram = np.einsum("fad,fbd->fab", tangents, tangents)
+        step = np.linalg.solve(gram, np.einsum("fad,fd->fa", tangents, off)[..., None])[..., 0]
+        at = np.clip(at + step, lowest, highest)
+        if shape == "triangle":
+            at /= np.maximum(at.sum(axis=1), 1.0)[:, None]
+    tangents = np.einsum("fak,fkd->fad", _slopes(shape, order, at), nodes)
+    if shape == "line":
+        normals = np.stack([tangents[:, 0, 1], -tangents[:, 0, 0]], axis=1)
+    else:
+        normals = np.cross(tangents[:, 0], tangents[:, 1])
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    return _places(shape, order, at, nodes), normals
+
+
+def _places(shape: str, order: int, at: Array, nodes: Array) -> Array:
+    """(f, d) places of reference coordinates (f, a) on facets with nodes (f, k, d)."""
+    values = _monomials(at, _powers(shape, order)) @ _coefficients(shape, order)
+    return np.asarray(np.einsum("fk,fkd->fd", values, nodes))
+
+
+@functools.cache
+def _quadrature(shape: str) -> tuple[Array, Array]:
+    """Gauss points (q, d) and weights (q,) on a reference facet.
+
+    The rule of the triangle is that of the square, folded along one of its sides.
+    """
+    places, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+    if shape == "line":
+        return places[:, None], weights
+    at = np.array(list(product(places, repeat=2)))
+    products = np.outer(weights, weights).ravel()
+    if shape == "quadrilateral":
+        return at, products
+    at = (at + 1) / 2
+    height = 1 - at[:, 0]
+    return np.stack([at[:, 0], at[:, 1] * height], axis=1), products / 4 * height
+
+
+def in_gmsh_order(gmsh_type: int, nodes: Indices) -> Indices:
+    """Cells (m, k) of a Gmsh type whose nodes are in VTK's order, in Gmsh's."""
+    if gmsh_type not in DIFFERENT:
+        return nodes
+    return nodes[:, _reordered(DIFFERENT[gmsh_type], nodes.shape[1])]
+
+
+@functools.cache
+def _reordered(shape: str, count: int) -> Indices:
+    """(k,) places in VTK's order of the nodes in Gmsh's."""
+    corners = CORNERS[shape]
+    found = {frozenset(around): i for i, around in enumerate(VTK_MIDDLES[shape], corners)}
+    middles = MIDDLES[shape][: count - corners]
+    return np.array([*range(corners), *(found[frozenset(around)] for around in middles)])
+
+
+def complete(raw: RawMesh) -> RawMesh:
+    """The mesh with nodes inside all cells and facets that have them on their edges only."""
+    centres = _Centres(raw.points)
+    bodies, boundaries = (
+        {name: [centres.completed(block) for block in blocks] for name, blocks in groups.items()}
+        for groups in (raw.bodies, raw.boundaries)
+    )
+    return replace(raw, points=centres.all_points(), bodies=bodies, boundaries=boundaries)
+
+
+class _Centres:
+    """Nodes that are added to a mesh; cells with a face in common share its centre."""
+
+    def __init__(self, points: Array) -> None:
+        self._points = points
+        self._added: list[Array] = []
+        self._count = len(points)
+        self._of_faces: dict[frozenset[int], int] = {}
+
+    def all_points(self) -> Array:
+        """(n + added, 3) coordinates."""
+        return np.vstack([self._points, *self._added])
+
+    def completed(self, block: ElementBlock) -> ElementBlock:
+        """The elements with all their nodes, if they are of a kind that lacks some."""
+        kind, nodes = block.gmsh_type, block.nodes
+        if kind == SERENDIPITY_QUADRILATERAL:
+            return ElementBlock(NUMBERS["quadrilateral", 2], self._with_centres(nodes))
+        if kind != SERENDIPITY_HEXAHEDRON:
+            return block
+        faces = [self._with_centres(nodes[:, list(face)])[:, 8:] for face in _faces()]
+        own = self._numbers(np.einsum("k,mkd->md", AT_CENTRE[kind], self._points[nodes]))
+        return ElementBlock(NUMBERS["hexahedron", 2], np.column_stack([nodes, *faces, own]))
+
+    def _with_centres(self, nodes: Indices) -> Indices:
+        """(f, 9) nodes of quadrilaterals (f, 8); a face that is known has its centre already."""
+        keys = [frozenset(corners) for corners in nodes[:, :4].tolist()]
+        new = [number for number, key in enumerate(keys) if key not in self._of_faces]
+        places = np.einsum(
+            "k,fkd->fd", AT_CENTRE[SERENDIPITY_QUADRILATERAL], self._points[nodes[new]]
+        )
+        for number, centre in zip(new, self._numbers(places).tolist(), strict=True):
+            self._of_faces[keys[number]] = centre
+        return np.column_stack([nodes, [self._of_faces[key] for key in keys]])
+
+    def _numbers(self, places: Array) -> Indices:
+        """Numbers (k,) of new nodes at places (k, 3)."""
+        self._added.append(places)
+        self._count += len(places)
+        return np.arange(self._count - len(places), self._count)
+
+
+def _faces() -> Iterator[tuple[int, ...]]:
+    """Places of the eight nodes of each face among the 20 of a hexahedron."""
+    edges = {frozenset(ends): i for i, ends in enumerate(MIDDLES["hexahedron"][:12], 8)}
+    for corners in FACETS["hexahedron"]:
+        ahead = (*corners[1:], corners[0])
+        yield *corners, *(edges[frozenset(pair)] for pair in zip(corners, ahead, strict=True))
+
+
+def stacked(blocks: Iterable[ElementBlock]) -> list[ElementBlock]:
+    """One block for each type of element."""
+    types: dict[int, list[Indices]] = {}
+    for block in blocks:
+        if len(block.nodes):
+            types.setdefault(block.gmsh_type, []).append(block.nodes)
+    return [ElementBlock(kind, np.concatenate(nodes)) for kind, nodes in types.items()]

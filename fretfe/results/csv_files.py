@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Stations of the fronts of solids, and counted cycles of plane edges, as CSV files."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Iterator
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.verdicts import last_verdict, withheld
+from fretfe.results.model import Result
+
+CYCLES = "cycles.csv"
+STATIONS = "stations.csv"
+AXES = "xyz"
+
+
+def write_cycles(path: Path, result: Result) -> None:
+    """Write the cycles; if the loads are regular there is no file."""
+    edges = [edge for contact in result.contacts for edge in contact.stations]
+    irregular = any(edge.cycles.irregular for edge in edges)
+    _write(path, cycle_records(result) if irregular else ())
+
+
+def cycle_records(result: Result) -> Iterator[dict[str, Any]]:
+    """Texts and numbers of every counted cycle, by name; numbers that do not exist are NaN."""
+    times = result.loads.times
+    for contact in result.contacts:
+        for edge in contact.stations:
+            cycles = edge.cycles
+            for number, (start, end) in enumerate(zip(cycles.start, cycles.end, strict=True)):
+                yield {
+                    "contact": contact.name,
+                    "edge": edge.front,
+                    "start": int(start),
+                    "end": int(end),
+                    "start_time": float(times[start]),
+                    "end_time": float(times[end]),
+                    "count": float(cycles.count[number]),
+                    "k_t_start": float(edge.k_t[start]),
+                    "k_t_end": float(edge.k_t[end]),
+                    "k_t_range": float(cycles.k_t_range[number]),
+                    "k_t_mean": float(cycles.k_t_mean[number]),
+                    "effective_range": float(cycles.effective_range[number]),
+                    "slip": float(cycles.slip[number]),
+                    "worst": number == cycles.worst,
+                }
+
+
+def write_stations(path: Path, result: Result) -> None:
+    """Write the stations; without any there is no file."""
+    _write(path, station_records(result.areas))
+
+
+def station_records(areas: tuple[AreaSummary, ...]) -> list[dict[str, Any]]:
+    """Texts and numbers of every station, by name; numbers that do not exist are NaN.
+
+    Ranges are those over the evaluated cycle, factors those at its end, or that of the history, the
+    slip zone that of the last half cycle.
+    """
+    return [
+        {"contact": area.name, "front": front.name, **_record(station)}
+        for area in areas
+        for front in area.fronts
+        for station in front.stations
+    ]
+
+
+def _record(station: Station) -> dict[str, Any]:
+    zone = station.slip_zones[-1] if station.slip_zones else None
+    verdict = last_verdict(station)
+    return {
+        "station": station.number,
+        "arc": station.arc,
+        **{axis: float(value) for axis, value in zip(AXES, station.point, strict=True)},
+        **{
+            f"inward_{axis}": float(value)
+            for axis, value in zip(AXES, station.frame.inward, strict=True)
+        },
+        "curvature": station.curvature,
+        "to_end": station.to_end,
+        "end": station.end,
+        "element_size": station.size,
+        "k_n": station.last_k_n[0],
+        "k_n_spread": station.last_k_n[1],
+        "k_n_moved": station.k_n_moved,
+        "k_n_moved_spread": station.k_n_moved_spread,
+        "k_n_moved_reason": station.k_n_moved_reason,
+        "k_t": float(station.k_t[station.last]),
+        "k_s": float(station.k_s[station.last]),
+        "k_i": float(station.k_i[station.last]),
+        "k_t_range": station.k_t_range,
+        "k_s_range": station.k_s_range,
+        "k_i_range": station.k_i_range,
+        "k_range": station.k_range,
+        "k_range_spread": station.k_range_spread,
+        "k_angle": station.k_angle,
+        "turning": station.turning,
+        "slip": zone.told_length if zone else np.nan,
+        "slip_spread": zone.spread if zone else np.nan,
+        "predicted": zone.prediction if zone else np.nan,
+        "verdict": verdict.word,
+        "reason": verdict.reason,
+        "withheld": withheld(station),
+    }
+
+
+def _write(path: Path, records: Iterable[dict[str, Any]]) -> None:
+    """A row for each record; without any there is no file."""
+    rows = iter(records)
+    first = next(rows, None)
+    if first is None:
+        path.unlink(missing_ok=True)
+        return
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, list(first))
+        writer.writeheader()
+        for row in chain([first], rows):
+            writer.writerow({name: _plain(value) for name, value in row.items()})
+
+
+def _plain(value: Any) -> Any:
+    return "" if isinstance(value, float) and not np.isfinite(value) else value

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Meshes that no machine could solve are refused before they are made."""
+
+from __future__ import annotations
+
+import pytest
+
+from fretfe.errors import MeshError
+from fretfe.mesh import make as expected
+from fretfe.mesh.gmsh import script_model
+from fretfe.mesh.make import expected_elements, mesh_template
+from fretfe.mesh.templates import find_template
+
+CYLINDER = find_template("cylinder")
+
+
+def test_the_number_of_elements_is_known_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(expected, "ENOUGH", 500)
+    mesh = mesh_template(CYLINDER, {}, 1)
+    count = sum(len(body.cells) for body in mesh.bodies.values())
+    with script_model(CYLINDER, {}) as gmsh:
+        assert count / 2 < expected_elements(gmsh, 0.15) < 2 * count
+        assert gmsh.option.getNumber(expected.FACTOR) == 1
+        assert not gmsh.model.mesh.getElementTypes().size
+
+
+def test_a_mesh_that_is_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(expected, "HARMLESS", {2: 1e3, 3: 1e3})
+    monkeypatch.setattr(expected, "ENOUGH", 500)
+    whole = mesh_template(CYLINDER, {"size": 0.02}, 1)
+    monkeypatch.setattr(expected, "MOST_ELEMENTS", 5e3)
+    with pytest.raises(MeshError, match=r"template 'cylinder': expected at most 5e\+03 elements"):
+        mesh_template(CYLINDER, {}, 1)
+    monkeypatch.setattr(expected, "MOST_ELEMENTS", 5e6)
+    # the coarse meshes leave no trace
+    monkeypatch.setattr(expected, "HARMLESS", {2: 0.0, 3: 0.0})
+    again = mesh_template(CYLINDER, {"size": 0.02}, 1)
+    for name, body in whole.bodies.items():
+        assert (body.points == again.bodies[name].points).all()
+
+
+def test_many_rows_of_triangles_are_known_from_the_curves_alone() -> None:
+    with script_model(CYLINDER, {"zone": 6.0, "size": 1e-5, "growth": 0.03}) as gmsh:
+        # two faces 12 mm wide: 2 · 12/(1e-5 · 0.03) · 4/√3 = 1.8e8, fewer along the coarser one
+        assert 5e7 < expected_elements(gmsh, 0.03) < 2e8
+
+
+def test_coarse_meshes_that_fail_are_no_fault_of_the_mesh() -> None:
+    """Quadrilaterals alone need an even number of sides along each curve."""
+    with script_model(CYLINDER, {}) as gmsh:
+        gmsh.option.setNumber("Mesh.RecombineAll", 1)
+        gmsh.option.setNumber("Mesh.RecombinationAlgorithm", 3)
+        assert expected_elements(gmsh, 0.15) == 0.0
+        gmsh.model.mesh.generate(2)
+        assert gmsh.model.mesh.getElements(2)[1][0].size > 100

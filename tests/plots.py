@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The plots of reports: made into SVG for the tests that look at it alone.
+
+To lay out and write a plot takes three quarters of the time of a page. The tests draw every plot,
+but what they get of it is an empty element, except inside of `whole_plots`. Processes that tests
+start make whole ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+from matplotlib.figure import Figure
+
+from fretfe.report.figures import plot
+
+WHOLE = plot._svg
+
+
+def empty_svg(figure: Figure, key: str) -> str:
+    """What a page needs of a plot: an element, and an id that no other plot has."""
+    return f'<svg id="{key}-figure"></svg>'
+
+
+def leave_plots_empty() -> None:
+    """From now on, in this process."""
+    plot._svg = empty_svg
+
+
+@contextmanager
+def whole_plots() -> Iterator[None]:
+    """Plots as users get them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(plot, "_svg", WHOLE)
+        yield
