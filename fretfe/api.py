@@ -203,7 +203,11 @@ def plot_tractions(result: Result) -> Figure:
         OutputError: if the backend has no tractions, the bodies are solids, or this is not
             process 0.
     """
-    _require_plane(result)
+    if result.solid:
+        raise OutputError(
+            "expected plane bodies, found solids: the pictures of a run with an output folder show "
+            "the pressure and the shear of their contacts"
+        )
     if result.solution is None:
         raise OutputError(
             f"expected tractions, found none: {result.backend!r} has none, or this process is "
@@ -217,21 +221,17 @@ def plot_tractions(result: Result) -> Figure:
 def plot_factors(result: Result) -> Figure:
     """Draw K_N and K_T of every edge over time.
 
+    Of solids it is the station of the largest range of each front.
+
     Raises:
-        OutputError: if the bodies are solids, whose fronts have many stations.
+        OutputError: if no station of solids has a range.
     """
-    _require_plane(result)
     from fretfe.report.figures.history import draw_factors
+    from fretfe.report.source import shown_stations
 
+    if not shown_stations(result.contacts):
+        raise OutputError("expected a station with a known range of K_T and K_S, found none")
     return draw_factors(result.case, result.loads, result.contacts)
-
-
-def _require_plane(result: Result) -> None:
-    if result.areas:
-        raise OutputError(
-            "expected plane bodies, found solids: `result.areas` has the histories of their "
-            "contacts, and the pictures of a run with an output folder show them"
-        )
 
 
 def plot_comparison(comparison: Comparison) -> Figure:

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from fretfe._typing import Array
 from fretfe.analytic.profiles import Hertz, Profile
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.step_ends import at_step_ends
 from fretfe.halfplane import solve_half_planes
@@ -68,7 +68,7 @@ def started(values: Array) -> Array:
     return np.concatenate([np.linspace(0.0, 1.0, 7)[:-1] * values[0], values])
 
 
-def solved(given: HalfPlaneProblem, elements: int = 300) -> ContactSummary:
+def solved(given: HalfPlaneProblem, elements: int = 300) -> Contact:
     outcome = solve_half_planes(given, elements)
     assert outcome.failure is None
     contacts = evaluate(outcome.solution, outcome.unit_factors)

@@ -22,7 +22,7 @@ import numpy as np
 from cases_b1 import b1_case
 
 from fretfe.case import Case, parse_case
-from fretfe.evaluate.contacts import ContactSummary, Station
+from fretfe.evaluate.contacts import Contact, Station
 from fretfe.fem._compat import MPI, versions
 from fretfe.fem.run import solve
 from fretfe.history.solution import ContactHistory
@@ -70,7 +70,7 @@ def solved_numbers(name: str, folder: Path) -> Numbers:
     return {key: value.astype(float).tolist() for key, value in found.items()}
 
 
-def _of_contact(contact: ContactHistory, summary: ContactSummary) -> Iterator[tuple[str, Any]]:
+def _of_contact(contact: ContactHistory, summary: Contact) -> Iterator[tuple[str, Any]]:
     for key in ("normal_force", "shear_force", "moment", "half_width", "effective_tension"):
         yield key, getattr(summary, key)
     yield "friction work", np.sum(contact.dissipation, axis=1)

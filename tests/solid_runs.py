@@ -18,7 +18,7 @@ from pad_cases import pad, press, shear
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case, parse_case
-from fretfe.evaluate.resultants import evaluate_areas
+from fretfe.evaluate.evaluate import evaluate
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits, Solution
 from fretfe.loads import build_history
 from fretfe.results.field_files import FIELDS, FieldWriter
@@ -188,7 +188,7 @@ def solid_result(shapes: dict[str, Surface] | None = None, **output: object) -> 
         certificates=certificates,
     )  # fmt: skip
     return Result(
-        case=case, loads=loads, contacts=(), areas=evaluate_areas(solution, {}), backend="fem",
+        case=case, loads=loads, contacts=evaluate(solution), backend="fem",
         solution=solution, bodies=bodies(),
     )  # fmt: skip
 
@@ -266,7 +266,7 @@ def write_solid(folder: Path, **settings: Any) -> Path:
 
 def field_states(result: Result) -> list[int]:
     """Load extremes and last state."""
-    shears = result.areas[0].shear_force[:, 0]
+    shears = result.contacts[0].shear_force[:, 0]
     assert result.loads.cycle is not None
     first, last = result.loads.cycle
     part = shears[first : last + 1]

@@ -104,7 +104,7 @@ def test_edges_are_flat_records(solved: Result) -> None:
 def test_history_of_an_edge(solved: Result) -> None:
     history = solved.history("main", "right")
     assert list(history) == [
-        "time", "loads.press", "loads.shear", "k_n", "k_t", "k_i", "position"
+        "time", "loads.press", "loads.shear", "k_n", "k_t", "k_s", "k_i", "position"
     ]  # fmt: skip
     assert {value.shape for value in history.values()} == {(21,)}
     assert history["loads.press"][-1] == -600

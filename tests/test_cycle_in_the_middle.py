@@ -13,7 +13,7 @@ import fretfe
 from fretfe.case import Case, parse_case
 from fretfe.evaluate.contacts import StationHistory
 from fretfe.evaluate.slip import SlipBorder, slip_zones
-from fretfe.report.page.tables import contact_table, edge_table
+from fretfe.report.page.tables import contact_table, station_table
 from fretfe.results.model import Result
 
 CYCLE = {"start": 3.0, "end": 4.0}
@@ -34,10 +34,9 @@ def case(goes_on: bool) -> Case:
 
 
 def printed(result: Result) -> list[list[str]]:
-    tables = (
-        edge_table(result.case, result.contacts),
-        contact_table(result.case, result.loads.cycle, result.contacts),
-    )
+    stations = station_table(result)
+    assert stations is not None
+    tables = (stations, contact_table(result))
     return [[str(cell) for cell in column.cells] for table in tables for column in table.columns]
 
 

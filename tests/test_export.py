@@ -68,7 +68,7 @@ def test_tractions_are_those_of_the_resultants(tables: dict[str, pd.DataFrame]) 
 
 def test_what_does_not_exist_is_empty(tables: dict[str, pd.DataFrame], run: Path) -> None:
     result = fretfe.load_result(run)
-    left = tables["factors.csv"].query("edge == 'left'")
+    left = tables["factors.csv"].query("front == 'left'")
     np.testing.assert_array_equal(left["k_n [MPa/mm^0.5]"], result.contacts[0].stations[0].k_n)
     assert np.isnan(left["k_n [MPa/mm^0.5]"].iloc[0])
 
@@ -80,7 +80,7 @@ def test_all_columns_are_listed_and_documented(tables: dict[str, pd.DataFrame]) 
             own = listing[listing["file"] == name]
             assert list(own["header"]) == list(table.columns)
             assert own["meaning"].str.len().min() > 3
-    named = [columns.PLANE_CONTACTS, columns.SOLID_CONTACTS, columns.FACTORS, columns.EDGES]
+    named = [columns.STATION, columns.CONTACTS, columns.FACTORS, columns.EDGES]
     named += [columns.CYCLES, columns.STATIONS, columns.PLANE_TRACTIONS, columns.SOLID_TRACTIONS]
     for each in {column.name for group in named for column in group}:
         stem = each.removesuffix("_x").removesuffix("_y").removesuffix("_z")
@@ -91,7 +91,10 @@ def test_all_columns_are_listed_and_documented(tables: dict[str, pd.DataFrame]) 
 
 def test_units_are_those_of_the_case() -> None:
     units = Units(length="in", force="lbf", stress="psi", time="min")
-    one, two = (headings(columns.PLANE_CONTACTS, units, solid=solid) for solid in (False, True))
+    one, two = (
+        headings((*columns.STATION, *columns.STATE, *columns.CONTACTS), units, solid=solid)
+        for solid in (False, True)
+    )
     texts = {heading.name: heading.text for heading in one}
     assert texts["time"] == "time [min]" and texts["normal_force"] == "normal_force [lbf/in]"
     assert texts["moment"] == "moment [lbf]" and texts["contact"] == "contact"
@@ -107,7 +110,7 @@ def test_irregular_loads_have_a_table_of_cycles(tmp_path: Path) -> None:
     result = fretfe.run(parse_case(pad(loads=loads)), "analytic")
     found = read(fretfe.export(result, tmp_path))
     cycles = found["cycles.csv"]
-    (worst,) = cycles.query("edge == 'left' and worst == 1")["k_t_range [MPa*mm^0.5]"]
+    (worst,) = cycles.query("front == 'left' and worst == 1")["k_t_range [MPa*mm^0.5]"]
     # From Q = 60 to -30, by (4).
     assert worst == pytest.approx(90 / (np.pi * np.sqrt(2 * HALF_WIDTH)), rel=1e-3)
     assert "tractions.csv" not in found

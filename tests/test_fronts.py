@@ -8,7 +8,7 @@ import pytest
 from halfplane_problems import LIMIT, LOAD, problem
 
 from fretfe.analytic.edges import tangential_factor
-from fretfe.evaluate.contacts import ContactSummary, fronts_of
+from fretfe.evaluate.contacts import Contact, fronts_of
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.factors import half_plane_units
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_front, plane_sections
@@ -65,18 +65,18 @@ def test_an_unknown_front() -> None:
 
 
 @pytest.fixture(scope="module")
-def contact() -> ContactSummary:
+def contact() -> Contact:
     outcome = solve_half_planes(problem(np.full(8, LOAD), np.linspace(0.0, 0.2 * LIMIT, 8)))
     return evaluate(outcome.solution, outcome.unit_factors)[0]
 
 
-def test_a_plane_contact_has_two_fronts_of_one_station(contact: ContactSummary) -> None:
+def test_a_plane_contact_has_two_fronts_of_one_station(contact: Contact) -> None:
     assert [front.name for front in contact.fronts] == ["left", "right"]
     assert [(each.front, each.number) for each in contact.stations] == [("left", 0), ("right", 0)]
     assert fronts_of(contact.stations) == contact.fronts
 
 
-def test_the_shear_factor_is_along_inward(contact: ContactSummary) -> None:
+def test_the_shear_factor_is_along_inward(contact: Contact) -> None:
     for station, direction in zip(contact.stations, (1.0, -1.0), strict=True):
         assert station.frame.inward == pytest.approx([direction, 0.0, 0.0])
         # Q acts along x on body 2

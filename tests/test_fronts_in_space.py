@@ -13,7 +13,7 @@ import solid_runs
 
 from fretfe._typing import Array, Indices
 from fretfe.evaluate.contacts import Front, RangeSpread, SlipZone
-from fretfe.evaluate.resultants import evaluate_areas
+from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.space import fronts as nested
 from fretfe.evaluate.space.evaluate import evaluate_fronts
 from fretfe.evaluate.space.fronts import AREAS, follow_fronts, nested_areas
@@ -290,8 +290,8 @@ def test_what_is_missing_has_a_reason() -> None:
 
 def test_a_contact_that_nearly_slides_says_why_factors_are_missing() -> None:
     solution, contact = solved(*grid(), [hertz(1.0, 1.0)] * 2, lambda x, _: 0 * x + 1.0)
-    found = evaluate_fronts(solution, contact, follow_fronts(solution, contact, STATIONS))
-    (area,) = evaluate_areas(replace(solution, cycle=(1, 2)), {contact.name: found})
+    tracks = {contact.name: follow_fronts(solution, contact, STATIONS)}
+    (area,) = evaluate(replace(solution, cycle=(1, 2)), tracks=tracks)
     (text,) = [each for each in area.warnings if each.startswith("front 1")]
     assert f"not told at {STATIONS} of {STATIONS} stations, as " in text
     assert "The contact nearly slides: of 3.61 in contact 0 sticks in state 2" in text

@@ -28,7 +28,7 @@ from fretfe.history.solution import Repeat, Solution
 from fretfe.history.state_array import MOST_STATES, StateArray, blocks, mapped, part
 from fretfe.history.stream import StateStream
 from fretfe.report.figures.plot import BINS, envelope
-from fretfe.results import kept, writer
+from fretfe.results import writer
 from fretfe.results.digest import with_digest
 from fretfe.results.reader import load_result
 from fretfe.results.writer import write_results
@@ -195,8 +195,7 @@ def test_lists_of_a_long_history_are_arrays(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     short = json.loads((write_run(tmp_path / "short", "halfplane") / "results.json").read_text())
-    for module in (kept, writer):
-        monkeypatch.setattr(module, "LONG", 10)
+    monkeypatch.setattr(writer, "LONG", 10)
     folder = write_run(tmp_path / "long", "halfplane")
     text = (folder / "results.json").read_text("utf-8")
     numbers = json.loads(text)

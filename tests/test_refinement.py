@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from halfplane_problems import HERTZ, LIMIT, LOAD, problem
 
-from fretfe.evaluate.contacts import ContactSummary, fronts_of
+from fretfe.evaluate.contacts import Contact, fronts_of
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.refinement import Pass, Refinement, StationValues, changes_by_kind, extrapolate
 from fretfe.evaluate.resolution import (
@@ -34,13 +34,13 @@ SHEAR = 0.2 * LIMIT
 ZONE = 1 - math.sqrt(1 - 0.2)
 
 
-def solved(given: HalfPlaneProblem) -> tuple[Solution, tuple[ContactSummary, ...]]:
+def solved(given: HalfPlaneProblem) -> tuple[Solution, tuple[Contact, ...]]:
     outcome = solve_half_planes(given)
     return outcome.solution, evaluate(outcome.solution, outcome.unit_factors)
 
 
 @pytest.fixture(scope="module")
-def cycled() -> tuple[Solution, tuple[ContactSummary, ...]]:
+def cycled() -> tuple[Solution, tuple[Contact, ...]]:
     shear = SHEAR * np.sin(np.linspace(0, 4 * np.pi, 65)[1:])
     return solved(problem(np.full(64, LOAD), shear, cycle=32))
 
@@ -51,7 +51,7 @@ def at(intervals: tuple[Interval, ...], place: float) -> float:
 
 
 def test_values_are_those_of_the_edges(
-    cycled: tuple[Solution, tuple[ContactSummary, ...]],
+    cycled: tuple[Solution, tuple[Contact, ...]],
 ) -> None:
     left, right = station_values(*cycled)
     assert (left.front, right.front) == ("left", "right")
@@ -68,7 +68,7 @@ def test_values_are_those_of_the_edges(
 @pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize("level", [0, 2])
 def test_edges_and_slip_zones_are_to_be_fine(
-    cycled: tuple[Solution, tuple[ContactSummary, ...]], side: int, level: int
+    cycled: tuple[Solution, tuple[Contact, ...]], side: int, level: int
 ) -> None:
     intervals = needed_sizes(*cycled, level)
     needed = min(0.5 / PER_RISE, ZONE / PER_SLIP_ZONE)
@@ -89,7 +89,7 @@ def test_the_range_of_a_moving_edge_is_to_be_fine() -> None:
 
 
 def test_elements_shrink_where_they_are_too_large_to_tell_k_n(
-    cycled: tuple[Solution, tuple[ContactSummary, ...]],
+    cycled: tuple[Solution, tuple[Contact, ...]],
 ) -> None:
     solution, (contact,) = cycled
     nan = np.full_like(solution.times, np.nan)
@@ -103,7 +103,7 @@ def test_elements_shrink_where_they_are_too_large_to_tell_k_n(
 
 
 def test_an_open_contact_has_no_values(
-    cycled: tuple[Solution, tuple[ContactSummary, ...]],
+    cycled: tuple[Solution, tuple[Contact, ...]],
 ) -> None:
     solution, contacts = cycled
     (history,) = solution.contacts
@@ -112,7 +112,7 @@ def test_an_open_contact_has_no_values(
 
 
 def test_a_mesh_resolves_what_its_elements_are_small_enough_for(
-    cycled: tuple[Solution, tuple[ContactSummary, ...]],
+    cycled: tuple[Solution, tuple[Contact, ...]],
 ) -> None:
     solution, _ = cycled
     history = solution.contacts[0]

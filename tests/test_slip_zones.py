@@ -15,7 +15,7 @@ from fretfe.evaluate.cycles import slip_reversals
 from fretfe.evaluate.plane.section import PlaneFront, plane_front
 from fretfe.evaluate.plane.slip import slip_border_of
 from fretfe.evaluate.slip import slip_zones
-from fretfe.evaluate.warnings import warnings_about
+from fretfe.evaluate.warnings import plane_warnings
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 
 H, EDGE, ZONE = 0.05, 1.02, 0.31
@@ -213,6 +213,6 @@ def test_bodies_that_have_parted_are_told() -> None:
     )
     times = np.arange(float(STATES))
     solution = SimpleNamespace(cycle=(2, 3), times=times, values=times[:, None])
-    text, *_ = warnings_about(solution, parted, (), [np.nan])  # type: ignore[arg-type]
+    text, *_ = plane_warnings(solution, parted, (), [np.nan])  # type: ignore[arg-type]
     assert "do not touch in the evaluated cycle: the contact carries no force" in text
     assert "the smallest gap is 0.1" in text

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from stored_runs import write_run
 
 import fretfe
 from fretfe.errors import CaseError, OutputError
-from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
 from fretfe.results.field_files import FIELDS, SURFACES, FieldReader
 from fretfe.results.model import Result
@@ -39,7 +38,7 @@ def folder(result: Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_areas_are_those_of_the_formulas(result: Result) -> None:
-    area = result.areas[0]
+    area = result.contacts[0]
     # Bent by .3 over a radius of 1, a surface carries .985 of Q along x; facets cost .5 %.
     assert area.normal_force[-1] == pytest.approx(NORMAL, rel=0.006)
     assert area.shear_force[:, 0].max() == pytest.approx(SHEAR * FRICTION * NORMAL, rel=0.03)
@@ -48,15 +47,15 @@ def test_areas_are_those_of_the_formulas(result: Result) -> None:
 
 def test_summaries_are_read_as_they_were_written(result: Result, folder: Path) -> None:
     loaded = load_result(folder)
-    assert loaded.contacts == () and loaded.edges() == []
-    assert [each.name for each in loaded.areas] == ["main", "quads"]
-    for mine, other in zip(loaded.areas, result.areas, strict=True):
-        for field in fields(AreaSummary):
+    assert loaded.solid and loaded.edges() == []
+    assert [each.name for each in loaded.contacts] == ["main", "quads"]
+    for mine, other in zip(loaded.contacts, result.contacts, strict=True):
+        for field in fields(Contact):
             read, written = (getattr(each, field.name) for each in (mine, other))
             assert type(read) is type(written), field.name
             np.testing.assert_array_equal(read, written, err_msg=field.name)
     # Where nothing presses there is no centre.
-    assert np.isnan(loaded.areas[0].centre[0]).all()
+    assert np.isnan(loaded.contacts[0].centre[0]).all()
 
 
 def test_contacts_are_read_as_they_were_written(result: Result, folder: Path) -> None:
@@ -74,23 +73,23 @@ def test_contacts_are_read_as_they_were_written(result: Result, folder: Path) ->
 def test_histories_of_long_runs_are_read_too(result: Result, tmp_path: Path) -> None:
     """More than 1000 states: vectors stand in the file of arrays."""
     count = 1500
-    (area, *_), loads = result.areas, result.loads
+    (area, *_), loads = result.contacts, result.loads
     turning = np.random.default_rng(1).normal(size=(count, 3))
     long: dict[str, Any] = {
-        field.name: turning if np.ndim(getattr(area, field.name)) == 2 else turning[:, 0]
-        for field in fields(AreaSummary)
-        if isinstance(getattr(area, field.name), np.ndarray)
+        name: turning if each.ndim == 2 else turning[:, 0]
+        for name, each in vars(area).items()
+        if isinstance(each, np.ndarray) and each.size
     }
     times = np.arange(float(count))
     values = np.zeros((count, 2))
     case = replace(
         result,
-        areas=(replace(area, **long),),
+        contacts=(replace(area, **long),),
         loads=replace(loads, times=times, values=values, cycle=None, between=None),
         solution=None,
     )
     write_results(tmp_path, case)
-    (loaded,) = load_result(tmp_path).areas
+    (loaded,) = load_result(tmp_path).contacts
     np.testing.assert_array_equal(loaded.shear_force, turning)
     np.testing.assert_array_equal(loaded.work, turning[:, 0])
 
@@ -99,19 +98,20 @@ def test_records_are_those_of_contacts(result: Result) -> None:
     pytest.importorskip("pandas")
     table = result.to_dataframe()
     assert table["contact"].tolist() == ["main", "quads"]
-    assert table["shear_force_x"][0] == result.areas[0].shear_force[-1, 0]
+    assert table["shear_force_x"][0] == result.contacts[0].shear_force[-1, 0]
     assert "stick_area" in result._repr_html_()
 
 
-def test_an_edge_of_a_solid_has_no_history(result: Result) -> None:
-    with pytest.raises(CaseError, match="found solids; `areas`"):
+def test_a_history_of_a_front_that_is_not_there(result: Result) -> None:
+    with pytest.raises(CaseError, match=r"one of the fronts \(none\), found main left"):
         result.history("main", "left")
 
 
-@pytest.mark.parametrize("plot", [fretfe.plot_tractions, fretfe.plot_factors])
-def test_plots_of_edges_want_plane_bodies(result: Result, plot: Callable[[Result], Any]) -> None:
+def test_plots_of_solids(result: Result) -> None:
     with pytest.raises(OutputError, match="expected plane bodies, found solids"):
-        plot(result)
+        fretfe.plot_tractions(result)
+    with pytest.raises(OutputError, match="expected a station with a known range"):
+        fretfe.plot_factors(result)
 
 
 def test_dataset_has_vectors_and_places(result: Result) -> None:
@@ -127,7 +127,7 @@ def test_dataset_has_vectors_and_places(result: Result) -> None:
     np.testing.assert_array_equal(places, history.points)
     # P from the dataset alone
     total = (data["main.traction"][..., 0] * data["main.weights"]).sum("main.node")
-    np.testing.assert_allclose(total, result.areas[0].normal_force, rtol=1e-12)
+    np.testing.assert_allclose(total, result.contacts[0].normal_force, rtol=1e-12)
 
 
 def surfaces(folder: Path) -> h5py.File:
@@ -202,7 +202,7 @@ def test_vectors_of_surfaces_are_in_the_axes_of_the_case(result: Result, folder:
         expected = along[:, None] * tangent
         np.testing.assert_allclose(values[name], expected, atol=1e-6 * np.abs(along).max())
     work = values["dissipation"][:, 0] @ contact.weights
-    assert work == pytest.approx(result.areas[0].work[state], rel=1e-6) and work > 0
+    assert work == pytest.approx(result.contacts[0].work[state], rel=1e-6) and work > 0
 
 
 def test_surfaces_have_the_states_that_are_kept(tmp_path: Path) -> None:

@@ -292,11 +292,11 @@ def test_stations_of_solids(tmp_path: Path) -> None:
         replace(each, k_range=30.0 + each.number, k_range_spread=0.1, end=each.number == 11)
         for each in front.stations
     )
-    (area,) = result.areas
+    (area,) = result.contacts
     area = replace(area, fronts=(replace(front, stations=stations),), steady=False)
     k_n = stations[0].told_k_n
     path = write_tests(tmp_path / "tests.csv", *made_up(k_n=(k_n / 2, 2 * k_n)))
-    found = fretfe.strength_map(path, [replace(result, areas=(area,)), result], LIFE)
+    found = fretfe.strength_map(path, [replace(result, contacts=(area,)), result], LIFE)
     assert [each.edge.station for each in found.margins] == list(range(11))
     assert [each.edge.k_t_range for each in found.margins] == [30.0 + n for n in range(11)]
     assert all("the cycle is not steady" in each.edge.remarks for each in found.margins)

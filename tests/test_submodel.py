@@ -44,8 +44,8 @@ def solid() -> Result:
         result.solution, contact, follow_fronts(result.solution, contact, 12)
     )
     stations = tuple(exact(result, station) for station in front.stations)
-    (area,) = result.areas
-    return replace(result, areas=(replace(area, fronts=(replace(front, stations=stations),)),))
+    (area,) = result.contacts
+    return replace(result, contacts=(replace(area, fronts=(replace(front, stations=stations),)),))
 
 
 def exact(result: Result, station: Station) -> Station:
@@ -67,10 +67,10 @@ def model(solid: Result) -> StationModel:
 
 
 def changed(solid: Result, **values: object) -> Result:
-    (area,) = solid.areas
+    (area,) = solid.contacts
     (front,) = area.fronts
     stations = tuple(replace(each, **values) for each in front.stations)  # type: ignore[arg-type]
-    return replace(solid, areas=(replace(area, fronts=(replace(front, stations=stations),)),))
+    return replace(solid, contacts=(replace(area, fronts=(replace(front, stations=stations),)),))
 
 
 def test_cylinder_has_the_factors_of_the_station(model: StationModel) -> None:
@@ -132,7 +132,7 @@ def test_tractions_next_to_the_edge(model: StationModel) -> None:
 
 def test_normal_load_that_varies_moves_the_edge(solid: Result) -> None:
     """K_I of a cycle moves the edge by 2 ΔK_I/K_N."""
-    k_i = solid.areas[0].fronts[0].stations[0].k_i
+    k_i = solid.contacts[0].fronts[0].stations[0].k_i
     wave = 0.02 * K_N * np.sin(np.linspace(0, 4 * np.pi, len(k_i)))
     model = run_station(changed(solid, k_i=k_i + wave), "main", 1, 5, None)
     assert model.k_i_mismatch < 0.005 and model.k_mismatch < 0.005

@@ -21,7 +21,7 @@ from fretfe.analytic.profiles import Hertz
 from fretfe.backends.analytic import solve_closed_form
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
-from fretfe.evaluate.contacts import ContactSummary, Station, fronts_of
+from fretfe.evaluate.contacts import Contact, Station, fronts_of
 from fretfe.evaluate.slip import SlipBorder, cycle_states, slip_zones
 from fretfe.idealise import HalfPlaneProblem, NotIdealisable, idealise, obstacles
 from fretfe.results.model import Result
@@ -62,7 +62,7 @@ def _outside(problem: HalfPlaneProblem) -> Iterator[str]:
         yield "loads: expected a constant normal force as soon as there is friction"
 
 
-def _with_formula(station: Station, contact: ContactSummary, problem: HalfPlaneProblem) -> Station:
+def _with_formula(station: Station, contact: Contact, problem: HalfPlaneProblem) -> Station:
     """The station with slip zones by the formula; `slip_zones` finds the half cycles."""
 
     def find(start: int, end: int) -> SlipBorder:

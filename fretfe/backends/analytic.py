@@ -21,7 +21,7 @@ from fretfe.backends.protocol import DEFAULTS, RunOptions, field_obstacles
 from fretfe.case import Case
 from fretfe.contact.division import LARGEST_MOVE, TOLERATED
 from fretfe.evaluate.contacts import (
-    ContactSummary,
+    Contact,
     CountedCycles,
     RangeSpread,
     SlipZone,
@@ -30,9 +30,9 @@ from fretfe.evaluate.contacts import (
     fronts_of,
 )
 from fretfe.evaluate.cycles import count_cycles, worst_cycle
-from fretfe.evaluate.evaluate import shear_mismatch, tension_history
 from fretfe.evaluate.factors import add_up, cycle_range, excess, half_plane_units, load_path
 from fretfe.evaluate.limits import with_limit_warnings
+from fretfe.evaluate.plane.evaluate import shear_mismatch, tension_history
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_front
 from fretfe.evaluate.slip import SlipBorder, cycle_states, last_state, predicted_slip, slip_zones
 from fretfe.evaluate.step_ends import StepEnds, division_notes
@@ -263,7 +263,7 @@ def divide(problem: HalfPlaneProblem) -> tuple[Indices, Array]:
     return steps, shares
 
 
-def solve_closed_form(problem: HalfPlaneProblem) -> tuple[ContactSummary, set[str]]:
+def solve_closed_form(problem: HalfPlaneProblem) -> tuple[Contact, set[str]]:
     """Histories of the contact, and which solutions the slip lengths come from."""
     contact = contact_edges(problem)
     loads = np.column_stack(
@@ -282,7 +282,7 @@ def solve_closed_form(problem: HalfPlaneProblem) -> tuple[ContactSummary, set[st
     half_width = (contact.right - contact.left) / 2
     k_t, cycle = histories[..., Factor.K_T], problem.history.cycle
     dissipation = sum(station.dissipation for station in stations)
-    return ContactSummary(
+    return Contact(
         name=problem.contact,
         pair=problem.contact,
         fronts=fronts_of(stations),

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions, field_obstacles
 from fretfe.case import Case
-from fretfe.evaluate.contacts import ContactSummary, Station, fronts_of
+from fretfe.evaluate.contacts import Contact, Station, fronts_of
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.limits import ModelLimit, contact_limits, with_limit_warnings
 from fretfe.evaluate.plane.patches_in_time import separate_patches
@@ -21,7 +21,7 @@ from fretfe.results.model import Result
 LARGEST_SIZE_ERROR = 0.01
 
 
-def with_size_errors(summary: ContactSummary, problem: HalfPlaneProblem) -> ContactSummary:
+def with_size_errors(summary: Contact, problem: HalfPlaneProblem) -> Contact:
     """The same contact with error bars that hold the factors of the finite bodies as well."""
     stations = (_wider(station, problem) for station in summary.stations)
     return replace(summary, fronts=fronts_of(stations))

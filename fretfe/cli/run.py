@@ -105,24 +105,17 @@ def _finish(
 
 def _print_numbers(console: Console, result: Result) -> None:
     from fretfe.report.page.tables import (
-        area_table,
         contact_table,
         cycle_table,
-        edge_table,
-        front_table,
         limit_table,
         mesh_table,
+        station_table,
     )
 
-    if result.areas:
-        console.print(area_table(result.case, result.loads.cycle, result.areas))
-        if any(area.fronts for area in result.areas):
-            console.print(front_table(result.case, result.areas))
-    else:
-        console.print(contact_table(result.case, result.loads.cycle, result.contacts))
-        console.print(edge_table(result.case, result.contacts))
-        if cycles := cycle_table(result):
-            console.print(cycles)
+    console.print(contact_table(result))
+    for table in (station_table(result), cycle_table(result)):
+        if table is not None:
+            console.print(table)
     if result.refinement is not None:
         console.print(mesh_table(result.refinement))
         console.print(limit_table(result.refinement))
@@ -144,6 +137,6 @@ def _print_warnings(console: Console, result: Result) -> None:
     if refinement is not None and not refinement.converged:
         text = f"Warning: the mesh is not fine enough for edges.tolerance: {refinement.reason}"
         console.print(text, highlight=False, markup=False)
-    for contact in result.summaries:
+    for contact in result.contacts:
         for warning in contact.warnings:
             console.print(f"Warning: {contact.name}: {warning}", highlight=False, markup=False)

@@ -378,25 +378,40 @@ def fronts_of(stations: Iterable[Station]) -> tuple[Front, ...]:
     return tuple(Front(name, tuple(each)) for name, each in named.items())
 
 
-@dataclass(frozen=True)
-class ContactSummary:
+@dataclass(frozen=True, kw_only=True)
+class Contact:
     """One contact, evaluated: a surface pair, or one of several patches of it.
+
+    Forces are per unit thickness in the plane; between solids vectors (T, 3) are in the axes of the
+    case. Areas are widths in the plane. They belong to the nodes, which count as a whole: areas
+    grow in steps of an element. Histories that a backend does not know are (0,).
 
     Attributes:
         name: that of the pair; with a number in brackets for one of several patches.
         pair: name of the surface pair, the contact in the case.
-        fronts: in the plane left and right.
-        normal_force, shear_force: (T,) P and Q per unit thickness.
-        moment: (T,) moment of the pressure about the centre of the contact.
-        centre, half_width: (T,) of the contact, NaN where it has none.
+        fronts: in the plane left and right; between solids the boundary curves of the contact area,
+            none where they cannot be told.
+        normal_force: (T,) P, integral of the pressure.
+        shear_force: (T,) Q along the arc; (T, 3) of solids, integral of the shear traction that
+            body 1 exerts on body 2.
+        force: (T, d) all that body 1 exerts on body 2; on curved surfaces the pressure has a share
+            in every component.
+        centre: (T,) middle between the edges along the arc; (T, 3) of solids, centre of pressure;
+            NaN where nothing presses.
+        moment: (T,) moment of the pressure about `centre`; (T, 3) of solids, moment of all
+            tractions on body 2 about it.
+        half_width: (T,) of a plane contact, NaN where it has none; (0,) of solids.
+        contact_area, stick_area: (T,) of the nodes in contact, and of those of them that stick.
+        largest_pressure: (T,) of the means around the nodes.
+        work: (T,) friction work in the step to each state.
         effective_tension: (T,) bulk tension that gives half-planes the same mean of K_T over the
-            two fronts, counted like K_T.
+            two fronts, counted like K_T; (0,) of solids.
         shear_mismatch: (range of Q that half-planes need for K_T at the two fronts)/(range of Q of
             full stick) - 1 over the cycle: zero if the half-plane description holds; NaN without a
-            cycle.
+            cycle, and of solids.
         cycle_change: change of the shear over the evaluated cycle relative to f p_max.
         steady: whether that is below the limit; False without a cycle.
-        dissipation: friction work in the evaluated cycle, per unit thickness.
+        dissipation: friction work in the evaluated cycle, or of all steps without one.
         dissipation_change: relative change of it from the cycle before; NaN if there is none.
         warnings: what a reader must know, in words.
     """
@@ -406,16 +421,26 @@ class ContactSummary:
     fronts: tuple[Front, ...]
     normal_force: Array
     shear_force: Array
-    moment: Array
+    force: Array = field(default_factory=lambda: np.empty(0))
     centre: Array
-    half_width: Array
-    effective_tension: Array
-    shear_mismatch: float
+    moment: Array
+    half_width: Array = field(default_factory=lambda: np.empty(0))
+    contact_area: Array = field(default_factory=lambda: np.empty(0))
+    stick_area: Array = field(default_factory=lambda: np.empty(0))
+    largest_pressure: Array = field(default_factory=lambda: np.empty(0))
+    work: Array = field(default_factory=lambda: np.empty(0))
+    effective_tension: Array = field(default_factory=lambda: np.empty(0))
+    shear_mismatch: float = math.nan
     cycle_change: float
     steady: bool
     dissipation: float
     dissipation_change: float
     warnings: tuple[str, ...]
+
+    @property
+    def solid(self) -> bool:
+        """True between solids."""
+        return self.shear_force.ndim == 2
 
     @property
     def stations(self) -> tuple[Station, ...]:

@@ -1,386 +1,70 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Evaluation of a solved history: resultants, fronts, slip zones and warnings of every contact.
-
-A patch that exists in some of the states only has a history in each of its lives by itself.
-"""
+"""Evaluation of a solved history: resultants, fronts, slip zones and warnings of every contact."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fretfe._typing import Array, Bools
-from fretfe.analytic.edges import effective_bulk_tension, shear_force_from_factors
-from fretfe.evaluate.contacts import (
-    ContactSummary,
-    Frame,
-    RangeSpread,
-    Station,
-    StationHistory,
-    fronts_of,
-)
-from fretfe.evaluate.cycles import STEADY_CHANGE, count_cycles, cycle_changes, worst_cycle
-from fretfe.evaluate.factors import (
-    FactorHistories,
-    LoadPath,
-    UnitFactors,
-    add_up,
-    cycle_range,
-    edge_fits,
-    edge_movement,
-    integral_units,
-    load_path,
-    one_sided_share,
-    range_spreads,
-    uneven_share,
-    with_moved,
-    within_known,
-)
-from fretfe.evaluate.numerics import count_up
-from fretfe.evaluate.plane.pressure_fit import EdgeFit
-from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, nearest_front, pressure_moments
-from fretfe.evaluate.plane.slip import slip_border_of
-from fretfe.evaluate.slip import States, cycle_states, last_state, slip_zones
-from fretfe.evaluate.warnings import warnings_about
-from fretfe.history.solution import ContactHistory, Factor, Solution
-from fretfe.history.state_array import blocks
+from fretfe._typing import Array
+from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.cycles import STEADY_CHANGE, cycle_changes
+from fretfe.evaluate.factors import integral_units
+from fretfe.evaluate.plane.evaluate import FindUnits, evaluate_plane
+from fretfe.evaluate.warnings import plane_warnings, solid_warnings
+from fretfe.history.solution import ContactHistory, Solution
 
-Cycle = tuple[int, int] | None
-# From the states of a life, and the cycle as counted in it, to (states, ...) histories.
-CountLife = Callable[[slice, Cycle], Array]
-# From solution, contact and positions (stations, T) along the arc.
-FindUnits = Callable[[Solution, ContactHistory, Array], UnitFactors]
-# Linear elements are too stiff: K_N was 1.6 % (cylinder) to 2.8 % (flat with rounded ends) high
-# with them, however fine the mesh at the edges.
-LINEAR_ELEMENTS = 0.025
+# Not loaded by whoever loads this module: SciPy's interpolation takes a second.
+if TYPE_CHECKING:
+    from fretfe.evaluate.space.fronts import FrontTrack
 
-
-def tension_history(k_t: Array, half_width: Array, cycle: tuple[int, int] | None) -> Array:
-    """(T,) effective bulk tension, counted like K_T.
-
-    Args:
-        k_t: (2, T) at the left and the right front.
-        half_width: (T,), NaN without contact.
-        cycle: its first and last state, or None.
-    """
-    steps, a = _steps(k_t, half_width)
-    return count_up(effective_bulk_tension(steps[0], steps[1], a), cycle)
-
-
-def shear_mismatch(
-    k_t: Array, half_width: Array, shear_force: Array, cycle: tuple[int, int] | None
-) -> float:
-    """(range of Q that half-planes need for K_T at the two fronts)/(range of Q) - 1; NaN if none.
-
-    Args:
-        k_t: (2, T) at the left and the right front.
-        half_width: (T,), NaN without contact.
-        shear_force: (T,) Q of full stick.
-        cycle: its first and last state, or None.
-    """
-    if cycle is None:
-        return np.nan
-    states = slice(cycle[0], cycle[1] + 1)
-    if np.ptp(shear_force[states]) <= 1e-9 * np.abs(shear_force).max():
-        return np.nan
-    steps, a = _steps(k_t, half_width)
-    needed = count_up(shear_force_from_factors(steps[0], steps[1], a), cycle)
-    return float(np.ptp(needed[states]) / np.ptp(shear_force[states]) - 1)
-
-
-def full_stick_shear_force(solution: Solution, contact: ContactHistory) -> Array:
-    """(T,) Q of the increments of full stick, added up over the steps like K_T.
-
-    Where slip changes how the loads divide between several contacts, this is not the Q of the
-    contact itself, but the one that belongs to K_T. Without increments it is the Q of the contact.
-    """
-    increments, weights = contact.full_stick, contact.weights
-    if not len(increments.fields):
-        parts = blocks(len(contact.traction), contact.traction[0].size)
-        return np.concatenate([contact.traction[part, :, 1] @ weights for part in parts])
-    # Area -1, the last entry, is that of states without contact.
-    parts = blocks(len(increments.fields), increments.fields[0].size)
-    units = np.concatenate(
-        [np.einsum("n,unj->uj", weights, increments.fields[part, :, 1]) for part in parts]
-    )
-    units = np.vstack([units, np.zeros(units.shape[1])])[increments.area]
-    known = increments.area >= 0
-    pairs = known[1:].astype(float) + known[:-1]
-    mean = (units[1:] + units[:-1]) / np.maximum(pairs, 1.0)[:, None]
-    steps = np.einsum("tj,tj->t", mean, np.diff(solution.driver_values, axis=0))
-    return count_up(steps * (contact.friction[1:] > 0), solution.cycle)
-
-
-def _steps(k_t: Array, half_width: Array) -> tuple[Array, Array]:
-    """(2, T-1) increments of K_T, and (T-1,) half-width in the middle of each step."""
-    a = (half_width[1:] + half_width[:-1]) / 2
-    # From no contact to the first one: that of the first one.
-    a = np.where(np.isfinite(a), a, half_width[1:])
-    return np.diff(k_t, axis=1), np.where(np.isfinite(a), a, 1.0)
-
-
-def by_life(contact: ContactHistory, cycle: Cycle, count: CountLife) -> Array:
-    """Return (T, ...) histories that begin anew with each life; NaN where there is no patch.
-
-    Args:
-        contact: one patch, which has a life at least.
-        cycle: first and last state of the evaluated cycle, or None.
-        count: gives the histories of one life; it gets no cycle that is not all in it.
-    """
-    found = {}
-    for first, last in contact.lives:
-        inside = cycle is not None and first <= cycle[0] and cycle[1] <= last
-        own = (cycle[0] - first, cycle[1] - first) if cycle is not None and inside else None
-        found[first] = count(slice(first, last + 1), own)
-    shapes = [each.shape[1:] for each in found.values()]
-    histories = np.full((len(contact.traction), *shapes[0]), np.nan)
-    for first, each in found.items():
-        histories[first : first + len(each)] = each
-    return histories
-
-
-def in_evaluated_life(
-    contact: ContactHistory, cycle: Cycle, history: StationHistory
-) -> StationHistory:
-    """Return a history without what is outside the life of the evaluated cycle.
-
-    Without a cycle that is the last life; if no life holds all of the cycle nothing is left.
-    """
-    first, last = contact.lives[-1]
-    states = np.arange(len(contact.traction))
-    known = (states >= first) & (states <= last)
-    if cycle is not None:
-        known &= first <= cycle[0] < cycle[1] <= last
-    return replace(
-        history,
-        position=_only(history.position, known),
-        position_spread=_only(history.position_spread, known),
-        k_n=_only(history.k_n, known),
-        k_n_spread=_only(history.k_n_spread, known),
-        k_t=_only(history.k_t, known),
-        k_s=_only(history.k_s, known),
-        k_i=_only(history.k_i, known),
-    )
-
-
-def _only(values: Array, known: Bools) -> Array:
-    return np.where(known, values, np.nan)
+# The fronts of each contact between solids, followed through the history.
+Tracks = Mapping[str, "tuple[FrontTrack, ...]"]
 
 
 def evaluate(
-    solution: Solution, find_units: FindUnits = integral_units
-) -> tuple[ContactSummary, ...]:
+    solution: Solution, find_units: FindUnits = integral_units, tracks: Tracks | None = None
+) -> tuple[Contact, ...]:
     """Evaluate every contact of a solution.
 
     Args:
         solution: the solved history.
-        find_units: gives the singular factors for a unit of each driver: by interaction integrals
-            and fits, unless there is a closed form.
+        find_units: gives the singular factors of plane contacts for a unit of each driver: by
+            interaction integrals and fits, unless there is a closed form.
+        tracks: the fronts between solids, by contact; None if nobody looked for them.
     """
-    return tuple(_evaluate_contact(solution, contact, find_units) for contact in solution.contacts)
+    return tuple(
+        _evaluate_contact(solution, contact, find_units, tracks) for contact in solution.contacts
+    )
 
 
 def _evaluate_contact(
-    solution: Solution, contact: ContactHistory, find_units: FindUnits
-) -> ContactSummary:
-    fits = edge_fits(contact, solution.source)
-    positions = np.array([fit.position for fit in fits])
-    centre, half_width = positions.mean(axis=0), (positions[1] - positions[0]) / 2
-    histories = _factor_histories(solution, contact, positions, find_units)
-    cycle = cycle_states(solution.cycle)
-    path = load_path(solution.values, solution.between, solution.cycle)
-    spreads = range_spreads(histories, fits, contact.arc, cycle, path)
-    work = _friction_work(solution, contact)
-    stations = tuple(
-        _evaluate_station(
-            solution,
-            contact,
-            front,
-            fit,
-            histories,
-            spreads[front.number],
-            centre,
-            path,
-            work.in_cycle,
-        )
-        for front, fit in zip(PLANE_FRONTS, fits, strict=True)
+    solution: Solution, contact: ContactHistory, find_units: FindUnits, tracks: Tracks | None
+) -> Contact:
+    solid = contact.facets is not None
+    changes = cycle_changes(
+        solution, contact.mean_traction if solid else contact.traction, contact.friction
     )
-    forces, moments = _resultants(contact, centre)
-    changes = cycle_changes(solution, contact.traction, contact.friction)
-    k_t = np.array([station.k_t for station in stations])
+    if solid:
+        from fretfe.evaluate.space.evaluate import evaluate_solids
 
-    def tension(life: slice, cycle: tuple[int, int] | None) -> Array:
-        return tension_history(k_t[:, life], half_width[life], cycle)
-
-    return ContactSummary(
+        own = tracks[contact.name] if tracks is not None else None
+        found = evaluate_solids(solution, contact, own)
+        warnings = solid_warnings(solution, contact, found, changes, own is not None)
+    else:
+        found = evaluate_plane(solution, contact, find_units)
+        warnings = plane_warnings(solution, contact, found["fronts"], changes)
+    return Contact(
         name=contact.name,
         pair=contact.pair,
-        fronts=fronts_of(stations),
-        normal_force=forces[:, 0],
-        shear_force=forces[:, 1],
-        moment=moments,
-        centre=centre,
-        half_width=half_width,
-        effective_tension=by_life(contact, solution.cycle, tension),
-        shear_mismatch=shear_mismatch(
-            k_t, half_width, full_stick_shear_force(solution, contact), solution.cycle
-        ),
+        **found,
         cycle_change=changes[0],
         steady=bool(changes[0] < STEADY_CHANGE),
-        dissipation=float(work.in_cycle.sum()),
-        dissipation_change=_dissipation_change(solution, contact, work.by_step),
-        warnings=tuple(warnings_about(solution, contact, stations, changes)),
+        dissipation_change=_dissipation_change(solution, contact, found["work"]),
+        warnings=tuple(warnings),
     )
-
-
-def _resultants(contact: ContactHistory, centre: Array) -> tuple[Array, Array]:
-    """(T, 2) P and Q, and (T,) moments about the centre, or about 0 where there is none."""
-    forces, moments = np.zeros((len(centre), 2)), np.zeros(len(centre))
-    for states in blocks(len(centre), contact.traction[0].size):
-        traction = contact.traction[states]
-        # The weights are those of the solution itself: P and Q balance the loads to round-off.
-        forces[states] = np.einsum("n,tnc->tc", contact.weights, traction[..., :2])
-        middle = np.where(np.isfinite(centre[states]), centre[states], 0.0)
-        moments[states] = pressure_moments(contact.arc, traction[..., 0], middle)
-    return forces, moments
-
-
-def _factor_histories(
-    solution: Solution, contact: ContactHistory, positions: Array, find_units: FindUnits
-) -> FactorHistories:
-    units = find_units(solution, contact, positions)
-    touching = contact.pressed_nodes > 0
-
-    def history(each: Array) -> Array:
-        def count(life: slice, cycle: tuple[int, int] | None) -> Array:
-            drivers, friction = solution.driver_values[life], contact.friction[life]
-            return add_up(each[life], drivers, friction, touching[life], cycle).swapaxes(0, 1)
-
-        return by_life(contact, solution.cycle, count).swapaxes(0, 1)
-
-    fitted, drivers, cycle = units.fitted, solution.driver_values, solution.cycle
-    ways, shares = [], None
-    for each in units.main:
-        filled = within_known(each, solution.step)
-        ways.append(history(filled))
-        # What steps may be wrong by is the same in all ways, to a part of itself.
-        shares = shares or (
-            one_sided_share(each, filled, drivers, cycle),
-            uneven_share(each, drivers, contact.friction, cycle),
-        )
-    assert shares is not None
-    return FactorHistories(
-        ways=np.array(ways),
-        fitted=None if fitted is None else history(within_known(fitted, solution.step)),
-        exact=units.exact,
-        one_sided=shares[0],
-        uneven=shares[1],
-    )
-
-
-def _evaluate_station(
-    solution: Solution,
-    contact: ContactHistory,
-    front: PlaneFront,
-    fit: EdgeFit,
-    histories: FactorHistories,
-    spread: RangeSpread,
-    centre: Array,
-    path: LoadPath | None,
-    work: Array,
-) -> Station:
-    by_way = histories.ways[:, front.number]
-    cycle = cycle_states(solution.cycle)
-    movement = edge_movement(contact, front, abs(float((centre - fit.position)[-1])))
-    k_n_spread = _k_n_spread(solution, fit, movement.k_n, histories.exact)
-    history = front.history(
-        fit.position, fit.spread_position, fit.k_n, k_n_spread, by_way.mean(axis=0)
-    )
-    fitted = histories.fitted
-    here = nearest_front(contact.arc, last_known(centre, cycle)) == front.number
-    history = replace(history, last=last_state(cycle, history))
-    evaluated = in_evaluated_life(contact, solution.cycle, history)
-    cycles = count_cycles(cycle, contact.friction, evaluated)
-    worst = worst_cycle(cycles, cycle, contact.friction, evaluated)
-    outer = worst.outer if worst else np.ones(len(solution.times), dtype=bool)
-    degree = 2 if histories.exact else solution.degree
-    return Station(
-        **vars(history),
-        frame=_frame(contact, front, fit.position),
-        k_n_moved=movement.k_n,
-        k_n_moved_spread=movement.k_n_spread,
-        stiffening=movement.stiffening,
-        k_t_range=cycle_range(history.k_t, cycle),
-        k_range=cycle_range(history.k_t, cycle),
-        k_range_spread=spread.total,
-        k_range_parts=spread,
-        k_t_range_fitted=(
-            cycle_range(fitted[front.number, :, Factor.K_T], cycle)
-            if fitted is not None
-            else np.nan
-        ),
-        k_i_range=cycle_range(history.k_i, cycle),
-        cycles=cycles,
-        slip_zones=slip_zones(
-            cycle,
-            contact.friction,
-            evaluated,
-            slip_border_of(contact, front, fit.position, outer, degree),
-            path,
-            worst=worst,
-        ),
-        dissipation=float(work[here].sum()),
-    )
-
-
-def _k_n_spread(solution: Solution, fit: EdgeFit, moved: float, exact: bool) -> Array:
-    """(T,) error bars of K_N: the fits see nothing of what the elements of the bodies do to p."""
-    spread = fit.spread_k_n
-    if solution.degree == 1 and not exact:
-        spread = np.hypot(spread, LINEAR_ELEMENTS * fit.k_n)
-    return with_moved(fit.k_n, spread, moved)
-
-
-def last_known(values: Array, cycle: States) -> float:
-    """The last of values (T,) that is known, up to the end of the cycle; NaN if none is."""
-    values = values[: cycle[-1] + 1] if len(cycle) else values
-    known = values[np.isfinite(values)]
-    return float(known[-1]) if len(known) else np.nan
-
-
-def _frame(contact: ContactHistory, front: PlaneFront, position: Array) -> Frame:
-    """Frame in the last state in which the position (T,) is known."""
-    place = last_known(position, np.array([], dtype=np.int64))
-    rows = contact.frames.reshape(len(contact.arc), -1).T
-    across, tangent = np.reshape([np.interp(place, contact.arc, row) for row in rows], (2, 2))
-    return front.frame(across, tangent)
-
-
-@dataclass(frozen=True)
-class _Work:
-    """Friction work.
-
-    Attributes:
-        by_step: (T,) of all nodes.
-        in_cycle: (N,) of each node in the evaluated cycle, or in everything without one.
-    """
-
-    by_step: Array
-    in_cycle: Array
-
-
-def _friction_work(solution: Solution, contact: ContactHistory) -> _Work:
-    count = len(contact.dissipation)
-    by_step, in_cycle = np.zeros(count), np.zeros(len(contact.arc))
-    first, last = solution.cycle or (-1, count - 1)
-    for states in blocks(count, len(contact.arc)):
-        work = contact.dissipation[states]
-        by_step[states] = work.sum(axis=1)
-        begin, end = max(first + 1 - states.start, 0), max(last + 1 - states.start, 0)
-        in_cycle += work[begin:end].sum(axis=0)
-    return _Work(by_step, in_cycle)
 
 
 def _dissipation_change(solution: Solution, contact: ContactHistory, work: Array) -> float:

@@ -10,17 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
 
 from fretfe.case import Case, plane_modulus
-from fretfe.evaluate.contacts import ContactSummary
-from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
-
-Contact = TypeVar("Contact", ContactSummary, AreaSummary)
 
 # Sliding over the width of the contact. The gap of round surfaces that slide by s has an error of
 # s²/(4R) against the approach a²/R of two equal cylinders: (s/2a)², one hundredth.

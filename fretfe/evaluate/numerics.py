@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fretfe._typing import Array, Bools, Positions
+from fretfe._typing import Array, Bools, Indices, Positions
 
 # Weight of a systematic error of known shape, in the selection and in the interval.
 SYSTEMATIC = 2.0
@@ -95,6 +95,13 @@ def count_up(increments: Array, cycle: tuple[int, int] | None) -> Array:
         start = int(np.flatnonzero(gaps)[-1]) + 1 if gaps.any() else 0
         sums[start:, column] = np.concatenate([[0.0], np.cumsum(steps[start:])])
     return sums.reshape(-1, *increments.shape[1:])
+
+
+def last_known(values: Array, cycle: Indices) -> float:
+    """The last of values (T,) that is known, up to the end of the cycle; NaN if none is."""
+    values = values[: cycle[-1] + 1] if len(cycle) else values
+    known = values[np.isfinite(values)]
+    return float(known[-1]) if len(known) else np.nan
 
 
 def weighted_triangles(s: Array, p: Array, errors: Array, tails: Array) -> Array:

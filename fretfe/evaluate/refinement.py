@@ -14,8 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe.evaluate.contacts import Front, Station
-from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.history.solution import Solution
 
 # Slip zones shorter than this fraction of the rise do not matter; they are not resolved.
@@ -161,22 +160,22 @@ def changes_by_kind(
     return changes[0], changes[1], changes[2]
 
 
-def front_means(areas: Sequence[AreaSummary], solution: Solution) -> tuple[StationValues, ...]:
+def front_means(contacts: Sequence[Contact], solution: Solution) -> tuple[StationValues, ...]:
     """Means of K_N, of the range of (K_T, K_S) and of the last two slip zones along each front."""
     friction = {each.name: float(each.friction.max()) for each in solution.contacts}
     return tuple(
-        _values(area, front, friction[area.name], solution.cycle is not None)
-        for area in areas
-        for front in area.fronts
+        _values(each.name, front, friction[each.name], solution.cycle is not None)
+        for each in contacts
+        for front in each.fronts
         if front.judged
     )
 
 
-def _values(area: AreaSummary, front: Front, friction: float, cyclic: bool) -> StationValues:
+def _values(contact: str, front: Front, friction: float, cyclic: bool) -> StationValues:
     stations = front.judged
     slides = friction > 0 and cyclic
     return StationValues(
-        contact=area.name,
+        contact=contact,
         front=front.name,
         k_n=_mean([station.told_k_n for station in stations]),
         k_t=_mean([station.told_range for station in stations]) if slides else 0.0,

@@ -15,10 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.case import Case, Contact, contact_modulus, unit_vector
+from fretfe.case import Case, contact_modulus, unit_vector
+from fretfe.case import Contact as ContactTable
 from fretfe.case.channels import DisplacementLoad, PlatenLoad, RotationLoad, TractionLoad
 from fretfe.errors import MeshError
-from fretfe.evaluate.contacts import ContactSummary, SlipZone, Station
+from fretfe.evaluate.contacts import Contact, SlipZone, Station
 from fretfe.evaluate.factors import WANTED_NODES
 from fretfe.evaluate.plane.section import main_patch, plane_front
 from fretfe.evaluate.refinement import SHORTEST_SLIP, StationValues
@@ -59,9 +60,7 @@ class Interval:
     size: float
 
 
-def station_values(
-    solution: Solution, contacts: Sequence[ContactSummary]
-) -> tuple[StationValues, ...]:
+def station_values(solution: Solution, contacts: Sequence[Contact]) -> tuple[StationValues, ...]:
     """Values that must converge, of every contact that carries something when it ends."""
     return tuple(
         StationValues(
@@ -89,8 +88,8 @@ def _k_t(solution: Solution, station: Station) -> float:
 
 
 def _stations(
-    solution: Solution, contacts: Sequence[ContactSummary]
-) -> Iterator[tuple[ContactHistory, ContactSummary, Station]]:
+    solution: Solution, contacts: Sequence[Contact]
+) -> Iterator[tuple[ContactHistory, Contact, Station]]:
     for history, contact in zip(solution.contacts, contacts, strict=True):
         if np.any(history.traction[contact.stations[0].last, :, 0] > 0):
             for station in contact.stations:
@@ -102,7 +101,7 @@ def _last_zones(station: Station) -> tuple[SlipZone, ...]:
     return tuple(zone for zone in station.slip_zones[-ZONES:] if not zone.gross)
 
 
-def _rise(history: ContactHistory, contact: ContactSummary, station: Station) -> float:
+def _rise(history: ContactHistory, contact: Contact, station: Station) -> float:
     """Distance in which p = K_N sqrt(s) would rise to the largest pressure on this side.
 
     Half of the half-width for Hertz; about the length of the rounding in contact for a flat and
@@ -121,7 +120,7 @@ def _rise(history: ContactHistory, contact: ContactSummary, station: Station) ->
 
 
 def needed_sizes(
-    solution: Solution, contacts: Sequence[ContactSummary], level: int
+    solution: Solution, contacts: Sequence[Contact], level: int
 ) -> tuple[Interval, ...]:
     """Element sizes that are needed and where; each level halves them."""
     intervals: list[Interval] = []
@@ -132,7 +131,7 @@ def needed_sizes(
     return tuple(intervals)
 
 
-def hopeless(solution: Solution, contacts: Sequence[ContactSummary]) -> str:
+def hopeless(solution: Solution, contacts: Sequence[Contact]) -> str:
     """Reason why finer elements will not tell K_N of some edge; empty if they may.
 
     Where K_N is not known elements become smaller from mesh to mesh by a factor, and would do so
@@ -174,7 +173,7 @@ def _largest_element(arc: Array, low: float, high: float) -> float:
 def _station_intervals(
     solution: Solution,
     history: ContactHistory,
-    contact: ContactSummary,
+    contact: Contact,
     station: Station,
     values: StationValues,
     refinement: float,
@@ -271,7 +270,7 @@ def _warning(
         )
 
 
-def _carrier_nodes(contact: Contact, initial: InitialGap) -> Array:
+def _carrier_nodes(contact: ContactTable, initial: InitialGap) -> Array:
     """(v, 2) nodes of the surface that carries the tractions."""
     surfaces = {"surface1": initial.surface1, "surface2": initial.surface2}
     finer = min(surfaces.values(), key=lambda surface: float(np.median(surface.sizes)))

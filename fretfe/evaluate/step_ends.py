@@ -14,19 +14,15 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.contact.division import LARGEST_MOVE, MOST_PARTS
-from fretfe.evaluate.contacts import ContactSummary, Front, SlipZone, Station
-from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.history.state_array import picked, summed
 
-# Histories (T, ...) of a station, of a contact in the plane and of one between solids.
+# Histories (T, ...) of a station and of a contact.
 STATION = ("position", "position_spread", "k_n", "k_n_spread", "k_t", "k_s", "k_i")
 CONTACT = (
-    "normal_force", "shear_force", "moment", "centre", "half_width", "effective_tension",
-)  # fmt: skip
-AREA = (
-    "normal_force", "shear_force", "force", "centre", "moment", "contact_area", "stick_area",
-    "largest_pressure",
+    "normal_force", "shear_force", "force", "centre", "moment", "half_width", "contact_area",
+    "stick_area", "largest_pressure", "effective_tension",
 )  # fmt: skip
 FIELDS = ("traction", "mean_traction", "gap", "slip", "status")
 
@@ -37,8 +33,8 @@ def step_ends(solution: Solution) -> StepEnds | None:
 
 
 def at_step_ends(
-    solution: Solution, contacts: tuple[ContactSummary, ...]
-) -> tuple[Solution, tuple[ContactSummary, ...]]:
+    solution: Solution, contacts: tuple[Contact, ...]
+) -> tuple[Solution, tuple[Contact, ...]]:
     """A solved history and its evaluated contacts without the states within steps."""
     ends = step_ends(solution)
     if ends is None:
@@ -81,25 +77,20 @@ class StepEnds:
         # (T,) number of the step that ends nearest to each state.
         self._step = np.searchsorted((times[ends][1:] + times[ends][:-1]) / 2, times)
 
-    def contacts(
-        self, solution: Solution, contacts: Sequence[ContactSummary]
-    ) -> tuple[ContactSummary, ...]:
-        """The contacts of a solution in the plane, but for patches that exist in no step's end."""
+    def contacts(self, solution: Solution, contacts: Sequence[Contact]) -> tuple[Contact, ...]:
+        """The contacts of a solution, but for patches that exist in no step's end."""
         there = {history.name for history in self._lasting(solution)}
         return tuple(self.contact(each) for each in contacts if each.name in there)
 
-    def contact(self, contact: ContactSummary) -> ContactSummary:
-        """A contact in the plane."""
-        fronts = self._fronts(contact.fronts)
-        return replace(contact, fronts=fronts, **self._histories(contact, CONTACT))
-
-    def area(self, area: AreaSummary) -> AreaSummary:
-        """A contact between solids."""
+    def contact(self, contact: Contact) -> Contact:
+        """One contact."""
+        known = [name for name in CONTACT if len(getattr(contact, name))]
+        work = np.add.reduceat(contact.work, self._begins) if len(contact.work) else contact.work
         return replace(
-            area,
-            fronts=self._fronts(area.fronts),
-            work=np.add.reduceat(area.work, self._begins),
-            **self._histories(area, AREA),
+            contact,
+            fronts=self._fronts(contact.fronts),
+            work=work,
+            **self._histories(contact, known),
         )
 
     def solution(self, solution: Solution) -> Solution:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Body
-from fretfe.evaluate.contacts import ContactSummary, Station
+from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.critical_planes import (
     Critical,
     Parameter,
@@ -124,7 +124,7 @@ class StressHistory:
         )
 
 
-def judged_states(solution: Solution, contacts: Sequence[ContactSummary]) -> Indices:
+def judged_states(solution: Solution, contacts: Sequence[Contact]) -> Indices:
     """(n,) states of the evaluated cycle, or of the whole history without one.
 
     Where loads are irregular, those on the way through the worst counted cycle of all edges.
@@ -136,7 +136,7 @@ def judged_states(solution: Solution, contacts: Sequence[ContactSummary]) -> Ind
     return np.arange(first, last + 1)
 
 
-def worst_states(solution: Solution, contacts: Sequence[ContactSummary]) -> Indices:
+def worst_states(solution: Solution, contacts: Sequence[Contact]) -> Indices:
     """(n,) states on the way through the worst counted cycle of the edges of some contacts.
 
     Empty if the loads are regular.

@@ -4,43 +4,50 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.rainflow import reversals
-from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.contacts import Front, Station
 from fretfe.evaluate.cycles import unsteady_text
 from fretfe.evaluate.factors import WANTED_NODES
 from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
 from fretfe.evaluate.plane.pressure_fit import why_no_root
 from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches, main_patch, plane_front
-from fretfe.evaluate.resultants import ever_closed, never_touch
 from fretfe.evaluate.slip import cycle_states
-from fretfe.history.solution import ContactHistory, Solution
+from fretfe.evaluate.verdicts import withheld
+from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
+from fretfe.surface.reference import rim_nodes
 
 # Part of the range of K_T that may lie between the steps without a warning.
 LARGEST_STEPS = 0.02
 # Loads with fewer reversals, their first and last value included, have no cycles to be counted.
 FEWEST_TURNS = 5
+# Nodes in contact between solids below which pressures and areas are coarse: about ten across.
+FEWEST_NODES = 80
+# Part of the area in contact that sticks, below which the contact nearly slides.
+NEARLY_SLIDES = 0.1
 
 
-def warnings_about(
+def plane_warnings(
     solution: Solution,
     contact: ContactHistory,
-    stations: tuple[Station, ...],
+    fronts: Sequence[Front],
     changes: Sequence[float],
 ) -> Iterator[str]:
-    """Warnings about a contact, most serious first.
+    """Warnings about a plane contact, most serious first.
 
     Args:
         solution: the solved history.
         contact: one of its contacts.
-        stations: evaluated.
+        fronts: left and right, of one station each.
         changes: of the shear over cycles, as of `cycle_changes`.
     """
+    stations = tuple(station for front in fronts for station in front.stations)
     yield from _unknown(solution, contact, stations)
     yield from _uncounted(solution, stations)
     yield from _surfaces(contact)
@@ -49,6 +56,77 @@ def warnings_about(
         yield unsteady
     for station in stations:
         yield from _uncertain(station)
+
+
+def solid_warnings(
+    solution: Solution,
+    contact: ContactHistory,
+    found: Mapping[str, Any],
+    changes: Sequence[float],
+    looked_for: bool,
+) -> Iterator[str]:
+    """Warnings about a contact between solids, most serious first.
+
+    Args:
+        solution: the solved history.
+        contact: one of its contacts.
+        found: its histories and fronts, by the names of `Contact`.
+        changes: of the shear over cycles, as of `cycle_changes`.
+        looked_for: whether there would be fronts if they could be found.
+    """
+    closed, smallest = _ever_closed(contact)
+    if not closed.any():
+        yield _never_touch(smallest)
+        return
+    nodes = int(np.count_nonzero(contact.status[len(contact.status) - 1] != OPEN))
+    if 0 < nodes < FEWEST_NODES:
+        yield (
+            f"{nodes} nodes are in contact in the last state, {FEWEST_NODES} are wanted at least "
+            f"for pressures and areas: make the elements {np.sqrt(FEWEST_NODES / nodes):.1f} times "
+            "smaller there"
+        )
+    if looked_for and not found["fronts"]:
+        yield (
+            "the boundary of the contact area cannot be found at the end of the cycle: K_N, K_T, "
+            "K_S and slip zones are unknown; they need ten elements over the width of the contact"
+        )
+    assert contact.facets is not None
+    at_border = np.flatnonzero(closed & rim_nodes(contact.facets, len(closed)))
+    if len(at_border):
+        place = ", ".join(f"{value:.4g}" for value in contact.points[at_border[0]])
+        yield (
+            f"the contact reaches the border of its surface, first at ({place}): extend the "
+            "physical group there, unless the body ends there too"
+        )
+    if unsteady := unsteady_text(changes):
+        yield unsteady
+    yield from _withheld(solution, found)
+
+
+def _withheld(solution: Solution, found: Mapping[str, Any]) -> Iterator[str]:
+    """Fronts most of whose stations have no K_N or no range, and why."""
+    if solution.cycle is None:
+        return
+    states = slice(solution.cycle[0], solution.cycle[1] + 1)
+    touching, sticking = (found[name][states] for name in ("contact_area", "stick_area"))
+    share = np.where(touching > 0, sticking / np.maximum(touching, 1e-300), 1.0)
+    least = int(np.argmin(share))
+    for front in found["fronts"]:
+        reasons = [text for station in front.judged if (text := withheld(station))]
+        if 2 * len(reasons) <= len(front.judged):
+            continue
+        text = (
+            f"{front.name}: K_N or the range of K_T and K_S is not told at {len(reasons)} of "
+            f"{len(front.judged)} stations, as {reasons[len(reasons) // 2]}"
+        )
+        if share[least] < NEARLY_SLIDES:
+            state = solution.step_of(solution.cycle[0] + least)
+            text += (
+                f". The contact nearly slides: of {touching[least]:.3g} in contact "
+                f"{sticking[least]:.2g} sticks in state {state}, so that there is no border "
+                "between slip and stick next to the front"
+            )
+        yield text
 
 
 def _unknown(
@@ -149,11 +227,25 @@ def _main_share(arc: Array, pressure: Array) -> float:
     return max(forces) / sum(forces) if forces else 1.0
 
 
+def _ever_closed(contact: ContactHistory) -> tuple[Bools, float]:
+    """(N,) nodes that are in contact in some state, and the smallest gap of all."""
+    closed, smallest = np.zeros(len(contact.weights), dtype=bool), np.inf
+    for states in blocks(len(contact.status), len(contact.weights)):
+        closed |= np.any(contact.status[states] != OPEN, axis=0)
+        smallest = min(smallest, float(contact.gap[states].min()))
+    return closed, smallest
+
+
+def _never_touch(smallest: float) -> str:
+    """Warning about surfaces that are never in contact, by their smallest gap."""
+    return f"the surfaces never touch; the smallest gap is {smallest:.4g}"
+
+
 def _surfaces(contact: ContactHistory) -> Iterator[str]:
     """Surfaces that never touch, or end where they are in contact."""
-    closed, smallest = ever_closed(contact)
+    closed, smallest = _ever_closed(contact)
     if not closed.any():
-        yield never_touch(smallest)
+        yield _never_touch(smallest)
     for front in PLANE_FRONTS:
         if front.from_front(closed)[0]:
             yield (

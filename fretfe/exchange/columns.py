@@ -22,7 +22,7 @@ PLANE_UNITS = {
     "work": "{force}*{length}/{length}",
     "density": "{force}*{length}/{length}^2",
     "stress slip": "{stress}^2*{length}",
-    "area": "{length}^2",
+    "area": "{length}",
     "curvature": "1/{length}",
     "angle": "deg",
     "k_n": "{stress}/{length}^0.5",
@@ -32,6 +32,7 @@ SOLID_UNITS = PLANE_UNITS | {
     "force": "{force}",
     "moment": "{force}*{length}",
     "work": "{force}*{length}",
+    "area": "{length}^2",
 }
 
 
@@ -48,6 +49,13 @@ class Column:
     name: str
     kind: str
     meaning: str
+
+    def components(self, axes: str) -> list[Column]:
+        """The columns of a vector along axes."""
+        return [
+            Column(f"{self.name}_{axis}", self.kind, f"component {axis} of: {self.meaning}")
+            for axis in axes
+        ]
 
 
 @dataclass(frozen=True)
@@ -79,34 +87,21 @@ CONTACT = Column("contact", "", "name of the contact, or of one of its patches")
 EDGE = Column("edge", "", "left or right")
 STATION = (
     CONTACT,
-    Column("front", "", "name of the front"),
-    Column("station", "", "number of the station along the front, from 0"),
+    Column("front", "", "name of the front, in the plane left or right"),
+    Column("station", "", "number of the station along the front, from 0; 0 in the plane"),
 )
-PLANE_CONTACTS = (
-    CONTACT,
-    *STATE,
+CONTACTS = (
     Column("normal_force", "force", "P, integral of the pressure"),
     Column("shear_force", "force", "Q, integral of the shear on body 2"),
-    Column("moment", "moment", "moment of the pressure about the centre"),
-    Column("centre", "length", "middle between the two edges"),
+    Column("force", "force", "all on body 2"),
+    Column("centre", "length", "middle between the two edges, of solids the centre of pressure"),
+    Column("moment", "moment", "moment about the centre, in the plane of the pressure"),
     Column("half_width", "length", "half the distance between the edges"),
-    Column("effective_tension", "stress", "bulk tension that half-planes need for these K_T"),
-)
-SOLID_CONTACTS = (
-    CONTACT,
-    *STATE,
-    Column("normal_force", "force", "P, integral of the pressure"),
-    *(Column(f"shear_force_{axis}", "force", f"component {axis} of Q") for axis in "xyz"),
-    *(Column(f"force_{axis}", "force", f"component {axis} of all on body 2") for axis in "xyz"),
-    *(Column(f"centre_{axis}", "length", f"{axis} of the centre of pressure") for axis in "xyz"),
-    *(
-        Column(f"moment_{axis}", "moment", f"component {axis} of the moment about the centre")
-        for axis in "xyz"
-    ),
-    Column("contact_area", "area", "area of the nodes in contact"),
-    Column("stick_area", "area", "area of those that stick"),
+    Column("contact_area", "area", "of the nodes in contact, in the plane their width"),
+    Column("stick_area", "area", "of those that stick"),
     Column("largest_pressure", "stress", "largest mean around a node"),
     Column("work", "work", "friction work in the step to the state"),
+    Column("effective_tension", "stress", "bulk tension that half-planes need for these K_T"),
 )
 FACTORS = (
     *STATE,
@@ -141,14 +136,13 @@ EDGES = (
     Column("warnings", "", "what a reader must know"),
 )
 CYCLES = (
-    CONTACT,
-    EDGE,
+    *STATION,
     Column("start", "", "state of the first reversal"),
     Column("end", "", "state of the second reversal"),
     Column("start_time", "time", "its time"),
     Column("end_time", "time", "its time"),
     Column("count", "", "1, or 0.5 for a range that nothing closes"),
-    Column("k_t_start", "k_t", "K_T at the first reversal"),
+    Column("k_t_start", "k_t", "K_T at the first reversal; of solids along k_angle"),
     Column("k_t_end", "k_t", "K_T at the second reversal"),
     Column("k_t_range", "k_t", "difference of the two, positive"),
     Column("k_t_mean", "k_t", "mean of the two"),

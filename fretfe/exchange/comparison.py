@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 
 from fretfe.case import Units
 from fretfe.errors import CaseError
-from fretfe.evaluate.contacts import ContactSummary, SlipZone, Station
+from fretfe.evaluate.contacts import Contact, SlipZone, Station
 from fretfe.evaluate.refinement import StationValues, front_means
-from fretfe.evaluate.resultants import AreaSummary
 from fretfe.exchange.compared import HistoryPair, QuantityPair, TractionPair
 from fretfe.exchange.overlays import history_pairs, traction_pairs
 from fretfe.report.source import work_unit
@@ -27,8 +26,6 @@ Pairs = Sequence[tuple[Any, Any]]
 MOST_KEYS = 12
 # What a case says about itself only.
 NOT_COMPARED = ("title", "output")
-
-Summary = ContactSummary | AreaSummary
 
 
 class Number(NamedTuple):
@@ -45,8 +42,8 @@ def quantity_pairs(first: Result, second: Result, pairs: Pairs) -> Iterator[Quan
     units = first.case.units
     means = [_means(each) for each in (first, second)]
     for one, two in pairs:
-        if isinstance(one, AreaSummary):
-            yield from _paired(one.name, "", _area(one, first), _area(two, second))
+        if one.solid:
+            yield from _paired(one.name, "", _solid(one, first), _solid(two, second))
             for front, values in means[0].get(one.name, {}).items():
                 if other := means[1].get(two.name, {}).get(front):
                     mine = _front(values, units)
@@ -70,7 +67,7 @@ def _paired(
             )  # fmt: skip
 
 
-def _contact(contact: ContactSummary, units: Units) -> list[Number]:
+def _contact(contact: Contact, units: Units) -> list[Number]:
     return [Number("half-width", units.length, float(contact.half_width[contact.stations[0].last]))]
 
 
@@ -90,22 +87,22 @@ def _edge(edge: Station, result: Result) -> list[Number]:
     ]
 
 
-def _area(area: AreaSummary, result: Result) -> list[Number]:
+def _solid(contact: Contact, result: Result) -> list[Number]:
     units = result.case.units
     return [
-        Number("P", units.force, float(area.normal_force[-1])),
-        Number("contact area", f"{units.length}²", float(area.contact_area[-1])),
-        Number("stick area", f"{units.length}²", float(area.stick_area[-1])),
-        Number("largest p", units.stress, float(area.largest_pressure[-1])),
-        Number("friction work", work_unit(result), area.dissipation),
+        Number("P", units.force, float(contact.normal_force[-1])),
+        Number("contact area", f"{units.length}²", float(contact.contact_area[-1])),
+        Number("stick area", f"{units.length}²", float(contact.stick_area[-1])),
+        Number("largest p", units.stress, float(contact.largest_pressure[-1])),
+        Number("friction work", work_unit(result), contact.dissipation),
     ]
 
 
 def _means(result: Result) -> dict[str, dict[str, StationValues]]:
     """Means along the fronts of solids, by contact and front."""
     found: dict[str, dict[str, StationValues]] = {}
-    if result.areas and result.solution is not None:
-        for each in front_means(result.areas, result.solution):
+    if result.solid and result.solution is not None:
+        for each in front_means(result.contacts, result.solution):
             found.setdefault(each.contact, {})[each.front] = each
     return found
 
@@ -126,7 +123,7 @@ def zone_notes(first: Result, second: Result, pairs: Pairs) -> Iterator[str]:
     """Edges whose last slip zones are those of half cycles that end at other times."""
     clock = max(float(each.loads.times[-1]) for each in (first, second))
     for one, two in pairs:
-        if isinstance(one, AreaSummary):
+        if one.solid:
             continue
         for edge, partner in zip(one.stations, two.stations, strict=True):
             if not (edge.slip_zones and partner.slip_zones):
@@ -213,7 +210,7 @@ def _labels(first: Result, second: Result) -> tuple[str, str]:
 
 
 def _require_comparable(first: Result, second: Result) -> None:
-    kinds = ["solids" if each.areas else "plane bodies" for each in (first, second)]
+    kinds = ["solids" if each.solid else "plane bodies" for each in (first, second)]
     if kinds[0] != kinds[1]:
         raise CaseError(
             f"expected two results of plane bodies or two of solids, found {kinds[0]} and "
@@ -234,8 +231,8 @@ def _partners(first: Result, second: Result) -> tuple[list[tuple[Any, Any]], lis
     Raises:
         CaseError: if there are none.
     """
-    mine: dict[str, Summary] = {each.name: each for each in first.summaries}
-    other: dict[str, Summary] = {each.name: each for each in second.summaries}
+    mine: dict[str, Contact] = {each.name: each for each in first.contacts}
+    other: dict[str, Contact] = {each.name: each for each in second.contacts}
     both = [name for name in mine if name in other]
     if both:
         alone = [

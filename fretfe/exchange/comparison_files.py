@@ -84,7 +84,7 @@ def plot_differences(comparison: Comparison) -> Figure:
 
 
 def _columns(comparison: Comparison) -> list[tuple[str, ...]]:
-    if comparison.results[0].areas:
+    if comparison.results[0].solid:
         return [(f"mean {K_N}",), ("mean ΔK",), (f"mean {ZONES[1]}",)]
     return [(K_N,), (K_T,), (ZONES[1],)]
 

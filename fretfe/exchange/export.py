@@ -15,7 +15,6 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.errors import CaseError, OutputError
-from fretfe.evaluate.contacts import StationHistory
 from fretfe.evaluate.stress import StressParameters
 from fretfe.exchange import columns
 from fretfe.exchange.columns import Column, Heading, headings
@@ -48,15 +47,16 @@ def export_tables(
     """All tables of a result that have rows; arguments as for `export_result`."""
     yield _loads(result)
     yield _contacts(result)
-    if result.contacts or any(area.fronts for area in result.areas):
+    stations = [station for contact in result.contacts for station in contact.stations]
+    if stations:
         yield _factors(result)
-    if result.contacts:
-        yield _of_records(result, "edges.csv", columns.EDGES, result.edges())
-        # Regular loads have one cycle, which the edges tell.
-        if any(edge.cycles.irregular for each in result.contacts for edge in each.stations):
-            yield _of_records(result, "cycles.csv", columns.CYCLES, cycle_records(result))
-    elif stations := station_records(result.areas):
-        yield _of_records(result, "stations.csv", columns.STATIONS, stations)
+    if edges := result.edges():
+        yield _of_records(result, "edges.csv", columns.EDGES, edges)
+    if points := station_records(result):
+        yield _of_records(result, "stations.csv", columns.STATIONS, points)
+    # Regular loads have one cycle, which edges and stations tell.
+    if any(station.cycles.irregular for station in stations):
+        yield _of_records(result, "cycles.csv", columns.CYCLES, cycle_records(result))
     if result.solution is not None:
         yield _tractions(result)
         if result.solution.keeps(*result.loads.evaluated):
@@ -67,7 +67,7 @@ def export_tables(
 
 
 def _headings(result: Result, names: Sequence[Column]) -> list[Heading]:
-    return headings(names, result.case.units, solid=bool(result.areas))
+    return headings(names, result.case.units, solid=result.solid)
 
 
 def _loads(result: Result) -> ExportTable:
@@ -95,50 +95,38 @@ def _of_records(
 
 
 def _contacts(result: Result) -> ExportTable:
-    named = columns.SOLID_CONTACTS if result.areas else columns.PLANE_CONTACTS
-    own = list(dict.fromkeys(_attribute(each.name) for each in named[3:]))
+    """Histories of the contacts, those that they have; vectors by component."""
+    named = [each for each in columns.CONTACTS if getattr(result.contacts[0], each.name).size]
     rows = (
         (each.name, *state)
-        for each in result.summaries
-        for state in _states(result, [getattr(each, name) for name in own])
+        for each in result.contacts
+        for state in _states(result, [getattr(each, column.name) for column in named])
     )
-    return ExportTable("contacts.csv", _headings(result, named), rows)
-
-
-def _attribute(column: str) -> str:
-    """The attribute of a summary that a column is a component of, or that it is."""
-    return column[:-2] if column[-2:] in ("_x", "_y", "_z") else column
+    axes = "xyz"[: result.contacts[0].force.shape[-1]]
+    components = [
+        part
+        for each in named
+        for part in (
+            each.components(axes) if getattr(result.contacts[0], each.name).ndim == 2 else (each,)
+        )
+    ]
+    headings = _headings(result, (columns.CONTACT, *columns.STATE, *components))
+    return ExportTable("contacts.csv", headings, rows)
 
 
 def _factors(result: Result) -> ExportTable:
-    if result.contacts:
-        named = (columns.CONTACT, columns.EDGE, *columns.FACTORS)
-        keyed = [((c.name, edge.front), edge) for c in result.contacts for edge in c.stations]
-        return ExportTable("factors.csv", _headings(result, named), _histories(result, keyed))
-    stations = [
-        ((area.name, front.name, station.number), station)
-        for area in result.areas
-        for front in area.fronts
-        for station in front.stations
-    ]
-    return ExportTable(
-        "factors.csv",
-        _headings(result, (*columns.STATION, *columns.FACTORS)),
-        _histories(result, stations),
-    )
-
-
-def _histories(
-    result: Result, stations: Sequence[tuple[tuple[Any, ...], StationHistory]]
-) -> Iterator[Row]:
     names = [each.name for each in columns.FACTORS[2:]]
-    for key, station in stations:
-        for state in _states(result, [getattr(station, name) for name in names]):
-            yield (*key, *state)
+    rows = (
+        (contact.name, station.front, station.number, *state)
+        for contact in result.contacts
+        for station in contact.stations
+        for state in _states(result, [getattr(station, name) for name in names])
+    )
+    return ExportTable("factors.csv", _headings(result, (*columns.STATION, *columns.FACTORS)), rows)
 
 
 def _states(result: Result, histories: Sequence[Array]) -> Iterator[Row]:
-    """Number, time and values of every state; histories (T,) or (T, 3)."""
+    """Number, time and values of every state; histories (T,) or (T, d)."""
     values = np.column_stack(histories)
     for state, (time, row) in enumerate(zip(result.loads.times, values, strict=True)):
         yield (state, time, *row)
@@ -148,7 +136,7 @@ def _tractions(result: Result) -> ExportTable:
     solution = result.solution
     assert solution is not None
     kept = np.arange(len(solution.times)) if solution.kept is None else solution.kept
-    solid = bool(result.areas)
+    solid = result.solid
     named = columns.SOLID_TRACTIONS if solid else columns.PLANE_TRACTIONS
     rows = (
         (contact.name, int(state), solution.times[state], *row[:-2], int(row[-2]), row[-1])
@@ -161,7 +149,7 @@ def _tractions(result: Result) -> ExportTable:
 
 def _local(result: Result) -> ExportTable:
     assert result.solution is not None
-    named = columns.SOLID_LOCAL if result.areas else columns.PLANE_LOCAL
+    named = columns.SOLID_LOCAL if result.solid else columns.PLANE_LOCAL
     own = [each.name for each in columns.PLANE_LOCAL[2:]]
     rows = (
         (contact.name, *row)
@@ -169,7 +157,7 @@ def _local(result: Result) -> ExportTable:
         for found in [result.local_parameters(contact.name)]
         for row in np.column_stack(
             [
-                contact.points if result.areas else contact.arc,
+                contact.points if result.solid else contact.arc,
                 *(getattr(found, name) for name in own),
             ]
         )

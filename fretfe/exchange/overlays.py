@@ -12,8 +12,8 @@ from scipy.integrate import trapezoid
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import OutputError
-from fretfe.evaluate.contacts import ContactSummary
-from fretfe.evaluate.resultants import AreaSummary, load_extremes
+from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.resultants import load_extremes
 from fretfe.exchange.compared import Curve, HistoryPair, TractionPair
 from fretfe.report.source import force_unit
 from fretfe.results.model import Result
@@ -28,7 +28,7 @@ def traction_pairs(
     first: Result, second: Result, pairs: Pairs
 ) -> tuple[tuple[TractionPair, ...], list[str]]:
     """Tractions at the two load extremes of each result, and why there are none."""
-    if first.areas:
+    if first.solid:
         return (), [
             "tractions of solids are not compared: their nodes have no common places; "
             "fretfe export writes them"
@@ -58,7 +58,7 @@ def traction_pairs(
 
 
 def _contact_tractions(
-    first: Result, second: Result, one: ContactSummary, two: ContactSummary
+    first: Result, second: Result, one: Contact, two: Contact
 ) -> Iterator[TractionPair]:
     states = [_extremes(result, each) for result, each in ((first, one), (second, two))]
     for extreme in states[0]:
@@ -70,14 +70,14 @@ def _contact_tractions(
             yield TractionPair(one.name, extreme, curves[0], curves[1], *_differences(*curves))
 
 
-def _extremes(result: Result, contact: ContactSummary) -> dict[str, int]:
+def _extremes(result: Result, contact: Contact) -> dict[str, int]:
     """States of largest and smallest load of a contact by what they are, and the last state.
 
     Extremes are told apart by K_T, not by time: equal loads come back, and which of the states is
     the extreme one is a matter of round-off.
     """
     edges = contact.stations
-    found = load_extremes([e.k_t for e in edges], [e.k_i for e in edges], result.loads.cycle)
+    found = load_extremes([contact], result.loads.cycle)
     last = len(result.loads.times) - 1
     if len(found) < 2:
         return {LAST: found[0]}
@@ -138,7 +138,7 @@ def history_pairs(first: Result, second: Result, pairs: Pairs) -> Iterator[Histo
     for one, two in pairs:
         force = force_unit(first)
         yield _history(first, second, one, two, one.name, "", "P", force, "normal_force")
-        if isinstance(one, AreaSummary):
+        if one.solid:
             area = f"{units.length}²"
             yield _history(first, second, one, two, one.name, "", "area", area, "contact_area")
             continue

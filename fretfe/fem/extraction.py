@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from itertools import islice
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
@@ -15,13 +16,14 @@ from fretfe.contact.full_stick import neighbour_states
 from fretfe.contact.march import March
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
+from fretfe.evaluate.evaluate import Tracks
 from fretfe.evaluate.plane.patches_in_time import own_part
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, fit_edge
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_sections
 from fretfe.evaluate.slip import cycle_states
 from fretfe.fem.interaction_integral import Tip, Tube
 from fretfe.fem.limits import oscillates
-from fretfe.fem.model import Model, Request
+from fretfe.fem.model import Model
 from fretfe.fem.probes import Probe, UnitFields, measure, probe_stations
 from fretfe.history.solution import ContactHistory, Factor, Neighbours, Solution, StationIntegrals
 from fretfe.surface.surface import perpendicular
@@ -48,104 +50,138 @@ ROWS = 1.5
 # the front, and along it of the way to its end.
 WIDEST, NARROWEST, NEAREST_END = 0.4, 0.4, 0.95
 
-# The fronts of each contact, followed through the history.
-Tracks = Mapping[str, "tuple[FrontTrack, ...]"]
-
 
 def add_integrals(
     model: Model,
     recorder: Recorder | None,
     march: March | None,
     solution: Solution | None,
+    tracks: Tracks | None,
     say: Callable[[str], None],
 ) -> Solution | None:
-    """The solution of a plane history with the interaction integrals of its contacts. Collective.
+    """The solution of a history with the interaction integrals of its contacts. Collective.
 
-    Recorder, march and solution are those of rank 0, None elsewhere, like what is returned.
-    `say` is told how far it is.
+    Recorder, march, solution and tracks, those of solids, are those of rank 0, None elsewhere, like
+    what is returned. `say` is told how far it is.
     """
-    draft = (
-        _PlaneDraft(model, recorder, march, solution) if recorder and march and solution else None
-    )
-    probes, requests = (draft.probes, draft.requests) if draft else (None, None)
+    draft: _Draft[Any] | None = None
+    if recorder and march and solution is not None:
+        common = _Common(model, recorder, march, solution)
+        draft = _PlaneDraft(common) if tracks is None else _SolidDraft(common, tracks)
+        draft.plan()
+    probes, requests = (draft.probes, draft.fields.requests) if draft else (None, None)
     values = measure(model, probes, requests, say)
     return draft.finish(values) if draft and values is not None else None
 
 
-class _PlaneDraft:
-    """Plans the integrals and gives the results their place; rank 0 only."""
+class _Common:
+    """A solved history, from which integrals of both dimensions are planned; rank 0 only."""
 
     def __init__(self, model: Model, recorder: Recorder, march: March, solution: Solution) -> None:
         assert model.reduction is not None
-        self._solution = solution
-        self._recorder = recorder
-        self._fields = UnitFields(recorder)
-        states = neighbour_states(march, recorder.last, recorder.last_loads)
-        self._neighbours = states
-        self._difference = () if states is None else (self._fields.difference(*states),)
-        self._contacts: dict[str, _Areas] = {}
-        self._places: list[tuple[str, int]] = []
-        probes: list[Probe] = []
-        pairs = {pair.name: pair for pair in model.reduction.pairs}
-        for contact in solution.contacts:
-            areas = _choose_areas(solution, contact)
-            if areas is not None:
-                self._contacts[contact.name] = areas
-                self._places += [(contact.name, front.number) for front in PLANE_FRONTS]
-                pair = pairs[contact.pair]
-                probes += [self._probe(model, pair, areas, front) for front in PLANE_FRONTS]
-        self.probes = tuple(probes)
+        self.model, self.recorder, self.solution = model, recorder, solution
+        self.fields = UnitFields(recorder)
+        self.pairs = {pair.name: pair for pair in model.reduction.pairs}
+        self.neighbours = neighbour_states(march, recorder.last, recorder.last_loads)
+        self.difference = self.fields.difference(*self.neighbours) if self.neighbours else None
 
-    @property
-    def requests(self) -> list[Request]:
-        """The fields that the probes are multiplied with."""
-        return self._fields.requests
+
+Plan = TypeVar("Plan")
+
+
+class _Draft(Generic[Plan]):
+    """Plans the integrals of all contacts and gives the results their place; rank 0 only."""
+
+    def __init__(self, common: _Common) -> None:
+        self._common = common
+        self.fields = common.fields
+        self.probes: list[Probe] = []
+        # For each contact that has integrals its plan and the number of its probes.
+        self._plans: dict[str, tuple[Plan, int]] = {}
+
+    def plan(self) -> None:
+        """Choose states and stations, and make their probes."""
+        for contact in self._common.solution.contacts:
+            plan = self._plan(contact)
+            if plan is not None:
+                probes = self._probes(contact, plan)
+                self._plans[contact.name] = plan, len(probes)
+                self.probes += probes
 
     def finish(self, values: list[list[Array]]) -> Solution:
         """The solution with the integrals, one list of values for each probe."""
-        found = dict(zip(self._places, values, strict=True))
-        contacts = []
-        for contact in self._solution.contacts:
-            areas = self._contacts.get(contact.name)
-            if areas is not None:
-                stations = [found[contact.name, front.number] for front in PLANE_FRONTS]
-                contact = replace(
-                    contact,
-                    integrals=_integrals(areas, stations),
-                    neighbours=self._neighbour_history(contact, stations),
-                )
+        rest, contacts = iter(values), []
+        for contact in self._common.solution.contacts:
+            if contact.name in self._plans:
+                plan, count = self._plans[contact.name]
+                integrals, neighbours = self._factors(contact, plan, list(islice(rest, count)))
+                contact = replace(contact, integrals=integrals, neighbours=neighbours)
             contacts.append(contact)
-        return replace(self._solution, contacts=tuple(contacts))
+        return replace(self._common.solution, contacts=tuple(contacts))
+
+    def _plan(self, contact: ContactHistory) -> Plan | None:
+        """States and stations of a contact; None if its edges or fronts are not known."""
+        raise NotImplementedError
+
+    def _probes(self, contact: ContactHistory, plan: Plan) -> list[Probe]:
+        raise NotImplementedError
+
+    def _factors(
+        self, contact: ContactHistory, plan: Plan, values: list[list[Array]]
+    ) -> tuple[StationIntegrals, Neighbours | None]:
+        raise NotImplementedError
+
+
+class _PlaneDraft(_Draft["_Areas"]):
+    """A probe for each edge in all chosen states, the difference of the neighbours last."""
+
+    def _plan(self, contact: ContactHistory) -> _Areas | None:
+        return _choose_areas(self._common.solution, contact)
+
+    def _probes(self, contact: ContactHistory, plan: _Areas) -> list[Probe]:
+        return [self._probe(self._common.pairs[contact.pair], plan, each) for each in PLANE_FRONTS]
+
+    def _probe(self, pair: Pair, areas: _Areas, front: PlaneFront) -> Probe:
+        model, difference = self._common.model, self._common.difference
+        edges = [float(edge) for edge in areas.positions[:, front.number]]
+        fields = [self.fields.of_area(int(area)) for area in areas.numbers]
+        if difference is not None:
+            edges.append(float(areas.last[front.number]))
+            fields.append((difference,))
+        tubes = tuple(Tube(float(reach)) for reach in areas.reaches)
+        normals = pair.coupling.frames[:, 0]
+        return Probe(
+            bodies=(pair.body1, pair.body2),
+            tips=tuple(_tips(model, pair, edge, front) for edge in edges),
+            frames=tuple(_frame(_at(pair, edge, normals), front) for edge in edges),
+            fields=tuple(fields),
+            tubes=(tubes,) * len(edges),
+        )
+
+    def _factors(
+        self, contact: ContactHistory, plan: _Areas, values: list[list[Array]]
+    ) -> tuple[StationIntegrals, Neighbours | None]:
+        of_areas = [station[: len(plan.numbers)] for station in values]
+        # (stations, S, R, d, J) to (S, R, stations, d, J)
+        factors = np.array(of_areas).transpose(1, 2, 0, 3, 4)
+        integrals = StationIntegrals(plan.numbers, plan.positions, plan.reaches, factors)
+        return integrals, self._neighbour_history(contact, values)
 
     def _neighbour_history(
         self, contact: ContactHistory, stations: list[list[Array]]
     ) -> Neighbours | None:
-        if self._neighbours is None:
+        if self._common.neighbours is None:
             return None
-        nodes = self._recorder.nodes_of(contact.pair)
-        tractions = np.array([state.traction[nodes, 0] for state in self._neighbours])
+        nodes = self._common.recorder.nodes_of(contact.pair)
+        tractions = np.array([state.traction[nodes, 0] for state in self._common.neighbours])
         if contact.territory is not None:
             tractions = own_part(tractions, contact.territory[-1])
             if np.any(tractions[:, _borders(contact, -1)] > 0):  # merges with its neighbour
                 return None
         normal = np.stack([values[-1][:, Factor.K_I, 0] for values in stations], axis=1)
+        if oscillates(self._common.model.case, contact):
+            normal = np.full_like(normal, np.nan)
         return Neighbours(tractions / np.sqrt(contact.weights), normal)
-
-    def _probe(self, model: Model, pair: Pair, areas: _Areas, front: PlaneFront) -> Probe:
-        last = [areas.last[front.number]] if self._difference else []
-        edges = [*areas.positions[:, front.number], *last]
-        fields = [self._fields.of_area(int(area)) for area in areas.numbers]
-        fields += [self._difference] if self._difference else []
-        tubes = tuple(Tube(float(reach)) for reach in areas.reaches)
-        return Probe(
-            bodies=(pair.body1, pair.body2),
-            tips=tuple(_tips(model, pair, float(edge), front) for edge in edges),
-            frames=tuple(
-                _frame(_at(pair, float(edge), pair.coupling.frames[:, 0]), front) for edge in edges
-            ),
-            fields=tuple(fields),
-            tubes=(tubes,) * len(edges),
-        )
 
 
 @dataclass(frozen=True)
@@ -163,13 +199,6 @@ class _Areas:
     positions: Array
     last: Array
     reaches: Array
-
-
-def _integrals(areas: _Areas, stations: list[list[Array]]) -> StationIntegrals:
-    values = [station[: len(areas.numbers)] for station in stations]
-    # (stations, S, R, d, J) to (S, R, stations, d, J)
-    factors = np.array(values).transpose(1, 2, 0, 3, 4)
-    return StationIntegrals(areas.numbers, areas.positions, areas.reaches, factors)
 
 
 def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
@@ -249,49 +278,16 @@ def _at(pair: Pair, edge: float, values: Array) -> Array:
     return np.array([np.interp(edge, pair.coupling.arc, column) for column in values.T])
 
 
-def add_solid_integrals(
-    model: Model,
-    recorder: Recorder | None,
-    march: March | None,
-    solution: Solution | None,
-    tracks: Tracks | None,
-    say: Callable[[str], None],
-) -> Solution | None:
-    """The solution of solids with the interaction integrals at their stations. Collective.
+class _SolidDraft(_Draft["_Plan"]):
+    """A probe for each front in each chosen state."""
 
-    Recorder, march, solution and tracks are those of rank 0, None elsewhere, like what is returned.
-    `say` is told how far it is.
-    """
-    draft = None
-    if recorder and march and solution is not None and tracks is not None:
-        draft = _SolidDraft(model, recorder, march, solution, tracks)
-    probes, requests = (draft.probes, draft.fields.requests) if draft else (None, None)
-    values = measure(model, probes, requests, say)
-    return draft.finish(values) if draft and values is not None else None
-
-
-class _SolidDraft:
-    """Plans the integrals and gives the results their place; rank 0 only."""
-
-    def __init__(
-        self, model: Model, recorder: Recorder, march: March, solution: Solution, tracks: Tracks
-    ) -> None:
-        assert model.reduction is not None
-        self._solution, self._tracks, self._recorder = solution, tracks, recorder
-        self.fields = UnitFields(recorder)
-        self._case = model.case
-        self._neighbours = neighbour_states(march, recorder.last, recorder.last_loads)
-        self._difference = self.fields.difference(*self._neighbours) if self._neighbours else None
-        self._plans: dict[str, _Plan] = {}
+    def __init__(self, common: _Common, tracks: Tracks) -> None:
+        super().__init__(common)
+        self._tracks = tracks
         self._fields_of: dict[int, tuple[int, ...]] = {}
-        self.probes: list[Probe] = []
-        self._pairs = {pair.name: pair for pair in model.reduction.pairs}
-        for contact in solution.contacts:
-            plan = _plan(solution, contact, tracks[contact.name])
-            if plan is not None:
-                self._plans[contact.name] = plan
-                pair = self._pairs[contact.pair]
-                self.probes += self._probes(model, pair, plan, tracks[contact.name])
+
+    def _plan(self, contact: ContactHistory) -> _Plan | None:
+        return _plan(self._common.solution, contact, self._tracks[contact.name])
 
     def _of_state(self, state: int) -> tuple[int, ...]:
         """Numbers of the mean fields of areas around that of a state, one for each driver."""
@@ -299,21 +295,20 @@ class _SolidDraft:
         from fretfe.evaluate.space.fronts import AREAS, nested_areas
 
         if state not in self._fields_of:
-            closed = self._recorder.state(state).closed
+            recorder = self._common.recorder
+            closed = recorder.state(state).closed
             areas = np.tile(closed, (AREAS, 1))
-            for contact in self._solution.contacts:
-                nodes, tracks = self._recorder.nodes_of(contact.pair), self._tracks[contact.name]
+            for contact in self._common.solution.contacts:
+                nodes, tracks = recorder.nodes_of(contact.pair), self._tracks[contact.name]
                 places = [track.fit.place[state] for track in tracks]
                 areas[:, nodes] = nested_areas(contact.points, closed[nodes], tracks, places)
             self._fields_of[state] = self.fields.of_areas(state, list(areas))
         return self._fields_of[state]
 
-    def _probes(
-        self, model: Model, pair: Pair, plan: _Plan, tracks: Sequence[FrontTrack]
-    ) -> list[Probe]:
-        """A probe for each front in each state."""
+    def _probes(self, contact: ContactHistory, plan: _Plan) -> list[Probe]:
+        pair, difference = self._common.pairs[contact.pair], self._common.difference
         probes, first = [], 0
-        for track in tracks:
+        for track in self._tracks[contact.name]:
             stations = slice(first, first + len(track.front.sectors))
             first = stations.stop
             tubes = _tubes(track.front)
@@ -322,39 +317,29 @@ class _SolidDraft:
                 fields, ways = self._of_state(int(state)), tubes
                 if row != plan.last:
                     ways = [[each[USUAL]] for each in tubes]
-                elif self._difference is not None:
-                    fields = (*fields, self._difference)
+                elif difference is not None:
+                    fields = (*fields, difference)
                 frames = track.front.frames.moved(own)
-                probes.append(probe_stations(model, pair, frames, ways, fields))
+                probes.append(probe_stations(self._common.model, pair, frames, ways, fields))
         return probes
 
-    def finish(self, values: list[list[Array]]) -> Solution:
-        """The solution with the integrals, a list of values of all stations for each probe."""
-        rest = iter(values)
-        contacts = []
-        for contact in self._solution.contacts:
-            plan = self._plans.get(contact.name)
-            if plan is not None:
-                fronts = [
-                    [np.stack(next(rest), axis=1) for _ in plan.states]
-                    for _ in self._tracks[contact.name]
-                ]
-                states = [np.concatenate(each, axis=1) for each in zip(*fronts, strict=True)]
-                contact = self._with_integrals(contact, plan, states)
-            contacts.append(contact)
-        return replace(self._solution, contacts=tuple(contacts))
-
-    def _with_integrals(
-        self, contact: ContactHistory, plan: _Plan, states: Sequence[Array]
-    ) -> ContactHistory:
-        """A contact with its factors, those of the difference of the neighbours behind them.
+    def _factors(
+        self, contact: ContactHistory, plan: _Plan, values: list[list[Array]]
+    ) -> tuple[StationIntegrals, Neighbours | None]:
+        """Factors of all stations, of the difference of the neighbours behind those of the drivers.
 
         Args:
             contact: the contact.
             plan: S states and n stations.
-            states: (R, n, d, J) of the state nearest to the last one, (1, n, d, J) of the others.
+            values: for each front, S lists with (R, d, J) for each of its stations in the state
+                nearest to the last one, (1, d, J) in the others.
         """
-        drivers, whole = self._solution.driver_values.shape[1], states[plan.last]
+        count = len(plan.states)
+        states = [
+            np.concatenate([np.stack(each, axis=1) for each in values[row::count]], axis=1)
+            for row in range(count)
+        ]
+        drivers, whole = self._common.solution.driver_values.shape[1], states[plan.last]
         # The ways differ by the same everywhere.
         ways = (whole - whole[USUAL])[..., :drivers]
         factors = np.array(
@@ -370,18 +355,18 @@ class _SolidDraft:
             np.arange(len(TUBES), dtype=np.float64),
             np.where(known, factors, np.nan),
         )
-        neighbours = None
-        if self._neighbours is not None and not oscillates(self._case, contact):
-            k_i = whole[..., Factor.K_I, drivers]
-            k_i = np.where(np.isfinite(plan.positions[plan.last]), k_i, np.nan)
-            pressure = np.array([self._mean_pressure(contact, each) for each in self._neighbours])
-            neighbours = Neighbours(pressure, k_i)
-        return replace(contact, integrals=integrals, neighbours=neighbours)
+        neighbours = self._common.neighbours
+        if neighbours is None or oscillates(self._common.model.case, contact):
+            return integrals, None
+        k_i = whole[..., Factor.K_I, drivers]
+        k_i = np.where(np.isfinite(plan.positions[plan.last]), k_i, np.nan)
+        pressure = np.array([self._mean_pressure(contact, each) for each in neighbours])
+        return integrals, Neighbours(pressure, k_i)
 
     def _mean_pressure(self, contact: ContactHistory, state: ContactState) -> Array:
         """(N,) means around the nodes of a contact."""
-        nodes = self._recorder.nodes_of(contact.pair)
-        averaging = self._pairs[contact.pair].coupling.averaging
+        nodes = self._common.recorder.nodes_of(contact.pair)
+        averaging = self._common.pairs[contact.pair].coupling.averaging
         return np.asarray(averaging @ (state.traction[nodes, 0] / np.sqrt(contact.weights)))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
@@ -17,9 +17,8 @@ from fretfe.case import Case
 from fretfe.contact.interface import coordinate_range
 from fretfe.contact.recorder import Recorder, StateBlock
 from fretfe.errors import ConvergenceError
-from fretfe.evaluate.contacts import ContactSummary, fronts_of
+from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.limits import ContactExtent, ModelLimit, contact_extent, contact_limits
-from fretfe.evaluate.resultants import AreaSummary
 from fretfe.evaluate.slip import cycle_states
 from fretfe.fem.model import Model, Reduction
 from fretfe.history.solution import OPEN, ContactHistory, Solution
@@ -99,7 +98,7 @@ def model_limits(
     model: Model,
     recorder: Recorder,
     solution: Solution,
-    contacts: Sequence[ContactSummary | AreaSummary],
+    contacts: Sequence[Contact],
     depths: Mapping[str, float],
 ) -> tuple[ModelLimit, ...]:
     """All limits of a solved history, contact by contact; on rank 0.
@@ -126,7 +125,7 @@ def model_limits(
             motion = _motion(model, pair, history, recorder)
             limits += _motion_limits(history, extent, motion)
             summary = summaries[history.name]
-            if isinstance(summary, ContactSummary):
+            if not summary.solid:
                 limits.append(_pairing(summary, motion, cycle_states(solution.cycle)))
             if pair.name in depths:
                 limits.append(_penetration(history, extent, depths[pair.name]))
@@ -141,25 +140,6 @@ def _balance_limit(solution: Solution, kind: str) -> ModelLimit:
         LARGEST_IMBALANCE,
         "round-off has destroyed the solution",
     )
-
-
-def without_moved(
-    case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]
-) -> tuple[ContactSummary, ...]:
-    """The contacts without K_N by the moving edge where it needs a K_I that is not defined.
-
-    Between dissimilar bodies with friction the integral, which assumes beta = 0, makes it 50 %
-    wrong.
-    """
-    wrong = {history.name for history in solution.contacts if oscillates(case, history)}
-    return tuple(_without_moved(each) if each.name in wrong else each for each in contacts)
-
-
-def _without_moved(contact: ContactSummary) -> ContactSummary:
-    stations = (
-        replace(each, k_n_moved=np.nan, k_n_moved_spread=np.nan) for each in contact.stations
-    )
-    return replace(contact, fronts=fronts_of(stations))
 
 
 def oscillates(case: Case, history: ContactHistory) -> bool:
@@ -217,7 +197,7 @@ def _motion_limits(
     )
 
 
-def _pairing(summary: ContactSummary, motion: Motion, cycle: Indices) -> ModelLimit:
+def _pairing(summary: Contact, motion: Motion, cycle: Indices) -> ModelLimit:
     """Error of K_T because a gap along a turned normal counts as tangential displacement.
 
     In a gap g that closes, a common rotation ω moves partners apart by g ω. That adds ω p to the

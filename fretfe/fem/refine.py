@@ -221,14 +221,9 @@ class SolidPasses(Passes):
 
     def _pass(self, result: Result, mesh: Mesh) -> Pass:
         assert result.solution is not None
-        values = front_means(result.areas, result.solution)
+        values = front_means(result.contacts, result.solution)
         before = self._done[-1] if self._done else None
-        sizes = [
-            station.size
-            for area in result.areas
-            for front in area.fronts
-            for station in front.stations
-        ]
+        sizes = [station.size for each in result.contacts for station in each.stations]
         return Pass(
             unknowns=self._unknowns(mesh),
             smallest_element=min(sizes, default=math.nan),

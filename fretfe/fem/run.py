@@ -18,15 +18,15 @@ from fretfe.contact.interface import Place
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import solve_history
 from fretfe.errors import ConvergenceError, FretfeError, ModelError, OutputError, StoppedError
-from fretfe.evaluate.contacts import ContactSummary
-from fretfe.evaluate.evaluate import evaluate
+from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.evaluate import Tracks, evaluate
 from fretfe.evaluate.limits import ModelLimit, with_limit_warnings
 from fretfe.evaluate.plane.patches_in_time import separate_patches
-from fretfe.evaluate.resultants import AreaSummary, evaluate_areas, load_extremes, shear_extremes
+from fretfe.evaluate.resultants import load_extremes
 from fretfe.evaluate.step_ends import division_notes, step_ends
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
-from fretfe.fem.extraction import Tracks, add_integrals, add_solid_integrals
+from fretfe.fem.extraction import add_integrals
 from fretfe.fem.fields import FieldOutput
 from fretfe.fem.limits import (
     balance,
@@ -34,7 +34,6 @@ from fretfe.fem.limits import (
     imbalance,
     model_limits,
     unpaired_penetration,
-    without_moved,
 )
 from fretfe.fem.model import LoadMesh, Model, Prepared, build_model, step_loads
 from fretfe.fem.parallel import SharedStop, on_root, release
@@ -106,14 +105,8 @@ def solve_prepared(
     recorder = marched.recorder if marched else None
     solution = _solution(model, history, marched.recorder) if marched else None
     with clock("edge integrals"):
-        if model.dimension == 2:
-            tracks = None
-            solution = add_integrals(model, recorder, prepared.march, solution, options.doing)
-        else:
-            tracks = on_root(comm, lambda: _fronts(case, solution), share=False)
-            solution = add_solid_integrals(
-                model, recorder, prepared.march, solution, tracks, options.doing
-            )
+        tracks = on_root(comm, lambda: _fronts(case, solution), share=False)
+        solution = add_integrals(model, recorder, prepared.march, solution, tracks, options.doing)
     with clock("evaluation"):
         found = _evaluate(model, recorder, solution, tracks)
         failure = failure or on_root(comm, lambda: imbalance(solution) if solution else None)
@@ -125,7 +118,6 @@ def solve_prepared(
         case=case,
         loads=comm.bcast(solution.loads if solution else None),
         contacts=found.contacts,
-        areas=found.areas,
         solution=solution,
         notes=notes,
         failure=failure,
@@ -149,16 +141,15 @@ def solve_prepared(
 
 @dataclass(frozen=True)
 class _Evaluation:
-    """The contacts of plane bodies, or the contact areas of solids, and the limits of the model."""
+    """The contacts and the limits of the model."""
 
-    contacts: tuple[ContactSummary, ...] = ()
-    areas: tuple[AreaSummary, ...] = ()
+    contacts: tuple[Contact, ...] = ()
     limits: tuple[ModelLimit, ...] = ()
 
 
 def _fronts(case: Case, solution: Solution | None) -> Tracks | None:
-    """The fronts of all contacts of solids through the history."""
-    if solution is None:
+    """The fronts of all contacts of solids through the history; None in the plane."""
+    if solution is None or solution.dimension == 2:
         return None
     # Imported where it is needed: SciPy's interpolation takes a second.
     from fretfe.evaluate.space.fronts import follow_fronts
@@ -171,32 +162,21 @@ def _fronts(case: Case, solution: Solution | None) -> Tracks | None:
 def _evaluate(
     model: Model, recorder: Recorder | None, solution: Solution | None, tracks: Tracks | None
 ) -> _Evaluation:
-    """Evaluate a solved history, which rank 0 has. Collective."""
+    """The contacts, with warnings where the model does not hold, and its limits. Collective.
+
+    Nothing on ranks other than 0, which has the solution.
+    """
     depths = _penetration(model, recorder) if model.dimension == 2 else {}
 
     def work() -> _Evaluation:
         if recorder is None or solution is None:
             return _Evaluation()
-        found = (
-            _evaluate_plane(model, recorder, solution, depths)
-            if tracks is None
-            else _evaluate_solids(model, recorder, solution, tracks)
-        )
-        return _at_step_ends(found, solution)
+        contacts = evaluate(solution, tracks=tracks)
+        limits = model_limits(model, recorder, solution, contacts, depths)
+        contacts, ends = with_limit_warnings(contacts, limits), step_ends(solution)
+        return _Evaluation(ends.contacts(solution, contacts) if ends else contacts, limits)
 
     return on_root(model.comm, work)
-
-
-def _at_step_ends(found: _Evaluation, solution: Solution) -> _Evaluation:
-    """An evaluation without the states within steps."""
-    ends = step_ends(solution)
-    if ends is None:
-        return found
-    return replace(
-        found,
-        contacts=ends.contacts(solution, found.contacts),
-        areas=tuple(ends.area(each) for each in found.areas),
-    )
 
 
 def _notes(
@@ -205,29 +185,6 @@ def _notes(
     """Notes on the mesh, and on steps that were divided or not solved; in words."""
     repeats = solution.repeats if solution else ()
     return (*(mesh.notes if mesh else ()), *divided, *(each.text for each in repeats))
-
-
-def _evaluate_plane(
-    model: Model, recorder: Recorder, solution: Solution, depths: dict[str, float]
-) -> _Evaluation:
-    """The contacts, with warnings where the model does not hold, and its limits; on rank 0."""
-    contacts = without_moved(model.case, solution, evaluate(solution))
-    limits = model_limits(model, recorder, solution, contacts, depths)
-    return _Evaluation(contacts=with_limit_warnings(contacts, limits), limits=limits)
-
-
-def _evaluate_solids(
-    model: Model, recorder: Recorder, solution: Solution, tracks: Tracks
-) -> _Evaluation:
-    from fretfe.evaluate.space.evaluate import evaluate_fronts
-
-    fronts = {
-        contact.name: evaluate_fronts(solution, contact, tracks[contact.name])
-        for contact in solution.contacts
-    }
-    areas = evaluate_areas(solution, fronts)
-    limits = model_limits(model, recorder, solution, areas, {})
-    return _Evaluation(areas=with_limit_warnings(areas, limits), limits=limits)
 
 
 def _penetration(model: Model, recorder: Recorder | None) -> dict[str, float]:
@@ -389,13 +346,6 @@ def _field_states(
     if wanted == "last":
         return list(solved[-1:])
     if wanted == "extremes":
-        stations = [station for contact in found.contacts for station in contact.stations]
-        states = (
-            shear_extremes(found.areas, solution.cycle)
-            if found.areas
-            else load_extremes(
-                [each.k_t for each in stations], [each.k_i for each in stations], solution.cycle
-            )
-        )
+        states = load_extremes(found.contacts, solution.cycle)
         return sorted({*states, *solved[-1:]} & set(solved))
     return [state for state in (history.step(time) for time in wanted) if state in solved]

@@ -20,7 +20,7 @@ from fretfe.case import Body, Case
 from fretfe.case.tables import Plane
 from fretfe.contact.recorder import Recorder
 from fretfe.errors import CaseError, OutputError
-from fretfe.evaluate.contacts import ContactSummary, Station
+from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.stress import judged_states
 from fretfe.evaluate.surface_stress import (
@@ -167,7 +167,7 @@ class _Site:
     """A contact with its patches, and the surfaces of its bodies; rank 0 only."""
 
     patches: tuple[ContactHistory, ...]
-    summaries: tuple[ContactSummary, ...]
+    summaries: tuple[Contact, ...]
     surfaces: tuple[Surface, Surface]
     strains: tuple[SurfaceStrain, SurfaceStrain]
     depths: Array
@@ -191,7 +191,7 @@ def write_stress(
     model: Model,
     recorder: Recorder | None,
     solution: Solution | None,
-    contacts: Sequence[ContactSummary],
+    contacts: Sequence[Contact],
     path: Path,
 ) -> None:
     """Write the stress near all contacts. Collective.
@@ -256,7 +256,7 @@ class _Writer:
     """The part of rank 0: places, the stress at the surface, the file."""
 
     def __init__(
-        self, model: Model, solution: Solution, contacts: Sequence[ContactSummary], path: Path
+        self, model: Model, solution: Solution, contacts: Sequence[Contact], path: Path
     ) -> None:
         self._case, self._path, self._solution = model.case, path, solution
         self._depths = np.array(model.case.output.stress_depths)
@@ -395,7 +395,7 @@ class _Writer:
 def _site(
     model: Model,
     patches: tuple[ContactHistory, ...],
-    summaries: dict[str, ContactSummary],
+    summaries: dict[str, Contact],
     depths: Array,
 ) -> _Site:
     """A contact and where the stress around it is looked at."""

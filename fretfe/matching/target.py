@@ -10,7 +10,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.errors import CaseError, ModelError, OutputError
-from fretfe.evaluate.contacts import ContactSummary, Station
+from fretfe.evaluate.contacts import Contact, Station
 from fretfe.results.model import Result
 
 # Correlation of K_T and K_I below which they do not vary in step.
@@ -132,9 +132,9 @@ def read_target(result: Result, edge: str) -> Target:
     )
 
 
-def _find(result: Result, edge: str) -> tuple[ContactSummary, Station]:
+def _find(result: Result, edge: str) -> tuple[Contact, Station]:
     where = result.directory or result.case.source
-    if result.areas:
+    if result.solid:
         raise CaseError(
             f"{where}: expected results of plane bodies, found solids; `fretfe station` makes the "
             "plane problem of one of their stations"
@@ -197,9 +197,7 @@ def _in_step(station: Station, begin: int, end: int) -> int:
     return round(correlation) if abs(correlation) >= IN_STEP else 0
 
 
-def _warnings(
-    contact: ContactSummary, station: Station, in_step: int, normal: float
-) -> tuple[str, ...]:
+def _warnings(contact: Contact, station: Station, in_step: int, normal: float) -> tuple[str, ...]:
     found = list(contact.warnings)
     if not contact.steady:
         found.append("the cycle is not steady; the test will be")
@@ -211,7 +209,7 @@ def _warnings(
 
 
 def _profile(
-    result: Result, contact: ContactSummary, station: Station, cycle: tuple[int, int]
+    result: Result, contact: Contact, station: Station, cycle: tuple[int, int]
 ) -> Profile | None:
     """Tractions next to an edge, up to the centre of the contact."""
     begin, end = cycle

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,8 +12,8 @@ import numpy as np
 from fretfe._typing import Indices
 from fretfe.case import Case
 from fretfe.evaluate import stress
-from fretfe.evaluate.contacts import ContactSummary, Station
-from fretfe.evaluate.resultants import AreaSummary, load_extremes, shear_extremes
+from fretfe.evaluate.contacts import Contact, Station
+from fretfe.evaluate.resultants import load_extremes
 from fretfe.history.solution import ContactHistory
 from fretfe.results.model import Result
 
@@ -30,23 +31,20 @@ def folder_of(run: Result) -> Path:
 
 def extremes(run: Result) -> list[int]:
     """The load extremes of all contacts together."""
-    if run.areas:
-        return shear_extremes(run.areas, run.loads.cycle)
-    edges = [edge for contact in run.contacts for edge in contact.stations]
-    return load_extremes([e.k_t for e in edges], [e.k_i for e in edges], run.loads.cycle)
+    return load_extremes(run.contacts, run.loads.cycle)
 
 
 def force_unit(run: Result) -> str:
     """Unit of forces, in the plane per unit thickness."""
     units = run.case.units
-    return units.force if run.areas else f"{units.force}/{units.length}"
+    return units.force if run.solid else f"{units.force}/{units.length}"
 
 
 def work_unit(run: Result) -> str:
     """Unit of work, in the plane per unit thickness."""
     units = run.case.units
     work = f"{units.force}·{units.length}"
-    return work if run.areas else f"{work}/{units.length}"
+    return work if run.solid else f"{work}/{units.length}"
 
 
 def load_unit(case: Case, name: str) -> str:
@@ -90,7 +88,7 @@ class Shown:
     """
 
     run: Result
-    summary: ContactSummary
+    summary: Contact
     tractions: ContactHistory
     key: str
 
@@ -101,28 +99,21 @@ class Shown:
 
 
 def shown_contacts(run: Result) -> list[Shown]:
-    """The contacts of plane bodies whose tractions are known."""
+    """The contacts whose tractions are known."""
     if run.solution is None:
         return []
     pairs = zip(run.contacts, run.solution.contacts, strict=True)
     return [Shown(run, *pair, f"contact{number}") for number, pair in enumerate(pairs)]
 
 
-@dataclass(frozen=True)
-class ShownArea:
-    """A contact of solids to be drawn; attributes as of `Shown`."""
-
-    run: Result
-    summary: AreaSummary
-    tractions: ContactHistory
-    key: str
-
-
-def shown_areas(run: Result) -> list[ShownArea]:
-    """The contacts of solids."""
-    assert run.solution is not None
-    pairs = zip(run.areas, run.solution.contacts, strict=True)
-    return [ShownArea(run, *pair, f"contact{number}") for number, pair in enumerate(pairs)]
+def shown_stations(contacts: Sequence[Contact]) -> list[tuple[Contact, Station]]:
+    """Stations with lines and rows of their own: edges, of solids the worst of each front."""
+    return [
+        (contact, station)
+        for contact in contacts
+        for front in contact.fronts
+        if (station := front.worst if contact.solid else front.stations[0]) is not None
+    ]
 
 
 def inward(edge: Station) -> float:
@@ -131,7 +122,7 @@ def inward(edge: Station) -> float:
 
 
 def worst_states(shown: Shown) -> Indices:
-    """(n,) states on the way through the worst counted cycle of a contact's edges.
+    """(n,) states on the way through the worst counted cycle of a contact's stations.
 
     Empty if the loads are regular.
     """
@@ -140,15 +131,12 @@ def worst_states(shown: Shown) -> Indices:
 
 
 def worst_run_states(run: Result) -> Indices:
-    """(n,) the same of all contacts together: those of the largest range of all edges.
-
-    Empty for solids, whose cycles are not counted.
-    """
+    """(n,) the same of all contacts together: those of the largest range of all stations."""
     if run.solution is None:
         return np.zeros(0, dtype=np.int64)
     return stress.worst_states(run.solution, run.contacts)
 
 
 def edge_title(edge: Station) -> str:
-    """An edge in titles and labels."""
-    return f"{edge.front} edge"
+    """An edge, or a station of a front of solids, in titles and labels."""
+    return f"{edge.front}, station {edge.number}" if len(edge.point) else f"{edge.front} edge"

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Stations of the fronts of solids, and counted cycles of plane edges, as CSV files."""
+"""Stations of the fronts of solids, and counted cycles of all stations, as CSV files."""
 
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Iterable, Iterator
 from itertools import chain
 from pathlib import Path
@@ -11,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from fretfe._typing import Array
 from fretfe.evaluate.contacts import Station
-from fretfe.evaluate.resultants import AreaSummary
 from fretfe.evaluate.verdicts import last_verdict, withheld
 from fretfe.results.model import Result
 
@@ -23,52 +24,56 @@ AXES = "xyz"
 
 def write_cycles(path: Path, result: Result) -> None:
     """Write the cycles; if the loads are regular there is no file."""
-    edges = [edge for contact in result.contacts for edge in contact.stations]
-    irregular = any(edge.cycles.irregular for edge in edges)
+    stations = (station for contact in result.contacts for station in contact.stations)
+    irregular = any(station.cycles.irregular for station in stations)
     _write(path, cycle_records(result) if irregular else ())
 
 
 def cycle_records(result: Result) -> Iterator[dict[str, Any]]:
     """Texts and numbers of every counted cycle, by name; numbers that do not exist are NaN."""
-    times = result.loads.times
     for contact in result.contacts:
-        for edge in contact.stations:
-            cycles = edge.cycles
-            for number, (start, end) in enumerate(zip(cycles.start, cycles.end, strict=True)):
-                yield {
-                    "contact": contact.name,
-                    "edge": edge.front,
-                    "start": int(start),
-                    "end": int(end),
-                    "start_time": float(times[start]),
-                    "end_time": float(times[end]),
-                    "count": float(cycles.count[number]),
-                    "k_t_start": float(edge.k_t[start]),
-                    "k_t_end": float(edge.k_t[end]),
-                    "k_t_range": float(cycles.k_t_range[number]),
-                    "k_t_mean": float(cycles.k_t_mean[number]),
-                    "effective_range": float(cycles.effective_range[number]),
-                    "slip": float(cycles.slip[number]),
-                    "worst": number == cycles.worst,
-                }
+        for station in contact.stations:
+            key = {"contact": contact.name, "front": station.front, "station": station.number}
+            yield from ({**key, **cycle} for cycle in _cycles(station, result.loads.times))
+
+
+def _cycles(station: Station, times: Array) -> Iterator[dict[str, Any]]:
+    cycles, angle = station.cycles, math.radians(station.k_angle)
+    along = station.k_t * math.cos(angle) + station.k_s * math.sin(angle)
+    worst = cycles.worst if len(cycles.count) else None
+    for number, (start, end) in enumerate(zip(cycles.start, cycles.end, strict=True)):
+        yield {
+            "start": int(start),
+            "end": int(end),
+            "start_time": float(times[start]),
+            "end_time": float(times[end]),
+            "count": float(cycles.count[number]),
+            "k_t_start": float(along[start]),
+            "k_t_end": float(along[end]),
+            "k_t_range": float(cycles.k_t_range[number]),
+            "k_t_mean": float(cycles.k_t_mean[number]),
+            "effective_range": float(cycles.effective_range[number]),
+            "slip": float(cycles.slip[number]),
+            "worst": number == worst,
+        }
 
 
 def write_stations(path: Path, result: Result) -> None:
     """Write the stations; without any there is no file."""
-    _write(path, station_records(result.areas))
+    _write(path, station_records(result))
 
 
-def station_records(areas: tuple[AreaSummary, ...]) -> list[dict[str, Any]]:
+def station_records(result: Result) -> list[dict[str, Any]]:
     """Texts and numbers of every station, by name; numbers that do not exist are NaN.
 
     Ranges are those over the evaluated cycle, factors those at its end, or that of the history, the
     slip zone that of the last half cycle.
     """
     return [
-        {"contact": area.name, "front": front.name, **_record(station)}
-        for area in areas
-        for front in area.fronts
-        for station in front.stations
+        {"contact": contact.name, "front": station.front, **_record(station)}
+        for contact in result.contacts
+        if contact.solid
+        for station in contact.stations
     ]
 
 

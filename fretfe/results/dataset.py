@@ -11,24 +11,20 @@ import numpy as np
 
 from fretfe._typing import Indices
 from fretfe.errors import DependencyError
-from fretfe.evaluate.contacts import ContactSummary
-from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
 
 if TYPE_CHECKING:
     import xarray as xr
 
-# Histories of a contact, of a contact of solids and of an edge, by their attributes.
+# Histories of a contact, and of a station, by their attributes.
 CONTACT = (
-    "normal_force", "shear_force", "moment", "centre", "half_width", "effective_tension"
+    "normal_force", "shear_force", "force", "centre", "moment", "half_width", "contact_area",
+    "stick_area", "largest_pressure", "work", "effective_tension",
 )  # fmt: skip
-AREA = (
-    "normal_force", "shear_force", "force", "centre", "moment", "contact_area", "stick_area",
-    "largest_pressure", "work",
-)  # fmt: skip
+STATION = ("position", "position_spread", "k_n", "k_n_spread", "k_t", "k_s", "k_i")
 AXES = ("x", "y", "z")
-EDGE = ("position", "position_spread", "k_n", "k_n_spread", "k_t", "k_i")
 # Fields along a contact, with what they have besides times and nodes.
 NODAL = {
     "traction": "component",
@@ -58,20 +54,18 @@ def require(package: str) -> Any:
 
 
 def make_dataset(
-    loads: History,
-    contacts: Sequence[ContactSummary],
-    areas: Sequence[AreaSummary],
-    solution: Solution | None,
+    loads: History, contacts: Sequence[Contact], solution: Solution | None
 ) -> xr.Dataset:
-    """Make a dataset with the dimensions time, load and contact, and nodes by contact.
+    """Make a dataset with the dimensions time, load, contact and axis, and nodes by contact.
 
-    Contacts of plane bodies have the dimension edge, those of solids axis.
+    Stations of plane contacts have the dimensions contact and edge, those of solids station.
 
     Raises:
         DependencyError: if xarray is not installed.
     """
-    histories, last = _solid_histories(areas) if areas else _plane_histories(contacts)
-    variables = {"loads": (("time", "load"), loads.values), **histories}
+    solid = any(contact.solid for contact in contacts)
+    stations, places = _solid_stations(contacts) if solid else _plane_stations(contacts)
+    variables = {"loads": (("time", "load"), loads.values), **_histories(contacts), **stations}
     contact_arrays = solution.contacts if solution is not None else ()
     kept = solution.kept if solution is not None else None
     for history in contact_arrays:
@@ -79,37 +73,53 @@ def make_dataset(
     coordinates: dict[str, Any] = {
         "time": loads.times,
         "load": list(loads.channels),
-        "contact": [each.name for each in areas or contacts],
-        **last,
+        "contact": [each.name for each in contacts],
+        **places,
     }
+    if any("axis" in dimensions for dimensions, _ in variables.values()):
+        coordinates["axis"] = list(AXES if solid else AXES[:2])
     if kept is not None:
         coordinates["kept"] = kept
     dataset: xr.Dataset = require("xarray").Dataset(variables, coordinates)
     return dataset
 
 
-def _plane_histories(
-    contacts: Sequence[ContactSummary],
-) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Histories of contacts and edges of plane bodies, and the coordinate edge."""
+def _histories(contacts: Sequence[Contact]) -> dict[str, Any]:
+    """Histories of the contacts, those that they have."""
     variables: dict[str, Any] = {}
     for name in CONTACT:
-        histories = [getattr(contact, name) for contact in contacts]
-        variables[name] = (("contact", "time"), np.array(histories))
-    for name in EDGE:
+        values = np.array([getattr(contact, name) for contact in contacts])
+        if values.size:
+            variables[name] = (("contact", "time", "axis")[: values.ndim], values)
+    return variables
+
+
+def _plane_stations(contacts: Sequence[Contact]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Histories of the edges of plane contacts, and the coordinate edge."""
+    variables: dict[str, Any] = {}
+    for name in STATION:
         values = [[getattr(edge, name) for edge in contact.stations] for contact in contacts]
         variables[name] = (("contact", "edge", "time"), np.array(values))
-    sides = [edge.front for edge in contacts[0].stations] if contacts else []
-    return variables, {"edge": sides}
+    return variables, {"edge": [edge.front for edge in contacts[0].stations] if contacts else []}
 
 
-def _solid_histories(areas: Sequence[AreaSummary]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Histories of contacts of solids, and the coordinate axis of their vectors."""
-    variables: dict[str, Any] = {}
-    for name in AREA:
-        values = np.array([getattr(area, name) for area in areas])
-        variables[name] = (("contact", "time", "axis")[: values.ndim], values)
-    return variables, {"axis": list(AXES)}
+def _solid_stations(contacts: Sequence[Contact]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Histories of the stations of solids, and where these are."""
+    stations = [(contact.name, each) for contact in contacts for each in contact.stations]
+    if not stations:
+        return {}, {}
+    variables = {
+        name: (("station", "time"), np.array([getattr(each, name) for _, each in stations]))
+        for name in STATION
+    }
+    points = np.array([each.point for _, each in stations])
+    return variables, {
+        "station_contact": ("station", [name for name, _ in stations]),
+        "front": ("station", [each.front for _, each in stations]),
+        "number": ("station", [each.number for _, each in stations]),
+        "arc": ("station", [each.arc for _, each in stations]),
+        **{f"station_{axis}": ("station", x) for axis, x in zip(AXES, points.T, strict=True)},
+    }
 
 
 def _fields(contact: ContactHistory, kept: Indices | None) -> dict[str, Any]:

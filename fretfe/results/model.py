@@ -16,10 +16,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 from fretfe._typing import Array, Indices
 from fretfe.case import Case
 from fretfe.errors import CaseError, ConvergenceError, OutputError
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.evaluate.refinement import Refinement
-from fretfe.evaluate.resultants import AreaSummary
 from fretfe.evaluate.stress import (
     LocalParameters,
     StressHistory,
@@ -30,7 +29,7 @@ from fretfe.evaluate.stress import (
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
 from fretfe.results.dataset import make_dataset, require
-from fretfe.results.records import area_records, edge_records
+from fretfe.results.records import edge_records, solid_records
 from fretfe.results.stress_file import STRESSES, read_stress
 
 if TYPE_CHECKING:
@@ -70,8 +69,7 @@ class Result:
         case: as it was run.
         loads: the T states that were solved, fewer than the case has if `failure` is set; its
             cycle is then None.
-        contacts: edges, resultants and slip zones of each contact of plane bodies.
-        areas: resultants and areas of each contact of solids.
+        contacts: resultants, fronts and slip zones of each contact, in the order of the case.
         backend: name of the backend, which the caller of the backend fills in.
         solution: tractions along the contacts; None if the backend has none, or on ranks other
             than 0.
@@ -88,7 +86,7 @@ class Result:
 
     case: Case
     loads: History
-    contacts: tuple[ContactSummary, ...]
+    contacts: tuple[Contact, ...]
     backend: str = ""
     solution: Solution | None = None
     notes: tuple[str, ...] = ()
@@ -100,52 +98,57 @@ class Result:
     refinement: Refinement | None = None
     limits: tuple[ModelLimit, ...] = ()
     directory: Path | None = None
-    areas: tuple[AreaSummary, ...] = ()
 
     @property
-    def summaries(self) -> tuple[ContactSummary | AreaSummary, ...]:
-        """All contacts, of plane bodies or of solids."""
-        return self.contacts or self.areas
+    def solid(self) -> bool:
+        """True if the bodies are solids."""
+        return any(contact.solid for contact in self.contacts)
 
     def edges(self) -> list[dict[str, Any]]:
-        """One flat record of numbers and texts for each contact edge."""
-        return edge_records(self.contacts)
+        """One flat record of numbers and texts for each edge of plane contacts."""
+        return [] if self.solid else edge_records(self.contacts)
 
     def records(self) -> list[dict[str, Any]]:
         """The records of `edges`; of solids one for each contact in its last state."""
-        return area_records(self.areas) if self.areas else self.edges()
+        return solid_records(self.contacts) if self.solid else self.edges()
 
-    def history(self, contact: str, edge: str) -> dict[str, Array]:
-        """Histories of one edge, T numbers each.
+    def history(self, contact: str, front: str, number: int = 0) -> dict[str, Array]:
+        """Histories of one station, T numbers each.
 
         Args:
             contact: name of the contact.
-            edge: "left" or "right".
+            front: "left" or "right"; of solids "front 1" and so on.
+            number: of the station along the front, from 0.
 
         Returns:
-            ``time``, ``k_n``, ``k_t``, ``k_i``, ``position`` and each load as ``loads.NAME``.
+            ``time``, ``k_n``, ``k_t``, ``k_s``, ``k_i``, ``position`` and each load as
+            ``loads.NAME``.
 
         Raises:
-            CaseError: if there is no such edge.
+            CaseError: if there is no such station.
         """
-        if self.areas:
+        fronts = {
+            f"{each.name} {front.name}": front for each in self.contacts for front in each.fronts
+        }
+        wanted = f"{contact} {front}"
+        if wanted not in fronts:
             raise CaseError(
-                f"{self.case.source}: expected a contact of plane bodies, found solids; `areas` "
-                "has the histories of their contacts, their `fronts` those of stations"
+                f"{self.case.source}: expected one of the {'fronts' if self.solid else 'edges'} "
+                f"{', '.join(fronts) or '(none)'}, found {wanted}"
             )
-        edges = {f"{each.name} {one.front}": one for each in self.contacts for one in each.stations}
-        wanted = f"{contact} {edge}"
-        if wanted not in edges:
-            known = ", ".join(edges)
+        stations = fronts[wanted].stations
+        if not 0 <= number < len(stations):
             raise CaseError(
-                f"{self.case.source}: expected one of the edges {known}, found {wanted}"
+                f"{self.case.source}: expected a station of {wanted} from 0 to "
+                f"{len(stations) - 1}, found {number}"
             )
-        one, loads = edges[wanted], self.loads
+        one, loads = stations[number], self.loads
         return {
             "time": loads.times,
             **{f"loads.{name}": loads.values[:, n] for n, name in enumerate(loads.channels)},
             "k_n": one.k_n,
             "k_t": one.k_t,
+            "k_s": one.k_s,
             "k_i": one.k_i,
             "position": one.position,
         }
@@ -235,17 +238,17 @@ class Result:
         return table
 
     def to_xarray(self) -> xr.Dataset:
-        """Histories of loads, contacts and edges, and the tractions, with named dimensions.
+        """Histories of loads, contacts and stations, and the tractions, with named dimensions.
 
-        Dimensions are ``time``, ``load``, ``contact`` and ``edge``, of solids ``axis`` in its
-        place; the fields of a contact NAME are called ``NAME.traction`` and so on, over
-        ``NAME.node`` (see docs/python.md). If they are those of some states only, ``kept`` takes
-        the place of ``time``.
+        Dimensions are ``time``, ``load``, ``contact`` and ``edge``, of solids ``station`` and
+        ``axis`` in its place; the fields of a contact NAME are called ``NAME.traction`` and so on,
+        over ``NAME.node`` (see docs/python.md). If they are those of some states only, ``kept``
+        takes the place of ``time``.
 
         Raises:
             DependencyError: if xarray is not installed.
         """
-        return make_dataset(self.loads, self.contacts, self.areas, self.solution)
+        return make_dataset(self.loads, self.contacts, self.solution)
 
     def _repr_html_(self) -> str:
         """The edges, or the contacts of solids, as a table for notebooks."""

@@ -17,10 +17,9 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.case import Case, parse_case
 from fretfe.errors import CaseError, ConvergenceError, OutputError
-from fretfe.evaluate.contacts import ContactSummary, Front, Station
+from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.evaluate.refinement import Refinement
-from fretfe.evaluate.resultants import AreaSummary
 from fretfe.files import file_fault
 from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.history.state_array import StateArray
@@ -34,7 +33,6 @@ from fretfe.results.run_folder import unfinished
 from fretfe.results.writer import ARRAYS, ELSEWHERE, NUMBERS, SCHEMA
 
 T = TypeVar("T")
-C = TypeVar("C", ContactSummary, AreaSummary)
 
 
 def require_shapes(group: h5py.Group, states: int, kept: int) -> None:
@@ -213,7 +211,7 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         case=case,
         loads=history,
         backend=str(numbers["backend"]),
-        contacts=tuple(_contact(ContactSummary, *each) for each in numbers["contacts"].items()),
+        contacts=tuple(_contact(*each) for each in numbers["contacts"].items()),
         notes=tuple(numbers["notes"]),
         failure=None if numbers["complete"] else ConvergenceError(numbers["failure"]),
         solution=solution,
@@ -222,14 +220,13 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         seconds=numbers["seconds"],
         ranks=numbers["ranks"],
         limits=tuple(restored(ModelLimit, each) for each in numbers["limits"]),
-        areas=tuple(_contact(AreaSummary, *each) for each in numbers["areas"].items()),
         refinement=restored_refinement(refinement) if refinement else None,
         directory=directory,
     )
 
 
-def _contact(cls: type[C], name: str, table: Mapping[str, Any]) -> C:
-    contact = restored(cls, {**table, "name": name, "fronts": ()})
+def _contact(name: str, table: Mapping[str, Any]) -> Contact:
+    contact = restored(Contact, {**table, "name": name, "fronts": ()})
     return replace(contact, fronts=tuple(_front(each) for each in table["fronts"]))
 
 
@@ -297,7 +294,7 @@ def _read_arrays(
         states = file["states"][:]
         contacts = tuple(
             _read_contact(path, name, file[f"contacts/{name}"], states, len(history.times))
-            for name in [*numbers["contacts"], *numbers["areas"]]
+            for name in numbers["contacts"]
         )
         bodies = {name: _read_body(file[f"mesh/{name}"]) for name in numbers["mesh"]}
     return _solution(case, history, numbers, contacts, states), bodies

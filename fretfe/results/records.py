@@ -7,14 +7,13 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from fretfe.evaluate.contacts import ContactSummary, Station
-from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.contacts import Contact, Station
 
 # Slip zones of a record: those of the last two half cycles.
 ZONES = 2
 
 
-def edge_records(contacts: Sequence[ContactSummary]) -> list[dict[str, Any]]:
+def edge_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
     """Texts, numbers and truth values of every edge, by name; numbers that do not exist are NaN.
 
     ``slip_1`` and ``slip_2`` are the lengths of the slip zones of the last two half cycles, in the
@@ -26,28 +25,28 @@ def edge_records(contacts: Sequence[ContactSummary]) -> list[dict[str, Any]]:
     return [_record(contact, station) for contact in contacts for station in contact.stations]
 
 
-def area_records(areas: Sequence[AreaSummary]) -> list[dict[str, Any]]:
+def solid_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
     """Texts, numbers and truth values of every contact of solids in its last state, by name."""
     return [
         {
-            "contact": area.name,
-            "normal_force": float(area.normal_force[-1]),
+            "contact": each.name,
+            "normal_force": float(each.normal_force[-1]),
             **{
                 f"shear_force_{axis}": float(q)
-                for axis, q in zip("xyz", area.shear_force[-1], strict=True)
+                for axis, q in zip("xyz", each.shear_force[-1], strict=True)
             },
-            "contact_area": float(area.contact_area[-1]),
-            "stick_area": float(area.stick_area[-1]),
-            "largest_pressure": float(area.largest_pressure[-1]),
-            "dissipation": area.dissipation,
-            "steady": area.steady,
-            "warnings": "; ".join(area.warnings),
+            "contact_area": float(each.contact_area[-1]),
+            "stick_area": float(each.stick_area[-1]),
+            "largest_pressure": float(each.largest_pressure[-1]),
+            "dissipation": each.dissipation,
+            "steady": each.steady,
+            "warnings": "; ".join(each.warnings),
         }
-        for area in areas
+        for each in contacts
     ]
 
 
-def _record(contact: ContactSummary, station: Station) -> dict[str, Any]:
+def _record(contact: Contact, station: Station) -> dict[str, Any]:
     zones = station.slip_zones[-ZONES:]
     first = ZONES - len(zones) + 1
     lengths = {f"slip_{n}": zone.told_length for n, zone in enumerate(zones, start=first)}

@@ -27,9 +27,10 @@ from numpy.typing import NDArray
 from fretfe._typing import Array, Indices
 from fretfe.environment import versions
 from fretfe.errors import CaseError, OutputError
-from fretfe.evaluate.contacts import ContactSummary, Front, SlipZone, Station
+from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.evaluate.refinement import Refinement
-from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.resultants import load_extremes, station_extremes
+from fretfe.evaluate.slip import cycle_states
 from fretfe.files import disk_reason, make_folder, replace_text, replacing
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.history.state_array import StateArray, states_in_block
@@ -38,7 +39,6 @@ from fretfe.results.dataset import NODAL
 from fretfe.results.digest import with_digest
 from fretfe.results.field_files import FIELDS, SURFACES, write_surfaces
 from fretfe.results.hdf5_file import new_hdf5, room, store
-from fretfe.results.kept import LONG, kept_states
 from fretfe.results.model import BodyArrays, Result
 from fretfe.results.run_folder import MARK
 from fretfe.results.stress_file import STRESSES
@@ -53,6 +53,11 @@ PICTURE_FILES = ("*.png", "*.gif", "*.gltf")
 REFINING = "the mesh was still refining itself"
 # Parts of a block of states, each with a checksum of its own.
 PARTS = 8
+# Histories of more states are long: their tractions are not all kept unless the case asks for that,
+# and lists of more numbers do not stand in the text of the results.
+LONG = 1000
+# Half cycles whose ends are kept: those whose slip zones are printed.
+HALF_CYCLES = 2
 # In place of a list that is in `ARRAYS`: this, and the name of its data set there.
 ELSEWHERE = f"{ARRAYS}:"
 
@@ -202,7 +207,6 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
             "cycle": loads.cycle,
             "loads": dict(zip(loads.channels, loads.values.T, strict=True)),
             "contacts": {contact.name: _contact_numbers(contact) for contact in result.contacts},
-            "areas": {area.name: _contact_numbers(area) for area in result.areas},
             **_solution_numbers(result.solution),
             "mesh": {
                 name: {
@@ -250,7 +254,7 @@ def _refinement_numbers(refinement: Refinement) -> dict[str, Any]:
     return numbers
 
 
-def _contact_numbers(contact: ContactSummary | AreaSummary) -> dict[str, Any]:
+def _contact_numbers(contact: Contact) -> dict[str, Any]:
     """A contact's histories and its fronts, without its name."""
     numbers = _by_field(contact)
     del numbers["name"]
@@ -310,6 +314,43 @@ class _Plain:
         finite = values.dtype.kind != "f" or np.isfinite(values).all()
         self.lists[place] = values if finite else np.where(np.isfinite(values), values, np.nan)
         return ELSEWHERE + place
+
+
+def kept_states(result: Result, solution: Solution) -> Indices:
+    """(K,) states whose tractions the case wants to keep, increasing.
+
+    Args:
+        result: the run, evaluated.
+        solution: its solution.
+    """
+    if solution.kept is not None:
+        return solution.kept
+    count = len(solution.times)
+    wanted = result.case.output.tractions or ("all" if count <= LONG else "cycle")
+    if wanted == "all":
+        return np.arange(count)
+    starts = {max(int(np.argmax(each.friction > 0)) - 1, 0) for each in solution.contacts}
+    states = _extremes(result.contacts, solution.cycle) | starts | {0, count - 1}
+    if wanted == "cycle":
+        states |= set(cycle_states(solution.cycle).tolist())
+    # What moved in the step to a state tells what slipped there.
+    before = {max(state - 1, 0) for state in states}
+    return np.array(sorted(states | before))
+
+
+def _extremes(contacts: tuple[Contact, ...], cycle: tuple[int, int] | None) -> set[int]:
+    """Load extremes of all contacts; of plane ones those of each and of each edge too.
+
+    Besides these the ends of the slip zones of edges that are printed.
+    """
+    states = set(load_extremes(contacts, cycle))
+    if contacts[0].solid:
+        return states
+    stations = [station for contact in contacts for station in contact.stations]
+    for group in (*([station] for station in stations), *(each.stations for each in contacts)):
+        states |= set(station_extremes(group, cycle))
+    zones = [zone for station in stations for zone in station.slip_zones[-HALF_CYCLES:]]
+    return states | {state for zone in zones for state in (zone.start, zone.end)}
 
 
 def _write_contact(group: h5py.Group, contact: ContactHistory, states: Indices) -> None:

@@ -13,8 +13,7 @@ import numpy as np
 from fretfe._typing import Array, Bools
 from fretfe.case import Body
 from fretfe.errors import CaseError
-from fretfe.evaluate.contacts import ContactSummary, Station
-from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.contacts import Contact, Station
 from fretfe.results.model import Result
 from fretfe.strength.fit import SAME, LifeFit, fit_life
 from fretfe.strength.tests_file import StrengthTests, read_tests
@@ -77,7 +76,7 @@ def component_edges(results: Sequence[Result]) -> tuple[ComponentEdge, ...]:
     return tuple(
         edge
         for result, label in zip(results, labels, strict=True)
-        for edge in (*_plane_edges(result, label), *_solid_stations(result, label))
+        for edge in _edges(result, label)
     )
 
 
@@ -94,34 +93,27 @@ def result_labels(results: Sequence[Result]) -> list[str]:
     ]
 
 
-def _plane_edges(result: Result, label: str) -> Iterator[ComponentEdge]:
+def _edges(result: Result, label: str) -> Iterator[ComponentEdge]:
     for contact in result.contacts:
-        for edge in contact.stations:
-            remarks = []
-            if edge.cycles.irregular:
-                remarks.append(
-                    "the loads are irregular: judged is the range over the whole cycle, other "
-                    "counted cycles do no damage here"
-                )
-            yield _edge(result, label, contact, edge, remarks)
-
-
-def _solid_stations(result: Result, label: str) -> Iterator[ComponentEdge]:
-    for area in result.areas:
-        for front in area.fronts:
+        for front in contact.fronts:
             for station in front.judged:
-                remarks = []
-                if station.turning > SMALL:
-                    remarks.append(
-                        f"(K_T, K_S) turns: the range across its direction is {station.turning:.0%}"
-                    )
-                yield _edge(result, label, area, station, remarks)
+                yield _edge(result, label, contact, station, list(_remarks(station)))
+
+
+def _remarks(station: Station) -> Iterator[str]:
+    if station.cycles.irregular:
+        yield (
+            "the loads are irregular: judged is the range over the whole cycle, other counted "
+            "cycles do no damage here"
+        )
+    if station.turning > SMALL:
+        yield f"(K_T, K_S) turns: the range across its direction is {station.turning:.0%}"
 
 
 def _edge(
     result: Result,
     label: str,
-    contact: ContactSummary | AreaSummary,
+    contact: Contact,
     edge: Station,
     remarks: list[str],
 ) -> ComponentEdge:

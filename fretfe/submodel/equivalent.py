@@ -16,7 +16,7 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case, contact_modulus
 from fretfe.errors import ModelError
 from fretfe.evaluate.contacts import (
-    ContactSummary,
+    Contact,
     SlipZone,
     Station,
     fronts_of,
@@ -267,7 +267,7 @@ def with_bars(plane: Result, bars: Bars) -> Result:
     return replace(plane, contacts=contacts, notes=(*plane.notes, bars.note))
 
 
-def _wider_contact(contact: ContactSummary, bars: Bars) -> ContactSummary:
+def _wider_contact(contact: Contact, bars: Bars) -> Contact:
     return replace(contact, fronts=fronts_of(_wider(each, bars) for each in contact.stations))
 
 

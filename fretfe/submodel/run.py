@@ -16,8 +16,7 @@ from matplotlib.figure import Figure
 
 from fretfe.case import Units, parse_case
 from fretfe.errors import CaseError, ModelError, OutputError
-from fretfe.evaluate.contacts import Front, Station
-from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.report.pictures.panels import save_png
 from fretfe.report.theme import BLUE, GREEN, PICTURE_DPI, STYLE, VERMILLION
 from fretfe.results.model import Result
@@ -93,7 +92,7 @@ def run_station(
     """
     if output is not None and result.directory and output.resolve() == result.directory.resolve():
         raise CaseError(f"{output}: expected another folder than that of the results of solids")
-    chosen_front, chosen = _chosen(_area(result, contact), front, station)
+    chosen_front, chosen = _chosen(_contact(result, contact), front, station)
     history = result.contact_history(contact)
     given = equivalent(result, history, chosen)
     title = f"Plane problem of station {station} of {chosen_front.name}, contact {contact}"
@@ -113,19 +112,21 @@ def run_station(
     return model
 
 
-def _area(result: Result, name: str) -> AreaSummary:
+def _contact(result: Result, name: str) -> Contact:
     where = result.directory or result.case.source
-    if not result.areas:
+    if not result.solid:
         raise CaseError(f"{where}: expected results of solids, found those of plane bodies")
     if result.failure is not None:
         raise OutputError(f"{where}: expected complete results, found: {result.failure}")
-    areas = {area.name: area for area in result.areas}
-    if name not in areas:
-        raise CaseError(f"{where}: expected one of the contacts {', '.join(areas)}, found {name!r}")
-    return areas[name]
+    contacts = {contact.name: contact for contact in result.contacts}
+    if name not in contacts:
+        raise CaseError(
+            f"{where}: expected one of the contacts {', '.join(contacts)}, found {name!r}"
+        )
+    return contacts[name]
 
 
-def _chosen(area: AreaSummary, front: int, station: int) -> tuple[Front, Station]:
+def _chosen(area: Contact, front: int, station: int) -> tuple[Front, Station]:
     fronts = area.fronts
     if not fronts:
         raise ModelError(f"contact {area.name}: expected contact fronts, found none")

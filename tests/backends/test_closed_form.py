@@ -12,7 +12,7 @@ from halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, loop, problem, solv
 from fretfe._typing import Array
 from fretfe.analytic.profiles import FlatRounded, Wedge
 from fretfe.backends.analytic import ASYMPTOTE, EXACT, MODERATE, solve_closed_form
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.idealise import HalfPlaneProblem
 
 pytestmark = pytest.mark.formula
@@ -70,7 +70,7 @@ CASES: dict[str, tuple[HalfPlaneProblem, str, float]] = {
 }
 
 
-def last_lengths(summary: ContactSummary) -> Array:
+def last_lengths(summary: Contact) -> Array:
     return np.array([[z.length for z in edge.slip_zones[-2:]] for edge in summary.stations])
 
 

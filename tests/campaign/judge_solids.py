@@ -66,14 +66,14 @@ def solve_solid(one: SolidDraw) -> Result | FretfeError:
 
 def judge_solid_run(one: SolidDraw, found: Result | FretfeError) -> Iterator[Judged]:
     """Compare the numbers at all stations with the exact ones."""
-    fronts = found.areas[0].fronts if isinstance(found, Result) else ()
+    fronts = found.contacts[0].fronts if isinstance(found, Result) else ()
     if not fronts:
         for quantity in SOLID_QUANTITIES:
             yield Judged(one, "any front", quantity, math.nan, math.nan, math.nan, 0.0, "no result")
         return
     assert isinstance(found, Result)
     # That a contact reaches the border of its surface is so where the body ends.
-    warnings = [text for text in found.areas[0].warnings if "border of its surface" not in text]
+    warnings = [text for text in found.contacts[0].warnings if "border of its surface" not in text]
     warnings += [str(found.failure)] if found.failure else []
     for front in fronts:
         for station in front.stations:

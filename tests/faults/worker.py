@@ -95,7 +95,7 @@ def _wrong_numbers(here: Path) -> str:
     press = _platen_force(numbers)
     if press is None:
         return ""
-    for name, contact in {**numbers["contacts"], **numbers["areas"]}.items():
+    for name, contact in numbers["contacts"].items():
         force = contact.get("normal_force")
         if force is None or any(each is None for each in force):
             return "" if contact["warnings"] else f"{name}: forces that are not known, unsaid"

@@ -19,7 +19,7 @@ from meshes_b1 import RADIUS, write_b1
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import Hertz
 from fretfe.case import parse_case
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.history.solution import SLIP, ContactHistory, Solution
@@ -33,7 +33,7 @@ HERTZ = Hertz(radius=RADIUS, e_star=E_STAR)
 class Run:
     solution: Solution
     contact: ContactHistory
-    summary: ContactSummary
+    summary: Contact
 
     def reference(self, state: int) -> PartialSlip:
         return PartialSlip(HERTZ, float(self.summary.normal_force[state]), FRICTION)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fretfe.case import parse_case
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.history.solution import ContactHistory
@@ -21,7 +21,7 @@ K_N, K_T = 16.02826, 0.255377
 SHEAR = {0.0: 0.5062, 0.2: 0.5393, 0.4: 0.7053, 0.55: 1.1022, 0.6: 0.8837}
 
 
-def run(**parameters: float) -> tuple[ContactHistory, ContactSummary]:
+def run(**parameters: float) -> tuple[ContactHistory, Contact]:
     body = {"young": 200.0, "poisson": 0.3}
     platen = {"type": "platen", "boundary": "upper_top", "control": "force"}
     case = parse_case(
@@ -61,11 +61,11 @@ def run(**parameters: float) -> tuple[ContactHistory, ContactSummary]:
 
 
 @pytest.fixture(scope="module")
-def cylinders() -> tuple[ContactHistory, ContactSummary]:
+def cylinders() -> tuple[ContactHistory, Contact]:
     return run(upper_height=8.0, lower_height=8.0)
 
 
-def factors(summary: ContactSummary) -> list[float]:
+def factors(summary: Contact) -> list[float]:
     left, right = summary.stations
     borders = [edge.slip_zones[-1].border for edge in (left, right)]
     return [
@@ -81,18 +81,16 @@ def factors(summary: ContactSummary) -> list[float]:
     list(enumerate((HALF_WIDTH, STICK_HALF_WIDTH, K_N, K_T))),
     ids=["half-width", "stick half-width", "K_N", "K_T"],
 )
-def test_factors(
-    cylinders: tuple[ContactHistory, ContactSummary], number: int, expected: float
-) -> None:
+def test_factors(cylinders: tuple[ContactHistory, Contact], number: int, expected: float) -> None:
     assert factors(cylinders[1])[number] == pytest.approx(expected, rel=0.01)
 
 
-def test_peak_pressure(cylinders: tuple[ContactHistory, ContactSummary]) -> None:
+def test_peak_pressure(cylinders: tuple[ContactHistory, Contact]) -> None:
     assert cylinders[0].mean_traction[-1, :, 0].max() == pytest.approx(PEAK_PRESSURE, rel=0.01)
 
 
 @pytest.mark.parametrize("x", list(SHEAR))
-def test_shear(cylinders: tuple[ContactHistory, ContactSummary], x: float) -> None:
+def test_shear(cylinders: tuple[ContactHistory, Contact], x: float) -> None:
     contact, summary = cylinders
     places = summary.centre[-1] + np.array([-x, x])
     shear = np.interp(places, contact.arc, contact.mean_traction[-1, :, 1]).mean()
@@ -101,7 +99,7 @@ def test_shear(cylinders: tuple[ContactHistory, ContactSummary], x: float) -> No
 
 
 @pytest.mark.slow
-def test_bodies_are_large_enough(cylinders: tuple[ContactHistory, ContactSummary]) -> None:
+def test_bodies_are_large_enough(cylinders: tuple[ContactHistory, Contact]) -> None:
     larger = factors(run(upper_height=9.0, lower_height=9.0, upper_width=7.6, lower_width=7.6)[1])
     # nothing moves by more than half the tolerance
     assert factors(cylinders[1]) == pytest.approx(larger, rel=0.005)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fretfe.case import parse_case
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.history.solution import STICK, Solution
@@ -19,7 +19,7 @@ from fretfe.history.solution import STICK, Solution
 DEMO = Path(__file__).parents[2] / "demos" / "dovetail.toml"
 
 
-def run_dovetail(edge_size: float) -> tuple[Solution, tuple[ContactSummary, ...]]:
+def run_dovetail(edge_size: float) -> tuple[Solution, tuple[Contact, ...]]:
     data: dict[str, Any] = tomllib.loads(DEMO.read_text())
     data["geometry"]["parameters"]["edge_size"] = edge_size
     data["output"] = {"fields": "none"}
@@ -33,16 +33,16 @@ def run_dovetail(edge_size: float) -> tuple[Solution, tuple[ContactSummary, ...]
 
 
 @pytest.fixture(scope="module")
-def coarse() -> tuple[Solution, tuple[ContactSummary, ...]]:
+def coarse() -> tuple[Solution, tuple[Contact, ...]]:
     return run_dovetail(0.004)
 
 
 @pytest.fixture(scope="module")
-def fine() -> tuple[Solution, tuple[ContactSummary, ...]]:
+def fine() -> tuple[Solution, tuple[Contact, ...]]:
     return run_dovetail(0.002)
 
 
-def mirrored(contacts: tuple[ContactSummary, ...]) -> tuple[np.ndarray, np.ndarray]:
+def mirrored(contacts: tuple[Contact, ...]) -> tuple[np.ndarray, np.ndarray]:
     """Numbers of the left flank, and those of the right flank at the mirrored edges."""
     rows = []
     for contact, order in zip(contacts, (1, -1), strict=True):
@@ -62,13 +62,13 @@ def mirrored(contacts: tuple[ContactSummary, ...]) -> tuple[np.ndarray, np.ndarr
     return np.array(rows[0]), np.array(rows[1])
 
 
-def test_flanks_agree(coarse: tuple[Solution, tuple[ContactSummary, ...]]) -> None:
+def test_flanks_agree(coarse: tuple[Solution, tuple[Contact, ...]]) -> None:
     left, right = mirrored(coarse[1])
     assert np.allclose(left, right, rtol=0.01)
 
 
 def test_shear_on_the_disc_points_up_on_both_flanks(
-    coarse: tuple[Solution, tuple[ContactSummary, ...]],
+    coarse: tuple[Solution, tuple[Contact, ...]],
 ) -> None:
     solution = coarse[0]
     # the blade slides up: it drags the disc's flanks along
@@ -79,7 +79,7 @@ def test_shear_on_the_disc_points_up_on_both_flanks(
 
 
 def test_first_loading_slides_and_the_cycle_sticks(
-    coarse: tuple[Solution, tuple[ContactSummary, ...]],
+    coarse: tuple[Solution, tuple[Contact, ...]],
 ) -> None:
     solution = coarse[0]
     assert solution.cycle is not None
@@ -92,12 +92,12 @@ def test_first_loading_slides_and_the_cycle_sticks(
         assert np.ptp(contact.arc[touching & ~slipped]) > 0.9 * np.ptp(contact.arc[touching])
 
 
-def test_cycle_is_steady(coarse: tuple[Solution, tuple[ContactSummary, ...]]) -> None:
+def test_cycle_is_steady(coarse: tuple[Solution, tuple[Contact, ...]]) -> None:
     assert all(contact.steady for contact in coarse[1])
 
 
 def test_forward_and_backward_slip_end_at_the_same_place(
-    coarse: tuple[Solution, tuple[ContactSummary, ...]],
+    coarse: tuple[Solution, tuple[Contact, ...]],
 ) -> None:
     for contact in coarse[1]:
         for edge in contact.stations:
@@ -107,7 +107,7 @@ def test_forward_and_backward_slip_end_at_the_same_place(
 
 
 def test_slip_zones_follow_the_loop_formula(
-    coarse: tuple[Solution, tuple[ContactSummary, ...]],
+    coarse: tuple[Solution, tuple[Contact, ...]],
 ) -> None:
     for contact in coarse[1]:
         for edge in contact.stations:
@@ -117,7 +117,7 @@ def test_slip_zones_follow_the_loop_formula(
                 assert zone.predicted_loop - 0.001 < zone.length < 1.25 * zone.predicted_loop
 
 
-def test_forces_balance(coarse: tuple[Solution, tuple[ContactSummary, ...]]) -> None:
+def test_forces_balance(coarse: tuple[Solution, tuple[Contact, ...]]) -> None:
     certificates = coarse[0].certificates
     scale = np.maximum(certificates["force_scale"], 1.0)
     assert (certificates["force_imbalance"] / scale).max() < 1e-8
@@ -125,7 +125,7 @@ def test_forces_balance(coarse: tuple[Solution, tuple[ContactSummary, ...]]) -> 
 
 
 def test_pull_is_carried_by_the_flanks(
-    coarse: tuple[Solution, tuple[ContactSummary, ...]],
+    coarse: tuple[Solution, tuple[Contact, ...]],
 ) -> None:
     solution = coarse[0]
     pull = solution.values[-1, 0]
@@ -146,8 +146,8 @@ def test_an_edge_that_the_mesh_does_not_resolve_is_reported() -> None:
 
 @pytest.mark.slow
 def test_factors_are_converged(
-    coarse: tuple[Solution, tuple[ContactSummary, ...]],
-    fine: tuple[Solution, tuple[ContactSummary, ...]],
+    coarse: tuple[Solution, tuple[Contact, ...]],
+    fine: tuple[Solution, tuple[Contact, ...]],
 ) -> None:
     for before, after in zip(coarse[1], fine[1], strict=True):
         for rough, smooth in zip(before.stations, after.stations, strict=True):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fretfe.case import parse_case
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.history.solution import Solution
@@ -20,7 +20,7 @@ DEMO = Path(__file__).parents[2] / "demos" / "firtree.toml"
 LOBES = ("1", "2", "3")
 
 
-def run_firtree(**parameters: float) -> tuple[Solution, dict[str, ContactSummary]]:
+def run_firtree(**parameters: float) -> tuple[Solution, dict[str, Contact]]:
     data: dict[str, Any] = tomllib.loads(DEMO.read_text())
     data["geometry"]["parameters"] |= {"edge_size": 0.01, "growth": 0.3} | parameters
     data["output"] = {"fields": "none"}
@@ -36,12 +36,12 @@ def run_firtree(**parameters: float) -> tuple[Solution, dict[str, ContactSummary
 
 
 @pytest.fixture(scope="module")
-def touching() -> tuple[Solution, dict[str, ContactSummary]]:
+def touching() -> tuple[Solution, dict[str, Contact]]:
     return run_firtree()
 
 
 @pytest.fixture(scope="module")
-def apart() -> tuple[Solution, dict[str, ContactSummary]]:
+def apart() -> tuple[Solution, dict[str, Contact]]:
     # the pull lifts the blade by about .03
     return run_firtree(lobe_gap=0.004)
 
@@ -56,7 +56,7 @@ def forces(solution: Solution) -> dict[str, np.ndarray]:
     }
 
 
-def test_all_edges_have_factors(touching: tuple[Solution, dict[str, ContactSummary]]) -> None:
+def test_all_edges_have_factors(touching: tuple[Solution, dict[str, Contact]]) -> None:
     edges = [edge for contact in touching[1].values() for edge in contact.stations]
     assert len(edges) == 12
     for edge in edges:
@@ -67,7 +67,7 @@ def test_all_edges_have_factors(touching: tuple[Solution, dict[str, ContactSumma
 
 
 def test_contacts_end_on_the_roundings(
-    touching: tuple[Solution, dict[str, ContactSummary]],
+    touching: tuple[Solution, dict[str, Contact]],
 ) -> None:
     # between the ends of the flat, 2.5 long, and the ends of the candidate contact
     reach = 1.25 + 2.0 * np.sin(np.radians(10))
@@ -105,8 +105,8 @@ def test_left_mirrors_right(name: str, request: pytest.FixtureRequest) -> None:
 
 
 def test_lobes_that_start_apart_carry_less(
-    touching: tuple[Solution, dict[str, ContactSummary]],
-    apart: tuple[Solution, dict[str, ContactSummary]],
+    touching: tuple[Solution, dict[str, Contact]],
+    apart: tuple[Solution, dict[str, Contact]],
 ) -> None:
     before, after = forces(touching[0]), forces(apart[0])
     # the uppermost lobe takes over from the lowest

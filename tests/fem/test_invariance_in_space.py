@@ -125,7 +125,7 @@ def contact_of(result: Result) -> ContactHistory:
 def test_it_slips_in_part(original: Result) -> None:
     contact = contact_of(original)
     assert set(np.unique(contact.status[-1])) == {0, 1, 2}
-    assert_same(original.areas[0].shear_force[-1], np.array([0.9, 0.0, -0.4]), 1e-3)
+    assert_same(original.contacts[0].shear_force[-1], np.array([0.9, 0.0, -0.4]), 1e-3)
 
 
 def test_turned_as_a_whole(original: Result) -> None:
@@ -133,7 +133,7 @@ def test_turned_as_a_whole(original: Result) -> None:
     first, second = contact_of(original), contact_of(turned)
     assert_same(vectors(second), vectors(first) @ TURN.T)
     assert_same(np.asarray(second.gap), np.asarray(first.gap))
-    assert_same(turned.areas[0].force, original.areas[0].force @ TURN.T)
+    assert_same(turned.contacts[0].force, original.contacts[0].force @ TURN.T)
 
 
 @pytest.mark.parametrize("length", [1e-3, 1 / 25.4], ids=["metres", "inches"])
@@ -169,4 +169,4 @@ def test_exchanged_bodies_on_the_same_multipliers(original: Result) -> None:
     order = np.lexsort(first.points.T.round(9)), np.lexsort(second.points.T.round(9))
     difference = vectors(first)[:, order[0]] + vectors(second)[:, order[1]]
     assert np.abs(difference).max() < 0.02 * np.abs(vectors(first)).max()
-    assert_same(-exchanged.areas[0].force[-1], original.areas[0].force[-1], 1e-3)
+    assert_same(-exchanged.contacts[0].force[-1], original.contacts[0].force[-1], 1e-3)

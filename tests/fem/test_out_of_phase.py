@@ -11,7 +11,7 @@ import pytest
 from meshes_b1 import write_b1
 
 from fretfe.case import parse_case
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 
@@ -23,7 +23,7 @@ def wave(amplitude: float, phase: float, steps: int) -> dict[str, Any]:
     return {**shape, "cycles": 2, "steps_per_cycle": steps}
 
 
-def run(mesh: Path, steps: int) -> ContactSummary:
+def run(mesh: Path, steps: int) -> Contact:
     steel = {"young": 210e3, "poisson": 0.3}
     platen = {"type": "platen", "boundary": "pad_top", "control": "force"}
     hold = {"hold": True, "until": 1.0}
@@ -68,14 +68,14 @@ def run(mesh: Path, steps: int) -> ContactSummary:
 
 
 @pytest.fixture(scope="module")
-def summaries(tmp_path_factory: pytest.TempPathFactory) -> list[ContactSummary]:
+def summaries(tmp_path_factory: pytest.TempPathFactory) -> list[Contact]:
     mesh = tmp_path_factory.mktemp("mesh") / "pad.msh"
     write_b1(mesh, order=2, h=H, growth=0.2)
     return [run(mesh, steps) for steps in (20, 80)]
 
 
 @pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
-def test_slip_zones_do_not_depend_on_the_steps(summaries: list[ContactSummary], side: int) -> None:
+def test_slip_zones_do_not_depend_on_the_steps(summaries: list[Contact], side: int) -> None:
     coarse, fine = (
         [zone.length for zone in summary.stations[side].slip_zones[-2:]] for summary in summaries
     )
@@ -85,5 +85,5 @@ def test_slip_zones_do_not_depend_on_the_steps(summaries: list[ContactSummary], 
 
 
 @pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
-def test_slip_zones_are_resolved(summaries: list[ContactSummary], side: int) -> None:
+def test_slip_zones_are_resolved(summaries: list[Contact], side: int) -> None:
     assert all(zone.resolved for zone in summaries[0].stations[side].slip_zones[-2:])

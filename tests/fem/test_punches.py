@@ -28,7 +28,7 @@ from fretfe.analytic.profiles import (
     edge_factor_k_n,
 )
 from fretfe.case import parse_case
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.history.solution import ContactHistory
@@ -69,7 +69,7 @@ def flat_rounded(flat_half_width: float) -> Punch:
 
 
 PUNCHES = {"wedge": wedge()} | {f"b/a = {b}": flat_rounded(b) for b in (0.5, 0.8, 0.95)}
-Pressed = tuple[Punch, ContactHistory, ContactSummary]
+Pressed = tuple[Punch, ContactHistory, Contact]
 
 
 def press(punch: Punch, degree: int = 2) -> Pressed:

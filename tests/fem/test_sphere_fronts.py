@@ -24,7 +24,7 @@ RANGE = 2 * SHARE * LIMIT / (2 * np.pi * np.sqrt(2))
 @pytest.fixture(scope="module")
 def front(solved: Callable[[dict[str, Any]], Result]) -> Front:
     case = tables(FRICTION, shear=cycles()) | {"cycle": {"start": 4.0, "end": 6.0}}
-    (area,) = solved(case).areas
+    (area,) = solved(case).contacts
     (front,) = area.fronts
     return front
 

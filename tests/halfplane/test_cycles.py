@@ -14,14 +14,14 @@ from fretfe.analytic.edges import factor_range_phase_shifted, tangential_factor
 from fretfe.analytic.partial_slip import PartialSlip, hertz_dissipation
 from fretfe.analytic.paths import PolygonPath, permanent_stick_load
 from fretfe.analytic.profiles import FlatRounded, Profile, Wedge
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.halfplane import solve_half_planes
 
 SIDES: tuple[Side, Side] = ("left", "right")
 STEPS = 60
 
 
-def last_zones(summary: ContactSummary) -> list[tuple[float, float]]:
+def last_zones(summary: Contact) -> list[tuple[float, float]]:
     """Lengths of the last two slip zones at each edge."""
     return [(edge.slip_zones[-2].length, edge.slip_zones[-1].length) for edge in summary.stations]
 

@@ -14,7 +14,7 @@ from halfplane_problems import FRICTION, LIMIT, LOAD, problem
 from fretfe.backends.analytic import divide, solve_closed_form
 from fretfe.contact.division import LARGEST_MOVE, LEAST_SHEAR, MOST_PARTS, TOLERATED
 from fretfe.errors import ConvergenceError
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.step_ends import at_step_ends, division_notes
 from fretfe.halfplane import solve_half_planes
@@ -35,7 +35,7 @@ def ramps(steps: int) -> HalfPlaneProblem:
 
 
 @cache
-def solved(steps: int) -> tuple[HalfPlaneOutcome, ContactSummary]:
+def solved(steps: int) -> tuple[HalfPlaneOutcome, Contact]:
     outcome = solve_half_planes(ramps(steps), 120)
     assert outcome.failure is None
     contacts = evaluate(outcome.solution, outcome.unit_factors)

@@ -9,7 +9,7 @@ from halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, problem, solved
 
 from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.rainflow import rainflow
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 
 COUNT = 24
 
@@ -26,7 +26,7 @@ def twice(values: np.ndarray) -> np.ndarray:
     return np.concatenate([values, values[1:]])
 
 
-def worst_zones(summary: ContactSummary) -> list[tuple[float, float]]:
+def worst_zones(summary: Contact) -> list[tuple[float, float]]:
     assert all(edge.cycles.irregular and edge.cycles.closed for edge in summary.stations)
     assert all(len(edge.slip_zones) == 2 for edge in summary.stations)
     return [(edge.slip_zones[0].length, edge.slip_zones[1].length) for edge in summary.stations]

@@ -19,7 +19,7 @@ from halfplane_problems import problem
 from numpy.typing import ArrayLike
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.step_ends import at_step_ends
@@ -66,7 +66,7 @@ def inner_k_n(load: float) -> float:
 
 def solve(
     loads: Sequence[float], shear: ArrayLike = 0.0, moment: ArrayLike = 0.0, **options: float
-) -> tuple[Solution, tuple[ContactSummary, ...]]:
+) -> tuple[Solution, tuple[Contact, ...]]:
     given = problem(loads, shear, moment, profile=Bumps(), **options)  # type: ignore[arg-type]
     with pytest.MonkeyPatch.context() as changed:
         changed.setattr(solver, "contact_grid", lambda *_: NODES)
@@ -79,7 +79,7 @@ def solve(
 
 
 @cache
-def up_and_down() -> tuple[Solution, tuple[ContactSummary, ...]]:
+def up_and_down() -> tuple[Solution, tuple[Contact, ...]]:
     """Apart in states 0 to 6, merged in 7 and 8, apart in 9 and 10, merged in 11, then apart."""
     return solve([APART, JOINED, JOINED, APART, APART, JOINED, APART], friction=0.0)
 

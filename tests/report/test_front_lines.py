@@ -30,8 +30,8 @@ def run() -> Result:
         replace(each, k_range=10.0 + each.number, k_range_spread=0.1, end=each.number == 11)
         for each in front.stations
     )
-    (area,) = result.areas
-    return replace(result, areas=(replace(area, fronts=(replace(front, stations=stations),)),))
+    (area,) = result.contacts
+    return replace(result, contacts=(replace(area, fronts=(replace(front, stations=stations),)),))
 
 
 def test_front_and_its_worst_station_on_the_map(run: Result) -> None:
@@ -48,14 +48,15 @@ def test_front_and_its_worst_station_on_the_map(run: Result) -> None:
 
 
 def test_stations_that_are_not_known_are_gaps(run: Result) -> None:
-    (area,) = run.areas
+    (area,) = run.contacts
     (front,) = area.fronts
     stations = list(front.stations)
     place = stations[10].position.copy()
     place[STATE] = np.nan
     stations[10] = replace(stations[10], position=place)
     fronts = (replace(front, stations=tuple(stations)),)
-    figure, _ = draw_surface(replace(run, areas=(replace(area, fronts=fronts),)), "main", [STATE])
+    moved = replace(run, contacts=(replace(area, fronts=fronts),))
+    figure, _ = draw_surface(moved, "main", [STATE])
     line, *_ = (np.array(each.get_data()).T for each in figure.axes[0].lines)
     assert np.isnan(line[10]).all() and np.isfinite(line[9]).all()
     assert not figure.axes[0].texts

@@ -13,14 +13,17 @@ from plots import whole_plots
 from solid_runs import FRICTION, NORMAL, SHEAR, solid_result, surface, write_solid
 from typer.testing import CliRunner
 
+import fretfe
 from fretfe.cli.app import app
+from fretfe.errors import CaseError
+from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.resultants import shear_direction
-from fretfe.evaluate.space.evaluate import evaluate_fronts
 from fretfe.evaluate.space.fronts import follow_fronts
 from fretfe.report.figures.solids import area_plot, force_plot
 from fretfe.report.page.answer import summary
 from fretfe.report.page.html import draw_plots, render
 from fretfe.report.source import extremes
+from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import write_results
 
@@ -46,7 +49,7 @@ def test_answer_says_what_there_is(text: str) -> None:
 
 
 def test_numbers_are_those_of_the_run(folder: Path, text: str) -> None:
-    left, right = load_result(folder).areas
+    left, right = load_result(folder).contacts
     for area in (left, right):
         row = text[text.index(f"<td>{area.name}</td>") :]
         cells = re.findall(r"<td[^>]*>(.*?)</td>", row)[:8]
@@ -71,8 +74,8 @@ def test_load_extremes_are_those_of_the_shear(folder: Path) -> None:
 
 def test_histories_have_a_line_for_each_component(folder: Path) -> None:
     run = load_result(folder)
-    forces = force_plot(run, run.areas[0], "a")
-    areas = area_plot(run, run.areas[0], "b")
+    forces = force_plot(run, run.contacts[0], "a")
+    areas = area_plot(run, run.contacts[0], "b")
     assert forces.svg.startswith("<svg") and areas.title.endswith("contact left")
     sections = {section.anchor: section for section in draw_plots(run).sections}
     assert [plot.title for plot in sections["loops"].plots] == [
@@ -110,19 +113,44 @@ def test_scene_command(folder: Path, tmp_path: Path) -> None:
     assert done.exit_code == 0 and path.exists()
 
 
-def test_fronts_are_shown_with_their_verdicts(tmp_path: Path) -> None:
-    """Fronts of the synthetic contact, whose ranges of factors are made up."""
+@pytest.fixture(scope="module")
+def with_front() -> Result:
+    """A synthetic contact with its front, whose ranges of factors are made up."""
     result = solid_result({"main": surface()})
     assert result.solution is not None
     (contact,) = result.solution.contacts
-    tracks = follow_fronts(result.solution, contact, 12)
-    (front,) = evaluate_fronts(result.solution, contact, tracks)
+    tracks = {"main": follow_fronts(result.solution, contact, 12)}
+    (found,) = evaluate(result.solution, tracks=tracks)
+    (front,) = found.fronts
     stations = tuple(
         replace(each, k_range=10.0 + each.number, k_range_spread=0.1, k_t_range=9.0, k_s_range=4.0)
         for each in front.stations
     )
-    (area,) = result.areas
-    shown = replace(result, areas=(replace(area, fronts=(replace(front, stations=stations),)),))
+    return replace(result, contacts=(replace(found, fronts=(replace(front, stations=stations),)),))
+
+
+def test_histories_of_stations(with_front: Result) -> None:
+    pytest.importorskip("xarray")
+    station = with_front.contacts[0].stations[3]
+    data, history = with_front.to_xarray(), with_front.history("main", "front 1", 3)
+    for name in ("k_n", "k_t", "k_s", "position"):
+        np.testing.assert_array_equal(history[name], getattr(station, name))
+        np.testing.assert_array_equal(data[name][3], getattr(station, name))
+    assert data["k_n"].dims == ("station", "time") and data["front"][3] == "front 1"
+    assert [data[f"station_{axis}"][3] for axis in "xyz"] == station.point.tolist()
+    with pytest.raises(CaseError, match=r"a station of main front 1 from 0 to 11, found 12"):
+        with_front.history("main", "front 1", 12)
+
+
+def test_factors_are_those_of_the_worst_station(with_front: Result) -> None:
+    figure = fretfe.plot_factors(with_front)
+    (line, *_) = figure.axes[0].lines
+    assert line.get_label() == "front 1, station 11"
+    np.testing.assert_array_equal(line.get_ydata(), with_front.contacts[0].stations[11].k_n)
+
+
+def test_fronts_are_shown_with_their_verdicts(with_front: Result, tmp_path: Path) -> None:
+    shown, stations = with_front, with_front.contacts[0].stations
     write_results(tmp_path, shown)
     with whole_plots():
         page = render(tmp_path)
@@ -131,9 +159,9 @@ def test_fronts_are_shown_with_their_verdicts(tmp_path: Path) -> None:
     row = re.search(r"<td>main front 1</td>(.*?)</tr>", page, flags=re.DOTALL)
     assert row is not None and "10…21" in row[1]
     assert re.search(r"<td>\s*11 at [\d.]+</td>", page)
-    assert shown.areas[0].fronts[0].worst is stations[11]
+    assert shown.contacts[0].fronts[0].worst is stations[11]
     rows = (tmp_path / "stations.csv").read_text(encoding="utf-8").splitlines()
     assert len(rows) == 13 and rows[0].startswith("contact,front,station,arc,x,y,z,inward_x")
-    again = load_result(tmp_path).areas[0].fronts[0]
+    again = load_result(tmp_path).contacts[0].fronts[0]
     np.testing.assert_array_equal(again.stations[3].k_n, stations[3].k_n)
     assert again.stations[3].frame.inward.tolist() == stations[3].frame.inward.tolist()

@@ -33,7 +33,7 @@ from solid_runs import (
 
 from fretfe._typing import Array
 from fretfe.errors import ConvergenceError
-from fretfe.evaluate.resultants import evaluate_areas
+from fretfe.evaluate.evaluate import evaluate
 from fretfe.history.solution import OPEN, SLIP, STICK
 from fretfe.report.page.html import render
 from fretfe.report.pictures import cycle
@@ -334,9 +334,7 @@ def test_a_run_without_steps_has_what_there_is(result: Result, tmp_path: Path) -
         **{name: getattr(solution, name)[first] for name in names},
     )
     failed = ConvergenceError("step 1 has no solution")
-    run = replace(
-        result, solution=short, loads=loads, areas=evaluate_areas(short, {}), failure=failed
-    )
+    run = replace(result, solution=short, loads=loads, contacts=evaluate(short), failure=failed)
     write_results(tmp_path, run)
     make_pictures(tmp_path)
     reasons = {each["title"]: each["reason"] for each in listed(tmp_path)["missing"]}

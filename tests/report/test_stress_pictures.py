@@ -20,7 +20,8 @@ from fretfe._typing import Array
 from fretfe.cli.pictures import animate
 from fretfe.cli.pictures import scene as write_scene
 from fretfe.errors import CaseError, FretfeError, OutputError
-from fretfe.evaluate.resultants import load_extremes
+from fretfe.evaluate.plane.section import PLANE_FRONTS
+from fretfe.evaluate.resultants import station_extremes
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 from fretfe.report.pictures.fields import BodyField, Grid, find_time, open_fields
 from fretfe.report.pictures.panels import View
@@ -188,10 +189,16 @@ WAVE = np.sin(np.linspace(0, 2 * np.pi, 9))
     ],
     ids="wave,other sign,largest edge,no shear,part,no cycle,constant,no steps".split(","),
 )
-def test_load_extremes(
+def test_extremes_of_stations(
     k_t: list[Array], k_i: list[Array], cycle: tuple[int, int] | None, expected: list[int]
 ) -> None:
-    assert load_extremes(k_t, k_i, cycle) == expected
+    stations = [
+        PLANE_FRONTS[0].history(
+            0 * shear, 0 * shear, 0 * shear, 0 * shear, np.column_stack([normal, shear])
+        )
+        for shear, normal in zip(k_t, k_i, strict=True)
+    ]
+    assert station_extremes(stations, cycle) == expected
 
 
 @pytest.fixture(scope="module")

@@ -40,7 +40,7 @@ def ellipse() -> Front:
 
 def result_with(front: Front) -> Result:
     result = solid_runs.solid_result()
-    return replace(result, areas=(replace(result.areas[0], fronts=(front,)),))
+    return replace(result, contacts=(replace(result.contacts[0], fronts=(front,)),))
 
 
 def scaled(front: Front, factor: float) -> Front:
@@ -49,7 +49,7 @@ def scaled(front: Front, factor: float) -> Front:
 
 
 def row_of(values: Array, references: Array, circle: Front) -> Row:
-    area = solid_runs.solid_result().areas[0]
+    area = solid_runs.solid_result().contacts[0]
     pairs = Pairs(values, references, np.full(len(values), 0.1))
     return front_row(area, circle, "K_N", pairs, "for a test")
 

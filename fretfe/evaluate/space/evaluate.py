@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,6 @@ from fretfe.evaluate.contacts import (
     StationHistory,
 )
 from fretfe.evaluate.cycles import count_cycles, worst_cycle
-from fretfe.evaluate.evaluate import last_known
 from fretfe.evaluate.factors import (
     LoadPath,
     add_up,
@@ -34,6 +34,8 @@ from fretfe.evaluate.factors import (
     with_moved,
     within_known,
 )
+from fretfe.evaluate.numerics import last_known
+from fretfe.evaluate.resultants import solid_resultants
 from fretfe.evaluate.slip import cycle_states, last_state, slip_zones
 from fretfe.evaluate.space.fronts import NEAR, FrontTrack, SpaceFront
 from fretfe.evaluate.space.pressure_fit import FrontFit
@@ -115,6 +117,25 @@ def _moved(near: bool, outward: float, spread: float, k_i: Array, ragged: float)
     k_n = 2 * mean / outward
     relative = math.hypot(spread / outward, float(np.ptp(k_i)) / 2 / mean, ragged)
     return unknown(POOR) if relative > NO_NUMBER else MovedStation(k_n, relative * k_n, "")
+
+
+def evaluate_solids(
+    solution: Solution, contact: ContactHistory, tracks: tuple[FrontTrack, ...] | None
+) -> dict[str, Any]:
+    """Fronts, resultants and friction work of a contact of solids, by the names of `Contact`.
+
+    Args:
+        solution: the solved history.
+        contact: one of its contacts.
+        tracks: its fronts, followed through the history; None if nobody looked for them.
+    """
+    found = solid_resultants(contact)
+    first, last = solution.cycle or (0, len(solution.times) - 1)
+    return {
+        **found,
+        "fronts": evaluate_fronts(solution, contact, tracks or ()),
+        "dissipation": float(found["work"][first + 1 : last + 1].sum()),
+    }
 
 
 def evaluate_fronts(

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from fretfe.evaluate.contacts import ContactSummary, Station
+from fretfe.evaluate.contacts import Contact, Station
 from fretfe.quality.validate.rows import Row, Verdict, compared, missing
 from fretfe.quality.validate.single import BORDER_ELEMENTS, BORDER_FRACTION, element_size
 from fretfe.quality.validate.variants import COARSER, MEAN, MESH, START
@@ -39,7 +39,7 @@ def companion_rows(name: str, result: Result, other: Result) -> Iterator[Row]:
                 yield from _slip_rows(name, contact.name, station, reference, size)
 
 
-def _twin(contact: ContactSummary, other: Result) -> ContactSummary | None:
+def _twin(contact: Contact, other: Result) -> Contact | None:
     """The contact of a companion that is in the same place at the end; None if there is none.
 
     What patches are called depends on the order in which they appear, and may differ.
@@ -54,7 +54,7 @@ def _twin(contact: ContactSummary, other: Result) -> ContactSummary | None:
     return None
 
 
-def _place(contact: ContactSummary) -> tuple[float, float]:
+def _place(contact: Contact) -> tuple[float, float]:
     """Centre and half-width at the end of the cycle."""
     last = contact.stations[0].last
     return float(contact.centre[last]), float(contact.half_width[last])

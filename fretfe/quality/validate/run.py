@@ -48,7 +48,7 @@ def plan(variants: Sequence[Variant], result: Result) -> str:
 def _seconds(variant: Variant, result: Result) -> float:
     took = result.seconds
     if variant.name == MESH:
-        return sum(took.values()) / COARSER ** POWERS[bool(result.areas)]
+        return sum(took.values()) / COARSER ** POWERS[result.solid]
     share = 1.0
     if variant.history is not None:
         share = len(variant.history.times) / max(len(result.loads.times), 1)
@@ -92,8 +92,7 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
         if result.failure is not None:
             raise result.failure
         options.keep(result)
-        own = solid_rows(result) if result.areas else ()
-        rows = [*own_rows(result), *own, *limit_rows(result)]
+        rows = [*own_rows(result), *solid_rows(result), *limit_rows(result)]
         variants, reasons = make_variants(case, result)
         rows += [missing("all", "", name, reason) for name, reason in reasons.items()]
         options.observer.phase(plan(variants, result))
@@ -127,7 +126,7 @@ def _companion(
         raise other.failure
     if other.failure is not None:
         return [missing("all", "", variant.name, f"no solution: {other.failure}")]
-    rows = solid_companion_rows if result.areas else companion_rows
+    rows = solid_companion_rows if result.solid else companion_rows
     return list(rows(variant.name, result, other))
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from fretfe.evaluate import analyse_tractions
-from fretfe.evaluate.contacts import LARGEST_SPREAD, ContactSummary, SlipZone, Station
+from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, SlipZone, Station
 from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.slip import cycle_states
 from fretfe.quality.validate.rows import Row, Verdict, compared, missing
@@ -36,8 +36,10 @@ CERTIFIED, BALANCED = 1e-6, 1e-8
 
 
 def own_rows(result: Result) -> Iterator[Row]:
-    """Rows for each contact and station of a run."""
+    """Rows for each plane contact and its stations, and for the solution."""
     for contact in result.contacts:
+        if contact.solid:
+            continue
         yield from _contact_rows(contact)
         yield from _existence_rows(result, contact)
         size = element_size(result, contact)
@@ -58,7 +60,7 @@ def limit_rows(result: Result) -> Iterator[Row]:
         yield compared(name, "", limit.quantity, limit.found, 0.0, limit.limit, reason, "unknown")
 
 
-def element_size(result: Result, contact: ContactSummary) -> float:
+def element_size(result: Result, contact: Contact) -> float:
     """Element size at the edges, the coarser one; 0 without elements."""
     if result.solution is None:
         return 0.0
@@ -68,7 +70,7 @@ def element_size(result: Result, contact: ContactSummary) -> float:
     return float(max(sizes[np.clip(np.searchsorted(history.arc[1:-1], places), 0, None)]))
 
 
-def _contact_rows(contact: ContactSummary) -> Iterator[Row]:
+def _contact_rows(contact: Contact) -> Iterator[Row]:
     quantity = "Q by ΔK_T / by ∫q"
     if math.isnan(contact.shear_mismatch):
         yield missing(contact.name, "", quantity, "no cycle, or no shear force in it")
@@ -96,7 +98,7 @@ def steady_row(name: str, change: float) -> Row:
     return compared(name, "", quantity, change, 0.0, 1e-3, reason)
 
 
-def _existence_rows(result: Result, contact: ContactSummary) -> Iterator[Row]:
+def _existence_rows(result: Result, contact: Contact) -> Iterator[Row]:
     """A patch that comes or goes within the cycle: what it does there is not known."""
     cycle = cycle_states(result.loads.cycle)
     existing = np.count_nonzero(contact.normal_force[cycle] > 0)
@@ -105,9 +107,7 @@ def _existence_rows(result: Result, contact: ContactSummary) -> Iterator[Row]:
         yield missing(contact.name, "", "patch in the cycle", reason, "unknown")
 
 
-def _station_rows(
-    result: Result, contact: ContactSummary, station: Station, size: float
-) -> Iterator[Row]:
+def _station_rows(result: Result, contact: Contact, station: Station, size: float) -> Iterator[Row]:
     name, side = contact.name, station.front
     yield from _unknown_rows(contact, station)
     if math.isnan(station.last_k_n[0]):
@@ -153,7 +153,7 @@ def _moving_row(name: str, station: Station) -> Row:
     return compared(name, side, quantity, k_n, moved, tolerance, reason)
 
 
-def _unknown_rows(contact: ContactSummary, station: Station) -> Iterator[Row]:
+def _unknown_rows(contact: Contact, station: Station) -> Iterator[Row]:
     """Numbers that this run should carry and does not; warnings of the contact say why."""
     for quantity, value in (("K_N", station.last_k_n[0]), ("ΔK_T", station.k_t_range)):
         if (
@@ -168,9 +168,7 @@ def _unknown_rows(contact: ContactSummary, station: Station) -> Iterator[Row]:
             yield missing(contact.name, station.front, quantity, reason, "unknown")
 
 
-def _slip_rows(
-    result: Result, contact: ContactSummary, station: Station, size: float
-) -> Iterator[Row]:
+def _slip_rows(result: Result, contact: Contact, station: Station, size: float) -> Iterator[Row]:
     zones = station.slip_zones[-2:]
     if not zones:
         reason = station.cycles.reason or "the factors are not known through the cycle"
@@ -197,7 +195,7 @@ def _slip_rows(
 
 
 def _traction_rows(
-    result: Result, contact: ContactSummary, station: Station, size: float
+    result: Result, contact: Contact, station: Station, size: float
 ) -> Iterator[Row]:
     """Slip zones once more, from where the shear leaves the friction bound.
 
@@ -236,7 +234,7 @@ def _traction_rows(
 
 
 def asymptote_row(
-    contact: ContactSummary, station: Station, zone: SlipZone, label: str, size: float
+    contact: Contact, station: Station, zone: SlipZone, label: str, size: float
 ) -> Row:
     """A slip zone, found and predicted by (11) or (8).
 
@@ -275,7 +273,7 @@ def asymptote_row(
 
 
 def unresolved(
-    result: Result, contact: ContactSummary, station: Station, zone: SlipZone, size: float
+    result: Result, contact: Contact, station: Station, zone: SlipZone, size: float
 ) -> str:
     """Reason why a slip zone is not resolved, in words."""
     if reason := slid_before(result, contact, station, zone):
@@ -290,7 +288,7 @@ def unresolved(
     return f"too few elements over the slip zone{covered}, {FEWEST_ELEMENTS} are wanted"
 
 
-def slid_before(result: Result, contact: ContactSummary, station: Station, zone: SlipZone) -> str:
+def slid_before(result: Result, contact: Contact, station: Station, zone: SlipZone) -> str:
     """Remark if the shear is near f p all over the flank behind a predicted zone; or empty.
 
     The formulas are for shear that stays below f p there. After a contact has slid as a whole it

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array, Bools
-from fretfe.evaluate.contacts import Front, Station
-from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.verdicts import OUTSIDE, judge, last_verdict, withheld
 from fretfe.quality.validate.compare import STEADY_REASONS
 from fretfe.quality.validate.rows import Row, Verdict, compared, missing
@@ -52,7 +51,7 @@ class Pairs:
 
 
 def front_row(
-    area: AreaSummary,
+    contact: Contact,
     front: Front,
     quantity: str,
     pairs: Pairs,
@@ -63,14 +62,14 @@ def front_row(
     known = np.flatnonzero(pairs.known)
     if len(known) < max(CARRIED * len(pairs.values), 1):
         given = f"there is a number to compare at {len(known)} of {len(pairs.values)} stations only"
-        return missing(area.name, front.name, quantity, given)
+        return missing(contact.name, front.name, quantity, given)
     off = np.abs(pairs.values - pairs.references)[known]
     tolerances = pairs.tolerances[known]
     order = np.argsort(off / np.maximum(tolerances, 1e-300))
     chosen = known[order[math.ceil(WITHIN * len(known)) - 1]]
     inside = np.count_nonzero(off <= tolerances)
     return compared(
-        area.name,
+        contact.name,
         front.name,
         quantity,
         float(pairs.values[chosen]),
@@ -138,25 +137,27 @@ def at_places(front: Front, points: Array, names: Sequence[str]) -> Iterator[Arr
 
 def solid_rows(result: Result) -> Iterator[Row]:
     """Rows for each contact and front of a run of solids."""
-    for area in result.areas:
-        yield steady_row(area.name, area.cycle_change)
-        if not area.fronts and area.normal_force[-1] > 0:
-            yield missing(area.name, "", "fronts", _reason(area, "cannot be told"), "unknown")
-        for front in area.fronts:
-            yield from _front_rows(area, front)
+    for contact in result.contacts:
+        if not contact.solid:
+            continue
+        yield steady_row(contact.name, contact.cycle_change)
+        if not contact.fronts and contact.normal_force[-1] > 0:
+            yield missing(contact.name, "", "fronts", _reason(contact, "cannot be told"), "unknown")
+        for front in contact.fronts:
+            yield from _front_rows(contact, front)
 
 
-def _reason(area: AreaSummary, word: str) -> str:
-    return next((text for text in area.warnings if word in text), "too few elements in contact")
+def _reason(contact: Contact, word: str) -> str:
+    return next((text for text in contact.warnings if word in text), "too few elements in contact")
 
 
-def _front_rows(area: AreaSummary, front: Front) -> Iterator[Row]:
+def _front_rows(contact: Contact, front: Front) -> Iterator[Row]:
     stations = front.judged
     if not stations:
-        yield missing(area.name, front.name, "stations", "all of them are near its ends")
+        yield missing(contact.name, front.name, "stations", "all of them are near its ends")
         return
     told = {"K_N": numbers(stations, "K_N")}
-    if np.isfinite(area.cycle_change):
+    if np.isfinite(contact.cycle_change):
         told["ΔK"] = numbers(stations, "told_range")
     for quantity, values in told.items():
         unknown = np.count_nonzero(np.isnan(values))
@@ -166,20 +167,20 @@ def _front_rows(area: AreaSummary, front: Front) -> Iterator[Row]:
                 f"not known to within half of it at {unknown} of {len(values)} stations, as "
                 f"{reasons[len(reasons) // 2]}"
             )
-            yield missing(area.name, front.name, quantity, text, "unknown")
+            yield missing(contact.name, front.name, quantity, text, "unknown")
     ranges, spread = numbers(stations, "k_range"), _extraction(front)
     largest = np.nanmax(ranges, initial=0.0)
     pairs = Pairs(ranges, ranges + spread, np.full(len(ranges), REACH_AGREEMENT * largest))
     reason = f"half the spread over reaches and lengths, {REACH_AGREEMENT:.0%} of the largest"
-    yield front_row(area, front, "ΔK, other reach", pairs, reason)
-    yield from _formula_rows(area, front)
+    yield front_row(contact, front, "ΔK, other reach", pairs, reason)
+    yield from _formula_rows(contact, front)
 
 
 def _extraction(front: Front) -> Array:
     return np.array([station.k_range_parts.extraction for station in front.judged])
 
 
-def _formula_rows(area: AreaSummary, front: Front) -> Iterator[Row]:
+def _formula_rows(contact: Contact, front: Front) -> Iterator[Row]:
     """The last two slip zones, found and predicted, at the stations where formulas hold."""
     for half in (1, 2):
         label = f"d, by formula, half cycle {half}"
@@ -189,7 +190,9 @@ def _formula_rows(area: AreaSummary, front: Front) -> Iterator[Row]:
         verdicts = [judge(station, zone) for station, zone in zones]
         known = [place for place, each in enumerate(verdicts) if np.isfinite(each.tolerance)]
         if not known:
-            yield _no_formula(area, front, label, [(each.word, each.reason) for each in verdicts])
+            yield _no_formula(
+                contact, front, label, [(each.word, each.reason) for each in verdicts]
+            )
             continue
         pairs = Pairs(
             np.array([zones[place][1].length for place in known]),
@@ -197,53 +200,51 @@ def _formula_rows(area: AreaSummary, front: Front) -> Iterator[Row]:
             np.array([verdicts[place].tolerance for place in known]),
         )
         reason = "the formula's own error, the error bars, and a fifth of an element"
-        yield front_row(area, front, label, pairs, reason)
+        yield front_row(contact, front, label, pairs, reason)
 
 
-def _no_formula(area: AreaSummary, front: Front, label: str, excuses: list[tuple[str, str]]) -> Row:
+def _no_formula(contact: Contact, front: Front, label: str, excuses: list[tuple[str, str]]) -> Row:
     """Verdict where nothing can be compared: the most frequent word, and a reason for it."""
     if not excuses:
         own = last_verdict(front.judged[len(front.judged) // 2])
-        return missing(area.name, front.name, label, own.reason)
+        return missing(contact.name, front.name, label, own.reason)
     ((word, _),) = Counter(word for word, _ in excuses).most_common(1)
     reason = next(text for each, text in excuses if each == word)
     verdict: Verdict = "outside" if word == OUTSIDE else "-"
-    return missing(area.name, front.name, label, f"{word}: {reason}", verdict)
+    return missing(contact.name, front.name, label, f"{word}: {reason}", verdict)
 
 
 def solid_companion_rows(name: str, result: Result, other: Result) -> Iterator[Row]:
     """Rows for each front, the numbers of the companion in the same places as references."""
-    areas = {area.name: area for area in other.areas}
-    for area in result.areas:
-        for front in area.fronts:
-            twin = nearest_front(front, areas[area.name].fronts)
+    partners = {each.name: each for each in other.contacts}
+    for contact in result.contacts:
+        for front in contact.fronts:
+            twin = nearest_front(front, partners[contact.name].fronts)
             if twin is None:
                 reason = "the companion has no such front at the end of its cycle"
-                yield missing(area.name, front.name, name, reason)
+                yield missing(contact.name, front.name, name, reason)
             elif front.judged:
-                yield from _compared(name, area, front, twin)
+                yield from _compared(name, contact, front, twin)
 
 
-def _compared(name: str, area: AreaSummary, front: Front, twin: Front) -> Iterator[Row]:
+def _compared(name: str, contact: Contact, front: Front, twin: Front) -> Iterator[Row]:
     if name == MESH:
         for label, value, bar in (
             ("K_N", "K_N", "K_N bar"),
             ("ΔK", "told_range", "k_range_spread"),
             ("d", "d", "d bar"),
         ):
-            yield _mesh_row(f"{label} {name}", area, front, twin, value, bar)
+            yield _mesh_row(f"{label} {name}", contact, front, twin, value, bar)
         return
     places = np.array([station.point for station in front.judged])
     values, (reference,) = numbers(front.judged, "d"), at_places(twin, places, ["d"])
     sizes = numbers(front.judged, "size")
     pairs = Pairs(values, reference, BORDER_ELEMENTS * sizes + BORDER_FRACTION * values)
     otherwise: Verdict = "depends" if name == START else "FAIL"
-    yield front_row(area, front, f"d {name}", pairs, STEADY_REASONS[name], otherwise)
+    yield front_row(contact, front, f"d {name}", pairs, STEADY_REASONS[name], otherwise)
 
 
-def _mesh_row(
-    label: str, area: AreaSummary, front: Front, twin: Front, value: str, bar: str
-) -> Row:
+def _mesh_row(label: str, contact: Contact, front: Front, twin: Front, value: str, bar: str) -> Row:
     """A number of the stations on two meshes, within both error bars."""
     places = np.array([station.point for station in front.judged])
     values, bars = (numbers(front.judged, each) for each in (value, bar))
@@ -254,4 +255,4 @@ def _mesh_row(
         f"elements {COARSER:g} times as large: the error bars of both meshes, that of a factor of "
         f"the case {LARGEST_BAR:.0%} at most"
     )
-    return front_row(area, front, label, Pairs(values, references, np.hypot(own, other)), reason)
+    return front_row(contact, front, label, Pairs(values, references, np.hypot(own, other)), reason)

@@ -70,13 +70,15 @@ def _constant_normal(result: Result) -> bool:
     plane = all(
         float(station.k_i_range) <= CONSTANT_NORMAL * float(station.k_t_range)
         for contact in result.contacts
+        if not contact.solid
         for station in contact.stations
     )
     # Factors at single stations of solids scatter by about as much as the limit.
     return plane and all(
         np.median(front.along("k_i_range")) <= CONSTANT_NORMAL * np.median(front.along("k_range"))
-        for area in result.areas
-        for front in area.fronts
+        for contact in result.contacts
+        if contact.solid
+        for front in contact.fronts
     )
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fretfe.evaluate.contacts import ContactSummary, Station
+from fretfe.evaluate.contacts import Contact, Station
 from fretfe.quality.verify.model import Measure
 from fretfe.results.model import Result
 
@@ -17,7 +17,7 @@ LEFT, RIGHT = 0, 1
 NAMES = ("left", "right")
 
 
-def _contact(result: Result) -> ContactSummary:
+def _contact(result: Result) -> Contact:
     return result.contacts[0]
 
 
@@ -131,7 +131,7 @@ def front_mean(attribute: str) -> Measure:
     """A number of the stations of the only front of a solid contact, mean of them."""
 
     def measure(result: Result) -> float:
-        fronts = result.areas[0].fronts
+        fronts = _contact(result).fronts
         return float(fronts[0].along(attribute).mean()) if fronts else np.nan
 
     return measure
@@ -157,5 +157,5 @@ def front_slip_length(result: Result) -> float:
 
 
 def _front_stations(result: Result) -> tuple[Station, ...]:
-    fronts = result.areas[0].fronts
+    fronts = _contact(result).fronts
     return fronts[0].stations if fronts else ()

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 from fretfe._typing import Array, Bools
 from fretfe.evaluate.contacts import Station
-from fretfe.evaluate.resultants import load_extremes
+from fretfe.evaluate.resultants import station_extremes
 from fretfe.history.solution import Solution
 from fretfe.report.figures.plot import Plot, legend_above, log_axis, make_plot
 from fretfe.report.source import Shown, edge_title, inward, when
@@ -86,7 +86,7 @@ def _near(shown: Shown, edge: Station) -> _Near | None:
         friction = np.flatnonzero(shown.tractions.friction > 0)
         states = [int(friction[0]) - 1, len(edge.k_t) - 1] if len(friction) else []
     else:
-        states = load_extremes([edge.k_t], [edge.k_i], cycle)
+        states = station_extremes([edge], cycle)
     if len(states) < 2 or not np.isfinite([edge.position[states[1]], edge.k_n[states[1]]]).all():
         return None
     change = float(edge.k_t[states[1]] - edge.k_t[states[0]])

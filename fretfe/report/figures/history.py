@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.resultants import shear_direction
 from fretfe.history.solution import OPEN, Solution
 from fretfe.history.state_array import blocks
@@ -18,10 +18,10 @@ from fretfe.loads import History
 from fretfe.report.figures.plot import Plot, envelope, legend_above, make_plot, plain_axis
 from fretfe.report.source import (
     Shown,
-    ShownArea,
     edge_title,
     force_unit,
     load_unit,
+    shown_stations,
     work_unit,
     worst_run_states,
     worst_states,
@@ -88,7 +88,7 @@ def _draw_loads(figure: Figure, case: Case, history: History) -> None:
         panel.set_ylabel(f"{name} [{load_unit(case, name)}]")
 
 
-def factor_plot(run: Result, contact: ContactSummary, key: str) -> Plot:
+def factor_plot(run: Result, contact: Contact, key: str) -> Plot:
     """K_T and K_I of both edges over time."""
 
     def draw(figure: Figure) -> None:
@@ -97,7 +97,7 @@ def factor_plot(run: Result, contact: ContactSummary, key: str) -> Plot:
     return make_plot(f"{key}-factors", f"Contact {contact.name}", "", DOUBLE, draw)
 
 
-def draw_factors(case: Case, history: History, contacts: tuple[ContactSummary, ...]) -> Figure:
+def draw_factors(case: Case, history: History, contacts: tuple[Contact, ...]) -> Figure:
     """K_N above K_T of every edge; the evaluated cycle is shaded."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, DOUBLE), layout="constrained")
@@ -109,16 +109,19 @@ def _draw_factors(
     figure: Figure,
     case: Case,
     history: History,
-    contacts: tuple[ContactSummary, ...],
+    contacts: tuple[Contact, ...],
     names: dict[str, str],
 ) -> None:
-    """One panel for each factor, by the name of its attribute, with a line for each edge."""
+    """One panel for each factor, by the name of its attribute, with a line for each edge.
+
+    Of solids there is one for the station of the largest range of each front.
+    """
     stress, root = case.units.stress, f"√{case.units.length}"
     panels = time_panels(figure, len(names), case, history)
-    edges = [(contact.name, edge) for contact in contacts for edge in contact.stations]
+    edges = shown_stations(contacts)
     for panel, (name, label) in zip(panels, names.items(), strict=True):
         for place, (contact, edge) in enumerate(edges):
-            title = edge_title(edge) if len(contacts) == 1 else f"{contact}, {edge_title(edge)}"
+            owner = "" if len(contacts) == 1 else f"{contact.name}, "
             values = getattr(edge, name)
             states = envelope(values)
             marks = ("x--", ".-") if len(states) == len(values) else ("--", "-")
@@ -129,7 +132,7 @@ def _draw_factors(
                 ms=3,
                 lw=1.0,
                 color=CYCLE[place % len(CYCLE)],
-                label=title,
+                label=f"{owner}{edge_title(edge)}",
             )
         panel.axhline(0, color=GREY, lw=0.6)
         panel.set_ylabel(f"{label} [{stress}{'/' if name == 'k_n' else '·'}{root}]")
@@ -148,7 +151,7 @@ def time_panels(figure: Figure, count: int, case: Case, history: History) -> lis
     return panels
 
 
-def path_plot(run: Result, contact: ContactSummary, key: str) -> Plot:
+def path_plot(run: Result, contact: Contact, key: str) -> Plot:
     """Path of P and Q, and of Q and the tension if that varies."""
     tension = _tension_varies(run, contact)
     return make_plot(
@@ -160,7 +163,7 @@ def path_plot(run: Result, contact: ContactSummary, key: str) -> Plot:
     )
 
 
-def _tension_varies(run: Result, contact: ContactSummary) -> bool:
+def _tension_varies(run: Result, contact: Contact) -> bool:
     """True if the tension changes K_T, next to what the shear force does.
 
     By (7a) of the theory guide 4Q/(π a) is the tension that changes it as much as Q.
@@ -172,7 +175,7 @@ def _tension_varies(run: Result, contact: ContactSummary) -> bool:
     return bool(np.ptp(tension) > CONSTANT * max(scale, np.abs(tension).max()))
 
 
-def _draw_path(figure: Figure, run: Result, contact: ContactSummary, tension: bool) -> None:
+def _draw_path(figure: Figure, run: Result, contact: Contact, tension: bool) -> None:
     panels = figure.subplots(1, 1 + tension, squeeze=False, sharey=True)[0]
     units = run.case.units
     line_force = f"{units.force}/{units.length}"
@@ -202,12 +205,12 @@ def _trace(axes: Axes, run: Result, x: Array, y: Array) -> None:
     axes.axhline(0, color=GREY, lw=0.4)
 
 
-def slip_loop_plot(shown: Shown | ShownArea) -> Plot | None:
+def slip_loop_plot(shown: Shown) -> Plot | None:
     """Q over the mean slip of a contact; None if no node stays in contact."""
     first, last = shown.run.loads.evaluated
     solution = shown.run.solution
     assert solution is not None
-    path = worst_states(shown) if isinstance(shown, Shown) else np.zeros(0, dtype=np.int64)
+    path = worst_states(shown)
     if len(path) and not solution.keeps(int(path[0]), int(path[-1])):
         # Its first half is in the repetition before the cycle.
         path = path[path >= first]
@@ -251,13 +254,13 @@ def slip_loop_plot(shown: Shown | ShownArea) -> Plot | None:
     return make_plot(f"{shown.key}-loop", f"Contact {shown.summary.name}", caption, SINGLE, draw)
 
 
-def _shear(shown: Shown | ShownArea, states: slice) -> tuple[Array, Array, str]:
+def _shear(shown: Shown, states: slice) -> tuple[Array, Array, str]:
     """Direction of the shear at the nodes (N, d - 1), the force along it in some states, its name.
 
     Of solids it is the direction in which Q varies most.
     """
     contact, force = shown.tractions, shown.summary.shear_force[states]
-    if isinstance(shown, Shown):
+    if not shown.summary.solid:
         return np.ones((len(contact.weights), 1)), force, "Q"
     direction = shear_direction(force)
     name = f"Q along {direction_text(direction)}"
@@ -299,7 +302,7 @@ def without_slope(force: Array, displacement: Array) -> Array:
 def _balance(run: Result, solution: Solution, total: float) -> str:
     """Work of all boundaries next to the friction work of all contacts."""
     first, last = run.loads.evaluated
-    friction = sum(contact.dissipation for contact in run.summaries)
+    friction = sum(contact.dissipation for contact in run.contacts)
     text = (
         f"All loops of boundaries together: {number(total)}; friction work of all contacts in the "
         f"cycle: {number(float(friction))}."

@@ -10,8 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import Closure, Front
-from fretfe.evaluate.resultants import AreaSummary
+from fretfe.evaluate.contacts import Closure, Contact, Front
 from fretfe.report.figures.history import time_panels
 from fretfe.report.figures.plot import Plot, envelope, legend_above, make_plot, plain_axis
 from fretfe.report.source import force_unit, work_unit
@@ -36,7 +35,7 @@ FRONTS_INTRO = (
 )
 
 
-def force_plot(run: Result, area: AreaSummary, key: str) -> Plot:
+def force_plot(run: Result, area: Contact, key: str) -> Plot:
     """P above the components of Q."""
 
     def draw(figure: Figure) -> None:
@@ -50,7 +49,7 @@ def force_plot(run: Result, area: AreaSummary, key: str) -> Plot:
     return make_plot(f"{key}-forces", f"Forces, contact {area.name}", "", DOUBLE, draw)
 
 
-def area_plot(run: Result, area: AreaSummary, key: str) -> Plot:
+def area_plot(run: Result, area: Contact, key: str) -> Plot:
     """Areas, largest pressure and friction work, below each other."""
     units = run.case.units
 
@@ -83,7 +82,7 @@ def _lines(axes: Axes, run: Result, lines: Mapping[str, Array]) -> None:
         axes.axhline(0, color=GREY, lw=0.6)
 
 
-def front_plot(run: Result, area: AreaSummary, front: Front, key: str) -> Plot:
+def front_plot(run: Result, area: Contact, front: Front, key: str) -> Plot:
     """K_N, the ranges of K_T and K_S, and slip zones along one front, below each other."""
     units = run.case.units
     has_zones = any(station.slip_zones for station in front.stations)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from fretfe._typing import Bools
 from fretfe.case import Case
-from fretfe.evaluate.contacts import ContactSummary
+from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.resultants import load_extremes
 from fretfe.evaluate.stress import LocalParameters
 from fretfe.history.solution import ContactHistory, Solution
@@ -51,7 +51,7 @@ def traction_plot(shown: Shown) -> Plot:
     return make_plot(f"{shown.key}-tractions", shown.title, "", SINGLE, draw)
 
 
-def draw_tractions(case: Case, solution: Solution, contacts: tuple[ContactSummary, ...]) -> Figure:
+def draw_tractions(case: Case, solution: Solution, contacts: tuple[Contact, ...]) -> Figure:
     """Draw p, f p and q along every contact at the two load extremes, one panel per contact."""
     columns = min(2, len(contacts))
     rows = -(-len(contacts) // columns)
@@ -68,12 +68,11 @@ def draw_tractions(case: Case, solution: Solution, contacts: tuple[ContactSummar
 
 
 def _draw_contact(
-    panel: Axes, case: Case, solution: Solution, history: ContactHistory, summary: ContactSummary
+    panel: Axes, case: Case, solution: Solution, history: ContactHistory, summary: Contact
 ) -> None:
     """Draw p, f p and q along a contact at the two load extremes."""
     stress, length = case.units.stress, case.units.length
-    edges = summary.stations
-    states = load_extremes([e.k_t for e in edges], [e.k_i for e in edges], solution.cycle)
+    states = load_extremes([summary], solution.cycle)
     for state, colour in zip(states, (BLUE, VERMILLION), strict=False):
         time = f"t = {solution.times[state]:g} {case.units.time}"
         shown = _around_contact(history, state)

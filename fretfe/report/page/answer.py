@@ -7,7 +7,7 @@ import math
 from collections import Counter
 from dataclasses import dataclass
 
-from fretfe.evaluate.contacts import ContactSummary, SlipZone, Station
+from fretfe.evaluate.contacts import Contact, SlipZone, Station
 from fretfe.evaluate.verdicts import AGREES, NO_ZONE, last_verdict
 from fretfe.quality.validate.single import asymptote_row, element_size, slid_before, unresolved
 from fretfe.report.texts import marked, number, with_error
@@ -51,13 +51,16 @@ class EdgeAnswer:
 
 
 def edge_answers(run: Result) -> tuple[EdgeAnswer, ...]:
-    """One answer for each edge."""
+    """One answer for each edge of plane contacts."""
     return tuple(
-        _edge_answer(run, contact, edge) for contact in run.contacts for edge in contact.stations
+        _edge_answer(run, contact, edge)
+        for contact in run.contacts
+        if not contact.solid
+        for edge in contact.stations
     )
 
 
-def _edge_answer(run: Result, contact: ContactSummary, edge: Station) -> EdgeAnswer:
+def _edge_answer(run: Result, contact: Contact, edge: Station) -> EdgeAnswer:
     size = element_size(run, contact)
     return EdgeAnswer(
         contact=contact.name,
@@ -73,7 +76,7 @@ def _edge_answer(run: Result, contact: ContactSummary, edge: Station) -> EdgeAns
 
 
 def _zone_answer(
-    run: Result, contact: ContactSummary, edge: Station, zone: SlipZone, size: float
+    run: Result, contact: Contact, edge: Station, zone: SlipZone, size: float
 ) -> ZoneAnswer:
     row = asymptote_row(contact, edge, zone, "", size)
     verdict, reason = WORDS[row.verdict], row.reason
@@ -100,13 +103,13 @@ def _zone_answer(
 def summary(run: Result, answers: tuple[EdgeAnswer, ...]) -> tuple[str, ...]:
     """The answer in a few sentences: slip zones, or contacts of solids, solution, cycle."""
     irregular = any(e.cycles.irregular for c in run.contacts for e in c.stations)
-    first = _solid_text(run) if run.areas else _zone_text(answers, irregular)
+    first = _solid_text(run) if run.solid else _zone_text(answers, irregular)
     return tuple(text for text in (first, _step_text(run), _cycle_text(run)) if text)
 
 
 def _solid_text(run: Result) -> str:
     """Fronts and the verdicts on the last slip zones of their stations."""
-    fronts = [front for area in run.areas for front in area.fronts]
+    fronts = [front for contact in run.contacts for front in contact.fronts]
     if not fronts:
         return "No boundary of a contact area could be found: there are no edge factors."
     stations = [station for front in fronts for station in front.stations]
@@ -153,9 +156,9 @@ def _step_text(run: Result) -> str:
 
 def _cycle_text(run: Result) -> str:
     if run.loads.cycle is None:
-        missing = "" if run.areas else ": ranges over it are missing"
+        missing = "" if run.solid else ": ranges over it are missing"
         return f"There is no evaluated cycle{missing}."
-    changing = [contact.name for contact in run.summaries if not contact.steady]
+    changing = [contact.name for contact in run.contacts if not contact.steady]
     if changing:
         return f"The evaluated cycle is not steady, or not known to be, at {', '.join(changing)}."
     return "The evaluated cycle is steady."

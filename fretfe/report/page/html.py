@@ -19,21 +19,21 @@ from fretfe.errors import OutputError
 from fretfe.files import disk_reason, replace_text
 from fretfe.history.solution import Solution
 from fretfe.quality.validate.single import own_rows
+from fretfe.quality.validate.solids import solid_rows
 from fretfe.report.figures import cycles, edges, history, slip, solids, solver, stress, tractions
 from fretfe.report.figures.plot import Plot
 from fretfe.report.page.answer import edge_answers, summary
 from fretfe.report.page.glossary import Glossary, subscripts
 from fretfe.report.page.tables import (
-    area_table,
     contact_table,
     cycle_table,
-    front_table,
     limit_table,
     mesh_table,
+    station_table,
     timing_table,
 )
 from fretfe.report.pictures.folder import read_pictures
-from fretfe.report.source import Shown, ShownArea, force_unit, shown_areas, shown_contacts
+from fretfe.report.source import Shown, force_unit, shown_contacts
 from fretfe.report.texts import number
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
@@ -91,7 +91,7 @@ def draw_plots(run: Result) -> Plots:
 def _sections(run: Result) -> tuple[Section, ...]:
     if len(run.loads.times) < 2:
         return ()
-    if run.areas:
+    if run.solid:
         return _solid_sections(run)
     shown = shown_contacts(run)
     histories = (
@@ -130,25 +130,26 @@ def _slip_intro(run: Result) -> str:
 
 
 def _solid_sections(run: Result) -> tuple[Section, ...]:
+    shown = shown_contacts(run)
     sections = (
         _section("fronts", "Along the fronts", solids.FRONTS_INTRO, _fronts(run)),
         _section("areas", "Contacts over time", solids.AREAS_INTRO, _areas(run)),
         _section("loads", "Loads", "Shaded: the evaluated cycle.", [history.load_plot(run)]),
-        _section("loops", "Hysteresis", history.SOLID_LOOPS_INTRO, _loops(run, shown_areas(run))),
+        _section("loops", "Hysteresis", history.SOLID_LOOPS_INTRO, _loops(run, shown)),
     )
     return tuple(section for section in sections if section.plots)
 
 
 def _fronts(run: Result) -> Iterable[Plot]:
-    for place, area in enumerate(run.areas):
-        for row, front in enumerate(area.fronts):
-            yield solids.front_plot(run, area, front, f"contact{place}-{row}")
+    for place, contact in enumerate(run.contacts):
+        for row, front in enumerate(contact.fronts):
+            yield solids.front_plot(run, contact, front, f"contact{place}-{row}")
 
 
 def _areas(run: Result) -> Iterable[Plot]:
-    for place, area in enumerate(run.areas):
-        yield solids.force_plot(run, area, f"contact{place}")
-        yield solids.area_plot(run, area, f"contact{place}")
+    for place, contact in enumerate(run.contacts):
+        yield solids.force_plot(run, contact, f"contact{place}")
+        yield solids.area_plot(run, contact, f"contact{place}")
 
 
 def _solver_plots(run: Result) -> tuple[Plot, ...]:
@@ -171,7 +172,7 @@ def _loads(run: Result) -> Iterable[Plot | None]:
         yield history.path_plot(run, contact, f"contact{place}")
 
 
-def _loops(run: Result, shown: Sequence[Shown | ShownArea]) -> Iterable[Plot | None]:
+def _loops(run: Result, shown: Sequence[Shown]) -> Iterable[Plot | None]:
     yield from map(history.slip_loop_plot, shown)
     yield from history.work_loop_plots(run)
 
@@ -210,7 +211,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    glossary = Glossary(solid=bool(run.areas))
+    glossary = Glossary(solid=run.solid)
     environment.filters.update(svg=Markup, number=number, grid=_grid)
     environment.filters.update(linked=glossary.linked, subscripts=subscripts)
     package = files("fretfe.report.page")
@@ -223,34 +224,23 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         units=run.case.units,
         answers=answers,
         summary=summary(run, answers),
-        contacts=_contacts(run),
+        contacts=contact_table(run),
         cycles=cycle_table(run),
-        fronts=front_table(run.case, run.areas) if _has_fronts(run) else None,
+        fronts=station_table(run) if run.solid else None,
         works=[
             f"{contact.name} {number(contact.dissipation)}"
-            for contact in run.summaries
+            for contact in run.contacts
             if math.isfinite(contact.dissipation)
         ],
         pictures=pictures,
         plots=plots or draw_plots(run),
         certificate=_certificate_rows(run),
-        checks=tuple(own_rows(run)) if _solved(run.solution) else (),
+        checks=(*own_rows(run), *solid_rows(run)) if _solved(run.solution) else (),
         meshes=_mesh_tables(run),
         timings=timing_table(run.seconds),
         case_text=_case_text(run),
         terms=glossary.terms,
     )
-
-
-def _contacts(run: Result) -> Table:
-    """One row per contact, of plane bodies or of solids."""
-    if run.areas:
-        return area_table(run.case, run.loads.cycle, run.areas)
-    return contact_table(run.case, run.loads.cycle, run.contacts)
-
-
-def _has_fronts(run: Result) -> bool:
-    return any(area.fronts for area in run.areas)
 
 
 def _solved(solution: Solution | None) -> bool:

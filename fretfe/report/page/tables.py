@@ -11,12 +11,11 @@ import numpy as np
 from rich.table import Table
 
 from fretfe._typing import Array
-from fretfe.case import Case
-from fretfe.evaluate.contacts import ContactSummary, SlipZone, Station
+from fretfe.evaluate.contacts import Contact, SlipZone, Station
 from fretfe.evaluate.refinement import Refinement, StationValues, changes_by_kind
-from fretfe.evaluate.resultants import AreaSummary
 from fretfe.evaluate.verdicts import NO_ZONE, last_verdict
 from fretfe.report.page.listings import plain_table
+from fretfe.report.source import shown_stations
 from fretfe.report.texts import MISSING, marked, number, percent, with_error
 from fretfe.results.model import Result
 
@@ -26,19 +25,29 @@ HEADERS = (
 )
 
 
-def edge_table(case: Case, contacts: tuple[ContactSummary, ...]) -> Table:
+def station_table(run: Result) -> Table | None:
+    """The stations: a row per edge of plane contacts, some rows per front of solids.
+
+    None where no front is known.
+    """
+    if not any(contact.fronts for contact in run.contacts):
+        return None
+    return _front_table(run) if run.solid else _edge_table(run)
+
+
+def _edge_table(run: Result) -> Table:
     """One row per contact edge, with the slip zones of the last two half cycles.
 
     The prediction follows the load loop where there is a cycle, else it is that of first loading.
     """
-    units = case.units
+    units = run.case.units
     title = (
         f"Contact edges: x and slip zones in {units.length}, "
         f"K_N in {units.stress}/√{units.length}, ΔK_T in {units.stress}·√{units.length}"
     )
     headers = ("contact", "edge", "x", "K_N", "ΔK_T", "slip zones", "predicted")
     table = plain_table(title, headers, text=2)
-    for contact in contacts:
+    for contact in run.contacts:
         for edge in contact.stations:
             table.add_row(contact.name, edge.front, *_edge_cells(edge))
     return table
@@ -63,68 +72,50 @@ def _zone_length(zone: SlipZone) -> str:
     return marked(number(zone.told_length, 3), zone.uncertain)
 
 
-def contact_table(
-    case: Case, evaluated: tuple[int, int] | None, contacts: tuple[ContactSummary, ...]
-) -> Table:
-    """One row per contact: ranges of forces over the cycle and whether the cycle is steady.
-
-    Args:
-        case: for the units.
-        evaluated: first and last state of the cycle; None for all states.
-        contacts: the contacts.
-    """
-    units = case.units
-    title = f"Contacts: P, Q in {units.force}/{units.length}, half-width in {units.length}"
-    headers = ("contact", "P", "Q", "half-width", "steady", "Δq/(f p_max)")
-    table = plain_table(title, headers, text=1)
+def contact_table(run: Result) -> Table:
+    """One row per contact: forces over the cycle, its size at the end, whether that is steady."""
+    units, evaluated = run.case.units, run.loads.cycle
+    if run.solid:
+        title = (
+            f"Contacts: P, |Q| in {units.force}, areas at the end in {units.length}², largest "
+            f"pressure in {units.stress}, friction work in {units.force}·{units.length}"
+        )
+        headers = ["P", "|Q|", "in contact", "sticks", "p_max", "work", "steady"]
+    else:
+        title = f"Contacts: P, Q in {units.force}/{units.length}, half-width in {units.length}"
+        headers = ["P", "Q", "half-width", "steady", "Δq/(f p_max)"]
+    table = plain_table(title, ("contact", *headers), text=1)
     cycle = slice(evaluated[0], evaluated[1] + 1) if evaluated else slice(None)
     last = evaluated[1] if evaluated else -1
-    for contact in contacts:
-        table.add_row(
-            contact.name,
-            _range(contact.normal_force[cycle]),
-            _range(contact.shear_force[cycle]),
-            number(contact.half_width[last]),
-            _steady(contact),
-            number(contact.cycle_change),
-        )
+    for contact in run.contacts:
+        cells = _solid_cells if contact.solid else _plane_cells
+        table.add_row(contact.name, *cells(contact, cycle, last))
     return table
 
 
-def area_table(
-    case: Case, evaluated: tuple[int, int] | None, areas: tuple[AreaSummary, ...]
-) -> Table:
-    """One row per contact of solids: forces over the cycle, areas at its end.
-
-    Args:
-        case: for the units.
-        evaluated: first and last state of the cycle; None for all states.
-        areas: the contacts.
-    """
-    units = case.units
-    title = (
-        f"Contacts: P, |Q| in {units.force}, areas at the end in {units.length}², largest "
-        f"pressure in {units.stress}, friction work in {units.force}·{units.length}"
+def _plane_cells(contact: Contact, cycle: slice, last: int) -> tuple[str, ...]:
+    return (
+        _range(contact.normal_force[cycle]),
+        _range(contact.shear_force[cycle]),
+        number(contact.half_width[last]),
+        _steady(contact),
+        number(contact.cycle_change),
     )
-    headers = ("contact", "P", "|Q|", "in contact", "sticks", "p_max", "work", "steady")
-    table = plain_table(title, headers, text=1)
-    cycle = slice(evaluated[0], evaluated[1] + 1) if evaluated else slice(None)
-    last = evaluated[1] if evaluated else -1
-    for area in areas:
-        table.add_row(
-            area.name,
-            _range(area.normal_force[cycle]),
-            _range(np.linalg.norm(area.shear_force[cycle], axis=1)),
-            number(area.contact_area[last]),
-            number(area.stick_area[last]),
-            number(area.largest_pressure[cycle].max()),
-            number(area.dissipation),
-            _steady(area),
-        )
-    return table
 
 
-def _steady(contact: ContactSummary | AreaSummary) -> str:
+def _solid_cells(contact: Contact, cycle: slice, last: int) -> tuple[str, ...]:
+    return (
+        _range(contact.normal_force[cycle]),
+        _range(np.linalg.norm(contact.shear_force[cycle], axis=1)),
+        number(contact.contact_area[last]),
+        number(contact.stick_area[last]),
+        number(contact.largest_pressure[cycle].max()),
+        number(contact.dissipation),
+        _steady(contact),
+    )
+
+
+def _steady(contact: Contact) -> str:
     if not math.isfinite(contact.cycle_change):
         return MISSING
     return "yes" if contact.steady else "no"
@@ -177,7 +168,7 @@ def cycle_table(run: Result) -> Table | None:
     `cycles` are all that were counted. An edge whose loads are regular, or whose cycles could not
     be counted, has its number of cycles only.
     """
-    edges = [(contact.name, edge) for contact in run.contacts for edge in contact.stations]
+    edges = shown_stations(run.contacts)
     if not any(edge.cycles.irregular for _, edge in edges):
         return None
     units = run.case.units
@@ -187,7 +178,7 @@ def cycle_table(run: Result) -> Table | None:
     )
     table = plain_table(title, HEADERS, text=2)
     for contact, edge in edges:
-        table.add_row(contact, edge.front, *_cells(run, edge))
+        table.add_row(contact.name, edge.front, *_cells(run, edge))
     return table
 
 
@@ -204,27 +195,27 @@ def _cells(run: Result, edge: Station) -> list[str]:
     ]
 
 
-def front_table(case: Case, areas: tuple[AreaSummary, ...]) -> Table:
+def _front_table(run: Result) -> Table:
     """Two rows per front of solids: the range along it, and the station of the largest |ΔK|.
 
     A station is told by its number and its distance along the front; those too near an end are
     left out.
     """
-    units = case.units
+    units = run.case.units
     title = (
         f"Fronts: lengths in {units.length}, K_N in {units.stress}/√{units.length}, |ΔK| of K_T "
         f"and K_S in {units.stress}·√{units.length}, slip zones of the last half cycle"
     )
     headers = ("front", "K_N", "|ΔK|", "slip", "predicted")
     table = plain_table(title, headers, text=1)
-    for area in areas:
-        for front in area.fronts:
+    for contact in run.contacts:
+        for front in contact.fronts:
             judged = front.judged
             if not judged:
-                table.add_row(f"{area.name} {front.name}", *[MISSING] * 4)
+                table.add_row(f"{contact.name} {front.name}", *[MISSING] * 4)
                 table.add_row("  all too near an end")
                 continue
-            table.add_row(f"{area.name} {front.name}", *_along(judged))
+            table.add_row(f"{contact.name} {front.name}", *_along(judged))
             for word, count in _verdicts(judged).items():
                 table.add_row(f"  {count} {word}")
             worst = front.worst

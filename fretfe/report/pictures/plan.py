@@ -64,17 +64,17 @@ class Wanted:
 
 def plan_pictures(run: Result) -> list[Wanted]:
     """The pictures that a run should have."""
-    return _plan_solids(run) if run.areas else _plan_plane(run)
+    return _plan_solids(run) if run.solid else _plan_plane(run)
 
 
 def _plan_solids(run: Result) -> list[Wanted]:
     states = tuple(extremes(run))
-    names = [area.name for area in run.areas]
+    names = [contact.name for contact in run.contacts]
     surfaces = [
         Wanted(f"contact{mark}.png", f"Contact {name}", "surface", states, contacts=(name,))
         for mark, _, (name,) in _chunks(names, 1)
     ]
-    moved = max(run.areas, key=lambda area: float(np.ptp(area.shear_force, axis=0).max()))
+    moved = max(run.contacts, key=lambda each: float(np.ptp(each.shear_force, axis=0).max()))
     return [
         Wanted("stress.png", STRESS, "bodies", states),
         *surfaces,

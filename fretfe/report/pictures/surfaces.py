@@ -214,7 +214,7 @@ def draw_surface(run: Result, name: str, states: Sequence[int]) -> tuple[Figure,
     for panel, state in zip(axes[columns:], states, strict=True):
         frame(panel, sheet)
         panel.set_title(shares_text(sheet.contact, state))
-    fronts = next(area.fronts for area in run.areas if area.name == name)
+    fronts = next(each.fronts for each in run.contacts if each.name == name)
     fills = [Patch(color=FILLS[kind], label=NAMES[kind]) for kind in NAMES]
     finish(figure, axes, sheet, [*fills, *front_handles(fronts)])
     for upper, lower, state in zip(axes, axes[columns:], states, strict=False):
