@@ -254,14 +254,16 @@ def test_verdicts() -> None:
     assert judge(station, zone(predicted_loop=0.1)).word == DIFFERS
     assert judge(station, zone(length=0.2)).word == OUTSIDE
     assert judge(replace(station, end=True), zone()).word == END
-    assert judge(station, zone(predicted=np.nan, predicted_loop=np.nan)).word == "unknown"
+    nothing = zone(predicted=np.nan, predicted_loop=np.nan)
+    assert judge(station, nothing).word == "no verdict"
+    assert judge(replace(station, k_n=station.k_n * np.nan), nothing).word == "unknown"
     assert judge(replace(station, turning=0.5), zone()).word == "no verdict"
     assert judge(replace(station, k_range_spread=np.nan), zone()).word == "unknown"
     few, many = (
         judge(replace(station, size=size), replace(zone(length=0.6, spread=0.4), resolved=False))
         for size in (0.3, 0.05)
     )
-    assert few.reason == "too few elements over the slip zone: 2.0, 4 are wanted"
+    assert few.reason == "too few elements over the slip zone: 2.0 of 0.3, 4 are wanted"
     assert "known to ± 0.4 only, of 0.6 or 12 elements" in many.reason
     after_a_slide = judge(
         station, replace(zone(length=0.6, spread=0.11), across=0.9, resolved=False)

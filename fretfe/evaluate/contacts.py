@@ -70,6 +70,8 @@ class SlipZone:
         predicted_loop: the same with varying normal load, from `end`; NaN outside the cycle.
         across: between solids the mean shear across the direction of (K_T, K_S) over that of f p,
             behind the predicted zone and when the half cycle begins; NaN in the plane.
+        flank: mean shear along that direction over that of f p, farther behind and at `end`, where
+            the mesh does not resolve the zone; NaN elsewhere.
     """
 
     start: int
@@ -82,6 +84,7 @@ class SlipZone:
     predicted: float
     predicted_loop: float
     across: float = field(default=math.nan, kw_only=True)
+    flank: float = field(default=math.nan, kw_only=True)
 
     @property
     def told_length(self) -> float:
@@ -235,7 +238,7 @@ class Station(StationHistory):
         curvature: of the front in the tangent plane, positive where the contact is convex.
         to_end: distance along the front to its nearer end; infinite on a closed front, NaN in the
             plane.
-        size: length of an element across the front; NaN in the plane.
+        size: length of an element across the front; 0 without elements.
         depth: half of the width of the contact along `inward`; NaN in the plane.
         length: over which K_N makes the pressure: half-width of the Hertzian contact whose pressure
             falls behind K_N sqrt(s) as fast; NaN in the plane.
@@ -246,7 +249,8 @@ class Station(StationHistory):
         k_n_moved_spread: error bar of `k_n_moved`.
         k_n_moved_reason: why it is not known, between solids; empty where it is.
         stiffening: relative growth of dP/da with the half-width a in the last state, from the same
-            two loads; it tells how long a slip zone may be for the edge description. NaN of solids.
+            two loads; it tells how long a slip zone may be for the edge description. Of solids that
+            of a circle of the half-width `length`: 2/`length`.
         k_t_range: range of K_T.
         k_s_range: range of K_S.
         k_range: range of the vector (K_T, K_S) along `k_angle`.
@@ -270,7 +274,7 @@ class Station(StationHistory):
     arc: float = 0.0
     curvature: float = 0.0
     to_end: float = math.nan
-    size: float = math.nan
+    size: float = 0.0
     depth: float = math.nan
     length: float = math.nan
     end: bool = False

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Verdicts on slip zones at stations of solids: as found, against what the factors predict."""
+"""Verdicts on slip zones of stations: as found, against what the factors predict."""
 
 from __future__ import annotations
 
@@ -10,11 +10,16 @@ import numpy as np
 
 from fretfe.evaluate.contacts import LARGEST_SPREAD, SlipZone, Station
 
-# The formulas are the first term of a series in d over the length of the edge's own pressure; its
-# error is trusted within a factor, and beyond a size not at all.
+# The expected error of the formulas is a first-order estimate: trusted within this factor, and not
+# at all where it is large.
 ESTIMATE_FACTOR, LARGEST_ERROR = 1.5, 0.1
-# Besides the error bars: what the mesh may hide, in elements.
-WITHIN_ELEMENT = 0.2
+# A slip zone is located to about a tenth of an element, and to this fraction of its length.
+BORDER_ELEMENTS, BORDER_FRACTION = 0.2, 0.02
+# Predicted lengths from the front behind which the flank begins, and mean shear there over f p from
+# which the contact nearly slides.
+FLANK, NEAR_SLIDING = 1.5, 0.95
+# A range with an error bar beyond this part of it predicts nothing.
+LOOSEST_RANGE = 0.5
 # The formulas hold for loads on a line: range across the direction of (K_T, K_S) over that along.
 LARGEST_TURNING = 0.1
 
@@ -98,45 +103,65 @@ def _no_range(station: Station) -> str:
     )
 
 
+def expected_error(station: Station, length: float) -> float:
+    """Relative error that (9) and (11) are expected to have for a slip zone of this length.
+
+    First order: half the length times the relative growth of dP/da with a, which is d/(2a) for
+    Hertz, d/(2(a - b)) or less for a flat with rounded ends, nothing for a wedge, d/a for a circle.
+    """
+    return 0.5 * length * station.stiffening
+
+
 def judge(station: Station, zone: SlipZone) -> Verdict:
-    """Compare a slip zone with its prediction, where the station and the zone allow it."""
+    """Compare a slip zone with its prediction by (11) or (8), where both can be trusted.
+
+    The tolerance is the sum of the error that the formula is expected to have, of the error bars of
+    K_N, of the range and of the length, as if they were independent, and of what an element hides.
+    """
     word, reason = _excuse(station, zone)
     if word:
         return Verdict(word, reason)
-    predicted = zone.prediction
-    expected = zone.length / station.length
-    if expected > LARGEST_ERROR:
+    # An edge that moves is described over the longer of the two zones, which ends where it was.
+    lengths = [each.length for each in station.slip_zones[-2:] if not each.gross]
+    error = expected_error(station, max([*lengths, zone.length]))
+    if math.isnan(error):
         return Verdict(
-            OUTSIDE,
-            f"the zone is {expected:.0%} of the length over which the edge determines the "
-            f"pressure, more than {LARGEST_ERROR:.0%}: the formulas say only about how long it is",
+            NO_VERDICT, "the expected error of the formula is not known: the edge does not move"
         )
-    relative = math.hypot(
+    bars = math.hypot(
         station.k_n_spread[zone.end] / station.k_n[zone.end],
         station.k_range_spread / station.k_range if station.k_range > 0 else 0.0,
     )
-    tolerance = (
-        ESTIMATE_FACTOR * expected * zone.length
-        + relative * predicted
-        + zone.spread
-        + WITHIN_ELEMENT * station.size
-    )
+    within = math.hypot(bars * zone.prediction, zone.spread, BORDER_FRACTION * zone.length)
+    # An estimate of a large error is none: it must not excuse whatever comes out.
+    share = ESTIMATE_FACTOR * min(error, LARGEST_ERROR)
+    tolerance = share * zone.length + within + BORDER_ELEMENTS * station.size
+    if not math.isfinite(tolerance):
+        return Verdict(UNKNOWN, "K_N has no error bar at the end of the half cycle")
     reason = (
-        f"first-order error of the formulas {expected:.1%}, error bars of K_N and of the range "
-        f"{relative:.1%}, of the length {zone.spread:.3g}, and {WITHIN_ELEMENT:g} elements"
+        f"the asymptote's own error at the longer of the two lengths, about {error:.1%}, error "
+        f"bars of K_N and of the range, {bars:.1%}, and of the length, {zone.spread:.3g}, and "
+        f"{BORDER_ELEMENTS:g} elements"
     )
-    word = AGREES if abs(zone.length - predicted) <= tolerance else DIFFERS
-    return Verdict(word, reason, tolerance)
+    if abs(zone.length - zone.prediction) <= tolerance:
+        return Verdict(AGREES, reason, tolerance)
+    if error > LARGEST_ERROR:
+        reason += ". Long against the edge's own length: use the computed length"
+        return Verdict(OUTSIDE, reason, tolerance)
+    return Verdict(DIFFERS, reason, tolerance)
 
 
 def _unresolved(station: Station, zone: SlipZone) -> str:
-    elements = zone.length / station.size
-    if zone.length > 0 and elements >= FEWEST_ELEMENTS:
+    """Reason why the mesh does not resolve a slip zone, in words."""
+    size = station.size
+    if zone.length > 0 and size > 0 and zone.length >= FEWEST_ELEMENTS * size:
         return (
-            f"the inner end of the slip zone is known to ± {zone.spread:.2g} only, of "
-            f"{zone.length:.3g} or {elements:.0f} elements: slip does not fall evenly towards it"
+            f"its inner end is known to ± {zone.spread:.2g} only, of {zone.length:.3g} or "
+            f"{zone.length / size:.0f} elements: slip does not fall evenly towards it, or nodes "
+            "slip behind it"
         )
-    return f"too few elements over the slip zone: {elements:.1f}, {FEWEST_ELEMENTS} are wanted"
+    covered = f": {zone.length / size:.1f} of {size:.2g}" if size > 0 else ""
+    return f"too few elements over the slip zone{covered}, {FEWEST_ELEMENTS} are wanted"
 
 
 def _excuse(station: Station, zone: SlipZone) -> tuple[str, str]:
@@ -154,16 +179,29 @@ def _excuse(station: Station, zone: SlipZone) -> tuple[str, str]:
             "far below f p there, and slip reaches farther",
         )
     if zone.gross:
-        return GROSS, "the contact slips as far as its middle"
+        return GROSS, "the contact slips as far as its middle: there is no slip zone"
+    if zone.flank >= NEAR_SLIDING:
+        return (
+            NO_VERDICT,
+            f"the shear is {zone.flank:.0%} of f p all over the flank behind the predicted zone, "
+            "as where the contact has slid as a whole: the formulas are for shear that is far "
+            "below f p there",
+        )
     if not zone.resolved or (math.isnan(zone.told_length) and zone.length > 0):
         return NOT_RESOLVED, _unresolved(station, zone)
     if math.isnan(zone.prediction):
-        reason = "K_N or the range of K_T and K_S is not known through the half cycle"
-        return UNKNOWN, withheld(station) or reason
+        lost = withheld(station)
+        if not lost and math.isfinite(station.k_n[zone.end]):
+            return NO_VERDICT, "no prediction outside the evaluated cycle"
+        return UNKNOWN, lost or "K_N is not known at the end of the half cycle"
     k_n, spread = station.last_k_n
-    if not (spread <= LARGEST_SPREAD * k_n and station.k_range_spread <= 0.5 * station.k_range):
+    if not spread <= LARGEST_SPREAD * k_n:
         large = f"K_N has an error bar of {spread / k_n:.0%}, more than {LARGEST_SPREAD:.0%}"
         return UNKNOWN, withheld(station) or large
+    # Without a cycle there is no range, but a prediction of first loading.
+    ranges = math.isfinite(station.k_range)
+    if ranges and not station.k_range_spread <= LOOSEST_RANGE * station.k_range:
+        return UNKNOWN, withheld(station)
     if station.turning > LARGEST_TURNING:
         return NO_VERDICT, "the direction of K_T and K_S turns: there is no formula"
     return "", ""

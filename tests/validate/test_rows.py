@@ -18,13 +18,16 @@ from told import Told
 
 from fretfe.backends import RunOptions, find_backend
 from fretfe.case import Case, parse_case
-from fretfe.evaluate.contacts import fronts_of
+from fretfe.evaluate.contacts import SlipZone, fronts_of
 from fretfe.evaluate.evaluate import evaluate
+from fretfe.evaluate.plane.evaluate import with_flank
+from fretfe.evaluate.plane.section import PLANE_FRONTS
+from fretfe.evaluate.verdicts import NO_VERDICT, NOT_RESOLVED, Verdict, expected_error, judge
 from fretfe.halfplane import solve_half_planes
 from fretfe.loads import History
 from fretfe.quality.validate import Row, validate
 from fretfe.quality.validate.rows import compared, missing
-from fretfe.quality.validate.single import expected_error, own_rows, slid_before, unresolved
+from fretfe.quality.validate.single import own_rows
 from fretfe.quality.validate.variants import MEAN, MESH, START, make_variants, overloaded, shifted
 from fretfe.results.model import Result
 
@@ -53,24 +56,27 @@ def test_a_zone_after_a_whole_slide_is_not_called_too_short_for_the_mesh() -> No
     result = halfplane(0.3)
     assert result.solution is not None
     (contact,), (history,) = result.contacts, result.solution.contacts
-    stations = tuple(
-        replace(each, slip_zones=tuple(replace(z, resolved=False) for z in each.slip_zones))
-        for each in contact.stations
-    )
-    contact = replace(contact, fronts=fronts_of(stations))
-    station = stations[0]
-    zone = station.slip_zones[-1]
-    assert slid_before(result, contact, station, zone) == ""
-    found = unresolved(result, contact, station, zone, 0.9 * zone.length)
-    assert found.startswith("too few elements over the slip zone: 1.1 of")
-    assert "known to ±" in unresolved(result, contact, station, zone, zone.length / 10)
-    traction = history.mean_traction[:].copy()
-    traction[..., 1] = 0.98 * history.friction.max() * traction[..., 0]
-    solution = replace(result.solution, contacts=(replace(history, mean_traction=traction),))
-    slid = replace(result, contacts=(contact,), solution=solution)
-    rows = [row for row in own_rows(slid) if row.quantity.startswith("d, by formula")]
-    assert len(rows) == 4
-    assert all("the shear is 98% of f p all over the flank" in row.reason for row in rows)
+    station = contact.stations[0]
+    zone = replace(station.slip_zones[-1], resolved=False)
+
+    def judged(size: float, zone: SlipZone) -> Verdict:
+        return judge(replace(station, size=size), zone)
+
+    found = judged(0.9 * zone.length, zone)
+    assert found.word == NOT_RESOLVED
+    assert found.reason.startswith("too few elements over the slip zone: 1.1 of")
+    assert "known to ±" in judged(zone.length / 10, zone).reason
+
+    def with_shear(share: float) -> SlipZone:
+        traction = history.mean_traction[:].copy()
+        traction[..., 1] = share * history.friction.max() * traction[..., 0]
+        slid = replace(history, mean_traction=traction)
+        return with_flank(slid, PLANE_FRONTS[0], station.position, contact.centre, zone)
+
+    assert judged(0.9 * zone.length, with_shear(0.9)).word == NOT_RESOLVED
+    slid = judged(0.9 * zone.length, with_shear(-0.98))
+    assert slid.word == NO_VERDICT
+    assert "the shear is 98% of f p all over the flank" in slid.reason
 
 
 @cache

@@ -14,7 +14,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.analytic.edges import effective_bulk_tension, shear_force_from_factors
-from fretfe.evaluate.contacts import Frame, Front, RangeSpread, Station, StationHistory
+from fretfe.evaluate.contacts import Frame, Front, RangeSpread, SlipZone, Station, StationHistory
 from fretfe.evaluate.cycles import count_cycles, worst_cycle
 from fretfe.evaluate.factors import (
     FactorHistories,
@@ -37,6 +37,7 @@ from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, nearest_fron
 from fretfe.evaluate.plane.slip import slip_border_of
 from fretfe.evaluate.resultants import plane_resultants
 from fretfe.evaluate.slip import cycle_states, last_state, slip_zones
+from fretfe.evaluate.verdicts import FLANK
 from fretfe.history.solution import ContactHistory, Factor, Solution
 from fretfe.history.state_array import blocks
 
@@ -262,9 +263,18 @@ def _evaluate_station(
     worst = worst_cycle(cycles, cycle, contact.friction, evaluated)
     outer = worst.outer if worst else np.ones(len(solution.times), dtype=bool)
     degree = 2 if histories.exact else solution.degree
+    zones = slip_zones(
+        cycle,
+        contact.friction,
+        evaluated,
+        slip_border_of(contact, front, fit.position, outer, degree),
+        path,
+        worst=worst,
+    )
     return Station(
         **vars(history),
         frame=_frame(contact, front, fit.position),
+        size=_element_size(contact.arc, float(fit.position[history.last])),
         k_n_moved=movement.k_n,
         k_n_moved_spread=movement.k_n_spread,
         stiffening=movement.stiffening,
@@ -279,14 +289,7 @@ def _evaluate_station(
         ),
         k_i_range=cycle_range(history.k_i, cycle),
         cycles=cycles,
-        slip_zones=slip_zones(
-            cycle,
-            contact.friction,
-            evaluated,
-            slip_border_of(contact, front, fit.position, outer, degree),
-            path,
-            worst=worst,
-        ),
+        slip_zones=tuple(with_flank(contact, front, fit.position, centre, zone) for zone in zones),
         dissipation=float(work[here].sum()),
     )
 
@@ -305,6 +308,28 @@ def _frame(contact: ContactHistory, front: PlaneFront, position: Array) -> Frame
     rows = contact.frames.reshape(len(contact.arc), -1).T
     across, tangent = np.reshape([np.interp(place, contact.arc, row) for row in rows], (2, 2))
     return front.frame(across, tangent)
+
+
+def _element_size(arc: Array, place: float) -> float:
+    """Length of the element at a place along the arc."""
+    return float(np.diff(arc)[max(int(np.searchsorted(arc[1:-1], place)), 0)])
+
+
+def with_flank(
+    contact: ContactHistory, front: PlaneFront, position: Array, centre: Array, zone: SlipZone
+) -> SlipZone:
+    """A slip zone with the shear of the flank behind it, if the mesh does not resolve it."""
+    if zone.resolved or zone.gross:
+        return zone
+    pressure, shear = contact.mean_traction[zone.end].T
+    s = front.inward * (contact.arc - position[zone.end])
+    middle = front.inward * (centre[zone.end] - position[zone.end])
+    behind = FLANK * max(float(np.nan_to_num(zone.prediction)), 0.0)
+    flank = (s > behind) & (s < middle) & (pressure > 0)
+    weights = contact.weights[flank]
+    bound = float(contact.friction[zone.end] * (weights @ pressure[flank]))
+    share = abs(float(weights @ shear[flank])) / bound if bound > 0 else np.nan
+    return replace(zone, flank=share)
 
 
 def _friction_work(solution: Solution, contact: ContactHistory) -> Array:

@@ -40,6 +40,7 @@ from fretfe.evaluate.slip import cycle_states, last_state, slip_zones
 from fretfe.evaluate.space.fronts import NEAR, FrontTrack, SpaceFront
 from fretfe.evaluate.space.pressure_fit import FrontFit
 from fretfe.evaluate.space.slip import SlipBetween, shear_share
+from fretfe.evaluate.verdicts import FLANK
 from fretfe.history.solution import ContactHistory, Factor, Solution
 
 # The front of a discrete contact area may lie anywhere in an element: half of it, and some more for
@@ -291,8 +292,9 @@ class _Front:
             k_range_parts=spread,
             k_i_range=cycle_range(history.k_i, cycle),
             cycles=cycles,
+            stiffening=2 / length,
             slip_zones=tuple(
-                replace(zone, across=self._across(number, along, zone, direction))
+                self._with_shear(number, along, zone, direction)
                 for zone in self._zones(number, along, cycles)
             ),
         )
@@ -336,16 +338,25 @@ class _Front:
             worst,
         )
 
-    def _across(self, number: int, along: StationHistory, zone: SlipZone, line: Array) -> float:
-        """Share of f p that acts across a line (2,) behind the predicted slip zone."""
+    def _with_shear(
+        self, number: int, along: StationHistory, zone: SlipZone, line: Array
+    ) -> SlipZone:
+        """A slip zone with the share of f p that acts across a line (2,) and along it."""
         front, frames = self.track.front, self.track.front.frames
-        axis = line[0] * frames.along[number] - line[1] * frames.inward[number]
-        place = float(along.position[zone.start])
-        reach = place + np.array([np.nan_to_num(zone.prediction), front.depth[number]])
+        predicted, depth = float(np.nan_to_num(zone.prediction)), float(front.depth[number])
         friction = float(self.contact.friction[zone.end])
-        return shear_share(
-            self.contact, front.sectors[number], zone.start, friction, axis, (reach[0], reach[1])
-        )
+
+        def share(state: int, axis: Array, begin: float) -> float:
+            reach = along.position[state] + np.array([begin, depth])
+            sector = front.sectors[number]
+            return shear_share(self.contact, sector, state, friction, axis, tuple(reach))
+
+        inward, tangent = frames.inward[number], frames.along[number]
+        across = share(zone.start, line[0] * tangent - line[1] * inward, predicted)
+        if zone.resolved or zone.gross:
+            return replace(zone, across=across)
+        flank = share(zone.end, line[0] * inward + line[1] * tangent, FLANK * predicted)
+        return replace(zone, across=across, flank=flank)
 
 
 def _direction(history: Array, cycle: Indices) -> tuple[Array, float]:

@@ -7,8 +7,8 @@ import math
 from collections.abc import Iterator
 
 from fretfe.evaluate.contacts import Contact, Station
+from fretfe.evaluate.verdicts import BORDER_ELEMENTS, BORDER_FRACTION
 from fretfe.quality.validate.rows import Row, Verdict, compared, missing
-from fretfe.quality.validate.single import BORDER_ELEMENTS, BORDER_FRACTION, element_size
 from fretfe.quality.validate.variants import COARSER, MEAN, MESH, START
 from fretfe.results.model import Result
 
@@ -31,12 +31,11 @@ def companion_rows(name: str, result: Result, other: Result) -> Iterator[Row]:
             verdict: Verdict = "unknown" if contact.normal_force[-1] > 0 else "-"
             yield missing(contact.name, "", name, reason, verdict)
             continue
-        size = element_size(result, contact)
         for station, reference in zip(contact.stations, twin.stations, strict=True):
             if name == MESH:
-                yield from _mesh_rows(contact.name, station, reference, size)
+                yield from _mesh_rows(contact.name, station, reference)
             else:
-                yield from _slip_rows(name, contact.name, station, reference, size)
+                yield from _slip_rows(name, contact.name, station, reference)
 
 
 def _twin(contact: Contact, other: Result) -> Contact | None:
@@ -60,13 +59,11 @@ def _place(contact: Contact) -> tuple[float, float]:
     return float(contact.centre[last]), float(contact.half_width[last])
 
 
-def _slip_rows(
-    name: str, contact: str, station: Station, other: Station, size: float
-) -> Iterator[Row]:
+def _slip_rows(name: str, contact: str, station: Station, other: Station) -> Iterator[Row]:
     """The same steady slip zone, whatever the mean and the way to it."""
     otherwise: Verdict = "depends" if name == START else "FAIL"
     length, reference = _length(station), _length(other)
-    tolerance = BORDER_ELEMENTS * size + BORDER_FRACTION * (length if length > 0 else 0.0)
+    tolerance = BORDER_ELEMENTS * station.size + BORDER_FRACTION * (length if length > 0 else 0.0)
     yield compared(
         contact,
         station.front,
@@ -79,7 +76,7 @@ def _slip_rows(
     )
 
 
-def _mesh_rows(contact: str, station: Station, coarse: Station, size: float) -> Iterator[Row]:
+def _mesh_rows(contact: str, station: Station, coarse: Station) -> Iterator[Row]:
     """Extrapolated error of each number, first order."""
     reason = f"elements {COARSER:g} times as large: the error of the case is about twice the change"
     for quantity, value, reference, share in (
@@ -96,7 +93,9 @@ def _mesh_rows(contact: str, station: Station, coarse: Station, size: float) -> 
         )
     length, reference = _length(station), _length(coarse)
     if coarse.slip_zones and not math.isnan(length):
-        tolerance = SLIP_TOLERANCE * length / EXTRAPOLATION + BORDER_ELEMENTS * COARSER * size
+        tolerance = (
+            SLIP_TOLERANCE * length / EXTRAPOLATION + BORDER_ELEMENTS * COARSER * station.size
+        )
         yield compared(contact, station.front, f"d {MESH}", length, reference, tolerance, reason)
 
 

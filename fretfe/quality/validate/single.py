@@ -12,6 +12,15 @@ from fretfe.evaluate import analyse_tractions
 from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, SlipZone, Station
 from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.slip import cycle_states
+from fretfe.evaluate.verdicts import (
+    AGREES,
+    BORDER_ELEMENTS,
+    BORDER_FRACTION,
+    DIFFERS,
+    NOT_RESOLVED,
+    OUTSIDE,
+    judge,
+)
 from fretfe.quality.validate.rows import Row, Verdict, compared, missing
 from fretfe.results.model import Result
 
@@ -22,16 +31,6 @@ K_N_AGREEMENT = 0.02
 LOOSE = 0.3
 K_T_AGREEMENT = 0.01
 SHEAR_AGREEMENT = 0.03
-# A slip zone is located to about a tenth of an element, and to this fraction of its length.
-BORDER_ELEMENTS, BORDER_FRACTION = 0.2, 0.02
-# The expected error of the asymptote is a first-order estimate: trusted within this factor, and
-# not at all where it is large.
-ESTIMATE_FACTOR, LARGEST_ERROR = 1.5, 0.1
-# Elements over a slip zone from which they are not too few for its border.
-FEWEST_ELEMENTS = 4
-# Predicted lengths from the edge behind which the flank begins, and mean shear there over f p from
-# which the contact nearly slides.
-FLANK, NEAR_SLIDING = 1.5, 0.95
 CERTIFIED, BALANCED = 1e-6, 1e-8
 
 
@@ -42,10 +41,9 @@ def own_rows(result: Result) -> Iterator[Row]:
             continue
         yield from _contact_rows(contact)
         yield from _existence_rows(result, contact)
-        size = element_size(result, contact)
         for station in contact.stations:
-            yield from _station_rows(result, contact, station, size)
-            yield from _traction_rows(result, contact, station, size)
+            yield from _station_rows(contact, station)
+            yield from _traction_rows(result, contact, station)
     yield from _solution_rows(result)
 
 
@@ -58,16 +56,6 @@ def limit_rows(result: Result) -> Iterator[Row]:
             continue
         reason = f"limit of the model; beyond it {limit.consequence}"
         yield compared(name, "", limit.quantity, limit.found, 0.0, limit.limit, reason, "unknown")
-
-
-def element_size(result: Result, contact: Contact) -> float:
-    """Element size at the edges, the coarser one; 0 without elements."""
-    if result.solution is None:
-        return 0.0
-    history = result.contact_history(contact.name)
-    sizes = np.diff(history.arc)
-    places = [station.position[station.last] for station in contact.stations]
-    return float(max(sizes[np.clip(np.searchsorted(history.arc[1:-1], places), 0, None)]))
 
 
 def _contact_rows(contact: Contact) -> Iterator[Row]:
@@ -107,7 +95,7 @@ def _existence_rows(result: Result, contact: Contact) -> Iterator[Row]:
         yield missing(contact.name, "", "patch in the cycle", reason, "unknown")
 
 
-def _station_rows(result: Result, contact: Contact, station: Station, size: float) -> Iterator[Row]:
+def _station_rows(contact: Contact, station: Station) -> Iterator[Row]:
     name, side = contact.name, station.front
     yield from _unknown_rows(contact, station)
     if math.isnan(station.last_k_n[0]):
@@ -127,7 +115,7 @@ def _station_rows(result: Result, contact: Contact, station: Station, size: floa
             tolerance,
             reason,
         )
-    yield from _slip_rows(result, contact, station, size)
+    yield from _slip_rows(contact, station)
 
 
 def _moving_row(name: str, station: Station) -> Row:
@@ -168,7 +156,7 @@ def _unknown_rows(contact: Contact, station: Station) -> Iterator[Row]:
             yield missing(contact.name, station.front, quantity, reason, "unknown")
 
 
-def _slip_rows(result: Result, contact: Contact, station: Station, size: float) -> Iterator[Row]:
+def _slip_rows(contact: Contact, station: Station) -> Iterator[Row]:
     zones = station.slip_zones[-2:]
     if not zones:
         reason = station.cycles.reason or "the factors are not known through the cycle"
@@ -176,13 +164,10 @@ def _slip_rows(result: Result, contact: Contact, station: Station, size: float) 
         return
     for number, zone in enumerate(zones, start=1):
         label = f"d, by formula, half cycle {number}"
-        if not zone.resolved and (reason := slid_before(result, contact, station, zone)):
-            yield missing(contact.name, station.front, label, reason)
-        else:
-            yield asymptote_row(contact, station, zone, label, size)
+        yield asymptote_row(contact.name, station, zone, label)
     if len(zones) == 2:
         # Slip does not repeat itself where both half cycles end.
-        tolerance = BORDER_ELEMENTS * size + BORDER_FRACTION * max(z.length for z in zones)
+        tolerance = BORDER_ELEMENTS * station.size + BORDER_FRACTION * max(z.length for z in zones)
         yield compared(
             contact.name,
             station.front,
@@ -194,9 +179,7 @@ def _slip_rows(result: Result, contact: Contact, station: Station, size: float) 
         )
 
 
-def _traction_rows(
-    result: Result, contact: Contact, station: Station, size: float
-) -> Iterator[Row]:
+def _traction_rows(result: Result, contact: Contact, station: Station) -> Iterator[Row]:
     """Slip zones once more, from where the shear leaves the friction bound.
 
     What slips in one half cycle of a steady cycle slips back in the other: the shear changes from
@@ -223,7 +206,7 @@ def _traction_rows(
         if not found.known:
             yield missing(contact.name, station.front, label, found.remark)
             continue
-        tolerance = found.spread + size / 2 + BORDER_FRACTION * zone.length
+        tolerance = found.spread + station.size / 2 + BORDER_FRACTION * zone.length
         reason = (
             "by slip, and where the shear, or half its change through a steady half cycle, leaves "
             "the friction bound: error bar, half an element"
@@ -233,92 +216,32 @@ def _traction_rows(
         )
 
 
-def asymptote_row(
-    contact: Contact, station: Station, zone: SlipZone, label: str, size: float
-) -> Row:
-    """A slip zone, found and predicted by (11) or (8).
-
-    Args:
-        contact: of the zone.
-        station: of the zone.
-        zone: one of the last two of the station.
-        label: what the row is called.
-        size: of the elements at the edge.
-    """
-    name, side = contact.name, station.front
-    predicted = zone.prediction
-    if zone.gross:
-        reason = "the whole contact slips in this half cycle: there is no slip zone"
-        return missing(name, side, label, reason)
-    if math.isnan(predicted):
-        return missing(name, side, label, "no prediction outside the evaluated cycle")
-    # An edge that moves is described over the longer of the two zones, which ends where it was.
-    longest = max(each.length for each in station.slip_zones[-2:] if not each.gross)
-    error = expected_error(station, longest)
-    if math.isnan(error):
-        reason = "the expected error of the formula is not known: the edge does not move"
-        return missing(name, side, label, reason)
-    resolution = BORDER_ELEMENTS * size
-    # An estimate of a large error is none: it must not excuse whatever comes out.
-    share = ESTIMATE_FACTOR * min(error, LARGEST_ERROR) + BORDER_FRACTION
-    tolerance = share * zone.length + resolution
-    reason = (
-        f"the asymptote's own error at the longer of the two lengths, about {error:.0%}, and "
-        f"{resolution:.2g} for the mesh"
-    )
-    if error > LARGEST_ERROR:
-        reason += ". Long against the edge's own length: use the computed length"
-    otherwise: Verdict = "outside" if error > LARGEST_ERROR else "FAIL"
-    return compared(name, side, label, zone.length, predicted, tolerance, reason, otherwise)
-
-
-def unresolved(
-    result: Result, contact: Contact, station: Station, zone: SlipZone, size: float
-) -> str:
-    """Reason why a slip zone is not resolved, in words."""
-    if reason := slid_before(result, contact, station, zone):
-        return reason
-    if zone.length > 0 and size > 0 and zone.length >= FEWEST_ELEMENTS * size:
-        return (
-            f"its inner end is known to ± {zone.spread:.2g} only, of {zone.length:.3g} or "
-            f"{zone.length / size:.0f} elements: slip does not fall evenly towards it, or nodes "
-            "slip behind it"
-        )
-    covered = f": {zone.length / size:.1f} of {size:.2g}" if size > 0 else ""
-    return f"too few elements over the slip zone{covered}, {FEWEST_ELEMENTS} are wanted"
-
-
-def slid_before(result: Result, contact: Contact, station: Station, zone: SlipZone) -> str:
-    """Remark if the shear is near f p all over the flank behind a predicted zone; or empty.
-
-    The formulas are for shear that stays below f p there. After a contact has slid as a whole it
-    comes back to f p everywhere, and next to nothing decides how far it slips.
-    """
-    if result.solution is None or not result.solution.keeps(zone.end, zone.end):
-        return ""
-    history = result.contact_history(contact.name)
-    s = plane_front(station.front).inward * (history.arc - station.position[zone.end])
-    pressure, shear = history.mean_traction[zone.end].T
-    behind = FLANK * max(float(np.nan_to_num(zone.prediction)), 0.0)
-    flank = (s > behind) & (s < contact.half_width[zone.end]) & (pressure > 0)
-    weights = history.weights[flank]
-    bound = float(history.friction[zone.end] * (weights @ pressure[flank]))
-    share = abs(float(weights @ shear[flank])) / bound if bound > 0 else 0.0
-    if share < NEAR_SLIDING:
-        return ""
-    return (
-        f"the shear is {share:.0%} of f p all over the flank behind the predicted zone, as where "
-        "the contact has slid as a whole: the formulas are for shear that is far below f p there"
+def asymptote_row(contact: str, station: Station, zone: SlipZone, label: str) -> Row:
+    """The verdict on a slip zone, found and predicted by (11) or (8), as a row called `label`."""
+    verdict = judge(station, zone)
+    if math.isnan(verdict.tolerance):
+        return missing(contact, station.front, label, verdict.reason, row_verdict(verdict.word))
+    return Row(
+        contact,
+        station.front,
+        label,
+        zone.length,
+        zone.prediction,
+        verdict.tolerance,
+        verdict.reason,
+        row_verdict(verdict.word),
     )
 
 
-def expected_error(station: Station, length: float) -> float:
-    """Relative error that (9) and (11) are expected to have for a slip zone of this length.
-
-    First order: half the length times the relative growth of dP/da with a, which is d/(2a) for
-    Hertz, d/(2(a - b)) or less for a flat with rounded ends, nothing for a wedge.
-    """
-    return 0.5 * length * station.stiffening
+def row_verdict(word: str) -> Verdict:
+    """The verdict of a row, by the word of a verdict on a slip zone."""
+    words: dict[str, Verdict] = {
+        AGREES: "pass",
+        DIFFERS: "FAIL",
+        OUTSIDE: "outside",
+        NOT_RESOLVED: "unknown",
+    }
+    return words.get(word, "-")
 
 
 def _solution_rows(result: Result) -> Iterator[Row]:

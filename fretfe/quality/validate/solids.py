@@ -12,10 +12,16 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.evaluate.contacts import Contact, Front, Station
-from fretfe.evaluate.verdicts import OUTSIDE, judge, last_verdict, withheld
+from fretfe.evaluate.verdicts import (
+    BORDER_ELEMENTS,
+    BORDER_FRACTION,
+    judge,
+    last_verdict,
+    withheld,
+)
 from fretfe.quality.validate.compare import STEADY_REASONS
 from fretfe.quality.validate.rows import Row, Verdict, compared, missing
-from fretfe.quality.validate.single import BORDER_ELEMENTS, BORDER_FRACTION, steady_row
+from fretfe.quality.validate.single import row_verdict, steady_row
 from fretfe.quality.validate.variants import COARSER, MESH, START
 from fretfe.results.model import Result
 
@@ -210,8 +216,7 @@ def _no_formula(contact: Contact, front: Front, label: str, excuses: list[tuple[
         return missing(contact.name, front.name, label, own.reason)
     ((word, _),) = Counter(word for word, _ in excuses).most_common(1)
     reason = next(text for each, text in excuses if each == word)
-    verdict: Verdict = "outside" if word == OUTSIDE else "-"
-    return missing(contact.name, front.name, label, f"{word}: {reason}", verdict)
+    return missing(contact.name, front.name, label, f"{word}: {reason}", row_verdict(word))
 
 
 def solid_companion_rows(name: str, result: Result, other: Result) -> Iterator[Row]:

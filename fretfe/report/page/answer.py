@@ -8,14 +8,12 @@ from collections import Counter
 from dataclasses import dataclass
 
 from fretfe.evaluate.contacts import Contact, SlipZone, Station
-from fretfe.evaluate.verdicts import AGREES, NO_ZONE, last_verdict
-from fretfe.quality.validate.single import asymptote_row, element_size, slid_before, unresolved
+from fretfe.evaluate.verdicts import AGREES, NO_ZONE, judge, last_verdict
 from fretfe.report.texts import marked, number, with_error
 from fretfe.results.model import Result
 
 # Slip zones of an edge that are shown: those of the last loading and unloading.
 ZONES = 2
-WORDS = {"pass": "agrees", "FAIL": "differs", "outside": "outside", "-": "no verdict"}
 
 
 @dataclass(frozen=True)
@@ -61,7 +59,6 @@ def edge_answers(run: Result) -> tuple[EdgeAnswer, ...]:
 
 
 def _edge_answer(run: Result, contact: Contact, edge: Station) -> EdgeAnswer:
-    size = element_size(run, contact)
     return EdgeAnswer(
         contact=contact.name,
         side=edge.front,
@@ -69,34 +66,21 @@ def _edge_answer(run: Result, contact: Contact, edge: Station) -> EdgeAnswer:
         k_n=with_error(edge.told_k_n, edge.last_k_n[1]),
         k_t_range=with_error(edge.told_range, edge.k_range_spread),
         uncertain=edge.uncertain and math.isfinite(edge.told_k_n),
-        zones=tuple(
-            _zone_answer(run, contact, edge, zone, size) for zone in edge.slip_zones[-ZONES:]
-        ),
+        zones=tuple(_zone_answer(run, edge, zone) for zone in edge.slip_zones[-ZONES:]),
     )
 
 
-def _zone_answer(
-    run: Result, contact: Contact, edge: Station, zone: SlipZone, size: float
-) -> ZoneAnswer:
-    row = asymptote_row(contact, edge, zone, "", size)
-    verdict, reason = WORDS[row.verdict], row.reason
-    if zone.gross:
-        verdict = "gross"
-    elif not zone.resolved:
-        slid = slid_before(run, contact, edge, zone)
-        verdict = "no verdict" if slid else "not resolved"
-        reason = slid or unresolved(run, contact, edge, zone, size)
-    times = run.loads.times
+def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
+    verdict, times = judge(edge, zone), run.loads.times
     length = with_error(zone.told_length, zone.spread)
-    predicted = zone.prediction
-    ratio = predicted / zone.length if zone.length > 0 else float("nan")
+    ratio = zone.prediction / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
         time=f"{times[zone.start]:g} … {times[zone.end]:g}",
         found="gross" if zone.gross else marked(length, zone.uncertain),
-        predicted=number(predicted, 3),
+        predicted=number(zone.prediction, 3),
         ratio=number(ratio, 3),
-        verdict=verdict,
-        reason=reason,
+        verdict=verdict.word,
+        reason=verdict.reason,
     )
 
 
@@ -129,7 +113,7 @@ def _solid_text(run: Result) -> str:
 
 def _zone_text(answers: tuple[EdgeAnswer, ...], irregular: bool) -> str:
     words = Counter(zone.verdict for answer in answers for zone in answer.zones)
-    agreeing, zones = words.pop("agrees", 0), words.total()
+    agreeing, zones = words.pop(AGREES, 0), words.total()
     if not agreeing + zones:
         return f"{len(answers)} contact edges, no slip zones."
     others = ", ".join(f"{count} {word}" for word, count in words.items())
