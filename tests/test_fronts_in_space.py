@@ -249,8 +249,13 @@ def zone(**values: float) -> SlipZone:
 
 def test_verdicts() -> None:
     (front,) = fronts(*grid(), [hertz(1.0, 1.0)])
-    station = replace(front.stations[0], k_range=100.0, k_range_spread=2.0, length=1.0, turning=0.0)
+    station = replace(
+        front.stations[0], k_range=100.0, k_range_spread=2.0, length=1.0, stiffening=2.0, size=0.02,
+        turning=0.0,
+    )  # fmt: skip
     assert judge(station, zone()).word == AGREES
+    coarse = judge(replace(station, size=0.2), zone())
+    assert coarse.word == "unknown" and "of the length open, more than 30%" in coarse.reason
     assert judge(station, zone(predicted_loop=0.1)).word == DIFFERS
     assert judge(station, zone(length=0.2)).word == OUTSIDE
     assert judge(replace(station, end=True), zone()).word == END

@@ -20,6 +20,8 @@ BORDER_ELEMENTS, BORDER_FRACTION = 0.2, 0.02
 FLANK, NEAR_SLIDING = 1.5, 0.95
 # A range with an error bar beyond this part of it predicts nothing.
 LOOSEST_RANGE = 0.5
+# Error bars and elements that leave more of the length open than this check nothing.
+LOOSE = 0.3
 # The formulas hold for loads on a line: range across the direction of (K_T, K_S) over that along.
 LARGEST_TURNING = 0.1
 
@@ -133,11 +135,18 @@ def judge(station: Station, zone: SlipZone) -> Verdict:
         station.k_range_spread / station.k_range if station.k_range > 0 else 0.0,
     )
     within = math.hypot(bars * zone.prediction, zone.spread, BORDER_FRACTION * zone.length)
-    # An estimate of a large error is none: it must not excuse whatever comes out.
-    share = ESTIMATE_FACTOR * min(error, LARGEST_ERROR)
-    tolerance = share * zone.length + within + BORDER_ELEMENTS * station.size
-    if not math.isfinite(tolerance):
+    within += BORDER_ELEMENTS * station.size
+    if not math.isfinite(within):
         return Verdict(UNKNOWN, "K_N has no error bar at the end of the half cycle")
+    if within > LOOSE * max(zone.length, zone.prediction):
+        share = within / max(zone.length, zone.prediction)
+        return Verdict(
+            UNKNOWN,
+            f"error bars and elements leave {share:.0%} of the length open, more than {LOOSE:.0%}: "
+            "nothing to check",
+        )
+    # An estimate of a large error is none: it must not excuse whatever comes out.
+    tolerance = ESTIMATE_FACTOR * min(error, LARGEST_ERROR) * zone.length + within
     reason = (
         f"the asymptote's own error at the longer of the two lengths, about {error:.1%}, error "
         f"bars of K_N and of the range, {bars:.1%}, and of the length, {zone.spread:.3g}, and "
