@@ -19,6 +19,7 @@ from fretfe.contact.recorder import Recorder, StateBlock
 from fretfe.errors import ConvergenceError
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.limits import ContactExtent, ModelLimit, contact_extent, contact_limits
+from fretfe.evaluate.resultants import SMALLEST_SHEAR, shear_direction
 from fretfe.evaluate.slip import cycle_states
 from fretfe.fem.model import Model, Reduction
 from fretfe.history.solution import OPEN, ContactHistory, Solution
@@ -26,7 +27,8 @@ from fretfe.history.state_array import StateArray, blocks
 from fretfe.idealise.bodies import SIMILAR, dissimilarity
 from fretfe.surface.checks import INTERPENETRATION_PER_FACET
 from fretfe.surface.curvature import curvatures, deviations, mean_curvature
-from fretfe.surface.surface import Surface
+from fretfe.surface.reference import reference_nodes, shape_values
+from fretfe.surface.surface import Surface, normal_vectors
 
 # Forces or moments on a body that do not add up to zero, over the largest of them, from which a
 # solution means nothing. Meshes up to 330 000 unknowns give 1e-12; what is lost grows with the
@@ -71,8 +73,8 @@ class Motion:
 
     @property
     def normal_turn(self) -> Array:
-        """(T,) rotation of the normal of a plane contact: of each body by the other's curvature."""
-        (first, second), turn = self.mean_curvature, self.turn[..., 0]
+        """(T, m) rotation of the contact normal: of each body by the other's curvature."""
+        (first, second), turn = self.mean_curvature, self.turn
         if second == 0:
             return np.asarray(turn[1])
         return np.asarray((second * turn[0] + first * turn[1]) / (first + second))
@@ -103,14 +105,12 @@ def model_limits(
 ) -> tuple[ModelLimit, ...]:
     """All limits of a solved history, contact by contact; on rank 0.
 
-    Those of pairing and penetration are for plane contacts.
-
     Args:
         model: of the bodies.
         recorder: holds the solved states.
         solution: the same states in physical units.
         contacts: their evaluation.
-        depths: of unpaired penetration, by surface pair, where it was looked for.
+        depths: of unpaired penetration, by surface pair.
     """
     assert model.reduction is not None
     summaries = {each.name: each for each in contacts}
@@ -124,11 +124,9 @@ def model_limits(
         if extent.width > 0:
             motion = _motion(model, pair, history, recorder)
             limits += _motion_limits(history, extent, motion)
-            summary = summaries[history.name]
-            if not summary.solid:
-                limits.append(_pairing(summary, motion, cycle_states(solution.cycle)))
-            if pair.name in depths:
-                limits.append(_penetration(history, extent, depths[pair.name]))
+            summary, cycle = summaries[history.name], cycle_states(solution.cycle)
+            limits.append(_pairing(summary, history, motion, cycle))
+            limits.append(_penetration(history, extent, depths[pair.name]))
     return tuple(limits)
 
 
@@ -197,24 +195,38 @@ def _motion_limits(
     )
 
 
-def _pairing(summary: Contact, motion: Motion, cycle: Indices) -> ModelLimit:
+def _pairing(
+    summary: Contact, history: ContactHistory, motion: Motion, cycle: Indices
+) -> ModelLimit:
     """Error of K_T because a gap along a turned normal counts as tangential displacement.
 
     In a gap g that closes, a common rotation ω moves partners apart by g ω. That adds ω p to the
     shear, as g causes p, less what brings Q back to its value: K_T is wrong by that of Q = ω P.
     A bound: part of ω is the slope that the shear itself gives to the surfaces.
     """
-    wrong = motion.normal_turn * summary.normal_force / (np.pi * np.sqrt(2 * summary.half_width))
-    largest = max(station.k_t_range for station in summary.stations)
-    found = float(np.ptp(wrong[cycle])) / largest if len(cycle) and largest > 0 else np.nan
+    turned = motion.normal_turn * summary.normal_force[:, None]
+    if summary.solid:
+        normal = history.weights @ history.frames[:, 0] / history.weights.sum()
+        wrong, largest = _swing(np.cross(turned, normal)[cycle]), _swing(summary.shear_force[cycle])
+        known = largest > SMALLEST_SHEAR * np.abs(summary.normal_force).max()
+    else:
+        factors = turned[:, 0] / (np.pi * np.sqrt(2 * summary.half_width))
+        wrong = float(np.ptp(factors[cycle])) if len(cycle) else np.nan
+        largest = max(station.k_t_range for station in summary.stations)
+        known = largest > 0
     return ModelLimit(
         summary.name,
         "bound of the error of ΔK_T by gap times rotation",
-        found,
+        wrong / largest if known else np.nan,
         LARGEST_PAIRING_ERROR,
         "the bodies turn under the loads of the cycle; apply the shear nearer to the contact, or "
         "use lower or wider bodies",
     )
+
+
+def _swing(force: Array) -> float:
+    """Range of forces (n, 3) along the direction in which they vary most; NaN if there are none."""
+    return float(np.ptp(force @ shear_direction(force))) if len(force) else np.nan
 
 
 def _penetration(history: ContactHistory, extent: ContactExtent, deepest: float) -> ModelLimit:
@@ -389,7 +401,9 @@ def farthest_states(model: Model, pair: Pair, recorder: Recorder) -> Indices:
     None of them if all nodes of both surfaces are paired.
     """
     assert model.reduction is not None
-    if not any(_unpaired(each).any() for each in (pair.coupling.body1, pair.coupling.body2)):
+    coupling = pair.coupling
+    components = coupling.points.shape[1]
+    if not any(_unpaired(each, components).any() for each in (coupling.body1, coupling.body2)):
         return np.array([], dtype=np.int64)
     nodes = model.reduction.interface.contacts[pair.name]
     return _extremes(recorder.relative(nodes))
@@ -406,7 +420,7 @@ def unpaired_penetration(model: Model, pair: Pair, moved: Sequence[dict[str, Arr
     coupling, contact = pair.coupling, model.case.contacts[pair.name]
     degree = model.case.model.degree
     first, second = (model.surfaces[name] for name in (contact.surface1, contact.surface2))
-    alone1, alone2 = (_unpaired(each) for each in (coupling.body1, coupling.body2))
+    alone1, alone2 = (_unpaired(each, first.dimension) for each in (coupling.body1, coupling.body2))
     deepest = 0.0
     for state in moved:
         places1, places2 = (
@@ -420,10 +434,10 @@ def unpaired_penetration(model: Model, pair: Pair, moved: Sequence[dict[str, Arr
     return deepest
 
 
-def _unpaired(operator: sparse.csr_matrix) -> Bools:
+def _unpaired(operator: sparse.csr_matrix, components: int) -> Bools:
     """(m,) nodes of a surface that no contact integral of an operator (N*d, m*d) refers to."""
     used = np.diff(operator.tocsc().indptr) > 0
-    return np.asarray(~used.reshape(-1, 2).any(axis=1))
+    return np.asarray(~used.reshape(-1, components).any(axis=1))
 
 
 def _extremes(relative: StateArray) -> Indices:
@@ -437,23 +451,24 @@ def depth(points: Array, facets: Array, surface: Surface) -> float:
     """Largest depth of points inside a body, behind its deformed surface.
 
     Args:
-        points: (n, 2).
-        facets: (f, k, 2) ends, then middles, of the deformed facets.
+        points: (n, d).
+        facets: (f, k, d) corners, then middles, of the deformed facets.
         surface: before deformation, for what its mesh does not resolve.
     """
     if not len(points):
         return 0.0
-    chords = facets[:, 1] - facets[:, 0]
-    lengths = np.linalg.norm(chords, axis=1)
-    # The body is on the left of its chain.
-    normals = np.stack([chords[:, 1], -chords[:, 0]], axis=1) / lengths[:, None]
-    middles = facets[:, 2] if facets.shape[1] > 2 else facets[:, :2].mean(axis=1)
+    shape, degree = surface.shape, 1 if facets.shape[1] == surface.corners.shape[1] else 2
+    centre = reference_nodes(shape, 1).mean(axis=0)[None]
+    middles = np.einsum("k,fkd->fd", shape_values(shape, degree, centre)[0], facets)
+    normals = normal_vectors(facets, shape, degree, centre)[:, 0]
+    widths = np.linalg.norm(normals, axis=1)
+    normals, sizes = normals / widths[:, None], widths ** (1 / (facets.shape[2] - 1))
     nearest = cKDTree(middles).query(points)[1]
     seen = points - middles[nearest]
     inside = -np.sum(seen * normals[nearest], axis=1)
-    along = np.abs(np.sum(seen * chords[nearest], axis=1)) / lengths[nearest]
+    along = np.linalg.norm(seen + inside[:, None] * normals[nearest], axis=1)
     # Beyond an end of the surface there is another boundary, or nothing.
-    beside = along <= lengths[nearest]
-    allowed = deviations(surface) + INTERPENETRATION_PER_FACET * lengths
+    beside = along <= sizes[nearest]
+    allowed = deviations(surface) + INTERPENETRATION_PER_FACET * sizes
     excess = np.where(beside, inside - allowed[nearest], 0.0)
     return float(max(excess.max(), 0.0))

@@ -166,7 +166,7 @@ def _evaluate(
 
     Nothing on ranks other than 0, which has the solution.
     """
-    depths = _penetration(model, recorder) if model.dimension == 2 else {}
+    depths = _penetration(model, recorder)
 
     def work() -> _Evaluation:
         if recorder is None or solution is None:

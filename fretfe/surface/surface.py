@@ -213,7 +213,7 @@ class Surface:
 
     def _densities(self, at: Array) -> Array:
         """(f, q) measure of the facets per measure of the reference at coordinates (q, d - 1)."""
-        return np.linalg.norm(_normal_vectors(self.nodes, self.shape, self.degree, at), axis=2)
+        return np.linalg.norm(normal_vectors(self.nodes, self.shape, self.degree, at), axis=2)
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
         """Sampled places (m, d) of the surface nearest to points (m, d), and unit normals there."""
@@ -328,7 +328,7 @@ def _with_middles(corners: Indices, shape: Shape) -> Indices:
     return np.concatenate([corners, corners.max() + 1 + middles], axis=1)
 
 
-def _normal_vectors(nodes: Array, shape: Shape, degree: int, at: Array) -> Array:
+def normal_vectors(nodes: Array, shape: Shape, degree: int, at: Array) -> Array:
     """(f, q, d) outward normals at coordinates (q, d - 1), as long as the facet is stretched."""
     slopes = shape_slopes(shape, degree, at)
     return perpendicular(np.einsum("qak,fkd->fqad", slopes, nodes))
@@ -336,7 +336,7 @@ def _normal_vectors(nodes: Array, shape: Shape, degree: int, at: Array) -> Array
 
 def _nodal_normals(nodes: Array, facets: Indices, shape: Shape, degree: int) -> Array:
     """(f, k, d) outward unit normals at the nodes, averaged where facets meet."""
-    own = _normal_vectors(nodes, shape, degree, reference_nodes(shape, degree))
+    own = normal_vectors(nodes, shape, degree, reference_nodes(shape, degree))
     own /= np.linalg.norm(own, axis=2, keepdims=True)
     total = np.zeros((facets.max() + 1, nodes.shape[2]))
     np.add.at(total, facets, own)

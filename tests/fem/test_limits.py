@@ -12,9 +12,11 @@ import numpy as np
 import pytest
 from chains import surface
 from pad_cases import HOLD, STEEL, cylinder, pad, press, shear, wave
+from sheets import sheet
 from solid_runs import sphere
 from solid_runs import surface as bent
 
+from fretfe._typing import Array
 from fretfe.backends import find_backend
 from fretfe.case import parse_case
 from fretfe.evaluate.limits import ModelLimit
@@ -145,6 +147,31 @@ def test_depth_of_points_behind_a_surface() -> None:
     facets = flat.nodes
     assert depth(np.array([[0.52, -0.05]]), facets, flat) == pytest.approx(0.05 - 0.001)
     assert depth(np.array([[0.52, 0.05], [1.5, -0.05]]), facets, flat) == 0.0
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
+@pytest.mark.parametrize("down", [False, True])
+def test_depth_in_space(cell: str, order: int, down: bool) -> None:
+    """A dome: a surface of a body below it, or of one above, that is deformed by .02."""
+    x = np.linspace(-0.5, 0.5, 21)
+
+    def dome(points: Array) -> Array:
+        return np.column_stack([points, -0.25 * (points**2).sum(axis=1)])
+
+    surface = sheet("dome", x, x, cell, order, dome, down=down)
+    side = 1.0 if down else -1.0
+    moved = surface.nodes + np.array([0.0, 0.0, 0.02])
+    inside = np.array([0.21, -0.14, -0.25 * (0.21**2 + 0.14**2) + 0.02])
+    slope = 0.5 * np.hypot(0.21, 0.14)
+    below = np.array([0.0, 0.0, side * 0.05])
+    found = depth((inside + below)[None], moved, surface)
+    # A facet is .05 wide, of which .01 is allowed; flat ones are up to .0003 off the dome, and as
+    # much again is allowed.
+    accuracy = 4e-4 if order == 2 else 8e-4
+    assert found == pytest.approx(0.05 / np.hypot(1.0, slope) - 0.0005, abs=accuracy)
+    assert depth((inside - below)[None], moved, surface) == 0.0
+    assert depth(np.array([[0.9, 0.0, side * 0.05]]), moved, surface) == 0.0
 
 
 def test_limits_are_written_read_shown_and_validated(tmp_path: Path) -> None:

@@ -101,6 +101,7 @@ def compare_limits(plane: Result, solid: Result) -> None:
     ):
         assert of_plane[name] > 0
         assert of_solid[name] == pytest.approx(of_plane[name], rel=0.03), name
+    assert of_solid.keys() == of_plane.keys()
 
 
 def pad_case() -> dict[str, Any]:
@@ -145,6 +146,31 @@ def test_extruded_pad_is_the_plane_pad(order: int) -> None:
     solid = solve_on(parse_case(as_solid(data)), extrude(mesh, Solid(length=LENGTH, layers=2)))
     compare(plane, solid, 1e-9)
     compare_limits(plane, solid)
+
+
+def pairing_error(result: Result) -> float:
+    (found,) = (each.found for each in result.limits if "gap times rotation" in each.quantity)
+    return found
+
+
+def test_the_pairing_error_of_an_extruded_pad() -> None:
+    """That of the plane pad, up to what bodies of this height do to K_T."""
+    x = np.linspace(-0.25, 0.25, 41)
+    ends = np.array([0.32, 0.42, 0.6])
+    pad_x = np.r_[-ends[::-1], x, ends]
+    block_x = np.r_[-1.0, -0.7, pad_x[1:-1], 0.7, 1.0]
+    pad_y = [0.0, 0.02, 0.06, 0.15, 0.5, 1.0]
+    upper = blocks.block("pad", pad_x, pad_y, order=1, mapping=rounded, cell="quadrilateral")
+    lower = blocks.block("block", block_x, [-y for y in pad_y[::-1]], order=1, cell="quadrilateral")
+    wave_ = {"wave": "sine", "amplitude": 1.0, "period": 1.0, "cycles": 1, "steps_per_cycle": 4}
+    data = pad_case()
+    data["model"]["degree"] = 1
+    data["loads"]["shear"]["history"] = [{"hold": True, "until": 1}, wave_]
+    mesh = Mesh({"pad": upper, "block": lower})
+    plane = solve_on(parse_case({**data, "model": {**data["model"]}}), mesh)
+    solid = solve_on(parse_case(as_solid(data)), extrude(mesh, Solid(length=LENGTH, layers=1)))
+    expected, found = (pairing_error(each) for each in (plane, solid))
+    assert 0.002 < found == pytest.approx(expected, rel=0.15)
 
 
 # Corners of the three quadrilaterals in a triangle: a vertex, the middle of an edge, the middle of
