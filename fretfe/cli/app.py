@@ -13,24 +13,15 @@ from collections.abc import Callable
 import typer
 
 from fretfe.cli import (
-    backends,
-    check,
-    compare,
-    edges,
-    export,
-    info,
-    match,
-    mesh,
+    checks,
+    exchange,
+    laboratory,
+    lists,
+    meshes,
     pictures,
-    report,
     run,
-    schema,
     station,
-    strength,
     sweep,
-    templates,
-    validate,
-    verify,
 )
 from fretfe.environment import memory_shortage, missing_package, rank_from_environment
 from fretfe.errors import DependencyError, FretfeError, MemoryShortError
@@ -67,24 +58,24 @@ app = typer.Typer(
 # In the order of the help.
 COMMANDS: tuple[tuple[Callable[..., None], str], ...] = (
     (run.run, run.EXAMPLES),
-    (report.report, report.EXAMPLES),
+    (pictures.report, pictures.REPORT_EXAMPLES),
     (sweep.sweep, sweep.EXAMPLES),
-    (backends.backends, backends.EXAMPLES),
-    (validate.validate, validate.EXAMPLES),
+    (lists.backends, lists.BACKENDS_EXAMPLES),
+    (checks.validate, checks.VALIDATE_EXAMPLES),
     (station.station, station.EXAMPLES),
-    (match.match, match.EXAMPLES),
-    (verify.verify, verify.EXAMPLES),
-    (check.check, check.EXAMPLES),
-    (mesh.mesh, mesh.EXAMPLES),
-    (templates.templates, templates.EXAMPLES),
-    (edges.edges, edges.EXAMPLES),
-    (compare.compare, compare.EXAMPLES),
-    (export.export, export.EXAMPLES),
-    (strength.strength, strength.EXAMPLES),
+    (laboratory.match, laboratory.MATCH_EXAMPLES),
+    (checks.verify, checks.VERIFY_EXAMPLES),
+    (meshes.check, meshes.CHECK_EXAMPLES),
+    (meshes.mesh, meshes.MESH_EXAMPLES),
+    (lists.templates, lists.TEMPLATES_EXAMPLES),
+    (exchange.edges, exchange.EDGES_EXAMPLES),
+    (exchange.compare, exchange.COMPARE_EXAMPLES),
+    (exchange.export, exchange.EXPORT_EXAMPLES),
+    (laboratory.strength, laboratory.STRENGTH_EXAMPLES),
     (pictures.animate, pictures.ANIMATE_EXAMPLES),
     (pictures.scene, pictures.SCENE_EXAMPLES),
-    (info.info, info.EXAMPLES),
-    (schema.schema, schema.EXAMPLES),
+    (lists.info, lists.INFO_EXAMPLES),
+    (lists.schema, lists.SCHEMA_EXAMPLES),
 )
 for command, command_examples in COMMANDS:
     app.command(epilog=command_examples)(command)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The commands `fretfe animate` and `fretfe scene`: files that are made on request."""
+"""Commands that make pages, animations and scenes of results; the first process writes."""
 
 from __future__ import annotations
 
@@ -9,6 +9,24 @@ from typing import Annotated
 import typer
 
 from fretfe.cli.options import Results, examples
+from fretfe.environment import rank_from_environment
+
+REPORT_EXAMPLES = examples("fretfe report pad")
+
+
+def report(directory: Results) -> None:
+    """Make report.html again from the results in a folder."""
+    from fretfe.report.page.html import write_report
+    from fretfe.results.reader import read_numbers
+    from fretfe.results.run_folder import locked
+
+    if rank_from_environment() > 0:
+        return
+    read_numbers(directory)
+    with locked(directory):
+        path = write_report(directory)
+    print(f"Report in {path}")
+
 
 ANIMATE_EXAMPLES = examples("fretfe animate pad -o cycle.gif")
 SCENE_EXAMPLES = examples("fretfe scene pad -o pad.gltf")

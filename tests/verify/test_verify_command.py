@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 from fretfe.backends import Backend, Installed
 from fretfe.cli.app import app
-from fretfe.cli.verify import verify as verify_backends
+from fretfe.cli.checks import verify as verify_backends
 from fretfe.errors import CaseError
 from fretfe.quality.verify import run
 from fretfe.quality.verify.model import Benchmark

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command `fretfe compare`; the first process works."""
+"""Commands that exchange numbers with other programs: `fretfe edges`, `compare` and `export`."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fretfe.cli.options import AsJson, examples
+from fretfe.cli.options import AsJson, Results, examples
 from fretfe.environment import rank_from_environment
+from fretfe.exchange.sign import Sign
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -17,7 +18,39 @@ if TYPE_CHECKING:
 
     from fretfe.exchange.comparison import Comparison
 
-EXAMPLES = examples(
+EDGES_EXAMPLES = examples(
+    "fretfe edges tractions.csv --friction 0.6",
+    "fretfe edges abaqus.csv --friction 0.6",
+    "fretfe edges tractions.csv --x arc --p pressure --q shear --json",
+)
+
+
+def edges(
+    table: Annotated[Path, typer.Argument(help="CSV file with a header.", show_default=False)],
+    friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None,
+    x: Annotated[
+        str | None, typer.Option(help="Column with the positions along the contact.")
+    ] = None,
+    p: Annotated[str | None, typer.Option(help="Column with the pressure.")] = None,
+    q: Annotated[str | None, typer.Option(help="Column with the shear.")] = None,
+    slip: Annotated[str | None, typer.Option(help="Column with the slip.")] = None,
+    compression: Annotated[
+        Sign | None,
+        typer.Option(metavar="SIGN", help="Sign of a pressure in the file: positive or negative."),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find edges, K_N and slip zones in tractions of any program.
+
+    Columns are x, p, q and slip, or those that finite-element programs write.
+    """
+    from fretfe.cli.edges_report import analyse_file
+    from fretfe.exchange.column_names import Columns
+
+    analyse_file(table, Columns(x, p, q, slip), friction, compression, as_json=as_json)
+
+
+COMPARE_EXAMPLES = examples(
     "fretfe compare pad pad_fine",
     "fretfe compare pad pad_fine -o difference",
 )
@@ -114,3 +147,37 @@ def _numbers(comparison: Comparison) -> Table:
             difference, words[each.agrees],
         )  # fmt: skip
     return table
+
+
+EXPORT_EXAMPLES = examples("fretfe export pad -o pad_csv")
+
+
+def export(
+    results: Results,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for the tables; made if missing.")
+    ],
+    fatemi_socie: Annotated[
+        tuple[float, float] | None,
+        typer.Option(
+            metavar="K YIELD",
+            help="k and yield stress of Fatemi and Socie; for runs with [output] stress_depths.",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Write the numbers of a run as CSV files."""
+    if rank_from_environment() > 0:
+        return
+    from rich.console import Console
+
+    from fretfe.api import load_result
+    from fretfe.exchange.export import export_result
+
+    result = load_result(results)
+    console = Console()
+    for each in export_result(result, output, fatemi_socie):
+        rows = f"{each.rows} row{'s' if each.rows != 1 else ''}"
+        console.print(f"{each.path}: {rows}", highlight=False, markup=False, soft_wrap=True)
+    if result.failure is not None:
+        console.print(f"Note: the run is not complete: {result.failure}", markup=False)
