@@ -46,8 +46,8 @@ def read(files: tuple[Path, ...]) -> dict[str, pd.DataFrame]:
 
 def test_tables_of_plane_bodies(tables: dict[str, pd.DataFrame]) -> None:
     assert list(tables) == [
-        "loads.csv", "contacts.csv", "factors.csv", "edges.csv", "tractions.csv", "local.csv",
-        "columns.csv",
+        "loads.csv", "contacts.csv", "factors.csv", "edges.csv", "stations.csv", "tractions.csv",
+        "local.csv", "columns.csv",
     ]  # fmt: skip
     edges = tables["edges.csv"]
     # A closed form; the fit of the pressure of a fine half-plane is good to .02 %.
@@ -71,6 +71,20 @@ def test_what_does_not_exist_is_empty(tables: dict[str, pd.DataFrame], run: Path
     left = tables["factors.csv"].query("front == 'left'")
     np.testing.assert_array_equal(left["k_n [MPa/mm^0.5]"], result.contacts[0].stations[0].k_n)
     assert np.isnan(left["k_n [MPa/mm^0.5]"].iloc[0])
+
+
+def test_edges_are_stations_too(tables: dict[str, pd.DataFrame]) -> None:
+    edges, stations = tables["edges.csv"], tables["stations.csv"]
+    assert list(stations["front"]) == list(edges["edge"]) == ["left", "right"]
+    assert set(stations["verdict"]) == {"agrees"} and set(stations["station"]) == {0}
+    for name in ("position [mm]", "k_n [MPa/mm^0.5]"):
+        np.testing.assert_array_equal(stations[name], edges[name])
+    # The interface of half-planes is the x axis, which is the arc.
+    np.testing.assert_allclose(stations["x [mm]"], stations["position [mm]"], atol=1e-12)
+    assert (
+        list(stations["inward_x"]) == [1, -1]
+        and not stations[["y [mm]", "z [mm]"]].to_numpy().any()
+    )
 
 
 def test_all_columns_are_listed_and_documented(tables: dict[str, pd.DataFrame]) -> None:
@@ -151,7 +165,7 @@ def test_an_export_that_was_cut_off_is_done_again(run: Path, tmp_path: Path) -> 
     result = fretfe.load_result(run)
     fretfe.export(result, tmp_path)
     (tmp_path / "factors.csv").unlink()
-    assert len(fretfe.export(result, tmp_path)) == 7
+    assert len(fretfe.export(result, tmp_path)) == 8
 
 
 def test_solids(tmp_path: Path) -> None:

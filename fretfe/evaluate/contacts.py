@@ -233,7 +233,8 @@ class Station(StationHistory):
     Attributes:
         frame: in the plane in the last state in which the position is known, of solids before
             deformation.
-        point: (3,) of solids, on the front in the reference state; (0,) in the plane.
+        point: (3,) place before deformation: in the plane in the same state as `frame`, of solids
+            on the front in the reference state; NaN where unknown.
         arc: distance along the front.
         curvature: of the front in the tangent plane, positive where the contact is convex.
         to_end: distance along the front to its nearer end; infinite on a closed front, NaN in the
@@ -270,7 +271,7 @@ class Station(StationHistory):
     """
 
     frame: Frame
-    point: Array = field(default_factory=lambda: np.empty(0))
+    point: Array = field(default_factory=lambda: np.full(3, np.nan))
     arc: float = 0.0
     curvature: float = 0.0
     to_end: float = math.nan

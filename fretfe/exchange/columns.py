@@ -155,6 +155,8 @@ STATIONS = (
     Column("arc", "length", "place along the front"),
     *(Column(axis, "length", "point of the station before deformation") for axis in "xyz"),
     *(Column(f"inward_{axis}", "", "direction into the contact") for axis in "xyz"),
+    Column("position", "length", "along the arc at the end; of solids from the point, inward"),
+    Column("position_spread", "length", "its error bar"),
     Column("curvature", "curvature", "of the front in the tangent plane"),
     Column("to_end", "length", "distance to the nearer end of the front; empty if it is closed"),
     Column("end", "", "whether the station is too near an end for a verdict"),

@@ -19,6 +19,8 @@ from fretfe.results.model import Result
 
 # More loads than this are not named in a title.
 MOST_LOADS = 3
+# Names of the fronts of plane contacts.
+SIDES = ("left", "right")
 # Waves pass through zero up to this fraction of their amplitude.
 ROUND_OFF = 1e-12
 
@@ -139,4 +141,4 @@ def worst_run_states(run: Result) -> Indices:
 
 def edge_title(edge: Station) -> str:
     """An edge, or a station of a front of solids, in titles and labels."""
-    return f"{edge.front}, station {edge.number}" if len(edge.point) else f"{edge.front} edge"
+    return f"{edge.front} edge" if edge.front in SIDES else f"{edge.front}, station {edge.number}"

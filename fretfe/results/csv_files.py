@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Stations of the fronts of solids, and counted cycles of all stations, as CSV files."""
+"""Stations and their counted cycles as CSV files."""
 
 from __future__ import annotations
 
@@ -72,7 +72,6 @@ def station_records(result: Result) -> list[dict[str, Any]]:
     return [
         {"contact": contact.name, "front": station.front, **_record(station)}
         for contact in result.contacts
-        if contact.solid
         for station in contact.stations
     ]
 
@@ -88,6 +87,8 @@ def _record(station: Station) -> dict[str, Any]:
             f"inward_{axis}": float(value)
             for axis, value in zip(AXES, station.frame.inward, strict=True)
         },
+        "position": float(station.position[station.last]),
+        "position_spread": float(station.position_spread[station.last]),
         "curvature": station.curvature,
         "to_end": station.to_end,
         "end": station.end,

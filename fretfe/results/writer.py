@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Files that a run leaves: `results.json` for numbers and histories, `results.h5` for arrays.
 
-Contact surfaces of solids are in `contacts.hdf` too, for ParaView, and the stations of their
-fronts in `stations.csv`. Counted cycles of irregular loads are in `cycles.csv`.
+Contact surfaces of solids are in `contacts.hdf` too, for ParaView, the stations of all fronts in
+`stations.csv`. Counted cycles of irregular loads are in `cycles.csv`.
 
 Lists of more than `LONG` numbers, the histories of a long run, go to `results.h5` too.
 

@@ -263,6 +263,7 @@ def _evaluate_station(
     worst = worst_cycle(cycles, cycle, contact.friction, evaluated)
     outer = worst.outer if worst else np.ones(len(solution.times), dtype=bool)
     degree = 2 if histories.exact else solution.degree
+    point, frame = _place(contact, front, fit.position)
     zones = slip_zones(
         cycle,
         contact.friction,
@@ -273,7 +274,8 @@ def _evaluate_station(
     )
     return Station(
         **vars(history),
-        frame=_frame(contact, front, fit.position),
+        frame=frame,
+        point=point,
         size=_element_size(contact.arc, float(fit.position[history.last])),
         k_n_moved=movement.k_n,
         k_n_moved_spread=movement.k_n_spread,
@@ -302,12 +304,14 @@ def _k_n_spread(solution: Solution, fit: EdgeFit, moved: float, exact: bool) -> 
     return with_moved(fit.k_n, spread, moved)
 
 
-def _frame(contact: ContactHistory, front: PlaneFront, position: Array) -> Frame:
-    """Frame in the last state in which the position (T,) is known."""
+def _place(contact: ContactHistory, front: PlaneFront, position: Array) -> tuple[Array, Frame]:
+    """(3,) point and frame in the last state in which the position (T,) is known."""
     place = last_known(position, np.array([], dtype=np.int64))
-    rows = contact.frames.reshape(len(contact.arc), -1).T
-    across, tangent = np.reshape([np.interp(place, contact.arc, row) for row in rows], (2, 2))
-    return front.frame(across, tangent)
+    rows = np.hstack([contact.points, contact.frames.reshape(len(contact.arc), -1)]).T
+    point, across, tangent = np.reshape(
+        [np.interp(place, contact.arc, row) for row in rows], (3, 2)
+    )
+    return np.append(point, 0.0 * place), front.frame(across, tangent)
 
 
 def _element_size(arc: Array, place: float) -> float:
