@@ -239,7 +239,7 @@ def test_nothing_is_told_of_a_contact_of_few_nodes_or_of_a_flat_end() -> None:
     flat = lambda x, z: 1.0 / np.sqrt(np.clip(1.02 - x**2 - z**2, 1e-2, None)) * (x**2 + z**2 < 1)  # noqa: E731
     for front in fronts(points, facets, [flat]):
         for station in front.stations:
-            assert np.isnan(station.told_k_n) or station.uncertain
+            assert np.isnan(station.reported_k_n) or station.uncertain
 
 
 def zone(**values: float) -> SlipZone:

@@ -20,7 +20,7 @@ from fretfe.evaluate.space.evaluate import (
     moved_stations,
 )
 from fretfe.evaluate.space.fronts import FrontTrack, follow_fronts
-from fretfe.history.solution import ContactHistory, Neighbours, Solution
+from fretfe.history.solution import ContactHistory, NearbyLoads, Solution
 
 # p0 / a of the sphere: p = sqrt(a² - r²), P = 2π a³/3, K_N = sqrt(2 a).
 LOADS = 0.95, 1.05
@@ -36,15 +36,15 @@ def case() -> Case:
     radii = np.cbrt(LOADS)
     pressure = np.array([means(points, facets, hertz(a, a, peak=a))[0] for a in radii])
     k_i = K_I * np.array([[0.99], [1.01]]) * np.ones(STATIONS)
-    contact = replace(contact, neighbours=Neighbours(pressure, k_i))
+    contact = replace(contact, nearby_loads=NearbyLoads(pressure, k_i))
     (track,) = follow_fronts(solution, contact, STATIONS)
     return replace(solution, contacts=(contact,)), contact, track
 
 
 def reasons(case: Case, **changes: Any) -> set[str]:
     _, contact, track = case
-    assert contact.neighbours is not None
-    changed = replace(contact, neighbours=replace(contact.neighbours, **changes))
+    assert contact.nearby_loads is not None
+    changed = replace(contact, nearby_loads=replace(contact.nearby_loads, **changes))
     return {each.reason for each in moved_stations(changed, track.front, slice(0, STATIONS))}
 
 
@@ -78,16 +78,16 @@ def test_stations_have_it_and_their_bar_of_k_n_knows_it(case: Case) -> None:
 
 def test_reasons(case: Case) -> None:
     _, contact, track = case
-    assert contact.neighbours is not None
-    low, high = contact.neighbours.pressure
+    assert contact.nearby_loads is not None
+    low, high = contact.nearby_loads.pressure
     assert reasons(case, k_i=np.full((2, STATIONS), np.nan)) == {NO_FRONT}
     assert reasons(case, pressure=np.array([high, low])) == {STANDS}
     assert reasons(case, pressure=np.array([low, low])) == {STANDS}
-    assert reasons(case, k_i=contact.neighbours.k_i * [[0.1], [1.9]]) == {POOR}
+    assert reasons(case, k_i=contact.nearby_loads.k_i * [[0.1], [1.9]]) == {POOR}
     points, facets = grid()
     wide = means(points, facets, hertz(1.09, 1.09, peak=1.09))[0]
     assert reasons(case, pressure=np.array([low, wide])) == {AWAY}
-    none = moved_stations(replace(contact, neighbours=None), track.front, slice(0, STATIONS))
+    none = moved_stations(replace(contact, nearby_loads=None), track.front, slice(0, STATIONS))
     assert {each.reason for each in none} == {NO_LOADS}
     assert all(np.isnan([each.k_n, each.spread]).all() for each in none)
     assert len(none) == len(track.front.sectors)

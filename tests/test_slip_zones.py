@@ -111,7 +111,7 @@ def test_a_zone_between_the_nodes_is_not_resolved(
     assert zone.predicted == pytest.approx(elements * H)
     assert (zone.length, zone.resolved, zone.gross) == (0.0, resolved, False)
     # No slip is a length, whatever its bar.
-    assert (zone.told_length, zone.uncertain) == (0.0, not resolved)
+    assert (zone.reported_length, zone.uncertain) == (0.0, not resolved)
     assert resolved or zone.spread >= zone.predicted
 
 
@@ -130,7 +130,7 @@ def test_the_zone_is_as_good_as_its_edge(side: Side) -> None:
     assert (good.resolved, bad.resolved) == (True, False)
     assert bad.length == good.length == pytest.approx(3 * H, abs=good.spread)
     assert bad.spread == pytest.approx(np.hypot(good.spread, 1.6 * H))
-    assert np.isnan(bad.told_length) and good.told_length == good.length
+    assert np.isnan(bad.reported_length) and good.reported_length == good.length
     # Its bar then reaches what is predicted.
     longer = replace(vague, k_t=2 * vague.k_t)
     (worse,) = slip_zones(no_cycle, contact.friction, longer, border)

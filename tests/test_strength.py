@@ -294,7 +294,7 @@ def test_stations_of_solids(tmp_path: Path) -> None:
     )
     (area,) = result.contacts
     area = replace(area, fronts=(replace(front, stations=stations),), steady=False)
-    k_n = stations[0].told_k_n
+    k_n = stations[0].reported_k_n
     path = write_tests(tmp_path / "tests.csv", *made_up(k_n=(k_n / 2, 2 * k_n)))
     found = fretfe.strength_map(path, [replace(result, contacts=(area,)), result], LIFE)
     assert [each.edge.station for each in found.margins] == list(range(11))

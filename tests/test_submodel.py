@@ -112,7 +112,7 @@ def test_a_range_without_an_error_bar_is_told(solid: Result) -> None:
     found = run_station(changed_one, "main", 1, 5, None)
     assert found.zones[0].predicted_spread == pytest.approx(0.03 * 0.2)
     assert "its range of (K_T, K_S) has no error bar" in found.plane.notes[-1]
-    assert math.isnan(found.plane.contacts[0].stations[0].told_range)
+    assert math.isnan(found.plane.contacts[0].stations[0].reported_range)
 
 
 def test_tractions_next_to_the_edge(model: StationModel) -> None:

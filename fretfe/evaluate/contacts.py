@@ -27,7 +27,7 @@ NO_NUMBER = 0.5
 SAME_RANGE = 1e-3
 
 
-def told(value: float, spread: float) -> float:
+def reported(value: float, spread: float) -> float:
     """A number with its error bar; NaN if the bar is unknown or more than half of the number."""
     return float(value) if spread <= NO_NUMBER * abs(value) else math.nan
 
@@ -87,12 +87,12 @@ class SlipZone:
     flank: float = field(default=math.nan, kw_only=True)
 
     @property
-    def told_length(self) -> float:
+    def reported_length(self) -> float:
         """The length, unless its error bar is unknown or more than half of it: then NaN.
 
         No slip is told as 0, with its bar.
         """
-        return 0.0 if self.length == 0 else told(self.length, self.spread)
+        return 0.0 if self.length == 0 else reported(self.length, self.spread)
 
     @property
     def uncertain(self) -> bool:
@@ -193,9 +193,9 @@ class StationHistory:
         return float(self.k_n[self.last]), float(self.k_n_spread[self.last])
 
     @property
-    def told_k_n(self) -> float:
+    def reported_k_n(self) -> float:
         """K_N in the state `last`; NaN if its error bar is unknown or more than half of it."""
-        return told(*self.last_k_n)
+        return reported(*self.last_k_n)
 
 
 @dataclass(frozen=True)
@@ -297,9 +297,9 @@ class Station(StationHistory):
     dissipation: float = math.nan
 
     @property
-    def told_range(self) -> float:
+    def reported_range(self) -> float:
         """The range of (K_T, K_S); NaN if its error bar is unknown or more than half of it."""
-        return told(self.k_range, self.k_range_spread)
+        return reported(self.k_range, self.k_range_spread)
 
     @property
     def uncertain(self) -> bool:
@@ -316,7 +316,7 @@ class Station(StationHistory):
 
 
 @dataclass(frozen=True)
-class Closure:
+class HalfSpaceRatios:
     """Ratios of the factors found around a front to those of half-spaces under the same forces.
 
     NaN where there is no such force. Means over the stations, by least squares.
@@ -338,7 +338,7 @@ class Closure:
     reason: str
 
 
-NO_CLOSURE = Closure(np.full(2, np.nan), np.nan, np.nan, np.nan, np.nan, "")
+NO_RATIOS = HalfSpaceRatios(np.full(2, np.nan), np.nan, np.nan, np.nan, np.nan, "")
 
 
 @dataclass(frozen=True)
@@ -350,14 +350,14 @@ class Front:
         stations: along it at an even spacing.
         closed: whether it runs into itself.
         length: of it in the reference state, the last one of the evaluated cycle; NaN in the plane.
-        closure: its factors against those of half-spaces under the same forces.
+        half_space_ratios: its factors against those of half-spaces under the same forces.
     """
 
     name: str
     stations: tuple[Station, ...]
     closed: bool = False
     length: float = math.nan
-    closure: Closure = NO_CLOSURE
+    half_space_ratios: HalfSpaceRatios = NO_RATIOS
 
     @property
     def judged(self) -> tuple[Station, ...]:
@@ -367,8 +367,8 @@ class Front:
     @property
     def worst(self) -> Station | None:
         """Of the stations not too near an end that of the largest |ΔK| known; None without any."""
-        known = [each for each in self.judged if np.isfinite(each.told_range)]
-        return max(known, key=lambda each: each.told_range, default=None)
+        known = [each for each in self.judged if np.isfinite(each.reported_range)]
+        return max(known, key=lambda each: each.reported_range, default=None)
 
     def along(self, attribute: str) -> Array:
         """(n,) a number of all stations, by the name of the attribute."""

@@ -288,7 +288,7 @@ def edge_movement(contact: ContactHistory, front: PlaneFront, half_width: float)
     NaN if the edge does not move, or reaches the end of the surface.
     """
     unknown = Movement(np.nan, np.nan, np.nan)
-    neighbours = contact.neighbours
+    neighbours = contact.nearby_loads
     if neighbours is None or np.any(neighbours.pressure[:, [0, -1]] > 0):
         return unknown
     if np.count_nonzero(neighbours.pressure > 0, axis=1).min() < FEWEST_NODES:

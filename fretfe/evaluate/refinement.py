@@ -177,8 +177,8 @@ def _values(contact: str, front: Front, friction: float, cyclic: bool) -> Statio
     return StationValues(
         contact=contact,
         front=front.name,
-        k_n=_mean([station.told_k_n for station in stations]),
-        k_t=_mean([station.told_range for station in stations]) if slides else 0.0,
+        k_n=_mean([station.reported_k_n for station in stations]),
+        k_t=_mean([station.reported_range for station in stations]) if slides else 0.0,
         slip=tuple(_slip(stations, half) for half in (-2, -1)) if slides else (),
         rise=_mean([min(station.depth, station.length) for station in stations]),
         friction=friction,

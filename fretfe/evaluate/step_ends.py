@@ -172,7 +172,7 @@ class StepEnds:
                 np.where(areas >= 0, np.searchsorted(used, areas), -1),
             ),
             integrals=integrals,
-            territory=None if contact.territory is None else contact.territory[ends],
+            node_range=None if contact.node_range is None else contact.node_range[ends],
             **self._fields(contact),
         )
 

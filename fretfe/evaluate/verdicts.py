@@ -74,7 +74,7 @@ def withheld(station: Station) -> str:
 
 def _no_k_n(station: Station) -> str:
     k_n, spread = station.last_k_n
-    if math.isfinite(station.told_k_n):
+    if math.isfinite(station.reported_k_n):
         return ""
     if math.isnan(k_n):
         return "K_N is not known, since the pressure next to the front has no fit"
@@ -82,7 +82,7 @@ def _no_k_n(station: Station) -> str:
 
 
 def _no_range(station: Station) -> str:
-    if math.isfinite(station.told_range):
+    if math.isfinite(station.reported_range):
         return ""
     if math.isnan(station.k_range):
         known = np.isfinite(station.k_t + station.k_s)[: station.last + 1 or None]
@@ -196,7 +196,7 @@ def _excuse(station: Station, zone: SlipZone) -> tuple[str, str]:
             "as where the contact has slid as a whole: the formulas are for shear that is far "
             "below f p there",
         )
-    if not zone.resolved or (math.isnan(zone.told_length) and zone.length > 0):
+    if not zone.resolved or (math.isnan(zone.reported_length) and zone.length > 0):
         return NOT_RESOLVED, _unresolved(station, zone)
     if math.isnan(zone.prediction):
         lost = withheld(station)

@@ -199,11 +199,11 @@ def _uncounted(solution: Solution, stations: tuple[Station, ...]) -> Iterator[st
 
 
 def _patches(contact: ContactHistory) -> Iterator[str]:
-    """The fate of a patch, and nodes that belong to it but lie apart."""
-    if contact.fate:
+    """Events of a patch, and nodes that belong to it but lie apart."""
+    if contact.events:
         yield (
             f"not there all the time, as one of several patches of {contact.pair!r}: it "
-            f"{'; it '.join(contact.fate)}. It has edges only where it exists, and K_T and K_I "
+            f"{'; it '.join(contact.events)}. It has edges only where it exists, and K_T and K_I "
             "begin anew whenever it appears"
         )
     shares = []

@@ -75,10 +75,10 @@ def _edge(edge: Station, result: Result) -> list[Number]:
     units = result.case.units
     zones: list[SlipZone | None] = [None, None, *edge.slip_zones][-2:]
     return [
-        Number(K_N, f"{units.stress}/√{units.length}", edge.told_k_n, edge.last_k_n[1]),
-        Number(K_T, f"{units.stress}·√{units.length}", edge.told_range, edge.k_range_spread),
+        Number(K_N, f"{units.stress}/√{units.length}", edge.reported_k_n, edge.last_k_n[1]),
+        Number(K_T, f"{units.stress}·√{units.length}", edge.reported_range, edge.k_range_spread),
         *(
-            Number(name, units.length, zone.told_length, zone.spread)
+            Number(name, units.length, zone.reported_length, zone.spread)
             if zone
             else Number(name, units.length, math.nan)
             for name, zone in zip(ZONES, zones, strict=True)

@@ -25,7 +25,7 @@ from fretfe.fem.interaction_integral import Tip, Tube
 from fretfe.fem.limits import oscillates
 from fretfe.fem.model import Model
 from fretfe.fem.probes import Probe, UnitFields, measure, probe_stations
-from fretfe.history.solution import ContactHistory, Factor, Neighbours, Solution, StationIntegrals
+from fretfe.history.solution import ContactHistory, Factor, NearbyLoads, Solution, StationIntegrals
 from fretfe.surface.surface import perpendicular
 
 # Not loaded by whoever loads this module: SciPy's interpolation takes a second.
@@ -82,8 +82,8 @@ class _Common:
         self.model, self.recorder, self.solution = model, recorder, solution
         self.fields = UnitFields(recorder)
         self.pairs = {pair.name: pair for pair in model.reduction.pairs}
-        self.neighbours = neighbour_states(march, recorder.last, recorder.last_loads)
-        self.difference = self.fields.difference(*self.neighbours) if self.neighbours else None
+        self.nearby_loads = neighbour_states(march, recorder.last, recorder.last_loads)
+        self.difference = self.fields.difference(*self.nearby_loads) if self.nearby_loads else None
 
 
 Plan = TypeVar("Plan")
@@ -115,7 +115,7 @@ class _Draft(Generic[Plan]):
             if contact.name in self._plans:
                 plan, count = self._plans[contact.name]
                 integrals, neighbours = self._factors(contact, plan, list(islice(rest, count)))
-                contact = replace(contact, integrals=integrals, neighbours=neighbours)
+                contact = replace(contact, integrals=integrals, nearby_loads=neighbours)
             contacts.append(contact)
         return replace(self._common.solution, contacts=tuple(contacts))
 
@@ -128,7 +128,7 @@ class _Draft(Generic[Plan]):
 
     def _factors(
         self, contact: ContactHistory, plan: Plan, values: list[list[Array]]
-    ) -> tuple[StationIntegrals, Neighbours | None]:
+    ) -> tuple[StationIntegrals, NearbyLoads | None]:
         raise NotImplementedError
 
 
@@ -160,7 +160,7 @@ class _PlaneDraft(_Draft["_Areas"]):
 
     def _factors(
         self, contact: ContactHistory, plan: _Areas, values: list[list[Array]]
-    ) -> tuple[StationIntegrals, Neighbours | None]:
+    ) -> tuple[StationIntegrals, NearbyLoads | None]:
         of_areas = [station[: len(plan.numbers)] for station in values]
         # (stations, S, R, d, J) to (S, R, stations, d, J)
         factors = np.array(of_areas).transpose(1, 2, 0, 3, 4)
@@ -169,19 +169,19 @@ class _PlaneDraft(_Draft["_Areas"]):
 
     def _neighbour_history(
         self, contact: ContactHistory, stations: list[list[Array]]
-    ) -> Neighbours | None:
-        if self._common.neighbours is None:
+    ) -> NearbyLoads | None:
+        if self._common.nearby_loads is None:
             return None
         nodes = self._common.recorder.nodes_of(contact.pair)
-        tractions = np.array([state.traction[nodes, 0] for state in self._common.neighbours])
-        if contact.territory is not None:
-            tractions = own_part(tractions, contact.territory[-1])
+        tractions = np.array([state.traction[nodes, 0] for state in self._common.nearby_loads])
+        if contact.node_range is not None:
+            tractions = own_part(tractions, contact.node_range[-1])
             if np.any(tractions[:, _borders(contact, -1)] > 0):  # merges with its neighbour
                 return None
         normal = np.stack([values[-1][:, Factor.K_I, 0] for values in stations], axis=1)
         if oscillates(self._common.model.case, contact):
             normal = np.full_like(normal, np.nan)
-        return Neighbours(tractions / np.sqrt(contact.weights), normal)
+        return NearbyLoads(tractions / np.sqrt(contact.weights), normal)
 
 
 @dataclass(frozen=True)
@@ -235,10 +235,10 @@ def _room(contact: ContactHistory, edges: Array, states: Sequence[int]) -> float
 
 def _borders(contact: ContactHistory, state: int) -> list[int]:
     """Ends of a patch's part of the surface, behind which there is another patch."""
-    if contact.territory is None:
+    if contact.node_range is None:
         return []
     ends = (0, len(contact.arc) - 1)
-    pairs = zip(contact.territory[state], ends, strict=True)
+    pairs = zip(contact.node_range[state], ends, strict=True)
     return [int(node) for node, end in pairs if node != end]
 
 
@@ -325,7 +325,7 @@ class _SolidDraft(_Draft["_Plan"]):
 
     def _factors(
         self, contact: ContactHistory, plan: _Plan, values: list[list[Array]]
-    ) -> tuple[StationIntegrals, Neighbours | None]:
+    ) -> tuple[StationIntegrals, NearbyLoads | None]:
         """Factors of all stations, of the difference of the neighbours behind those of the drivers.
 
         Args:
@@ -355,13 +355,13 @@ class _SolidDraft(_Draft["_Plan"]):
             np.arange(len(TUBES), dtype=np.float64),
             np.where(known, factors, np.nan),
         )
-        neighbours = self._common.neighbours
+        neighbours = self._common.nearby_loads
         if neighbours is None or oscillates(self._common.model.case, contact):
             return integrals, None
         k_i = whole[..., Factor.K_I, drivers]
         k_i = np.where(np.isfinite(plan.positions[plan.last]), k_i, np.nan)
         pressure = np.array([self._mean_pressure(contact, each) for each in neighbours])
-        return integrals, Neighbours(pressure, k_i)
+        return integrals, NearbyLoads(pressure, k_i)
 
     def _mean_pressure(self, contact: ContactHistory, state: ContactState) -> Array:
         """(N,) means around the nodes of a contact."""

@@ -25,7 +25,7 @@ from fretfe.evaluate.plane.full_stick_fit import GALERKIN_OVERHANG
 from fretfe.evaluate.slip import cycle_states
 from fretfe.halfplane.compliance import EdgeRange, HatFunctions, graded_grid
 from fretfe.history.checkpoint import UNSEEN, Storage
-from fretfe.history.solution import ContactHistory, Factor, Neighbours, Solution
+from fretfe.history.solution import ContactHistory, Factor, NearbyLoads, Solution
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.idealise.problem import contact_edges, governing_length
 
@@ -65,7 +65,7 @@ class HalfPlaneOutcome:
 
         In closed form, but for one of several patches, which feel each other.
         """
-        if contact.territory is not None:
+        if contact.node_range is not None:
             units = full_stick_units(solution, contact, positions, GALERKIN_OVERHANG)
             return UnitFactors([units])
         units = half_plane_units(positions)[..., [2, 0, 1, 3]] * np.array([1.0, -1.0, -1.0, 1.0])
@@ -154,13 +154,13 @@ def solve_half_planes(
         failure = error
     solution = recorder.solution(problem.history, _balance(recorder, hats))
     neighbours = _neighbours(problem, march, recorder, hats)
-    contact = replace(solution.contacts[0], neighbours=neighbours)
+    contact = replace(solution.contacts[0], nearby_loads=neighbours)
     return HalfPlaneOutcome(replace(solution, contacts=(contact,)), failure)
 
 
 def _neighbours(
     problem: HalfPlaneProblem, march: March, recorder: Recorder, hats: HatFunctions
-) -> Neighbours | None:
+) -> NearbyLoads | None:
     """Two load levels next to the last state, with K_I between them in closed form."""
     states = neighbour_states(march, recorder.last, recorder.last_loads)
     if states is None:
@@ -170,7 +170,7 @@ def _neighbours(
     loads = np.array([problem.normal_force[last], problem.moment[last], 0.0, 0.0])
     k_i = half_plane_units(positions)[0, :, Factor.K_I] @ (2 * FRACTION * loads)
     pressure = np.array([state.traction[:, 0] for state in states]) / np.sqrt(hats.weights)
-    return Neighbours(pressure, k_i[None])
+    return NearbyLoads(pressure, k_i[None])
 
 
 def _step_loads(problem: HalfPlaneProblem, interface: Interface) -> StepTable:

@@ -100,7 +100,7 @@ class StationIntegrals:
 
 
 @dataclass(frozen=True)
-class Neighbours:
+class NearbyLoads:
     """A lower and a higher load than that of the last state.
 
     Attributes:
@@ -142,11 +142,11 @@ class ContactHistory:
         dissipation: (T, N) friction work in that step.
         full_stick: full-stick increments.
         integrals: edge factors from displacements; None where there are no displacements.
-        neighbours: two load levels that tell how the edges move; None if they have no solution.
-        territory: (T, 2) first and last node of the part of the surface that belongs to a patch,
+        nearby_loads: two load levels that tell how the edges move; None if they have no solution.
+        node_range: (T, 2) first and last node of the part of the surface that belongs to a patch,
             which reaches half-way to its neighbours; -1 where the patch does not exist. None if the
             pair has one patch only.
-        fate: where a patch comes from and where it goes, in words; one text for each kind of event.
+        events: where a patch comes from and where it goes, in words; a text for each kind of event.
         facets: (F, 3 or 4) nodes of the facets of the surface, counter-clockwise seen from outside
             body 2; None in the plane.
     """
@@ -168,17 +168,17 @@ class ContactHistory:
     dissipation: StateArray | Array
     full_stick: FullStickUnits
     integrals: StationIntegrals | None = None
-    neighbours: Neighbours | None = None
-    territory: Indices | None = None
-    fate: tuple[str, ...] = ()
+    nearby_loads: NearbyLoads | None = None
+    node_range: Indices | None = None
+    events: tuple[str, ...] = ()
     facets: Indices | None = None
 
     @property
     def exists(self) -> Bools:
         """(T,) states in which the patch exists; a pair with one patch only always does."""
-        if self.territory is None:
+        if self.node_range is None:
             return np.ones(len(self.traction), dtype=bool)
-        return np.asarray(self.territory[:, 0] >= 0)
+        return np.asarray(self.node_range[:, 0] >= 0)
 
     @property
     def pressed_nodes(self) -> Indices:
@@ -194,7 +194,7 @@ class ContactHistory:
         return np.concatenate(found)
 
     @property
-    def lives(self) -> tuple[tuple[int, int], ...]:
+    def intervals(self) -> tuple[tuple[int, int], ...]:
         """First and last state of each run of states in which the patch exists."""
         ends = np.flatnonzero(np.diff(self.exists, prepend=False, append=False)).reshape(-1, 2)
         return tuple((int(begin), int(end) - 1) for begin, end in ends)

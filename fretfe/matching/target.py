@@ -109,7 +109,7 @@ def read_target(result: Result, edge: str) -> Target:
     _require_known(edge, "the range of K_T", k_t_range, spread)
     _require_partial(edge, station)
     zones = station.slip_zones[-2:]
-    lengths = [zone.told_length for zone in zones] + [math.nan] * (2 - len(zones))
+    lengths = [zone.reported_length for zone in zones] + [math.nan] * (2 - len(zones))
     spreads = [float(zone.spread) for zone in zones] + [math.nan] * (2 - len(zones))
     friction = result.case.contacts[contact.pair].friction
     in_step = _in_step(station, begin, end)

@@ -108,7 +108,7 @@ def _record(station: Station) -> dict[str, Any]:
         "k_range_spread": station.k_range_spread,
         "k_angle": station.k_angle,
         "turning": station.turning,
-        "slip": zone.told_length if zone else np.nan,
+        "slip": zone.reported_length if zone else np.nan,
         "slip_spread": zone.spread if zone else np.nan,
         "predicted": zone.prediction if zone else np.nan,
         "verdict": verdict.word,

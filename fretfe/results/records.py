@@ -49,7 +49,7 @@ def solid_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
 def _record(contact: Contact, station: Station) -> dict[str, Any]:
     zones = station.slip_zones[-ZONES:]
     first = ZONES - len(zones) + 1
-    lengths = {f"slip_{n}": zone.told_length for n, zone in enumerate(zones, start=first)}
+    lengths = {f"slip_{n}": zone.reported_length for n, zone in enumerate(zones, start=first)}
     spreads = {f"slip_{n}_spread": zone.spread for n, zone in enumerate(zones, start=first)}
     predictions = {f"predicted_{n}": zone.prediction for n, zone in enumerate(zones, start=first)}
     kinds = ("slip_{}", "slip_{}_spread", "predicted_{}")
@@ -59,9 +59,9 @@ def _record(contact: Contact, station: Station) -> dict[str, Any]:
         "edge": station.front,
         "position": float(station.position[station.last]),
         "half_width": float(contact.half_width[station.last]),
-        "k_n": station.told_k_n,
+        "k_n": station.reported_k_n,
         "k_n_spread": station.last_k_n[1],
-        "k_t_range": station.told_range,
+        "k_t_range": station.reported_range,
         "k_t_range_spread": float(station.k_range_spread),
         "k_i_range": float(station.k_i_range),
         **{name: float((lengths | spreads | predictions).get(name, math.nan)) for name in numbers},

@@ -121,7 +121,7 @@ def _edge(
         remarks.append("the cycle is not steady")
     pair = contact.pair
     friction = result.case.contacts[pair].friction
-    k_n, k_t_range = edge.told_k_n, edge.told_range
+    k_n, k_t_range = edge.reported_k_n, edge.reported_range
     if k_t_range > 0 and friction * edge.k_i_range > SMALL * k_t_range:
         share = friction * edge.k_i_range / k_t_range
         remarks.append(f"P varies: f ΔK_I is {share:.0%} of ΔK_T, which the tests do not cover")

@@ -157,11 +157,11 @@ def _zones(
         ZonePair(
             start=float(times[zone.start]),
             end=float(times[zone.end]),
-            solid=zone.told_length,
+            solid=zone.reported_length,
             solid_spread=zone.spread,
             predicted=zone.prediction,
             predicted_spread=given.bars.slip * zone.prediction,
-            plane=twin.told_length if twin else np.nan,
+            plane=twin.reported_length if twin else np.nan,
             plane_spread=twin.spread if twin else np.nan,
         )
         for zone, twin in (

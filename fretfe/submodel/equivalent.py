@@ -20,7 +20,7 @@ from fretfe.evaluate.contacts import (
     SlipZone,
     Station,
     fronts_of,
-    told,
+    reported,
 )
 from fretfe.history.solution import ContactHistory
 from fretfe.results.model import Result
@@ -131,7 +131,7 @@ def equivalent(result: Result, contact: ContactHistory, station: Station) -> Equ
         ModelError: if there is no such plane problem.
     """
     last = result.loads.cycle[1] if result.loads.cycle else len(result.loads.times) - 1
-    k_n = told(float(station.k_n[last]), float(station.k_n_spread[last]))
+    k_n = reported(float(station.k_n[last]), float(station.k_n_spread[last]))
     _require(station, k_n)
     e_star = _modulus(result.case, contact)
     half_width = _half_width(station)

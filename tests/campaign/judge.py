@@ -169,13 +169,13 @@ def _judge_factors(
     finite = FINITE_BODY / BODY**2
     edge, truth = EDGES[number], exact[number]
     k_n, k_t = truth.last_k_n[0], truth.k_t_range
-    value, bar = station.told_k_n, station.last_k_n[1]
+    value, bar = station.reported_k_n, station.last_k_n[1]
     yield Judged(one, edge, "K_N", value, bar, k_n, finite * k_n, remark)
     if k_t > 0:
         # What the finite body adds does not vanish where shear and tension cancel.
         pressed = PRESSED_BODY / BODY + PRESSED_SLOPE * edge_slope(one)
         allowance = finite * max(each.k_t_range for each in exact) + pressed * truth.k_i_range
-        value, bar = station.told_range, station.k_range_spread
+        value, bar = station.reported_range, station.k_range_spread
         yield Judged(one, edge, "ΔK_T", value, bar, k_t, allowance, remark)
 
 
@@ -195,7 +195,7 @@ def _judge_zone(
         return
     if zone is not None and zone.gross:
         return
-    value, bar = (zone.told_length, zone.spread) if zone is not None else (math.nan, math.nan)
+    value, bar = (zone.reported_length, zone.spread) if zone is not None else (math.nan, math.nan)
     allowance = counterpart.spread + HALF_PLANE_BORDER * answers.draw.a
     truth = counterpart.length
     yield Judged(answers.draw, station.front, "d", value, bar, truth, allowance, remark)

@@ -121,9 +121,9 @@ def _judge_station(truth: Truth, station: Station, warnings: list[str]) -> Itera
     # Factors do not depend on the start of the cycle.
     remark = "; ".join(text for text in warnings if "steady" not in text)
     one, where = truth.draw, f"{station.front}, station {station.number}"
-    value, bar = station.told_k_n, station.last_k_n[1]
+    value, bar = station.reported_k_n, station.last_k_n[1]
     yield Judged(one, where, "K_N", value, bar, truth.k_n, truth.finite * truth.k_n, remark)
-    told, bar = math.isfinite(station.told_range), station.k_range_spread
+    told, bar = math.isfinite(station.reported_range), station.k_range_spread
     # What the finite body adds does not vanish where a component does.
     pressed = PRESSED[one.profile] * station.k_i_range
     allowance = truth.finite * truth.k_range + pressed
@@ -136,7 +136,7 @@ def _judge_station(truth: Truth, station: Station, warnings: list[str]) -> Itera
             truth.k_range,
         )  # fmt: skip
     zone = station.slip_zones[-1] if station.slip_zones else None
-    value, bar = (zone.told_length, zone.spread) if zone is not None else (math.nan, math.nan)
+    value, bar = (zone.reported_length, zone.spread) if zone is not None else (math.nan, math.nan)
     yield Judged(one, where, "d", value, bar, truth.zone, truth.zone_error, "; ".join(warnings))
 
 

@@ -64,9 +64,9 @@ def test_k_n_by_the_movement_of_the_front(front: Front) -> None:
     assert spread.max() < 0.17
 
 
-def test_closure(front: Front) -> None:
+def test_half_spaces(front: Front) -> None:
     """The forces that factors and front need are those of the contact, but for finite bodies."""
-    found = front.closure
+    found = front.half_space_ratios
     assert found.reason == ""
     assert found.half_axes == pytest.approx([1.0, 1.0], abs=0.004)
     assert found.shear == pytest.approx(1.0, abs=0.02)

@@ -85,9 +85,9 @@ def test_results_and_tables_have_both_patches(sheared: Result, tmp_path: Path) -
         assert (contact.name, contact.pair) == (patch.name, "pad")
         found, history = run.contact_history(patch.name), sheared.contact_history(patch.name)
         assert found.pair == "pad"
-        assert found.territory is not None
-        assert history.territory is not None
-        assert np.array_equal(found.territory, history.territory)
+        assert found.node_range is not None
+        assert history.node_range is not None
+        assert np.array_equal(found.node_range, history.node_range)
         assert np.array_equal(found.traction, history.traction)
     assert [each["contact"] for each in run.edges()] == ["pad[1]"] * 2 + ["pad[2]"] * 2
 

@@ -54,7 +54,7 @@ def test_integrals_know_what_no_fit_does(solved: Any) -> None:
     contact = solved(rough(0.105)).contacts[0]
     for station in contact.stations:
         assert math.isnan(station.k_t_range_fitted)
-        assert station.told_range == pytest.approx(EXACT_RANGE, rel=0.05)
+        assert station.reported_range == pytest.approx(EXACT_RANGE, rel=0.05)
         assert station.k_range_spread > abs(station.k_t_range - EXACT_RANGE)
 
 

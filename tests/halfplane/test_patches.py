@@ -88,7 +88,7 @@ def test_each_patch_is_a_contact_and_so_is_the_merged_one() -> None:
     solution, contacts = up_and_down()
     assert [each.name for each in contacts] == ["main[1]", "main[2]", "main[3]"]
     assert {each.pair for each in contacts} == {"main"}
-    left, right, merged = (each.lives for each in solution.contacts)
+    left, right, merged = (each.intervals for each in solution.contacts)
     assert left == right == ((0, 6), (9, 10), (12, 12))
     assert merged == ((7, 8), (11, 11))
     total = np.sum([each.normal_force for each in contacts], axis=0)
@@ -189,7 +189,7 @@ def test_tracks_do_not_jump_where_the_load_goes_from_one_to_the_other(rock: Rock
 def test_a_patch_that_lifts_off_and_touches_again_is_the_same() -> None:
     moment = 1.2 * APART * np.sin(np.linspace(0, 4 * np.pi, 21))
     solution, (left, right) = solve([APART] * len(moment), moment=moment)
-    assert len(solution.contacts[0].lives) > 1
+    assert len(solution.contacts[0].intervals) > 1
     assert (left.centre[np.isfinite(left.centre)] < 0).all()
     for each in (left, right):
         (text,) = [text for text in each.warnings if "one of several patches" in text]

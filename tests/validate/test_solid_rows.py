@@ -73,7 +73,7 @@ def test_few_numbers_are_no_comparison(circle: Front) -> None:
 def test_numbers_between_the_stations(circle: Front) -> None:
     places = circle.along("point")
     between = (places + np.roll(places, -1, axis=0)) / 2
-    expected = circle.along("told_k_n")
+    expected = circle.along("reported_k_n")
     (at_stations,) = at_places(circle, places, ["K_N"])
     np.testing.assert_allclose(at_stations, expected, rtol=1e-9)
     (found,) = at_places(circle, between, ["K_N"])

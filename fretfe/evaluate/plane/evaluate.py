@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Evaluation of a plane contact: its edges, and what half-planes would need for their factors.
 
-A patch that exists in some of the states only has a history in each of its lives by itself.
+A patch that exists in some of the states only has a history in each interval of contact by itself.
 """
 
 from __future__ import annotations
@@ -42,8 +42,9 @@ from fretfe.history.solution import ContactHistory, Factor, Solution
 from fretfe.history.state_array import blocks
 
 Cycle = tuple[int, int] | None
-# From the states of a life, and the cycle as counted in it, to (states, ...) histories.
-CountLife = Callable[[slice, Cycle], Array]
+# From the states of an interval of contact, and the cycle as counted in it, to (states, ...)
+# histories.
+CountInterval = Callable[[slice, Cycle], Array]
 # From solution, contact and positions (stations, T) along the arc.
 FindUnits = Callable[[Solution, ContactHistory, Array], UnitFactors]
 # Linear elements are too stiff: K_N was 1.6 % (cylinder) to 2.8 % (flat with rounded ends) high
@@ -77,14 +78,14 @@ def evaluate_plane(
         fronts.append(Front(front.name, (station,)))
     k_t = np.array([front.stations[0].k_t for front in fronts])
 
-    def tension(life: slice, cycle: Cycle) -> Array:
-        return tension_history(k_t[:, life], half_width[life], cycle)
+    def tension(interval: slice, cycle: Cycle) -> Array:
+        return tension_history(k_t[:, interval], half_width[interval], cycle)
 
     return {
         **plane_resultants(contact, centre),
         "fronts": tuple(fronts),
         "half_width": half_width,
-        "effective_tension": by_life(contact, solution.cycle, tension),
+        "effective_tension": by_interval(contact, solution.cycle, tension),
         "shear_mismatch": shear_mismatch(
             k_t, half_width, full_stick_shear_force(solution, contact), solution.cycle
         ),
@@ -156,16 +157,16 @@ def _steps(k_t: Array, half_width: Array) -> tuple[Array, Array]:
     return np.diff(k_t, axis=1), np.where(np.isfinite(a), a, 1.0)
 
 
-def by_life(contact: ContactHistory, cycle: Cycle, count: CountLife) -> Array:
-    """Return (T, ...) histories that begin anew with each life; NaN where there is no patch.
+def by_interval(contact: ContactHistory, cycle: Cycle, count: CountInterval) -> Array:
+    """Return (T, ...) histories that begin anew with each interval of contact; NaN between them.
 
     Args:
-        contact: one patch, which has a life at least.
+        contact: one patch, which exists in a state at least.
         cycle: first and last state of the evaluated cycle, or None.
-        count: gives the histories of one life; it gets no cycle that is not all in it.
+        count: gives the histories of one interval; it gets no cycle that is not all in it.
     """
     found = {}
-    for first, last in contact.lives:
+    for first, last in contact.intervals:
         inside = cycle is not None and first <= cycle[0] and cycle[1] <= last
         own = (cycle[0] - first, cycle[1] - first) if cycle is not None and inside else None
         found[first] = count(slice(first, last + 1), own)
@@ -176,14 +177,14 @@ def by_life(contact: ContactHistory, cycle: Cycle, count: CountLife) -> Array:
     return histories
 
 
-def in_evaluated_life(
+def in_evaluated_interval(
     contact: ContactHistory, cycle: Cycle, history: StationHistory
 ) -> StationHistory:
-    """Return a history without what is outside the life of the evaluated cycle.
+    """Return a history without what is outside the interval of contact of the evaluated cycle.
 
-    Without a cycle that is the last life; if no life holds all of the cycle nothing is left.
+    Without a cycle that is the last one; if no interval holds all of the cycle nothing is left.
     """
-    first, last = contact.lives[-1]
+    first, last = contact.intervals[-1]
     states = np.arange(len(contact.traction))
     known = (states >= first) & (states <= last)
     if cycle is not None:
@@ -211,11 +212,13 @@ def _factor_histories(
     touching = contact.pressed_nodes > 0
 
     def history(each: Array) -> Array:
-        def count(life: slice, cycle: tuple[int, int] | None) -> Array:
-            drivers, friction = solution.driver_values[life], contact.friction[life]
-            return add_up(each[life], drivers, friction, touching[life], cycle).swapaxes(0, 1)
+        def count(interval: slice, cycle: tuple[int, int] | None) -> Array:
+            drivers, friction = solution.driver_values[interval], contact.friction[interval]
+            return add_up(each[interval], drivers, friction, touching[interval], cycle).swapaxes(
+                0, 1
+            )
 
-        return by_life(contact, solution.cycle, count).swapaxes(0, 1)
+        return by_interval(contact, solution.cycle, count).swapaxes(0, 1)
 
     fitted, drivers, cycle = units.fitted, solution.driver_values, solution.cycle
     ways, shares = [], None
@@ -258,7 +261,7 @@ def _evaluate_station(
     fitted = histories.fitted
     here = nearest_front(contact.arc, last_known(centre, cycle)) == front.number
     history = replace(history, last=last_state(cycle, history))
-    evaluated = in_evaluated_life(contact, solution.cycle, history)
+    evaluated = in_evaluated_interval(contact, solution.cycle, history)
     cycles = count_cycles(cycle, contact.friction, evaluated)
     worst = worst_cycle(cycles, cycle, contact.friction, evaluated)
     outer = worst.outer if worst else np.ones(len(solution.times), dtype=bool)

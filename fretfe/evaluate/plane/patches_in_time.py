@@ -4,7 +4,7 @@
 A track is one patch through the history. It goes on as the patch that it overlaps along the arc. It
 ends where it lifts off, merges with another one or parts; the patch that comes out of that is a
 track of its own, so that no edge ever jumps. A patch at the place of an earlier track is that one
-again, in another life.
+again, in another interval.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ PLACES = 3
 
 @dataclass(frozen=True)
 class Event:
-    """Beginning or end of a life of a track.
+    """Beginning or end of an interval in which a track exists.
 
     Attributes:
         step: the step in which it happens, by the state that ends it.
@@ -260,9 +260,9 @@ def _patches_of(solution: Solution, pair: ContactHistory) -> list[ContactHistory
     names = [f"{pair.name}[{number}]" for number in range(1, len(tracks) + 1)]
     begin = min(state for track in tracks for state in track.patches)
     contacts = []
-    for name, track, territory in zip(names, tracks, _territories(pair, tracks), strict=True):
-        fate = tuple(_fate(solution, pair, track, names, begin))
-        contacts.append(replace(_restricted(pair, territory), name=name, fate=fate))
+    for name, track, node_range in zip(names, tracks, _territories(pair, tracks), strict=True):
+        events = tuple(_fate(solution, pair, track, names, begin))
+        contacts.append(replace(_restricted(pair, node_range), name=name, events=events))
     return contacts
 
 
@@ -274,9 +274,9 @@ def _territories(pair: ContactHistory, tracks: Sequence[Track]) -> list[Indices]
     states, nodes = pair.traction.shape[:2]
     begin = min(state for track in tracks for state in track.patches)
     territories = [np.full((states, 2), -1) for _ in tracks]
-    for track, territory in zip(tracks, territories, strict=True):
+    for track, node_range in zip(tracks, territories, strict=True):
         if begin in track.patches:
-            territory[:begin] = 0, nodes - 1
+            node_range[:begin] = 0, nodes - 1
     for state in range(begin, states):
         here = [number for number, track in enumerate(tracks) if state in track.patches]
         here.sort(key=lambda number: tracks[number].patches[state].first)
@@ -288,18 +288,18 @@ def _territories(pair: ContactHistory, tracks: Sequence[Track]) -> list[Indices]
     return territories
 
 
-def inside(territory: Indices, nodes: int) -> Bools:
-    """Return (T, nodes) nodes that belong to a patch; territory (T, 2)."""
+def inside(node_range: Indices, nodes: int) -> Bools:
+    """Return (T, nodes) nodes that belong to a patch; node_range (T, 2)."""
     numbers = np.arange(nodes)
-    return np.asarray((numbers >= territory[:, :1]) & (numbers <= territory[:, 1:]))
+    return np.asarray((numbers >= node_range[:, :1]) & (numbers <= node_range[:, 1:]))
 
 
-def _restricted(pair: ContactHistory, territory: Indices) -> ContactHistory:
+def _restricted(pair: ContactHistory, node_range: Indices) -> ContactHistory:
     """A pair with tractions, contact and friction work of one patch only."""
     nodes = len(pair.arc)
 
     def own(values: Array, states: Indices) -> Array:
-        kept = inside(territory[states], nodes)
+        kept = inside(node_range[states], nodes)
         return np.where(kept.reshape(*kept.shape, *[1] * (values.ndim - 2)), values, 0)
 
     return replace(
@@ -309,21 +309,21 @@ def _restricted(pair: ContactHistory, territory: Indices) -> ContactHistory:
         # Nodes elsewhere are open.
         status=mapped(pair.status, lambda each, states: own(each, states).astype(np.int8)),
         dissipation=mapped(pair.dissipation, own),
-        full_stick=_restricted_units(pair.full_stick, territory, nodes),
+        full_stick=_restricted_units(pair.full_stick, node_range, nodes),
         # Those of a pair are of edges that none of its patches need have.
         integrals=None,
-        neighbours=None,
-        territory=territory,
+        nearby_loads=None,
+        node_range=node_range,
     )
 
 
-def _restricted_units(units: FullStickUnits, territory: Indices, nodes: int) -> FullStickUnits:
+def _restricted_units(units: FullStickUnits, node_range: Indices, nodes: int) -> FullStickUnits:
     """Increments of full stick on the nodes of a patch, the same in all states with one area."""
-    area = np.where(territory[:, 0] >= 0, units.area, -1)
+    area = np.where(node_range[:, 0] >= 0, units.area, -1)
     # By area: the part of the surface in the first state that has it; none without a state.
     parts = np.full((len(units.fields), 2), -1)
     numbers, firsts = np.unique(area, return_index=True)
-    parts[numbers[numbers >= 0]] = territory[firsts[numbers >= 0]]
+    parts[numbers[numbers >= 0]] = node_range[firsts[numbers >= 0]]
 
     def own(fields: Array, areas: Indices) -> Array:
         kept = inside(parts[areas], nodes)
@@ -359,6 +359,6 @@ def _kind(event: Event, names: Sequence[str]) -> str:
     return f"merges with {together} into {others}" if together else f"parts into {others}"
 
 
-def own_part(values: Array, territory: Indices) -> Array:
-    """Return values (..., N) of one state, zero outside the territory (2,) of a patch."""
-    return np.where(inside(territory[None], values.shape[-1])[0], values, 0.0)
+def own_part(values: Array, node_range: Indices) -> Array:
+    """Return values (..., N) of one state, zero outside the node_range (2,) of a patch."""
+    return np.where(inside(node_range[None], values.shape[-1])[0], values, 0.0)

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.evaluate.closure import closure
 from fretfe.evaluate.contacts import (
     NO_NUMBER,
     CountedCycles,
@@ -38,6 +37,7 @@ from fretfe.evaluate.numerics import last_known
 from fretfe.evaluate.resultants import solid_resultants
 from fretfe.evaluate.slip import cycle_states, last_state, slip_zones
 from fretfe.evaluate.space.fronts import NEAR, FrontTrack, SpaceFront
+from fretfe.evaluate.space.half_spaces import half_space_ratios
 from fretfe.evaluate.space.pressure_fit import FrontFit
 from fretfe.evaluate.space.slip import SlipBetween, shear_share
 from fretfe.evaluate.verdicts import FLANK
@@ -82,7 +82,7 @@ def moved_stations(
         front: in the reference state.
         stations: which of all stations of the contact they are.
     """
-    neighbours, count = contact.neighbours, len(front.sectors)
+    neighbours, count = contact.nearby_loads, len(front.sectors)
     if neighbours is None:
         return (MovedStation(np.nan, np.nan, NO_LOADS),) * count
     fit = front.fits.fit(neighbours.pressure)
@@ -161,7 +161,7 @@ def evaluate_fronts(
         )
         stations = tuple(front.station(each) for each in range(count))
         frames = track.front.frames
-        sums = closure(solution, contact, track, alone=len(tracks) == 1)
+        sums = half_space_ratios(solution, contact, track, alone=len(tracks) == 1)
         fronts.append(Front(front.name, stations, frames.closed, frames.length, sums))
     return tuple(fronts)
 

@@ -94,14 +94,14 @@ def numbers(stations: Sequence[Station], name: str) -> Array:
 
 def _number(station: Station, name: str) -> float:
     if name == "K_N":
-        return station.told_k_n
+        return station.reported_k_n
     if name == "K_N bar":
         return station.last_k_n[1]
     if name in ("d", "d bar"):
         zone = station.slip_zones[-1] if station.slip_zones else None
         if zone is None or zone.gross or not zone.resolved:
             return math.nan
-        return zone.told_length if name == "d" else zone.spread
+        return zone.reported_length if name == "d" else zone.spread
     return float(getattr(station, name))
 
 
@@ -164,7 +164,7 @@ def _front_rows(contact: Contact, front: Front) -> Iterator[Row]:
         return
     told = {"K_N": numbers(stations, "K_N")}
     if np.isfinite(contact.cycle_change):
-        told["ΔK"] = numbers(stations, "told_range")
+        told["ΔK"] = numbers(stations, "reported_range")
     for quantity, values in told.items():
         unknown = np.count_nonzero(np.isnan(values))
         if unknown > (1 - WITHIN) * len(values):
@@ -236,7 +236,7 @@ def _compared(name: str, contact: Contact, front: Front, twin: Front) -> Iterato
     if name == MESH:
         for label, value, bar in (
             ("K_N", "K_N", "K_N bar"),
-            ("ΔK", "told_range", "k_range_spread"),
+            ("ΔK", "reported_range", "k_range_spread"),
             ("d", "d", "d bar"),
         ):
             yield _mesh_row(f"{label} {name}", contact, front, twin, value, bar)

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import Closure, Contact, Front
+from fretfe.evaluate.contacts import Contact, Front, HalfSpaceRatios
 from fretfe.report.figures.history import time_panels
 from fretfe.report.figures.plot import Plot, envelope, legend_above, make_plot, plain_axis
 from fretfe.report.source import force_unit, work_unit
@@ -92,7 +92,7 @@ def front_plot(run: Result, area: Contact, front: Front, key: str) -> Plot:
         count = 1 + has_ranges + has_zones
         panels = list(np.atleast_1d(figure.subplots(count, 1, sharex=True)))
         arc = front.along("arc")
-        k_n = np.array([station.told_k_n for station in front.stations])
+        k_n = np.array([station.reported_k_n for station in front.stations])
         spread = np.array([station.last_k_n[1] for station in front.stations])
         _bars(panels[0], arc, k_n, spread, "K_N", BLUE)
         panels[0].set_ylabel(f"K_N [{units.stress}/√{units.length}]")
@@ -110,10 +110,10 @@ def front_plot(run: Result, area: Contact, front: Front, key: str) -> Plot:
         figure.align_ylabels()
 
     title = f"{front.name.capitalize()} of contact {area.name}"
-    return make_plot(f"{key}-front", title, _closure(front.closure), TRIPLE, draw)
+    return make_plot(f"{key}-front", title, _half_spaces(front.half_space_ratios), TRIPLE, draw)
 
 
-def _closure(found: Closure) -> str:
+def _half_spaces(found: HalfSpaceRatios) -> str:
     """The factors against those of half-spaces, in words; empty if there is nothing to tell."""
     ratios = {
         "K_T and K_S due to Q": found.shear,
@@ -134,7 +134,7 @@ def _closure(found: Closure) -> str:
 
 def _ranges(axes: Axes, front: Front) -> None:
     arc = front.along("arc")
-    told = np.array([station.told_range for station in front.stations])
+    told = np.array([station.reported_range for station in front.stations])
     _bars(axes, arc, told, front.along("k_range_spread"), "|ΔK|", VERMILLION)
     axes.plot(arc, front.along("k_t_range"), "--", color=GREEN, lw=1.1, label="ΔK_T")
     axes.plot(arc, front.along("k_s_range"), ":", color=ORANGE, lw=1.3, label="ΔK_S")
@@ -145,7 +145,7 @@ def _ranges(axes: Axes, front: Front) -> None:
 def _zones(axes: Axes, front: Front) -> None:
     arc = front.along("arc")
     zones = [station.slip_zones[-1] if station.slip_zones else None for station in front.stations]
-    found = np.array([zone.told_length if zone else np.nan for zone in zones])
+    found = np.array([zone.reported_length if zone else np.nan for zone in zones])
     spread = np.array([zone.spread if zone else np.nan for zone in zones])
     predicted = np.array([zone.prediction if zone else np.nan for zone in zones])
     _bars(axes, arc, found, spread, "found", BLUE)

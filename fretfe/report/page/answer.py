@@ -63,16 +63,16 @@ def _edge_answer(run: Result, contact: Contact, edge: Station) -> EdgeAnswer:
         contact=contact.name,
         side=edge.front,
         position=number(float(edge.position[edge.last])),
-        k_n=with_error(edge.told_k_n, edge.last_k_n[1]),
-        k_t_range=with_error(edge.told_range, edge.k_range_spread),
-        uncertain=edge.uncertain and math.isfinite(edge.told_k_n),
+        k_n=with_error(edge.reported_k_n, edge.last_k_n[1]),
+        k_t_range=with_error(edge.reported_range, edge.k_range_spread),
+        uncertain=edge.uncertain and math.isfinite(edge.reported_k_n),
         zones=tuple(_zone_answer(run, edge, zone) for zone in edge.slip_zones[-ZONES:]),
     )
 
 
 def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
     verdict, times = judge(edge, zone), run.loads.times
-    length = with_error(zone.told_length, zone.spread)
+    length = with_error(zone.reported_length, zone.spread)
     ratio = zone.prediction / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
         time=f"{times[zone.start]:g} … {times[zone.end]:g}",

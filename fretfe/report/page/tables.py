@@ -58,8 +58,8 @@ def _edge_cells(edge: Station) -> list[str]:
     measured = [_zone_length(zone) for zone in zones]
     return [
         number(edge.position[edge.last]),
-        marked(number(edge.told_k_n), edge.uncertain),
-        marked(number(edge.told_range), edge.uncertain_range),
+        marked(number(edge.reported_k_n), edge.uncertain),
+        marked(number(edge.reported_range), edge.uncertain_range),
         " / ".join(measured) or MISSING,
         " / ".join(number(zone.prediction, 3) for zone in zones) or MISSING,
     ]
@@ -69,7 +69,7 @@ def _zone_length(zone: SlipZone) -> str:
     """Length of a slip zone; ~ marks one that is not resolved, or known to a tenth at best."""
     if zone.gross:
         return "gross"
-    return marked(number(zone.told_length, 3), zone.uncertain)
+    return marked(number(zone.reported_length, 3), zone.uncertain)
 
 
 def contact_table(run: Result) -> Table:
@@ -235,9 +235,9 @@ def _along(stations: tuple[Station, ...]) -> tuple[str, ...]:
     """Cells of the range of the numbers of all stations."""
     zones = [each.slip_zones[-1] for each in stations if each.slip_zones]
     return (
-        _known_range([each.told_k_n for each in stations], digits=4),
-        _known_range([each.told_range for each in stations], digits=3),
-        _known_range([zone.told_length for zone in zones], digits=2),
+        _known_range([each.reported_k_n for each in stations], digits=4),
+        _known_range([each.reported_range for each in stations], digits=3),
+        _known_range([zone.reported_length for zone in zones], digits=2),
         _known_range([zone.prediction for zone in zones], digits=2),
     )
 
@@ -246,9 +246,9 @@ def _at(station: Station) -> tuple[str, ...]:
     """The same cells of one station, with error bars."""
     zone = station.slip_zones[-1] if station.slip_zones else None
     return (
-        with_error(station.told_k_n, station.last_k_n[1]),
-        with_error(station.told_range, station.k_range_spread),
-        with_error(zone.told_length, zone.spread) if zone else MISSING,
+        with_error(station.reported_k_n, station.last_k_n[1]),
+        with_error(station.reported_range, station.k_range_spread),
+        with_error(zone.reported_length, zone.spread) if zone else MISSING,
         number(zone.prediction, 3) if zone else MISSING,
     )
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import Closure
+from fretfe.evaluate.contacts import HalfSpaceRatios
 from fretfe.evaluate.space.fronts import FrontTrack
 from fretfe.evaluate.space.sectors import Frames
 from fretfe.history.solution import ContactHistory, Factor, Solution
@@ -64,10 +64,10 @@ class _Ellipse:
         return np.asarray(1 / np.sqrt(2 * np.linalg.norm(self.places @ self.form, axis=1)))
 
 
-def closure(
+def half_space_ratios(
     solution: Solution, contact: ContactHistory, track: FrontTrack, *, alone: bool
-) -> Closure:
-    """Closure of the factors around the first front of a contact.
+) -> HalfSpaceRatios:
+    """Ratios to half-spaces of the factors around the first front of a contact.
 
     Args:
         solution: the solved history.
@@ -91,7 +91,7 @@ def closure(
     loads = np.abs(solution.driver_values).max(axis=0)
     found, forces = units * loads, _resultants(contact, ellipse, fields * loads)
     exact = _exact(ellipse, frames, forces)
-    return Closure(
+    return HalfSpaceRatios(
         half_axes=ellipse.half_axes,
         shear=_ratio(found[:, Factor.K_T :], exact.shear),
         twist=_ratio(found[:, Factor.K_S], exact.twist),
@@ -101,8 +101,8 @@ def closure(
     )
 
 
-def _none(reason: str) -> Closure:
-    return Closure(np.full(2, np.nan), np.nan, np.nan, np.nan, np.nan, reason)
+def _none(reason: str) -> HalfSpaceRatios:
+    return HalfSpaceRatios(np.full(2, np.nan), np.nan, np.nan, np.nan, np.nan, reason)
 
 
 def _ellipse(frames: Frames, inward: Array) -> _Ellipse | None:
@@ -155,7 +155,7 @@ def _resultants(contact: ContactHistory, ellipse: _Ellipse, fields: Array) -> _F
 
 @dataclass(frozen=True)
 class _Exact:
-    """Factors of half-spaces at n stations: (n, 2, J), (n, J) and (n, J), as of `Closure`."""
+    """Factors of half-spaces at n stations, (n, 2, J), (n, J) and (n, J), as of their ratios."""
 
     shear: Array
     twist: Array
@@ -185,7 +185,7 @@ def _ratio(found: Array, exact: Array) -> float:
 
 def _pressure(contact: ContactHistory, track: FrontTrack) -> float:
     """Mean of K_N over that of the change of P as the front moves between two loads."""
-    neighbours, frames = contact.neighbours, track.front.frames
+    neighbours, frames = contact.nearby_loads, track.front.frames
     place, k_n = track.fit.place[-1], track.fit.k_n[-1]
     if neighbours is None or not np.isfinite([place, k_n]).all():
         return np.nan

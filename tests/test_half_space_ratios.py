@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Closure of factors around an ellipse and a circle, from exact factors of bonded half-spaces."""
+"""Factors around an ellipse and a circle against exact ones of bonded half-spaces."""
 
 from __future__ import annotations
 
@@ -11,13 +11,19 @@ import pytest
 from test_fronts_in_space import STATIONS, grid, hertz, means, solved
 
 from fretfe._typing import Array
-from fretfe.evaluate.closure import MORE_FRONTS, NO_ELLIPSE, NO_FACTORS, OPEN_FRONT, closure
-from fretfe.evaluate.contacts import Closure
+from fretfe.evaluate.contacts import HalfSpaceRatios
 from fretfe.evaluate.space.fronts import FrontTrack, follow_fronts
+from fretfe.evaluate.space.half_spaces import (
+    MORE_FRONTS,
+    NO_ELLIPSE,
+    NO_FACTORS,
+    OPEN_FRONT,
+    half_space_ratios,
+)
 from fretfe.history.solution import (
     ContactHistory,
     FullStickUnits,
-    Neighbours,
+    NearbyLoads,
     Solution,
     StationIntegrals,
 )
@@ -42,7 +48,7 @@ def case(a: float, b: float) -> Case:
     pressures = [means(points, facets, hertz(k * a, k * b, peak=k))[0] for k in scales]
     contact = replace(
         contact, integrals=integrals, full_stick=units,
-        neighbours=Neighbours(np.array(pressures), np.ones((2, STATIONS))),
+        nearby_loads=NearbyLoads(np.array(pressures), np.ones((2, STATIONS))),
     )  # fmt: skip
     values = np.outer([0.0, 1.0], [1.0, 1.0, 1.0])
     return replace(solution, driver_values=values, contacts=(contact,)), contact, track
@@ -82,9 +88,9 @@ def circle() -> Case:
     return case(1.0, 1.0)
 
 
-def of(case: Case, **changes: Any) -> Closure:
+def of(case: Case, **changes: Any) -> HalfSpaceRatios:
     solution, contact, track = case
-    return closure(solution, replace(contact, **changes), track, alone=True)
+    return half_space_ratios(solution, replace(contact, **changes), track, alone=True)
 
 
 def test_circle(circle: Case) -> None:
@@ -105,14 +111,14 @@ def test_ellipse_has_no_closed_form_of_torsion() -> None:
 def test_forces_that_are_not_there_have_no_ratio(circle: Case) -> None:
     solution, contact, track = circle
     values = solution.driver_values * [1.0, 0.0, 0.0]
-    found = closure(replace(solution, driver_values=values), contact, track, alone=True)
+    found = half_space_ratios(replace(solution, driver_values=values), contact, track, alone=True)
     assert found.normal == pytest.approx(FOUND[0], abs=0.01)
     assert np.isnan([found.shear, found.twist]).all()
 
 
 def test_reasons(circle: Case) -> None:
     solution, contact, track = circle
-    assert closure(solution, contact, track, alone=False).reason == MORE_FRONTS
+    assert half_space_ratios(solution, contact, track, alone=False).reason == MORE_FRONTS
     assert of(circle, integrals=None).reason == NO_FACTORS
     integrals = contact.integrals
     assert integrals is not None
@@ -120,4 +126,4 @@ def test_reasons(circle: Case) -> None:
     assert of(circle, integrals=replace(integrals, positions=wavy[None])).reason == NO_ELLIPSE
     strip = solved(*grid(), [lambda x, z: np.sqrt(np.clip(1 - x**2, 0.0, None))])
     opened, _ = follow_fronts(*strip, STATIONS)
-    assert closure(solution, contact, opened, alone=True).reason == OPEN_FRONT
+    assert half_space_ratios(solution, contact, opened, alone=True).reason == OPEN_FRONT
