@@ -119,11 +119,6 @@ class Model:
         """Number of coordinates, 2 or 3."""
         return next(iter(self.surfaces.values())).dimension
 
-    @property
-    def first_of_group(self) -> bool:
-        """True on the first rank of each group."""
-        return bool(self._group.comm.rank == 0)
-
     def _hand_out(self, mesh: Mesh | None, pairs: tuple[Pair, ...] | None) -> dict[int, _Task]:
         """Send each body to the first rank of its group; returns those of this rank. Collective."""
         tasks = {}

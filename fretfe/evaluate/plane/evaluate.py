@@ -7,14 +7,22 @@ A patch that exists in some of the states only has a history in each interval of
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.analytic.edges import effective_bulk_tension, shear_force_from_factors
-from fretfe.evaluate.contacts import Frame, Front, RangeSpread, SlipZone, Station, StationHistory
+from fretfe.evaluate.contacts import (
+    CountedCycles,
+    Frame,
+    Front,
+    RangeSpread,
+    SlipZone,
+    Station,
+    StationHistory,
+)
 from fretfe.evaluate.cycles import count_cycles, worst_cycle
 from fretfe.evaluate.factors import (
     FactorHistories,
@@ -68,14 +76,11 @@ def evaluate_plane(
     histories = _factor_histories(solution, contact, positions, find_units)
     path = load_path(solution.values, solution.between, solution.cycle)
     spreads = range_spreads(histories, fits, contact.arc, cycle_states(solution.cycle), path)
-    work = _friction_work(solution, contact)
-    fronts = []
-    for front, fit in zip(PLANE_FRONTS, fits, strict=True):
-        spread = spreads[front.number]
-        station = _evaluate_station(
-            solution, contact, front, fit, histories, spread, centre, path, work
-        )
-        fronts.append(Front(front.name, (station,)))
+    edges = _Edges(solution, contact, centre, histories, path, _friction_work(solution, contact))
+    fronts = [
+        Front(front.name, (edges.station(front, fit, spreads[front.number]),))
+        for front, fit in zip(PLANE_FRONTS, fits, strict=True)
+    ]
     k_t = np.array([front.stations[0].k_t for front in fronts])
 
     def tension(interval: slice, cycle: Cycle) -> Array:
@@ -89,7 +94,7 @@ def evaluate_plane(
         "shear_mismatch": shear_mismatch(
             k_t, half_width, full_stick_shear_force(solution, contact), solution.cycle
         ),
-        "dissipation": float(work.sum()),
+        "dissipation": float(edges.work.sum()),
     }
 
 
@@ -240,63 +245,73 @@ def _factor_histories(
     )
 
 
-def _evaluate_station(
-    solution: Solution,
-    contact: ContactHistory,
-    front: PlaneFront,
-    fit: EdgeFit,
-    histories: FactorHistories,
-    spread: RangeSpread,
-    centre: Array,
-    path: LoadPath | None,
-    work: Array,
-) -> Station:
-    by_way = histories.ways[:, front.number]
-    cycle = cycle_states(solution.cycle)
-    movement = edge_movement(contact, front, abs(float((centre - fit.position)[-1])))
-    k_n_spread = _k_n_spread(solution, fit, movement.k_n, histories.exact)
-    history = front.history(
-        fit.position, fit.spread_position, fit.k_n, k_n_spread, by_way.mean(axis=0)
-    )
-    fitted = histories.fitted
-    here = nearest_front(contact.arc, last_known(centre, cycle)) == front.number
-    history = replace(history, last=last_state(cycle, history))
-    evaluated = in_evaluated_interval(contact, solution.cycle, history)
-    cycles = count_cycles(cycle, contact.friction, evaluated)
-    worst = worst_cycle(cycles, cycle, contact.friction, evaluated)
-    outer = worst.outer if worst else np.ones(len(solution.times), dtype=bool)
-    degree = 2 if histories.exact else solution.degree
-    point, frame = _place(contact, front, fit.position)
-    zones = slip_zones(
-        cycle,
-        contact.friction,
-        evaluated,
-        slip_border_of(contact, front, fit.position, outer, degree),
-        path,
-        worst=worst,
-    )
-    return Station(
-        **vars(history),
-        frame=frame,
-        point=point,
-        size=_element_size(contact.arc, float(fit.position[history.last])),
-        k_n_moved=movement.k_n,
-        k_n_moved_spread=movement.k_n_spread,
-        stiffening=movement.stiffening,
-        k_t_range=cycle_range(history.k_t, cycle),
-        k_range=cycle_range(history.k_t, cycle),
-        k_range_spread=spread.total,
-        k_range_parts=spread,
-        k_t_range_fitted=(
-            cycle_range(fitted[front.number, :, Factor.K_T], cycle)
-            if fitted is not None
-            else np.nan
-        ),
-        k_i_range=cycle_range(history.k_i, cycle),
-        cycles=cycles,
-        slip_zones=tuple(with_flank(contact, front, fit.position, centre, zone) for zone in zones),
-        dissipation=float(work[here].sum()),
-    )
+@dataclass(frozen=True)
+class _Edges:
+    """Numbers that the stations of both edges of a contact are made of.
+
+    Attributes:
+        solution: the solved history.
+        contact: the contact.
+        centre: (T,) of it.
+        histories: of the singular factors of both edges.
+        path: loads of the cycle between its steps, unless they are straight lines.
+        work: (N,) friction work of each node in the evaluated cycle.
+    """
+
+    solution: Solution
+    contact: ContactHistory
+    centre: Array
+    histories: FactorHistories
+    path: LoadPath | None
+    work: Array
+
+    def station(self, front: PlaneFront, fit: EdgeFit, spread: RangeSpread) -> Station:
+        """The station of an edge, with the error bar of its range."""
+        contact, cycle = self.contact, cycle_states(self.solution.cycle)
+        movement = edge_movement(contact, front, abs(float((self.centre - fit.position)[-1])))
+        k_n_spread = _k_n_spread(self.solution, fit, movement.k_n, self.histories.exact)
+        factors = self.histories.ways[:, front.number].mean(axis=0)
+        history = front.history(fit.position, fit.spread_position, fit.k_n, k_n_spread, factors)
+        history = replace(history, last=last_state(cycle, history))
+        evaluated = in_evaluated_interval(contact, self.solution.cycle, history)
+        cycles = count_cycles(cycle, contact.friction, evaluated)
+        point, frame = _place(contact, front, fit.position)
+        here = nearest_front(contact.arc, last_known(self.centre, cycle)) == front.number
+        fitted = self.histories.fitted
+        return Station(
+            **vars(history),
+            frame=frame,
+            point=point,
+            size=_element_size(contact.arc, float(fit.position[history.last])),
+            k_n_moved=movement.k_n,
+            k_n_moved_spread=movement.k_n_spread,
+            stiffening=movement.stiffening,
+            k_t_range=cycle_range(history.k_t, cycle),
+            k_range=cycle_range(history.k_t, cycle),
+            k_range_spread=spread.total,
+            k_range_parts=spread,
+            k_t_range_fitted=(
+                np.nan
+                if fitted is None
+                else cycle_range(fitted[front.number, :, Factor.K_T], cycle)
+            ),
+            k_i_range=cycle_range(history.k_i, cycle),
+            cycles=cycles,
+            slip_zones=self._zones(front, evaluated, cycles),
+            dissipation=float(self.work[here].sum()),
+        )
+
+    def _zones(
+        self, front: PlaneFront, evaluated: StationHistory, cycles: CountedCycles
+    ) -> tuple[SlipZone, ...]:
+        contact, cycle = self.contact, cycle_states(self.solution.cycle)
+        worst = worst_cycle(cycles, cycle, contact.friction, evaluated)
+        outer = worst.outer if worst else np.ones(len(self.solution.times), dtype=bool)
+        degree = 2 if self.histories.exact else self.solution.degree
+        position = evaluated.position
+        border = slip_border_of(contact, front, position, outer, degree)
+        zones = slip_zones(cycle, contact.friction, evaluated, border, self.path, worst=worst)
+        return tuple(with_flank(contact, front, position, self.centre, zone) for zone in zones)
 
 
 def _k_n_spread(solution: Solution, fit: EdgeFit, moved: float, exact: bool) -> Array:
