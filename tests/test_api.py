@@ -244,8 +244,7 @@ def test_validation_and_its_files(pad: Path, tmp_path: Path) -> None:
     assert told.phases[0] == "the case itself" and len(told.phases) > 1
     assert found.result.directory == tmp_path
     assert {path.name for path in tmp_path.iterdir()} == {
-        "run.json",
-        "case.toml", "results.json", "results.h5", "validation.json"
+        "run.json", "case.toml", "results.json", "results.h5", "stations.csv", "validation.json",
     }  # fmt: skip
 
 

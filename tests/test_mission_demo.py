@@ -34,7 +34,7 @@ def test_worst_cycle_and_files(tmp_path: Path) -> None:
         assert sorted(extremes) == pytest.approx([load.min(), load.max()])
         exact = a * (1 - np.sqrt(1 - np.ptp(load) / (2 * 0.4 * 600)))
         assert [zone.length for zone in edge.slip_zones] == pytest.approx([exact, exact])
-        own = [row for row in rows if row["edge"] == edge.front]
+        own = [row for row in rows if row["front"] == edge.front]
         assert len(own) == len(cycles.count)
         (marked,) = [row for row in own if row["worst"] == "True"]
         assert float(marked["k_t_range"]) == pytest.approx(np.ptp(load) * factor)
