@@ -20,8 +20,8 @@ from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import Case, parse_case
 from fretfe.errors import ConvergenceError
 from fretfe.loads import History, build_history
-from fretfe.results.digest import KEY, with_digest
 from fretfe.results.model import Result
+from fretfe.results.run_folder import KEY, with_digest
 from fretfe.results.writer import write_results
 
 BACKENDS: dict[str, Backend] = {"analytic": ANALYTIC, "halfplane": HALFPLANE}

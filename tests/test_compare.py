@@ -20,7 +20,7 @@ import fretfe
 from fretfe.api import Comparison, Result
 from fretfe.case import parse_case
 from fretfe.errors import CaseError, ConvergenceError, OutputError
-from fretfe.exchange.compared import QuantityPair
+from fretfe.exchange.comparison import QuantityPair
 
 LOADS = {"press": press(), "shear": shear(steps=8)}
 

@@ -29,8 +29,8 @@ from fretfe.history.state_array import MOST_STATES, StateArray, blocks, mapped, 
 from fretfe.history.stream import StateStream
 from fretfe.report.figures.plot import BINS, envelope
 from fretfe.results import writer
-from fretfe.results.digest import with_digest
 from fretfe.results.reader import load_result
+from fretfe.results.run_folder import with_digest
 from fretfe.results.writer import write_results
 
 STEPS = 12

@@ -18,8 +18,8 @@ from fretfe.errors import OutputError
 from fretfe.evaluate.refinement import Pass, Refinement, StationValues
 from fretfe.history.solution import ContactHistory
 from fretfe.history.state_array import StateArray
-from fretfe.results.digest import KEY
 from fretfe.results.reader import load_result, restored_refinement
+from fretfe.results.run_folder import KEY
 from fretfe.results.writer import as_numbers
 
 

@@ -15,9 +15,8 @@ from rich.table import Table
 
 from fretfe.errors import CaseError
 from fretfe.evaluate import EdgeAnalysis, Estimate, TractionAnalysis, analyse_tractions
-from fretfe.exchange.column_names import Columns
 from fretfe.exchange.sign import Sign
-from fretfe.exchange.traction_file import TractionTable, read_tractions
+from fretfe.exchange.traction_file import Columns, TractionTable, read_tractions
 from fretfe.report.texts import MISSING, with_error
 
 ROWS = {

@@ -45,7 +45,7 @@ def edges(
     Columns are x, p, q and slip, or those that finite-element programs write.
     """
     from fretfe.cli.edges_report import analyse_file
-    from fretfe.exchange.column_names import Columns
+    from fretfe.exchange.traction_file import Columns
 
     analyse_file(table, Columns(x, p, q, slip), friction, compression, as_json=as_json)
 

@@ -12,8 +12,7 @@ from fretfe.case import Units
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, SlipZone, Station
 from fretfe.evaluate.refinement import StationValues, front_means
-from fretfe.exchange.compared import HistoryPair, QuantityPair, TractionPair
-from fretfe.exchange.overlays import history_pairs, traction_pairs
+from fretfe.exchange.overlays import HistoryPair, TractionPair, history_pairs, traction_pairs
 from fretfe.report.source import work_unit
 from fretfe.results.model import Result
 
@@ -26,6 +25,59 @@ Pairs = Sequence[tuple[Any, Any]]
 MOST_KEYS = 12
 # What a case says about itself only.
 NOT_COMPARED = ("title", "output")
+
+
+@dataclass(frozen=True)
+class QuantityPair:
+    """A number in both results.
+
+    Attributes:
+        contact: its name in the first result.
+        edge: left or right; of solids a front, empty for a number of the whole contact.
+        quantity: what it is.
+        unit: of it.
+        first, second: the two; NaN where unknown.
+        first_spread, second_spread: error bars, half the width of a 95 % interval; NaN where
+            unknown.
+    """
+
+    contact: str
+    edge: str
+    quantity: str
+    unit: str
+    first: float
+    second: float
+    first_spread: float = math.nan
+    second_spread: float = math.nan
+
+    @property
+    def difference(self) -> float:
+        """Of the second from the first one, relative to that; NaN if one is unknown or zero."""
+        return self.second / self.first - 1 if self.first else math.nan
+
+    @property
+    def difference_spread(self) -> float:
+        """Error bar of it by those of the two, as if they were independent."""
+        if not self.first:
+            return math.nan
+        relative = self.second * self.first_spread / self.first
+        return math.hypot(relative, self.second_spread) / abs(self.first)
+
+    @property
+    def agrees(self) -> bool | None:
+        """True if the difference is within its error bar; None if that cannot be told."""
+        if not (math.isfinite(self.difference) and math.isfinite(self.difference_spread)):
+            return None
+        return abs(self.difference) <= self.difference_spread
+
+    def record(self) -> dict[str, Any]:
+        """Everything by name."""
+        return {
+            **vars(self),
+            "difference": self.difference,
+            "difference_spread": self.difference_spread,
+            "agrees": self.agrees,
+        }
 
 
 class Number(NamedTuple):

@@ -15,8 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fretfe.errors import OutputError
-from fretfe.exchange.compared import Curve, HistoryPair, QuantityPair, TractionPair
-from fretfe.exchange.comparison import K_N, K_T, ZONES, Comparison
+from fretfe.exchange.comparison import K_N, K_T, ZONES, Comparison, QuantityPair
+from fretfe.exchange.overlays import Curve, HistoryPair, TractionPair
 from fretfe.files import disk_reason, replace_text
 from fretfe.report.figures.plot import envelope
 from fretfe.report.theme import BLUE, FILE_DPI, GREY, LOW, SINGLE, STYLE, VERMILLION, WIDTH

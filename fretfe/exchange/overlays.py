@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ from fretfe._typing import Array, Indices
 from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.resultants import load_extremes
-from fretfe.exchange.compared import Curve, HistoryPair, TractionPair
 from fretfe.report.source import force_unit
 from fretfe.results.model import Result
 
@@ -22,6 +22,70 @@ Pairs = Sequence[tuple[Any, Any]]
 # Times that differ by less than this fraction of the clock are the same.
 SAME_TIME = 1e-9
 LAST = "last state"
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Tractions of one result along a contact in one state; n nodes.
+
+    Attributes:
+        time: of the state.
+        friction: coefficient in the step to the state.
+        x: (n,) place along the contact.
+        pressure, shear: (n,) means around the nodes.
+    """
+
+    time: float
+    friction: float
+    x: Array
+    pressure: Array
+    shear: Array
+
+
+@dataclass(frozen=True)
+class TractionPair:
+    """Tractions of both results along a contact at a load extreme.
+
+    Attributes:
+        contact: its name in the first result.
+        extreme: which one, in words.
+        first, second: the two.
+        pressure_difference: root of the integral of the squared difference of p, over that of p of
+            the first one; NaN where the two do not overlap.
+        shear_difference: the same of q, over that of f p of the first one; NaN without friction.
+    """
+
+    contact: str
+    extreme: str
+    first: Curve
+    second: Curve
+    pressure_difference: float
+    shear_difference: float
+
+
+@dataclass(frozen=True)
+class HistoryPair:
+    """A history in both results.
+
+    Attributes:
+        contact, edge, quantity, unit: as of a pair of numbers.
+        first_times, second_times: (T,) of each result.
+        first, second: (T,) of each result.
+        common: number of times that both results have, where both values are known.
+        difference: largest difference at these times, over the largest value of the first one
+            there; NaN without any.
+    """
+
+    contact: str
+    edge: str
+    quantity: str
+    unit: str
+    first_times: Array
+    second_times: Array
+    first: Array
+    second: Array
+    common: int
+    difference: float
 
 
 def traction_pairs(

@@ -29,8 +29,8 @@ from fretfe.mesh.groups import count_unknowns
 from fretfe.mesh.mesh import Mesh
 from fretfe.mesh.sizing import Source, apply_fine_sizes
 from fretfe.mesh.templates import find_template
-from fretfe.results.digest import are_unchanged, with_digest
 from fretfe.results.model import Result
+from fretfe.results.run_folder import are_unchanged, with_digest
 from fretfe.surface.checks import load_mesh
 from fretfe.surface.surface import build_surface
 

@@ -26,10 +26,9 @@ from fretfe.history.state_array import StateArray
 from fretfe.history.stream import select_rows
 from fretfe.loads import History
 from fretfe.results.dataset import NODAL
-from fretfe.results.digest import are_unchanged
 from fretfe.results.hdf5_file import read_fault, require_own
 from fretfe.results.model import Result
-from fretfe.results.run_folder import unfinished
+from fretfe.results.run_folder import are_unchanged, unfinished
 from fretfe.results.writer import ARRAYS, ELSEWHERE, NUMBERS, SCHEMA
 
 T = TypeVar("T")

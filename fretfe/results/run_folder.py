@@ -3,6 +3,9 @@
 
 `run.json` says so. It is written before anything of an earlier run is touched, and says that the
 run has finished only when all numbers are there. `run.lock` keeps a second process out.
+
+Numbers have a digest, by which one sees that others were changed since. It tells damage and
+mistakes, not malice: whoever changes numbers can change the digest.
 """
 
 from __future__ import annotations
@@ -14,15 +17,16 @@ import json
 import os
 import socket
 from collections.abc import Callable, Iterator, Mapping
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from fretfe.errors import OutputError
 from fretfe.files import disk_reason, replace_text
-from fretfe.results.digest import KEY, are_unchanged, with_digest
 
 MARK, LOCK = "run.json", "run.lock"
 SCHEMA = {"name": "fretfe-run", "version": 1}
+KEY = "digest"
 FINISHED = "finished"
 NEEDED = {"doing", "complete"}
 ANEW = (
@@ -31,6 +35,21 @@ ANEW = (
 )
 # Errors of file systems without locks.
 NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS)
+
+
+def with_digest(numbers: Mapping[str, Any]) -> dict[str, Any]:
+    """Numbers in plain types of JSON, and behind them the digest of all."""
+    return {**numbers, KEY: _digest(numbers)}
+
+
+def are_unchanged(numbers: Mapping[str, Any]) -> bool:
+    """True if the digest among numbers is that of the others."""
+    others = {name: value for name, value in numbers.items() if name != KEY}
+    return bool(numbers.get(KEY) == _digest(others))
+
+
+def _digest(numbers: Mapping[str, Any]) -> str:
+    return sha256(json.dumps(numbers).encode()).hexdigest()
 
 
 @contextlib.contextmanager

@@ -36,11 +36,10 @@ from fretfe.history.solution import ContactHistory, Solution
 from fretfe.history.state_array import StateArray, states_in_block
 from fretfe.results.csv_files import CYCLES, STATIONS, write_cycles, write_stations
 from fretfe.results.dataset import NODAL
-from fretfe.results.digest import with_digest
 from fretfe.results.field_files import FIELDS, SURFACES, write_surfaces
 from fretfe.results.hdf5_file import new_hdf5, room, store
 from fretfe.results.model import BodyArrays, Result
-from fretfe.results.run_folder import MARK
+from fretfe.results.run_folder import MARK, with_digest
 from fretfe.results.stress_file import STRESSES
 
 SCHEMA = {"name": "fretfe-results", "version": 6}

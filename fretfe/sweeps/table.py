@@ -20,7 +20,7 @@ from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import known_length
 from fretfe.files import disk_reason, replacing, sync
 from fretfe.report.figures.sweep import write_sweep
-from fretfe.results.digest import KEY, are_unchanged, with_digest
+from fretfe.results.run_folder import KEY, are_unchanged, with_digest
 from fretfe.results.writer import FIGURE, TABLE, VARIANTS
 from fretfe.sweeps.engine import Solved, Sweep
 
