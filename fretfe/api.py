@@ -22,7 +22,7 @@ from fretfe.exchange.export import export_result
 from fretfe.matching.match import compare_tests, match_test
 from fretfe.matching.rig import load_rig
 from fretfe.quality.validate import Validation
-from fretfe.quality.verify.run import Verification, verify
+from fretfe.quality.verification import Verification, verify
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.runner import Runner, draw_report

@@ -92,8 +92,8 @@ def verify(
     Exit code 1 if one of them fails.
     """
     from fretfe.cli.progress import BenchmarkReport
-    from fretfe.quality.verify.model import as_numbers, print_summary
-    from fretfe.quality.verify.run import verify as run_all
+    from fretfe.quality.comparison import as_numbers, print_summary
+    from fretfe.quality.verification import verify as run_all
 
     first = rank_from_environment() == 0
     report = BenchmarkReport(quiet=as_json or not first)

@@ -21,7 +21,7 @@ from rich.status import Status
 
 from fretfe.backends import Observer
 from fretfe.cli.options import Verbosity
-from fretfe.quality.verify.model import Benchmark, Row, print_rows
+from fretfe.quality.comparison import Benchmark, Row, print_rows
 
 # What ends a process from outside: a user, a queue or `timeout`.
 DEFAULTS: dict[signal.Signals, Any] = {

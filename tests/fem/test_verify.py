@@ -10,8 +10,8 @@ from launch import python
 
 from fretfe.backends import Installed
 from fretfe.fem.backend import BACKEND, MpiProcesses
-from fretfe.quality.verify.model import Benchmark, Row
-from fretfe.quality.verify.run import benchmarks, controls, run_benchmark
+from fretfe.quality.comparison import Benchmark, Row
+from fretfe.quality.verification import benchmarks, controls, run_benchmark
 
 BENCHMARKS = {benchmark.name: benchmark for benchmark in benchmarks() if benchmark.case}
 CONTROLS = {control.name: control for control in controls()}

@@ -12,11 +12,11 @@ import pytest
 
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
 from fretfe.backends import Installed, backend_names, find_backend
-from fretfe.quality.verify import references
-from fretfe.quality.verify.classic import FRICTION, MESH, SLOPE
-from fretfe.quality.verify.cycles import LOOPS, SHORTEST
-from fretfe.quality.verify.model import Benchmark, Row
-from fretfe.quality.verify.run import benchmarks, controls, run_benchmark
+from fretfe.quality import pads
+from fretfe.quality.comparison import Benchmark, Row
+from fretfe.quality.cycles import LOOPS, SHORTEST
+from fretfe.quality.loading import FRICTION, MESH, SLOPE
+from fretfe.quality.verification import benchmarks, controls, run_benchmark
 from fretfe.runner import OneProcess
 
 pytestmark = pytest.mark.formula
@@ -79,12 +79,12 @@ def test_tolerances_are_those_of_known_backends_and_useful(name: str) -> None:
 Load = Callable[..., float]
 # The closed forms of the known values were written down twice; here the two meet.
 SHAPES: dict[str, tuple[Profile, Load, Load, tuple[float, ...]]] = {
-    "Hertz": (Hertz(50.0, 100.0), references.hertz_load, references.hertz_k_n, (50.0,)),
-    "wedge": (Wedge(0.01, 100.0), references.wedge_load, references.wedge_k_n, (0.01,)),
+    "Hertz": (Hertz(50.0, 100.0), pads.hertz_load, pads.hertz_k_n, (50.0,)),
+    "wedge": (Wedge(0.01, 100.0), pads.wedge_load, pads.wedge_k_n, (0.01,)),
     "flat and rounded": (
         FlatRounded(0.5, 100.0, 100.0),
-        references.flat_rounded_load,
-        references.flat_rounded_k_n,
+        pads.flat_rounded_load,
+        pads.flat_rounded_k_n,
         (0.5, 100.0),
     ),
 }
@@ -103,11 +103,11 @@ def test_closed_forms_agree_with_the_library(name: str, half_width: float) -> No
 @pytest.mark.parametrize("lag", [0.0, 0.7, math.pi / 2, 2.5])
 def test_ranges_of_k_t_are_those_of_the_history(lag: float) -> None:
     times = [2 * math.pi * i / 20000 for i in range(20000)]
-    left, right = references.k_t_ranges(0.3, 0.2, lag, 1.5)
+    left, right = pads.k_t_ranges(0.3, 0.2, lag, 1.5)
     histories = {
         sign: [
-            sign * references.shear_part(0.3 * math.cos(t), 1.5)
-            + references.tension_part(0.2 * math.cos(t - lag), 1.5)
+            sign * pads.shear_part(0.3 * math.cos(t), 1.5)
+            + pads.tension_part(0.2 * math.cos(t - lag), 1.5)
             for t in times
         ]
         for sign in (1, -1)
@@ -118,10 +118,10 @@ def test_ranges_of_k_t_are_those_of_the_history(lag: float) -> None:
 
 
 def test_asymptotic_lengths_of_the_loops_follow_from_the_ranges() -> None:
-    k_n = references.hertz_k_n(1.0, 50.0, 100.0)
+    k_n = pads.hertz_k_n(1.0, 50.0, 100.0)
     for loop in LOOPS:
         force, tension = loop.shear * 0.5 * math.pi / 2, loop.tension * 0.5
-        ranges = references.k_t_ranges(force, tension, math.radians(loop.lag), 1.0)
+        ranges = pads.k_t_ranges(force, tension, math.radians(loop.lag), 1.0)
         # four digits
         assert [r / (0.5 * k_n) for r in ranges] == pytest.approx(loop.asymptotic, abs=6e-5)
 

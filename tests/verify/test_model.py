@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from fretfe.loads import History
-from fretfe.quality.verify.cycles import TENSION_ONLY, loop_case
-from fretfe.quality.verify.model import Quantity, Row, Verdict, compare, failed, remark
+from fretfe.quality.comparison import Quantity, Row, Verdict, compare, failed, remark
+from fretfe.quality.cycles import TENSION_ONLY, loop_case
 from fretfe.results.model import Result
 
 RESULT = Result(

@@ -17,9 +17,9 @@ from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case
 from fretfe.errors import ConvergenceError, ModelError
 from fretfe.loads import History
-from fretfe.quality.verify.cycles import TENSION_ONLY, loop_case
-from fretfe.quality.verify.model import Benchmark, Quantity, Row
-from fretfe.quality.verify.run import run_benchmark
+from fretfe.quality.comparison import Benchmark, Quantity, Row
+from fretfe.quality.cycles import TENSION_ONLY, loop_case
+from fretfe.quality.verification import run_benchmark
 from fretfe.results.model import Result
 
 T = TypeVar("T")

@@ -17,9 +17,9 @@ from fretfe.backends import Backend, Installed
 from fretfe.cli.app import app
 from fretfe.cli.checks import verify as verify_backends
 from fretfe.errors import CaseError
-from fretfe.quality.verify import run
-from fretfe.quality.verify.model import Benchmark
-from fretfe.quality.verify.run import benchmarks, controls
+from fretfe.quality import verification
+from fretfe.quality.comparison import Benchmark
+from fretfe.quality.verification import benchmarks, controls
 
 KEYS = {
     "benchmark", "quantity", "backend", "computed", "reference", "difference", "tolerance",
@@ -79,7 +79,7 @@ def test_unknown_backend() -> None:
 
 def test_other_ranks_than_0_print_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PMI_RANK", "1")
-    monkeypatch.setattr(run, "benchmarks", lambda: (BENCHMARK,))
+    monkeypatch.setattr(verification, "benchmarks", lambda: (BENCHMARK,))
     done = CliRunner().invoke(app, ["verify", "--backend", "analytic"])
     assert (done.exit_code, done.output) == (0, "")
 
@@ -88,8 +88,8 @@ def invoke(
     monkeypatch: pytest.MonkeyPatch, table: tuple[Benchmark, ...], *arguments: str
 ) -> tuple[int, str]:
     """Exit code and output with another table, without controls."""
-    monkeypatch.setattr(run, "benchmarks", lambda: table)
-    monkeypatch.setattr(run, "controls", lambda: ())
+    monkeypatch.setattr(verification, "benchmarks", lambda: table)
+    monkeypatch.setattr(verification, "controls", lambda: ())
     done = CliRunner().invoke(app, ["verify", "--backend", "analytic", *arguments])
     return done.exit_code, done.output
 
@@ -158,7 +158,7 @@ def test_backend_that_does_not_work(
     words: str,
 ) -> None:
     installed = (Installed("analytic", "package 1.0", backend, reason),)
-    monkeypatch.setattr(run, "installed_backends", lambda: installed)
+    monkeypatch.setattr(verification, "installed_backends", lambda: installed)
     code, output = invoke(monkeypatch, (BENCHMARK,), "--json")
     (row,) = json.loads(output)["rows"]
     assert code == 1

@@ -1,38 +1,36 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Exact steady cycles of shear force and bulk tension, at constant and at varying normal load."""
+"""Exact steady cycles of shear force and bulk tension, at constant and at varying normal load.
+
+In the plane, and of a sphere on a flat.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from fretfe.analytic.partial_slip import hertz_dissipation
 from fretfe.analytic.profiles import Hertz
-from fretfe.case import Case
-from fretfe.quality.verify import measures, references
-from fretfe.quality.verify.cases import (
-    HOLD,
-    Pad,
-    pad_case,
-    press,
-    ramp,
-    rocking_case,
-    wave,
-)
-from fretfe.quality.verify.classic import hertz_parameters
-from fretfe.quality.verify.measures import LEFT, NAMES, RIGHT
-from fretfe.quality.verify.model import Benchmark, Quantity
-from fretfe.quality.verify.references import hertz_load, k_t_ranges
+from fretfe.case import Case, parse_case
+from fretfe.quality import measures, pads
+from fretfe.quality.comparison import Benchmark, Measure, Quantity
+from fretfe.quality.pads import FACES, HOLD, Pad, pad_case, press, ramp, rocking_case, wave
 
 HALF_WIDTH, RADIUS, E_STAR, FRICTION, PEAK_PRESSURE = 1.0, 50.0, 100.0, 0.5, 1.0
 POISSON = 0.3
 # Both bodies alike: 1/E* = 2 (1 - nu^2)/E.
 YOUNG = 2 * (1 - POISSON**2) * E_STAR
-NORMAL_FORCE = hertz_load(HALF_WIDTH, RADIUS, E_STAR)
+NORMAL_FORCE = pads.hertz_load(HALF_WIDTH, RADIUS, E_STAR)
 # All lags are whole steps. At a lag of 90 degrees K_T turns at a step too.
 STEPS = 72
 ANGLE, PUNCH_RADIUS, FLAT = 0.5, 100.0, 0.5
 STICK = 0.85
+# A contact of radius 1 on a sphere: two bodies, no Poisson's ratio, E* = E/2.
+SPHERE_YOUNG = 2e5
+SPHERE_FORCE = 2 * SPHERE_YOUNG / (3 * RADIUS)
+# Q over f P, elements over the radius of the contact, and steps from one extreme to the other.
+SPHERE_SHARE, SPHERE_ELEMENTS, SPHERE_STEPS = 0.5, 8, 6
 BODIES = {"upper_width": 30.0, "upper_height": 30.0, "lower_width": 60.0, "lower_height": 60.0}
 
 
@@ -87,7 +85,7 @@ TENSION_ONLY, LAGGING = LOOPS[2], LOOPS[5]
 
 def hertz_pad(friction: float = FRICTION) -> Pad:
     """The pad that gives E* = 100 and, under `NORMAL_FORCE`, a = 1 and p0 = 1."""
-    parameters = hertz_parameters(RADIUS, HALF_WIDTH)
+    parameters = pads.hertz_parameters(RADIUS, HALF_WIDTH)
     return Pad("cylinder", parameters, friction, (YOUNG, YOUNG), POISSON)
 
 
@@ -106,21 +104,26 @@ def loop_case(loop: Loop, friction: float = FRICTION) -> Case:
     )
 
 
+def at_both_edges(
+    name: str,
+    known: Sequence[float],
+    scale: float,
+    tolerances: dict[str, float],
+    measure: Callable[[int], Measure],
+) -> tuple[Quantity, ...]:
+    """A quantity at the left and at the right edge; the edge goes into its name."""
+    return tuple(
+        Quantity(name.format(edge), known[side], scale, tolerances, measure(side))
+        for side, edge in enumerate(("left", "right"))
+    )
+
+
 def slip_lengths(loop: Loop) -> tuple[Quantity, ...]:
     """Slip lengths at the left and the right edge."""
     # The table resolves 0.005. Where the closed form is not exact it is the asymptote: 0.0114 off
     # for the longest of these zones, of the order of d^2/(2a).
     tolerances = {"analytic": 0.005 if loop.exact else 0.015, "halfplane": 0.005, "fem": 0.009}
-    return tuple(
-        Quantity(
-            f"d {NAMES[side]}",
-            loop.length[side],
-            HALF_WIDTH,
-            tolerances,
-            measures.slip_length(side),
-        )
-        for side in (LEFT, RIGHT)
-    )
+    return at_both_edges("d {}", loop.length, HALF_WIDTH, tolerances, measures.slip_length)
 
 
 def predicted_lengths(loop: Loop) -> tuple[Quantity, ...]:
@@ -128,21 +131,14 @@ def predicted_lengths(loop: Loop) -> tuple[Quantity, ...]:
     # Four digits are given. Finite elements: 0.5 % in ΔK_T or K_N of the longest zone, 0.2 a.
     digits = 0.5e-4 + loop.missed * max(loop.asymptotic)
     tolerances = {"analytic": digits, "halfplane": digits + 2e-5, "fem": 0.001}
-    return tuple(
-        Quantity(
-            f"ΔK_T/(f K_N) {NAMES[side]}",
-            loop.asymptotic[side],
-            HALF_WIDTH,
-            tolerances,
-            measures.predicted_length(side),
-        )
-        for side in (LEFT, RIGHT)
+    return at_both_edges(
+        "ΔK_T/(f K_N) {}", loop.asymptotic, HALF_WIDTH, tolerances, measures.predicted_length
     )
 
 
 def factor_ranges(loop: Loop) -> tuple[Quantity, ...]:
     """ΔK_T at both edges, relative to the larger one: the loads may cancel at the other edge."""
-    ranges = k_t_ranges(
+    ranges = pads.k_t_ranges(
         loop.shear * FRICTION * NORMAL_FORCE,
         loop.tension * FRICTION * PEAK_PRESSURE,
         math.radians(loop.lag),
@@ -155,12 +151,7 @@ def factor_ranges(loop: Loop) -> tuple[Quantity, ...]:
         "halfplane": loop.missed + 3e-5,
         "fem": 0.004,
     }
-    return tuple(
-        Quantity(
-            f"ΔK_T {NAMES[side]}", ranges[side], max(ranges), tolerances, measures.k_t_range(side)
-        )
-        for side in (LEFT, RIGHT)
-    )
+    return at_both_edges("ΔK_T {}", ranges, max(ranges), tolerances, measures.k_t_range)
 
 
 def loop_benchmarks() -> tuple[Benchmark, ...]:
@@ -190,8 +181,8 @@ class Punch:
 
 def hertz() -> Punch:
     """The pad of the load loops."""
-    stick_load = references.hertz_load(STICK, RADIUS, E_STAR)
-    k_n = references.hertz_k_n(HALF_WIDTH, RADIUS, E_STAR)
+    stick_load = pads.hertz_load(STICK, RADIUS, E_STAR)
+    k_n = pads.hertz_k_n(HALF_WIDTH, RADIUS, E_STAR)
     source = "Cattaneo 1938; Mindlin and Deresiewicz 1953"
     return Punch("Hertz", source, hertz_pad(), NORMAL_FORCE, stick_load, k_n)
 
@@ -205,9 +196,9 @@ def wedge() -> Punch:
         "wedge",
         "Johnson 1985, section 5.2; Ciavarella 1998",
         Pad("wedge", parameters, FRICTION, (YOUNG, YOUNG), POISSON),
-        references.wedge_load(HALF_WIDTH, slope, E_STAR),
-        references.wedge_load(STICK, slope, E_STAR),
-        references.wedge_k_n(HALF_WIDTH, slope, E_STAR),
+        pads.wedge_load(HALF_WIDTH, slope, E_STAR),
+        pads.wedge_load(STICK, slope, E_STAR),
+        pads.wedge_k_n(HALF_WIDTH, slope, E_STAR),
     )
 
 
@@ -227,9 +218,9 @@ def flat_rounded() -> Punch:
         "flat and rounded, b/a = 0.5",
         "Ciavarella, Hills and Monno 1998; Ciavarella 1998",
         Pad("flat_rounded", parameters, FRICTION, (YOUNG, YOUNG), POISSON),
-        references.flat_rounded_load(HALF_WIDTH, *shape),
-        references.flat_rounded_load(STICK, *shape),
-        references.flat_rounded_k_n(HALF_WIDTH, *shape),
+        pads.flat_rounded_load(HALF_WIDTH, *shape),
+        pads.flat_rounded_load(STICK, *shape),
+        pads.flat_rounded_k_n(HALF_WIDTH, *shape),
     )
 
 
@@ -248,16 +239,7 @@ def _cyclic_shear(punch: Punch) -> Benchmark:
     quantities = [
         Quantity("a", HALF_WIDTH, HALF_WIDTH, width, measures.half_width),
         Quantity("K_N", punch.k_n, punch.k_n, factor, measures.k_n),
-        *(
-            Quantity(
-                f"d {NAMES[side]}",
-                HALF_WIDTH - STICK,
-                HALF_WIDTH,
-                length,
-                measures.slip_length(side),
-            )
-            for side in (LEFT, RIGHT)
-        ),
+        *at_both_edges("d {}", (HALF_WIDTH - STICK,) * 2, HALF_WIDTH, length, measures.slip_length),
     ]
     if punch.pad.template == "cylinder":
         quantities.append(_friction_work(punch.load, shear_force))
@@ -314,15 +296,12 @@ def _varying(
             normal=[press(start), wave(change, mean=mean, phase=lead, steps=STEPS)],
             shear=[HOLD, wave(FRICTION * carried, steps=STEPS)],
         ),
-        quantities=tuple(
-            Quantity(
-                f"permanent stick, {NAMES[side]} border",
-                sign * border,
-                HALF_WIDTH,
-                tolerances,
-                measures.stick_border(side),
-            )
-            for side, sign in ((LEFT, -1.0), (RIGHT, 1.0))
+        quantities=at_both_edges(
+            "permanent stick, {} border",
+            (-border, border),
+            HALF_WIDTH,
+            tolerances,
+            measures.stick_border,
         ),
     )
 
@@ -335,15 +314,12 @@ def rocking() -> Benchmark:
         name="moment, Hertz",
         source="a parabola that turns is the same parabola at another place: Johnson 1985, 4.2",
         case=_rocking_case(shift),
-        quantities=tuple(
-            Quantity(
-                f"{NAMES[side]} edge",
-                sign * HALF_WIDTH + shift,
-                HALF_WIDTH,
-                tolerances,
-                measures.position(side),
-            )
-            for side, sign in ((LEFT, -1.0), (RIGHT, 1.0))
+        quantities=at_both_edges(
+            "{} edge",
+            (shift - HALF_WIDTH, shift + HALF_WIDTH),
+            HALF_WIDTH,
+            tolerances,
+            measures.position,
         ),
     )
 
@@ -354,3 +330,57 @@ def _rocking_case(shift: float) -> Case:
     pressure = NORMAL_FORCE / (2 * pad.parameters["upper_width"])
     shear = pressure * shift / pad.parameters["upper_height"]
     return rocking_case(pad, pressure=[press(pressure)], shear=[HOLD, ramp(shear, 4)])
+
+
+def sheared_sphere() -> Benchmark:
+    """A sphere on a flat under a cycle of shear force: solids, which only finite elements solve.
+
+    A bonded circle of radius a carries Q/(2π a²)/√(1 - r²/a²) (Mindlin 1949), so that the factor of
+    shear along Q is Q/(2π a² √(2/a)) all around; its singularity and the Hertzian K_N = p0 √(2/a)
+    are those of the front. In the steady cycle slip reaches inward to a (1 - Q/(f P))^(1/3), with Q
+    the amplitude: exact where Poisson's ratio is 0.
+    """
+    amplitude = SPHERE_SHARE * FRICTION * SPHERE_FORCE
+    shear_range = 2 * amplitude / (2 * math.pi * math.sqrt(2))
+    peak = 3 * SPHERE_FORCE / (2 * math.pi)
+    slip, k_n = 1 - (1 - SPHERE_SHARE) ** (1 / 3), peak * math.sqrt(2)
+    return Benchmark(
+        name="sphere, cyclic shear",
+        source="Hertz 1882; Cattaneo 1938; Mindlin 1949; Mindlin and Deresiewicz 1953",
+        case=_sphere_case(amplitude),
+        # Elements of a/8 and bodies 20 a high.
+        quantities=(
+            Quantity("a", 1.0, 1.0, {"fem": 0.005}, measures.front_radius),
+            Quantity("p0", peak, peak, {"fem": 0.01}, measures.peak_pressure, needs_tractions=True),
+            Quantity("K_N", k_n, k_n, {"fem": 0.015}, measures.front_k_n),
+            Quantity(
+                "ΔK", shear_range, shear_range, {"fem": 0.015}, measures.front_mean("k_range")
+            ),
+            Quantity("d", slip, 1.0, {"fem": 0.015}, measures.front_slip_length),
+        ),
+    )
+
+
+def _sphere_case(amplitude: float) -> Case:
+    platen = {"type": "platen", "boundary": "upper_top", "control": "force"}
+    turns = [
+        {"ramp": (-1) ** k * amplitude, "until": 2.0 + k, "steps": SPHERE_STEPS} for k in (1, 2)
+    ]
+    shear = [HOLD, ramp(amplitude, SPHERE_STEPS // 2), *turns]
+    parameters = {"radius_x": RADIUS, "contact_x": 1.0, "size": 1 / SPHERE_ELEMENTS}
+    body = {"young": SPHERE_YOUNG, "poisson": 0.0}
+    return parse_case(
+        {
+            "geometry": {"template": "sphere", "parameters": parameters},
+            "bodies": {"upper": body, "lower": body},
+            "contacts": {"main": {**FACES, "friction": FRICTION, "friction_from": 1.0}},
+            "supports": {"base": {"boundary": "lower_bottom", "fix": ["x", "y", "z"]}},
+            "loads": {
+                "press": {**platen, "direction": "y", "history": [press(-SPHERE_FORCE, 2)]},
+                "shear": {**platen, "direction": "x", "history": shear},
+            },
+            "edges": {"stations": 12},
+            "cycle": {"start": 2.0, "end": 4.0},
+            "output": {"fields": "none"},
+        }
+    )

@@ -6,9 +6,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from fretfe.case import Case, parse_case
-from fretfe.quality.verify import measures
-from fretfe.quality.verify.cases import HOLD, Pad, pad_case, press, ramp
-from fretfe.quality.verify.model import Benchmark, Measure, Quantity
+from fretfe.quality import measures
+from fretfe.quality.comparison import Benchmark, Measure, Quantity
+from fretfe.quality.pads import FACES, HOLD, Pad, hertz_parameters, pad_case, press, ramp
 
 # Published numbers have six digits. Fits of K_N promise a thousandth.
 DIGITS, FITTED = 5e-6, 1e-3
@@ -30,21 +30,6 @@ def relative(
 ) -> Quantity:
     """A quantity whose differences are fractions of its known value."""
     return Quantity(name, reference, abs(reference), tolerances, measure, needs_tractions)
-
-
-def hertz_parameters(radius: float, half_width: float) -> dict[str, float]:
-    """A cylindrical pad on a block, in half-widths a: 40 wide, 20 high on one 120 wide, 60 high.
-
-    Elements of 0.02 a. Smaller bodies change a by 0.2 %, the K_T of a bulk tension by 2 %.
-    """
-    sizes = {"upper_width": 20.0, "upper_height": 20.0, "lower_width": 60.0, "lower_height": 60.0}
-    sizes |= {"zone": 1.15, "size": 0.02}
-    return {
-        "upper_radius": radius,
-        "lower_radius": 0.0,
-        "growth": 0.2,
-        **{name: value * half_width for name, value in sizes.items()},
-    }
 
 
 def two_cylinders() -> Benchmark:
@@ -167,31 +152,16 @@ def sliding_wedge() -> Benchmark:
 def _case() -> Case:
     body = {"young": YOUNG, "poisson": 0.3}
     platen = {"type": "platen", "boundary": "upper_top"}
+    by_force, by_displacement = ({**platen, "control": each} for each in ("force", "displacement"))
     return parse_case(
         {
             "geometry": {"file": MESH.name},
             "bodies": {"upper": body, "lower": body},
-            "contacts": {
-                "main": {
-                    "surface1": "upper_contact",
-                    "surface2": "lower_contact",
-                    "friction": FRICTION,
-                }
-            },
+            "contacts": {"main": {**FACES, "friction": FRICTION}},
             "supports": {"base": {"boundary": "lower_bottom", "fix": ["x", "y"]}},
             "loads": {
-                "press": {
-                    **platen,
-                    "direction": [0.0, -1.0],
-                    "control": "force",
-                    "history": [press(FORCE)],
-                },
-                "push": {
-                    **platen,
-                    "direction": "x",
-                    "control": "displacement",
-                    "history": [HOLD, ramp(PUSH, 8)],
-                },
+                "press": {**by_force, "direction": [0.0, -1.0], "history": [press(FORCE)]},
+                "push": {**by_displacement, "direction": "x", "history": [HOLD, ramp(PUSH, 8)]},
             },
             "output": {"fields": "none"},
         },

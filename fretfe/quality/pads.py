@@ -1,8 +1,16 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The cases of the benchmarks: pads that are pressed, sheared and pulled, on the templates."""
+"""Pads of the benchmarks: pressed, sheared and pulled on the templates, and their closed forms.
+
+The closed forms are written out here, independent of `fretfe.analytic`: elastically similar
+half-planes, all forces per unit thickness. Hertz, wedge: Johnson, Contact Mechanics, 1985,
+chapters 4 and 5. Flat with rounded ends: Ciavarella, Hills and Monno, Proc. IMechE C 212, 1998.
+Stuck contact under shear force and bulk tension: Hills and Nowell, Mechanics of Fretting Fatigue,
+1994.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +21,7 @@ Segments = Sequence[Mapping[str, Any]]
 # Steps in which a pad is pressed on, without friction.
 PRESS_STEPS = 4
 HOLD = {"hold": True, "until": 1.0}
+FACES = {"surface1": "upper_contact", "surface2": "lower_contact"}
 
 
 @dataclass(frozen=True)
@@ -34,6 +43,21 @@ class Pad:
     young: tuple[float, float]
     poisson: float
     thickness: float = 1.0
+
+
+def hertz_parameters(radius: float, half_width: float) -> dict[str, float]:
+    """A cylindrical pad on a block, in half-widths a: 40 wide, 20 high on one 120 wide, 60 high.
+
+    Elements of 0.02 a. Smaller bodies change a by 0.2 %, the K_T of a bulk tension by 2 %.
+    """
+    sizes = {"upper_width": 20.0, "upper_height": 20.0, "lower_width": 60.0, "lower_height": 60.0}
+    sizes |= {"zone": 1.15, "size": 0.02}
+    return {
+        "upper_radius": radius,
+        "lower_radius": 0.0,
+        "growth": 0.2,
+        **{name: value * half_width for name, value in sizes.items()},
+    }
 
 
 def press(force: float, steps: int = PRESS_STEPS) -> dict[str, Any]:
@@ -103,14 +127,63 @@ def _tables(pad: Pad, *, pulled: bool) -> dict[str, Any]:
         "model": {"thickness": pad.thickness},
         "geometry": {"template": pad.template, "parameters": dict(pad.parameters)},
         "bodies": {"upper": upper, "lower": lower},
-        "contacts": {
-            "main": {
-                "surface1": "upper_contact",
-                "surface2": "lower_contact",
-                "friction": pad.friction,
-                "friction_from": 1.0,
-            }
-        },
+        "contacts": {"main": {**FACES, "friction": pad.friction, "friction_from": 1.0}},
         "supports": supports,
         "output": {"fields": "none"},
     }
+
+
+def hertz_load(half_width: float, radius: float, e_star: float) -> float:
+    """P = pi E* a^2/(4R)."""
+    return math.pi * e_star * half_width**2 / (4 * radius)
+
+
+def hertz_k_n(half_width: float, radius: float, e_star: float) -> float:
+    """K_N = E*/(2R) sqrt(2a), from p = E*/(2R) sqrt(a^2 - x^2)."""
+    return e_star / (2 * radius) * math.sqrt(2 * half_width)
+
+
+def wedge_load(half_width: float, slope: float, e_star: float) -> float:
+    """P = E* alpha a."""
+    return e_star * slope * half_width
+
+
+def wedge_k_n(half_width: float, slope: float, e_star: float) -> float:
+    """K_N = (E* alpha/pi) sqrt(2/a), from p = (E* alpha/pi) arcosh(a/|x|)."""
+    return e_star * slope / math.pi * math.sqrt(2 / half_width)
+
+
+def flat_rounded_load(half_width: float, flat: float, radius: float, e_star: float) -> float:
+    """P = E* a^2/(4R) (pi - 2 phi - sin 2 phi), sin phi = b/a."""
+    phi = math.asin(flat / half_width)
+    return e_star * half_width**2 / (4 * radius) * (math.pi - 2 * phi - math.sin(2 * phi))
+
+
+def flat_rounded_k_n(half_width: float, flat: float, radius: float, e_star: float) -> float:
+    """K_N = E*/(2R) sqrt(2a) (1 - 2 phi/pi), sin phi = b/a."""
+    phi = math.asin(flat / half_width)
+    return hertz_k_n(half_width, radius, e_star) * (1 - 2 * phi / math.pi)
+
+
+def shear_part(shear_force: float, half_width: float) -> float:
+    """K_T of a shear force, Q/(pi sqrt(2a)): the stuck shear is Q/(pi sqrt(a^2 - x^2))."""
+    return shear_force / (math.pi * math.sqrt(2 * half_width))
+
+
+def tension_part(bulk_tension: float, half_width: float) -> float:
+    """K_T of a tension, sigma0/4 sqrt(a/2): the stuck shear is -sigma0 x/(4 sqrt(a^2 - x^2))."""
+    return bulk_tension / 4 * math.sqrt(half_width / 2)
+
+
+def k_t_ranges(
+    shear_force: float, bulk_tension: float, lag: float, half_width: float
+) -> tuple[float, float]:
+    """Range of K_T at the left and at the right edge of Qa cos t and sigma_a cos(t - lag).
+
+    K_T = +-A cos t + B cos(t - lag), plus at the left: range 2 sqrt(A^2 + B^2 +- 2AB cos lag).
+    """
+    a, b = shear_part(shear_force, half_width), tension_part(bulk_tension, half_width)
+    product = 2 * a * b * math.cos(lag)
+    left, right = a**2 + b**2 + product, a**2 + b**2 - product
+    # In phase the two parts may cancel to round-off.
+    return 2 * math.sqrt(max(left, 0.0)), 2 * math.sqrt(max(right, 0.0))

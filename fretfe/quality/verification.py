@@ -22,26 +22,7 @@ from fretfe.backends import (
 )
 from fretfe.case import Case
 from fretfe.errors import CaseError, FretfeError
-from fretfe.quality.verify.classic import (
-    cylinder_on_block,
-    fretting_specimens,
-    sliding_wedge,
-    two_cylinders,
-)
-from fretfe.quality.verify.cycles import (
-    FRICTION,
-    LAGGING,
-    TENSION_ONLY,
-    cyclic_shear,
-    factor_ranges,
-    loop_benchmarks,
-    loop_case,
-    rocking,
-    slip_lengths,
-    varying_normal_load,
-)
-from fretfe.quality.verify.measures import LEFT, RIGHT
-from fretfe.quality.verify.model import (
+from fretfe.quality.comparison import (
     Benchmark,
     Measure,
     Quantity,
@@ -51,7 +32,25 @@ from fretfe.quality.verify.model import (
     failed,
     remark,
 )
-from fretfe.quality.verify.spheres import sheared_sphere
+from fretfe.quality.cycles import (
+    FRICTION,
+    LAGGING,
+    TENSION_ONLY,
+    cyclic_shear,
+    factor_ranges,
+    loop_benchmarks,
+    loop_case,
+    rocking,
+    sheared_sphere,
+    slip_lengths,
+    varying_normal_load,
+)
+from fretfe.quality.loading import (
+    cylinder_on_block,
+    fretting_specimens,
+    sliding_wedge,
+    two_cylinders,
+)
 from fretfe.results.model import Result
 
 # Called with each benchmark and its rows.
@@ -63,7 +62,7 @@ def controls() -> tuple[Benchmark, ...]:
     wrong_sign = replace(LAGGING, tension=-LAGGING.tension)
     first_loading = tuple(
         replace(quantity, measure=_first_loading_law(side))
-        for side, quantity in zip((LEFT, RIGHT), slip_lengths(LAGGING), strict=True)
+        for side, quantity in enumerate(slip_lengths(LAGGING))
     )
     return (
         # Without friction a shear force would move the pad away: this loop has none.

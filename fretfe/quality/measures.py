@@ -10,11 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.quality.verify.model import Measure
+from fretfe.quality.comparison import Measure
 from fretfe.results.model import Result
-
-LEFT, RIGHT = 0, 1
-NAMES = ("left", "right")
 
 
 def _contact(result: Result) -> Contact:
@@ -54,26 +51,22 @@ def k_t_range(side: int) -> Measure:
 
 def slip_length(side: int) -> Measure:
     """Length of the last slip zone at an edge."""
-    return lambda result: _slip_length(_contact(result).stations[side])
+    return lambda result: _last_zone(_contact(result).stations[side], "length")
 
 
-def _slip_length(station: Station) -> float:
-    return float(station.slip_zones[-1].length) if station.slip_zones else np.nan
+def _last_zone(station: Station, attribute: str) -> float:
+    """A number of the last slip zone; NaN without any."""
+    return float(getattr(station.slip_zones[-1], attribute)) if station.slip_zones else np.nan
 
 
 def predicted_length(side: int) -> Measure:
     """Length of the last slip zone at an edge as K_T and K_N predict it."""
-
-    def measure(result: Result) -> float:
-        zones = _contact(result).stations[side].slip_zones
-        return float(zones[-1].predicted) if zones else np.nan
-
-    return measure
+    return lambda result: _last_zone(_contact(result).stations[side], "predicted")
 
 
 def mean_slip_length(result: Result) -> float:
     """Length of the last slip zones, mean of both edges."""
-    return float(np.mean([_slip_length(station) for station in _contact(result).stations]))
+    return float(np.mean([_last_zone(station, "length") for station in _contact(result).stations]))
 
 
 def stick_half_width_ratio(result: Result) -> float:
@@ -83,18 +76,13 @@ def stick_half_width_ratio(result: Result) -> float:
 
 def stick_centre_ratio(result: Result) -> float:
     """e/a: centre of the same stick zone, in half-widths from the centre of the contact."""
-    left, right = (_slip_length(station) for station in _contact(result).stations)
+    left, right = (_last_zone(station, "length") for station in _contact(result).stations)
     return (left - right) / (2 * half_width(result))
 
 
 def stick_border(side: int) -> Measure:
     """Position of the inner end of the last slip zone at an edge."""
-
-    def measure(result: Result) -> float:
-        zones = _contact(result).stations[side].slip_zones
-        return float(zones[-1].border) if zones else np.nan
-
-    return measure
+    return lambda result: _last_zone(_contact(result).stations[side], "border")
 
 
 def peak_pressure(result: Result) -> float:
@@ -153,7 +141,7 @@ def front_radius(result: Result) -> float:
 
 def front_slip_length(result: Result) -> float:
     """Length of the last slip zones, mean of the stations."""
-    return float(np.mean([_slip_length(station) for station in _front_stations(result)]))
+    return float(np.mean([_last_zone(station, "length") for station in _front_stations(result)]))
 
 
 def _front_stations(result: Result) -> tuple[Station, ...]:
