@@ -18,8 +18,10 @@ from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import solve_history
 from fretfe.contact.state import unloaded
 from fretfe.fem._compat import MPI
+from fretfe.fem.fields import FieldSource, Recovery
 from fretfe.fem.model import LoadMesh, Model, Request, build_model, step_loads
-from fretfe.fem.probes import Probe, measure
+from fretfe.fem.parallel import Lead
+from fretfe.fem.probes import Probe
 from fretfe.fem.run import load_history
 from fretfe.fem.timing import Clock
 
@@ -51,11 +53,16 @@ class Bonded:
 
     def factors(self, probes: Callable[[Model, Fields], list[Probe]]) -> list[Array] | None:
         """For each probe (R, n, d, J) factors by all drivers, on rank 0. Collective."""
-        wanted = probes(self.model, self.root) if self.root else None
-        found = measure(
-            self.model, wanted, self.root.requests if self.root else None, lambda _: None
-        )
-        return None if found is None else [np.stack(each, axis=1) for each in found]
+        lead = Lead(self.model.comm, Recovery(self.model))
+
+        def work() -> list[Array]:
+            assert self.root is not None
+            source = FieldSource(self.model, lead)
+            wanted = probes(self.model, self.root)
+            found = source.integrals(wanted, self.root.requests, lambda _: None)
+            return [np.stack(each, axis=1) for each in found]
+
+        return lead.run(work, share=False)
 
 
 def bonded(case: Case, load: LoadMesh | None = None, areas: Areas | None = None) -> Bonded:
@@ -70,9 +77,10 @@ def bonded(case: Case, load: LoadMesh | None = None, areas: Areas | None = None)
     clock = Clock()
     history = load_history(MPI.COMM_WORLD, case, DEFAULTS)
     prepared = build_model(MPI.COMM_WORLD, case, clock, load)
-    model, reduction, march = prepared.model, prepared.model.reduction, prepared.march
-    if reduction is None or march is None:
+    model = prepared.model
+    if model.comm.rank > 0:
         return Bonded(model, clock.seconds, None)
+    reduction, march = model.reduction, prepared.march
     (pair,) = reduction.pairs
     loads = [load.channel for load in reduction.definition.loads]
     drivers = find_drivers(reduction.interface, loads)

@@ -17,6 +17,7 @@ from fretfe.contact.march import March, StepResult
 from fretfe.contact.state import StepLoads
 from fretfe.fem._compat import MPI
 from fretfe.fem.model import Model, Request, step_loads
+from fretfe.fem.parallel import on_root
 from fretfe.fem.timing import Clock
 from fretfe.loads import build_history
 from fretfe.mesh.mesh import BodyMesh, Mesh
@@ -38,9 +39,12 @@ class Run:
 
     def fields(self, step: int) -> dict[str, Any]:
         """Displacement of each body that this rank has. Collective."""
-        rank0 = self.model.comm.rank == 0
-        state = Request.of(self.results[step].state, self.steps[step + 1]) if rank0 else None
-        (fields,) = self.model.recover_fields([state] if state else None)
+        model = self.model
+        share = on_root(
+            model.comm,
+            lambda: model.share(Request.of(self.results[step].state, self.steps[step + 1])),
+        )
+        (fields,) = model.recover_fields([share])
         return fields
 
     def stress(self, step: int) -> dict[str, Array]:
@@ -72,7 +76,7 @@ def run(data: dict[str, Any], *meshes: BodyMesh) -> Run:
     steps: Sequence[StepLoads] = []
     results: list[StepResult] = []
     tractions, forces = None, None
-    if model.reduction is not None:
+    if comm.rank == 0:
         interface = model.reduction.interface
         steps = step_loads(case, history, interface, model.reduction.definition)
         results = list(march_through(March(interface), steps))

@@ -141,7 +141,6 @@ class MonolithicSolver:
                 "the monolithic solver runs on one process: expected 1 MPI rank, found "
                 f"{model.comm.size}."
             )
-        assert model.reduction is not None
         self.system = system = assemble_system(model.bodies, model.reduction)
         prescribed = system.constraints[system.prescribed]
         #: (k,) unknowns in x that are not prescribed.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Interaction integrals at all stations of a solved history, of edges and of fronts. Collective."""
+"""Interaction integrals at all stations of a solved history, of edges and of fronts."""
 
 from __future__ import annotations
 
@@ -21,10 +21,11 @@ from fretfe.evaluate.plane.patches_in_time import own_part
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, fit_edge
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_sections
 from fretfe.evaluate.slip import cycle_states
+from fretfe.fem.fields import FieldSource
 from fretfe.fem.interaction_integral import Tip, Tube
 from fretfe.fem.limits import oscillates
 from fretfe.fem.model import Model
-from fretfe.fem.probes import Probe, UnitFields, measure, probe_stations
+from fretfe.fem.probes import Probe, UnitFields, probe_stations
 from fretfe.history.solution import ContactHistory, Factor, NearbyLoads, Solution, StationIntegrals
 from fretfe.surface.surface import perpendicular
 
@@ -53,32 +54,34 @@ WIDEST, NARROWEST, NEAREST_END = 0.4, 0.4, 0.95
 
 def add_integrals(
     model: Model,
-    recorder: Recorder | None,
-    march: March | None,
-    solution: Solution | None,
+    fields: FieldSource,
+    recorder: Recorder,
+    march: March,
+    solution: Solution,
     tracks: Tracks | None,
     say: Callable[[str], None],
-) -> Solution | None:
-    """The solution of a history with the interaction integrals of its contacts. Collective.
+) -> Solution:
+    """The solution of a history with the interaction integrals of its contacts; on rank 0.
 
-    Recorder, march, solution and tracks, those of solids, are those of rank 0, None elsewhere, like
-    what is returned. `say` is told how far it is.
+    Args:
+        model: the bodies.
+        fields: answers with the integrals.
+        recorder: holds the solved states.
+        march: solved them.
+        solution: the same states in physical units.
+        tracks: of the fronts of solids; None in the plane.
+        say: told how many of the integrals are done.
     """
-    draft: _Draft[Any] | None = None
-    if recorder and march and solution is not None:
-        common = _Common(model, recorder, march, solution)
-        draft = _PlaneDraft(common) if tracks is None else _SolidDraft(common, tracks)
-        draft.plan()
-    probes, requests = (draft.probes, draft.fields.requests) if draft else (None, None)
-    values = measure(model, probes, requests, say)
-    return draft.finish(values) if draft and values is not None else None
+    common = _Common(model, recorder, march, solution)
+    draft: _Draft[Any] = _PlaneDraft(common) if tracks is None else _SolidDraft(common, tracks)
+    draft.plan()
+    return draft.finish(fields.integrals(draft.probes, draft.fields.requests, say))
 
 
 class _Common:
-    """A solved history, from which integrals of both dimensions are planned; rank 0 only."""
+    """A solved history, from which integrals of both dimensions are planned."""
 
     def __init__(self, model: Model, recorder: Recorder, march: March, solution: Solution) -> None:
-        assert model.reduction is not None
         self.model, self.recorder, self.solution = model, recorder, solution
         self.fields = UnitFields(recorder)
         self.pairs = {pair.name: pair for pair in model.reduction.pairs}
@@ -90,7 +93,7 @@ Plan = TypeVar("Plan")
 
 
 class _Draft(Generic[Plan]):
-    """Plans the integrals of all contacts and gives the results their place; rank 0 only."""
+    """Plans the integrals of all contacts and gives the results their place."""
 
     def __init__(self, common: _Common) -> None:
         self._common = common

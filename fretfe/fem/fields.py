@@ -1,86 +1,333 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Displacement and stress fields of a model, written state by state. Collective."""
+"""Displacement fields of requested states, and what evaluation and files take of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections import ChainMap
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 from dolfinx import fem
+from scipy import sparse
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Bools, Indices
+from fretfe.bodies.body import Material
 from fretfe.errors import OutputError
-from fretfe.fem.model import Model
-from fretfe.fem.parallel import on_root
+from fretfe.fem._compat import cells_around
+from fretfe.fem.elasticity import COMPONENTS, ElasticBody
+from fretfe.fem.model import Model, Request, Share
+from fretfe.fem.parallel import Lead
+from fretfe.fem.probes import Probe, measure
 from fretfe.files import disk_reason
 from fretfe.results.field_files import FieldWriter
 
-T = TypeVar("T")
+# Of a plane body: xx, yy, zz, xy, which is what `ElasticBody.element_stresses` has.
+IN_PLANE = ((0, 0), (1, 1), (2, 2), (0, 1))
+# Reference coordinates may leave an element by this much; bounding boxes grow by this part.
+TOLERANCE = 1e-8
+NEWTON_STEPS = 12
+# Bytes of the displacements that are recovered together.
+MOST_BYTES = 1 << 26
+
+# Points (m, d) of a body, by contact and number of the body.
+Places = dict[tuple[str, int], tuple[str, Array]]
+# Displacements (p, d) of the nodes of all contact surfaces, by surface.
+Moved = dict[str, Array]
 
 
-class FieldOutput:
-    """A file that takes the fields of one state after the other. Collective.
-
-    Displacement and stress are those of each element, polynomials of the displacement's degree;
-    nothing is smoothed between elements.
+class FieldSource:
+    """Brings questions of rank 0, which evaluates a history alone, to all ranks and answers back.
 
     Args:
-        model: the bodies.
-        path: file to write.
-
-    Raises:
-        OutputError: if the file cannot be written; so do all methods.
+        model: the condensed bodies.
+        lead: brings the questions to all ranks.
     """
 
-    def __init__(self, model: Model, path: Path) -> None:
-        self._model = model
-        self._path = path
-        nodes = self._gather({b: e.elastic.element_nodes() for b, e in model.bodies.items()})
-        self._writer = self._try(lambda: FieldWriter(path, nodes))
+    def __init__(self, model: Model, lead: Lead[Recovery]) -> None:
+        self._model, self._lead = model, lead
 
-    def close(self) -> None:
-        """Finish the file."""
-        if self._writer is not None:
-            self._writer.close()
+    def surface_displacements(self, requests: Sequence[Request]) -> list[Moved]:
+        """Displacements of the nodes of all contact surfaces, for each request."""
+        return self._lead.ask(
+            partial(Recovery.surface_displacements, shares=self._shares(requests))
+        )
 
-    def add(self, time: float, displacements: Mapping[str, fem.Function]) -> None:
-        """Append a state.
+    def integrals(
+        self, probes: Sequence[Probe], requests: Sequence[Request], say: Callable[[str], None]
+    ) -> list[list[Array]]:
+        """Singular edge factors of the requested fields, as `measure` returns them."""
+        question = partial(Recovery.integrals, probes=probes, shares=self._shares(requests))
+        return self._lead.ask(question, say=say)
 
-        Args:
-            time: of the state.
-            displacements: of the bodies that this process has a part of.
+    def states_at_once(self) -> int:
+        """Number of displacement fields that may be held together."""
+        return self._lead.ask(Recovery.states_at_once)
+
+    def stress(
+        self, places: Places, requests: Sequence[Request]
+    ) -> list[tuple[Moved, dict[tuple[str, int], Array]]]:
+        """For each request the displacements of all surfaces, and stress (m, 4) at points.
+
+        Points are the same in every call. The stress is NaN outside the bodies.
         """
-        bodies = {name: (self._model.bodies[name].elastic, u) for name, u in displacements.items()}
+        question = partial(Recovery.stress, places=places, shares=self._shares(requests))
+        return self._lead.ask(question)
+
+    def element_nodes(self) -> dict[str, Array]:
+        """(m, k, 3) nodes of the elements of each body."""
+        return self._lead.ask(Recovery.element_nodes)
+
+    def element_values(self, request: Request) -> dict[str, list[Array]]:
+        """Displacement and stress at the nodes of the elements, a list over the bodies each."""
+        (share,) = self._shares([request])
+        return self._lead.ask(partial(Recovery.element_values, share=share))
+
+    def _shares(self, requests: Sequence[Request]) -> list[Share]:
+        return [self._model.share(each) for each in requests]
+
+
+class Recovery:
+    """The part of each rank in the answers of `FieldSource`, which rank 0 gets. Collective.
+
+    Args:
+        model: the condensed bodies.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._points: dict[tuple[str, int], StressPoints] | None = None
+
+    def surface_displacements(self, shares: Sequence[Share]) -> list[Moved]:
+        """Displacements of the nodes of all contact surfaces, by surface."""
+        return self._surfaces(self._model.recover_fields(shares))
+
+    def integrals(
+        self, probes: Sequence[Probe], shares: Sequence[Share], **own: Callable[[str], None]
+    ) -> list[list[Array]]:
+        """Singular edge factors."""
+        return measure(self._model, probes, shares, **own)
+
+    def states_at_once(self) -> int:
+        """Number of displacement fields that are held together; the same on all ranks."""
+        model = self._model
+        sizes = [body.elastic.space.dofmap.index_map.size_global for body in model.bodies.values()]
+        largest = max(model.comm.allgather(sum(sizes) * model.dimension * 8))
+        return int(np.clip(MOST_BYTES // largest, 1, 64))
+
+    def stress(
+        self, places: Places, shares: Sequence[Share]
+    ) -> list[tuple[Moved, dict[tuple[str, int], Array]]]:
+        """Displacements of all surfaces, and stress at points of the bodies."""
+        if self._points is None:  # the same points in every call
+            self._points = {
+                key: StressPoints(self._model.bodies[body].elastic, at)
+                for key, (body, at) in places.items()
+                if body in self._model.bodies
+            }
+        fields = self._model.recover_fields(shares)
+        inner = [self._stress(places, self._points, field) for field in fields]
+        return list(zip(self._surfaces(fields), inner, strict=False))
+
+    def element_nodes(self) -> dict[str, Array]:
+        """Nodes of the elements."""
+        bodies = self._model.bodies
+        return self._gather({name: body.elastic.element_nodes() for name, body in bodies.items()})
+
+    def element_values(self, share: Share) -> dict[str, list[Array]]:
+        """Displacement and stress at the nodes of the elements."""
+        (field,) = self._model.recover_fields([share])
+        bodies = {name: (self._model.bodies[name].elastic, u) for name, u in field.items()}
         moved = self._gather({b: e.element_displacements(u) for b, (e, u) in bodies.items()})
         stress = self._gather({b: e.element_stresses(u) for b, (e, u) in bodies.items()})
-        fields = {"displacement": list(moved.values()), "stress": list(stress.values())}
-        writer = self._writer
-        self._try(lambda: writer.add(time, fields) if writer is not None else None)
+        return {"displacement": list(moved.values()), "stress": list(stress.values())}
 
-    def _try(self, work: Callable[[], T]) -> T | None:
-        """Do `work` on rank 0."""
+    def _surfaces(self, fields: Sequence[dict[str, fem.Function]]) -> list[Moved]:
+        model, found = self._model, []
+        for field in fields:
+            own: Moved = {}
+            for name, displacement in field.items():
+                moved = model.bodies[name].surface_displacement(displacement)
+                surfaces = model.body_definition(name).surfaces
+                degree = model.case.model.degree
+                counts = [len(model.surfaces[s].displacement_points(degree)) for s in surfaces]
+                parts = np.split(moved, np.cumsum(counts)[:-1])
+                own |= dict(zip(surfaces, parts, strict=True))
+            found.append(own)
+        gathered = model.comm.gather(found) or []
+        return [dict(ChainMap(*parts)) for parts in zip(*gathered, strict=True)]
 
-        def attempt() -> T:
-            try:
-                return work()
-            except OSError as error:
-                raise OutputError(
-                    f"{self._path}: the fields cannot be written: {disk_reason(error)}"
-                ) from error
-
-        return on_root(self._model.comm, attempt, share=False)
+    def _stress(
+        self,
+        places: Places,
+        points: Mapping[tuple[str, int], StressPoints],
+        field: Mapping[str, fem.Function],
+    ) -> dict[tuple[str, int], Array]:
+        own = {key: (at.found, at.stress(field[places[key][0]])) for key, at in points.items()}
+        whole = {key: np.full((len(at), 4), np.nan) for key, (_, at) in places.items()}
+        for part in self._model.comm.gather(own) or []:
+            for key, (found, values) in part.items():
+                whole[key][found] = values
+        return whole
 
     def _gather(self, parts: Mapping[str, Array]) -> dict[str, Array]:
         """Parts of bodies (m, k, c) put together on rank 0, in the order of the case."""
         own = {}
         for name, part in parts.items():
-            comm = self._model.bodies[name].elastic.comm
-            gathered = comm.gather(part)
+            gathered = self._model.bodies[name].elastic.comm.gather(part)
             if gathered is not None:
                 own[name] = np.concatenate(gathered)
         whole: dict[str, Array] = {}
         for each in self._model.comm.gather(own) or []:
             whole |= each
         return {name: whole[name] for name in self._model.case.bodies if name in whole}
+
+
+class FieldOutput:
+    """A file that takes the fields of one state after the other; on rank 0.
+
+    Displacement and stress are those of each element, polynomials of the displacement's degree;
+    nothing is smoothed between elements.
+
+    Args:
+        fields: answers with them.
+        path: file to write.
+
+    Raises:
+        OutputError: if the file cannot be written; so does `add`.
+    """
+
+    def __init__(self, fields: FieldSource, path: Path) -> None:
+        self._fields, self._path = fields, path
+        nodes = fields.element_nodes()
+        with self._disk_errors():
+            self._writer = FieldWriter(path, nodes)
+
+    def close(self) -> None:
+        """Finish the file."""
+        self._writer.close()
+
+    def add(self, time: float, request: Request) -> None:
+        """Append a state."""
+        values = self._fields.element_values(request)
+        with self._disk_errors():
+            self._writer.add(time, values)
+
+    @contextmanager
+    def _disk_errors(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            reason = disk_reason(error)
+            raise OutputError(f"{self._path}: the fields cannot be written: {reason}") from error
+
+
+class StressPoints:
+    """Stress at those of some points that lie in this rank's elements.
+
+    Args:
+        elastic: the body.
+        points: (m, d) places, the same on all ranks of the body.
+
+    Attributes:
+        found: (f,) numbers of the points that this rank has.
+    """
+
+    def __init__(self, elastic: ElasticBody, points: Array) -> None:
+        self._pairs = IN_PLANE if elastic.gdim == 2 else COMPONENTS
+        cells, reference, self.found = _locate(elastic, points)
+        self._operator = _operator(elastic, cells, reference, self._pairs)
+
+    def stress(self, displacement: fem.Function) -> Array:
+        """(f, 4 or 6) stress xx, yy, zz, xy, yz, xz of a displacement, that of the element."""
+        values = self._operator @ displacement.x.array
+        return np.asarray(values.reshape(len(self.found), len(self._pairs)))
+
+
+def _locate(elastic: ElasticBody, points: Array) -> tuple[Indices, Array, Indices]:
+    """Own elements (f,), reference coordinates (f, d) in them, and numbers (f,) of points."""
+    mesh, space = elastic.mesh, _geometry(elastic)
+    dim = mesh.topology.dim
+    own = np.arange(mesh.topology.index_map(dim).size_local, dtype=np.int32)
+    extent = float(np.nanmax(np.abs(points), initial=0.0))
+    places = np.zeros((len(points), 3))
+    places[:, :dim] = points
+    cells, numbers = cells_around(mesh, own, places, TOLERANCE * extent)
+    nodes = space.tabulate_dof_coordinates()[space.dofmap.list[cells], :dim]
+    reference = _pulled_back(space, nodes, points[numbers])
+    inside = np.flatnonzero(_inside(elastic, reference))
+    # A point on the border of elements is in the first of them.
+    found, first = np.unique(numbers[inside], return_index=True)
+    chosen = inside[first]
+    return cells[chosen].astype(np.int64), reference[chosen], found
+
+
+def _geometry(elastic: ElasticBody) -> Any:
+    """The space in which the places of a body's elements lie."""
+    if elastic.order == elastic.degree:
+        return elastic.space
+    return fem.functionspace(elastic.mesh, ("Lagrange", elastic.order, (elastic.gdim,)))
+
+
+def _tabulated(space: Any, at: Array) -> tuple[Array, Array]:
+    """(n, k) basis functions and their slopes (n, k, d) at reference coordinates (n, d)."""
+    if not len(at):
+        count = space.element.basix_element.dim
+        return np.zeros((0, count)), np.zeros((0, count, at.shape[1]))
+    table = space.element.basix_element.tabulate(1, np.ascontiguousarray(at))[..., 0]
+    return table[0], np.moveaxis(table[1:], 0, 2)
+
+
+def _pulled_back(space: Any, nodes: Array, points: Array) -> Array:
+    """(n, d) reference coordinates of points (n, d) in elements with nodes (n, k, d), by Newton."""
+    at = np.full(points.shape, 1 / (points.shape[1] + 1))
+    for _ in range(NEWTON_STEPS):
+        values, slopes = _tabulated(space, at)
+        missing = points - np.einsum("nk,nkd->nd", values, nodes)
+        jacobians = np.einsum("nkd,nke->nde", nodes, slopes)
+        # Elements that a point only seems to be in: what is far outside stays there.
+        step = np.clip(np.linalg.solve(jacobians, missing[..., None])[..., 0], -1.0, 1.0)
+        at = at + step
+        if np.abs(step).max(initial=0.0) < TOLERANCE**2:
+            break
+    return np.asarray(at)
+
+
+def _inside(elastic: ElasticBody, at: Array) -> Bools:
+    """(n,) whether reference coordinates lie in the element."""
+    low = (at >= -TOLERANCE).all(axis=1)
+    simplex = elastic.mesh.topology.cell_name() in ("triangle", "tetrahedron")
+    high = at.sum(axis=1) if simplex else at.max(axis=1, initial=0.0)
+    return np.asarray(low & (high <= 1 + TOLERANCE))
+
+
+def _operator(
+    elastic: ElasticBody, cells: Indices, at: Array, pairs: tuple[tuple[int, int], ...]
+) -> sparse.csr_matrix:
+    """(f * c, n) stress at the points from all displacements of this rank."""
+    space, dim = _geometry(elastic), elastic.gdim
+    nodes = space.tabulate_dof_coordinates()[space.dofmap.list[cells], :dim]
+    jacobians = np.einsum("nkd,nke->nde", nodes, _tabulated(space, at)[1])
+    slopes = np.einsum("nke,ned->nkd", _tabulated(elastic.space, at)[1], np.linalg.inv(jacobians))
+    rows = np.stack([_row(elastic.material, slopes, pair) for pair in pairs], axis=1)
+    unknowns = elastic.space.dofmap.list[cells][..., None] * dim + np.arange(dim)
+    count, width = len(cells) * len(pairs), unknowns.shape[1] * dim
+    columns = np.repeat(unknowns.reshape(len(cells), width), len(pairs), axis=0)
+    indptr = np.arange(count + 1) * width
+    shape = count, len(elastic.space.tabulate_dof_coordinates()) * dim
+    return sparse.csr_matrix((rows.ravel(), columns.ravel(), indptr), shape=shape)
+
+
+def _row(material: Material, slopes: Array, pair: tuple[int, int]) -> Array:
+    """(n, k, d) factors of a stress component from slopes (n, k, d): Hooke's law."""
+    i, j = pair
+    row = np.zeros_like(slopes)
+    if i == j and not (material.plane == "stress" and i >= slopes.shape[2]):
+        row += material.first_lame * slopes
+    if max(i, j) < slopes.shape[2]:
+        row[..., i] += material.shear_modulus * slopes[..., j]
+        row[..., j] += material.shear_modulus * slopes[..., i]
+    return row

@@ -112,7 +112,6 @@ def model_limits(
         contacts: their evaluation.
         depths: of unpaired penetration, by surface pair.
     """
-    assert model.reduction is not None
     summaries = {each.name: each for each in contacts}
     limits = [_balance_limit(solution, kind) for kind in ("force", "moment")]
     pairs = {each.name: each for each in model.reduction.pairs}
@@ -242,7 +241,6 @@ def _penetration(history: ContactHistory, extent: ContactExtent, deepest: float)
 
 
 def _motion(model: Model, pair: Pair, history: ContactHistory, recorder: Recorder) -> Motion:
-    assert model.reduction is not None
     contact = model.case.contacts[pair.name]
     touched = np.zeros(len(history.weights), dtype=bool)
     rotations = 1 if history.facets is None else 3
@@ -400,7 +398,6 @@ def farthest_states(model: Model, pair: Pair, recorder: Recorder) -> Indices:
 
     None of them if all nodes of both surfaces are paired.
     """
-    assert model.reduction is not None
     coupling = pair.coupling
     components = coupling.points.shape[1]
     if not any(_unpaired(each, components).any() for each in (coupling.body1, coupling.body2)):

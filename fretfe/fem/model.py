@@ -4,10 +4,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections import ChainMap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -66,6 +65,10 @@ class Request:
         return cls(state.traction.ravel(), state.coordinates, loads.amplitudes)
 
 
+# Of a field, for each body: the arguments of `Body.recover`.
+Share = dict[str, tuple[Array, Array, Array]]
+
+
 @dataclass(frozen=True)
 class _Task:
     """One body for the group that condenses it: what its first rank needs to know."""
@@ -89,7 +92,6 @@ class Model:
         case: the case.
         surfaces: all contact surfaces, by name.
         bodies: those that the group of this rank has.
-        reduction: on rank 0, None elsewhere.
         notes: what a reader of the results should know, in words.
     """
 
@@ -110,9 +112,15 @@ class Model:
         self.bodies = together(comm, lambda: self._condense(tasks, clock, symmetric))
         with clock("interface"):
             condensed = self._collect()
-            self.reduction = on_root(
+            self._reduction = on_root(
                 comm, lambda: self._reduce(definition, pairs, condensed), share=False
             )
+
+    @property
+    def reduction(self) -> Reduction:
+        """The interface problem; on rank 0."""
+        assert self._reduction is not None
+        return self._reduction
 
     @property
     def dimension(self) -> int:
@@ -188,61 +196,25 @@ class Model:
         """Definition of a body by its name."""
         return next(definition for definition in self._definition.bodies if definition.name == body)
 
-    def recover_fields(self, requests: Sequence[Request] | None) -> list[dict[str, fem.Function]]:
+    def recover_fields(self, shares: Sequence[Share]) -> list[dict[str, fem.Function]]:
         """Displacement fields of the bodies of this rank's group. Collective.
 
         Args:
-            requests: the fields; on rank 0, None elsewhere.
+            shares: of the fields, the same on all ranks.
         """
-        shares = self.comm.bcast(
-            [self._shares(each) for each in requests] if requests is not None else None
-        )
         fields = {
             name: body.recover([share[name] for share in shares])
             for name, body in self.bodies.items()
         }
         return [{name: found[i] for name, found in fields.items()} for i in range(len(shares))]
 
-    def surface_displacements(
-        self, requests: Sequence[Request] | None
-    ) -> list[dict[str, Array]] | None:
-        """Displacements of the nodes of all contact surfaces, by surface. Collective.
-
-        Args:
-            requests: as for `recover_fields`.
-
-        Returns:
-            (p, d) for each of them, on rank 0; None elsewhere.
-        """
-        return self.gather_surfaces(self.recover_fields(requests))
-
-    def gather_surfaces(
-        self, fields: Sequence[dict[str, fem.Function]]
-    ) -> list[dict[str, Array]] | None:
-        """Displacements as of `surface_displacements` of fields that are there. Collective."""
-        found = []
-        for field in fields:
-            own: dict[str, Array] = {}
-            for name, displacement in field.items():
-                moved = self.bodies[name].surface_displacement(displacement)
-                surfaces = self.body_definition(name).surfaces
-                degree = self.case.model.degree
-                counts = [len(self.surfaces[s].displacement_points(degree)) for s in surfaces]
-                parts = np.split(moved, np.cumsum(counts)[:-1])
-                own |= dict(zip(surfaces, parts, strict=True))
-            found.append(own)
-        gathered = self.comm.gather(found)
-        if gathered is None:
-            return None
-        return [dict(ChainMap(*parts)) for parts in zip(*gathered, strict=True)]
-
-    def _shares(self, request: Request) -> dict[str, tuple[Array, Array, Array]]:
-        """Arguments of `Body.recover` for each body."""
-        assert self.reduction is not None
+    def share(self, request: Request) -> Share:
+        """Arguments with which each body recovers a field; on rank 0."""
+        coordinates = self.reduction.interface.coordinates
         return {
             name: (
                 request.traction[body.rows],
-                request.coordinates[coordinate_range(self.reduction.interface.coordinates, name)],
+                request.coordinates[coordinate_range(coordinates, name)],
                 request.amplitudes,
             )
             for name, body in self.reduction.bodies.items()
@@ -297,24 +269,31 @@ def _per_thickness(case: Case, control: str) -> float:
     return case.model.thickness if control == "force" else 1.0
 
 
-@dataclass(frozen=True)
 class Prepared:
     """A mesh, its model, and what marches through load histories on it.
 
-    Attributes:
+    Args:
         mesh: on rank 0, None elsewhere.
         model: the condensed bodies.
-        march: on rank 0, None elsewhere.
     """
 
-    mesh: Mesh | None
-    model: Model
-    march: March | None
+    def __init__(self, mesh: Mesh | None, model: Model) -> None:
+        self._mesh, self.model = mesh, model
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh; on rank 0."""
+        assert self._mesh is not None
+        return self._mesh
+
+    @cached_property
+    def march(self) -> March:
+        """Marches through load histories; on rank 0."""
+        return March(self.model.reduction.interface)
 
     @property
     def digest(self) -> str:
         """Text that is equal for the same mesh; on rank 0."""
-        assert self.mesh is not None
         found = hashlib.sha256()
         for name, body in self.mesh.bodies.items():
             found.update(repr((name, body.cell, body.order, body.cells.shape)).encode())
@@ -342,7 +321,4 @@ def build_model(comm: MPI.Comm, case: Case, clock: Clock, load: LoadMesh | None 
     """
     with clock("mesh"):
         mesh = on_root(comm, load or partial(load_mesh, case), share=False)
-    model = Model(comm, case, mesh, clock)
-    reduction = model.reduction
-    march = March(reduction.interface) if reduction is not None else None
-    return Prepared(mesh, model, march)
+    return Prepared(mesh, Model(comm, case, mesh, clock))

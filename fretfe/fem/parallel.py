@@ -7,8 +7,10 @@ import gc
 import signal
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Literal, TypeVar, overload
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from types import TracebackType
+from typing import Generic, Literal, TypeVar, overload
 
 import dolfinx.mesh
 import numpy as np
@@ -18,6 +20,7 @@ from fretfe.errors import FretfeError
 from fretfe.fem._compat import MPI, PETSc
 
 T = TypeVar("T")
+Subject = TypeVar("Subject")
 
 # How long waiting ranks sleep before they look again (s), and as a part of their waiting so far.
 LONGEST_SLEEP, SLEEP_FRACTION = 0.005, 0.1
@@ -37,22 +40,10 @@ def on_root(comm: MPI.Comm, work: Callable[[], T]) -> T: ...
 
 
 @overload
-def on_root(
-    comm: MPI.Comm,
-    work: Callable[[], T],
-    *,
-    share: Literal[False],
-    waiting: Callable[[], None] = _nothing,
-) -> T | None: ...
+def on_root(comm: MPI.Comm, work: Callable[[], T], *, share: Literal[False]) -> T | None: ...
 
 
-def on_root(
-    comm: MPI.Comm,
-    work: Callable[[], T],
-    *,
-    share: bool = True,
-    waiting: Callable[[], None] = _nothing,
-) -> T | None:
+def on_root(comm: MPI.Comm, work: Callable[[], T], *, share: bool = True) -> T | None:
     """Do `work` on rank 0 and give its result to all ranks. Collective.
 
     A `FretfeError` that `work` raises on rank 0 is raised on every rank; any other exception is
@@ -62,24 +53,82 @@ def on_root(
         comm: communicator.
         work: takes no argument; called on rank 0 only.
         share: whether the other ranks get the result, or None.
-        waiting: called by the other ranks again and again while they wait.
     """
+    return Lead(comm, None).run(work, share=share)
+
+
+@dataclass(frozen=True)
+class _End(Generic[T]):
+    """The result of what rank 0 did alone, or the reason why there is none."""
+
     result: T | None = None
     failure: FretfeError | None = None
-    if comm.rank == 0:
-        try:
-            result = work()
-        except FretfeError as error:
-            failure = error
-    _wait_for_root(comm, waiting)
-    failure = comm.bcast(failure)
-    if failure is not None:
-        raise failure
-    return comm.bcast(result) if share else result
 
 
-def _wait_for_root(comm: MPI.Comm, waiting: Callable[[], None]) -> None:
-    """Until rank 0 comes here too. MPI's own waiting takes a core, which the work may need."""
+class Lead(Generic[Subject]):
+    """Rank 0 works alone, the others wait; all do together what rank 0 asks them for meanwhile.
+
+    So what only rank 0 has to do reads as if there were no other ranks.
+
+    Args:
+        comm: communicator; all ranks make one.
+        subject: what this rank has that questions are about.
+        waiting: called by the other ranks again and again while they wait.
+    """
+
+    def __init__(
+        self, comm: MPI.Comm, subject: Subject, waiting: Callable[[], None] = _nothing
+    ) -> None:
+        self._comm, self._subject, self._waiting = comm, subject, waiting
+
+    @overload
+    def run(self, work: Callable[[], T]) -> T: ...
+
+    @overload
+    def run(self, work: Callable[[], T], *, share: bool) -> T | None: ...
+
+    def run(self, work: Callable[[], T], *, share: bool = True) -> T | None:
+        """Do `work` on rank 0, which may ask for something; as `on_root`. Collective."""
+        if self._comm.rank > 0:
+            end: _End[T] = self._follow()
+        else:
+            try:
+                end = _End(work())
+            except FretfeError as error:
+                end = _End(failure=error)
+            self._tell(end if share else replace(end, result=None))
+        if end.failure is not None:
+            raise end.failure
+        return end.result
+
+    def ask(self, question: Callable[..., T], **own: object) -> T:
+        """Have all ranks put a question to their subjects; on rank 0, in the work of `run`.
+
+        Args:
+            question: called with the subject of each rank; collective there.
+            own: further arguments, on rank 0 only.
+        """
+        self._tell(question)
+        return question(self._subject, **own)
+
+    def _tell(self, message: object) -> None:
+        _wait_for_all(self._comm, _nothing)
+        self._comm.bcast(message)
+
+    def _follow(self) -> _End[T]:
+        """Answer what rank 0 asks for, until its work has come to its end."""
+        while True:
+            _wait_for_all(self._comm, self._waiting)
+            message = self._comm.bcast(None)
+            if isinstance(message, _End):
+                return message
+            # Raised on rank 0 as well, which decides what follows from it.
+            with suppress(FretfeError):
+                message(self._subject)
+
+
+def _wait_for_all(comm: MPI.Comm, waiting: Callable[[], None]) -> None:
+    """Until all ranks come here too. MPI's own waiting takes a core, which the work may need."""
     start = time.perf_counter()
     arrival = comm.Ibarrier()
     while not arrival.Test():
@@ -180,7 +229,7 @@ def together(comm: MPI.Comm, work: Callable[[], T]) -> T:
 class SharedStop(Observer):
     """Observer on rank 0 that is told of signals to other ranks too, while these wait for it.
 
-    All ranks make one and close it.
+    A context that all ranks enter and leave, unless what ends it ends the whole run.
 
     Args:
         comm: communicator.
@@ -201,6 +250,10 @@ class SharedStop(Observer):
         """Pass a text on."""
         self._observer.announce(text)
 
+    def doing(self, text: str) -> None:
+        """Pass on what takes long."""
+        self._observer.doing(text)
+
     def send(self) -> None:
         """Tell rank 0 of a signal to this rank, once."""
         number = self._observer.stop()
@@ -214,8 +267,22 @@ class SharedStop(Observer):
             self._receive(status.source)
         return self._observer.stop() or next(iter(self._received.values()), None)
 
-    def close(self) -> None:
+    def __enter__(self) -> SharedStop:
+        """Nothing but itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         """Take messages that are still on their way. Collective."""
+        # Errors of other kinds are raised on one rank alone.
+        if error is None or isinstance(error, FretfeError):
+            self._close()
+
+    def _close(self) -> None:
         senders = self._comm.gather(self._sent is not None)
         for rank, sent in enumerate(senders or ()):
             if sent and rank not in self._received:

@@ -17,7 +17,7 @@ from fretfe.contact.full_stick import FRACTION, Increments
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
-from fretfe.fem.model import Model, Request
+from fretfe.fem.model import Model, Request, Share
 
 # Whether bodies 1 and 2 are above the interface.
 UPPER = (True, False)
@@ -121,38 +121,38 @@ def _seen_from(
     return tips
 
 
+def _nobody(_: str) -> None:
+    """Tell nobody."""
+
+
 def measure(
     model: Model,
-    probes: Sequence[Probe] | None,
-    requests: Sequence[Request] | None,
-    say: Callable[[str], None],
-) -> list[list[Array]] | None:
+    probes: Sequence[Probe],
+    shares: Sequence[Share],
+    say: Callable[[str], None] = _nobody,
+) -> list[list[Array]]:
     """Singular edge factors of displacement fields. Collective.
 
     Args:
         model: the bodies.
-        probes: what to integrate; on rank 0, None elsewhere.
-        requests: the fields; on rank 0, None elsewhere.
+        probes: what to integrate, the same on all ranks.
+        shares: of the fields, the same on all ranks.
         say: told how many of the probes are done.
 
     Returns:
         For each place of each probe (R, d, J) factors of its J fields, in the order of `Factor`; on
-        rank 0, None elsewhere. Per unit of the fields, as K in pressure or shear ~ K/sqrt(s).
+        rank 0, nothing elsewhere. Per unit of the fields, as K in pressure or shear ~ K/sqrt(s).
     """
-    wanted = model.comm.bcast(probes)
-    assert wanted is not None
-    fields = _displacements(model, model.recover_fields(requests))
-    forms = _forms(model, wanted)
+    fields = _displacements(model, model.recover_fields(shares))
+    forms = _forms(model, probes)
     found = []
-    for number, probe in enumerate(wanted, start=1):
-        say(f"edge factors: {number} of {len(wanted)}")
+    for number, probe in enumerate(probes, start=1):
+        say(f"edge factors: {number} of {len(probes)}")
         found.append(_integrate(probe, forms, fields))
-    gathered = model.comm.gather(found)
-    if gathered is None:
-        return None
+    gathered = model.comm.gather(found) or []
     return [
         _whole(model.case, probe, [sum(place) for place in zip(*of_probe, strict=True)])
-        for probe, of_probe in zip(wanted, zip(*gathered, strict=True), strict=True)
+        for probe, of_probe in zip(probes, zip(*gathered, strict=True), strict=False)
     ]
 
 
@@ -244,11 +244,9 @@ def _turned(factors: Array, tips: tuple[Tip, Tip], frame: Array, shares: Array) 
     return np.linalg.solve(signs[:, None] * turn * signs, factors)
 
 
-def state_requests(recorder: Recorder | None, states: list[int]) -> list[Request] | None:
-    """Requests for the fields of solved states; None on ranks without a recorder, all but 0."""
-    if recorder is None:
-        return None
-    return [Request.of(state, loads) for state, loads in recorder.requests(states)]
+def state_requests(recorder: Recorder, states: Sequence[int]) -> list[Request]:
+    """Requests for the fields of solved states."""
+    return [Request.of(state, loads) for state, loads in recorder.requests(list(states))]
 
 
 class UnitFields:

@@ -5,11 +5,9 @@ from __future__ import annotations
 
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
-from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.definition import Pair
@@ -17,17 +15,17 @@ from fretfe.case import Case
 from fretfe.contact.interface import Place
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import solve_history
-from fretfe.errors import ConvergenceError, FretfeError, ModelError, OutputError, StoppedError
+from fretfe.errors import ConvergenceError, ModelError, OutputError, StoppedError
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.evaluate import Tracks, evaluate
-from fretfe.evaluate.limits import ModelLimit, with_limit_warnings
+from fretfe.evaluate.limits import with_limit_warnings
 from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.resultants import load_extremes
 from fretfe.evaluate.step_ends import division_notes, step_ends
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
 from fretfe.fem.extraction import add_integrals
-from fretfe.fem.fields import FieldOutput
+from fretfe.fem.fields import FieldOutput, FieldSource, Recovery
 from fretfe.fem.limits import (
     balance,
     farthest_states,
@@ -36,13 +34,12 @@ from fretfe.fem.limits import (
     unpaired_penetration,
 )
 from fretfe.fem.model import LoadMesh, Model, Prepared, build_model, step_loads
-from fretfe.fem.parallel import SharedStop, on_root, release
+from fretfe.fem.parallel import Lead, SharedStop, on_root, release
 from fretfe.fem.probes import state_requests
 from fretfe.fem.stress_output import refuse_solids, write_stress
 from fretfe.fem.timing import Clock
 from fretfe.history.solution import Solution
 from fretfe.loads import History, build_history
-from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
 
 
@@ -96,60 +93,160 @@ def solve_prepared(
     Raises:
         FretfeError: as for `solve`.
     """
-    model, mesh = prepared.model, prepared.mesh
+    model = prepared.model
     comm = model.comm
     refuse_solids(case, model.dimension)
-    with clock("steps"):
-        marched = _march_on_root(prepared, case, history, options)
-    failure = comm.bcast(marched.failure if marched else None)
-    recorder = marched.recorder if marched else None
-    solution = _solution(model, history, marched.recorder) if marched else None
-    with clock("edge integrals"):
-        tracks = on_root(comm, lambda: _fronts(case, solution), share=False)
-        solution = add_integrals(model, recorder, prepared.march, solution, tracks, options.doing)
-    with clock("evaluation"):
-        found = _evaluate(model, recorder, solution, tracks)
-        failure = failure or on_root(comm, lambda: imbalance(solution) if solution else None)
-    divided = division_notes(solution.ends) if solution else ()
-    if solution is not None and (ends := step_ends(solution)):
-        solution = ends.solution(solution)
-    notes = model.notes + on_root(comm, lambda: _notes(mesh, divided, solution))
-    result = Result(
-        case=case,
-        loads=comm.bcast(solution.loads if solution else None),
-        contacts=found.contacts,
-        solution=solution,
-        notes=notes,
-        failure=failure,
-        limits=found.limits,
-        bodies=mesh.bodies if mesh else {},
-        versions=_compat.versions(),
-        seconds=clock.seconds,
-        ranks=comm.size,
-    )
-    options.keep(result)
-    if options.stress is not None and case.output.stress_depths:
-        with clock("stress near the contacts"):
-            notes += _write_stress(model, recorder, solution, found, options.stress)
-    if options.fields is None:
-        return replace(result, notes=notes)
-    with clock("fields"):
-        chosen = _field_states(case, history, solution, found) if solution else None
-        notes += _write_fields(model, history, recorder, chosen, options)
-    return replace(result, notes=notes)
+    with SharedStop(comm, options.observer) as stop:
+        lead = Lead(comm, Recovery(model), stop.send)
+        heeding = replace(options, observer=stop)
+        run = _Run(prepared, case, history, heeding, clock, FieldSource(model, lead))
+        result = _without_states(comm, lead.run(run.evaluate, share=False))
+        options.keep(result)
+        return replace(result, notes=result.notes + lead.run(run.write))
 
 
-@dataclass(frozen=True)
-class _Evaluation:
-    """The contacts and the limits of the model."""
+def _without_states(comm: MPI.Comm, result: Result | None) -> Result:
+    """The result of rank 0; the others have all of it but what may be large. Collective."""
+    light = replace(result, solution=None, bodies={}) if result is not None else None
+    shared: Result = comm.bcast(light)
+    return result or shared
 
-    contacts: tuple[Contact, ...] = ()
-    limits: tuple[ModelLimit, ...] = ()
+
+class _Run:
+    """A history on a model, solved, evaluated and written; rank 0 only.
+
+    Args:
+        prepared: the model.
+        case: as for `solve_prepared`.
+        history: the loads.
+        options: files, and observer.
+        clock: for timings.
+        fields: answers with fields of the solved states.
+    """
+
+    def __init__(
+        self,
+        prepared: Prepared,
+        case: Case,
+        history: History,
+        options: RunOptions,
+        clock: Clock,
+        fields: FieldSource,
+    ) -> None:
+        self._prepared, self._model, self._case = prepared, prepared.model, case
+        self._history, self._options = history, options
+        self._clock, self._fields = clock, fields
+        self._recorder: Recorder
+        self._solution: Solution
+        self._contacts: tuple[Contact, ...]
+
+    def evaluate(self) -> Result:
+        """Solve the history and evaluate it."""
+        model, case, clock = self._model, self._case, self._clock
+        with clock("steps"):
+            marched = _march(self._prepared, case, self._history, self._options)
+            recorder = self._recorder = marched.recorder
+            solution = _solution(model, self._history, recorder)
+        with clock("edge integrals"):
+            tracks, say = _fronts(case, solution), self._options.doing
+            march = self._prepared.march
+            solution = add_integrals(model, self._fields, recorder, march, solution, tracks, say)
+        with clock("evaluation"):
+            depths = self._penetration()
+            contacts = evaluate(solution, tracks=tracks)
+            limits = model_limits(model, recorder, solution, contacts, depths)
+            contacts = with_limit_warnings(contacts, limits)
+            failure = marched.failure or imbalance(solution)
+        divided = division_notes(solution.ends)
+        if ends := step_ends(solution):
+            contacts, solution = ends.contacts(solution, contacts), ends.solution(solution)
+        self._solution, self._contacts = solution, contacts
+        repeats = (each.text for each in solution.repeats)
+        return Result(
+            case=case,
+            loads=solution.loads,
+            contacts=contacts,
+            solution=solution,
+            notes=(*model.notes, *self._prepared.mesh.notes, *divided, *repeats),
+            failure=failure,
+            limits=limits,
+            bodies=self._prepared.mesh.bodies,
+            versions=_compat.versions(),
+            seconds=clock.seconds,
+            ranks=model.comm.size,
+        )
+
+    def write(self) -> tuple[str, ...]:
+        """Write what the case asks for of the fields.
+
+        Returns:
+            Why it could not be written: no reason to lose the numbers.
+        """
+        notes: tuple[str, ...] = ()
+        if self._options.stress is not None and self._case.output.stress_depths:
+            with self._clock("stress near the contacts"):
+                notes += self._write_stress(self._options.stress)
+        if self._options.fields is not None:
+            with self._clock("fields"):
+                notes += self._write_fields(self._options.fields)
+        return notes
+
+    def _penetration(self) -> dict[str, float]:
+        """Unpaired penetration of each contact."""
+        model, recorder, pairs = self._model, self._recorder, self._model.reduction.pairs
+        chosen = [farthest_states(model, pair, recorder) for pair in pairs]
+        requests = state_requests(recorder, [int(each) for states in chosen for each in states])
+        moved = iter(self._fields.surface_displacements(requests))
+        return {
+            pair.name: unpaired_penetration(model, pair, list(islice(moved, len(states))))
+            for pair, states in zip(pairs, chosen, strict=True)
+        }
+
+    def _write_stress(self, path: Path) -> tuple[str, ...]:
+        if len(self._solution.times) == 1:
+            return ()
+        arguments = self._recorder, self._solution, self._contacts, path
+        try:
+            write_stress(self._model, self._fields, *arguments)
+        except OutputError as error:
+            return (str(error),)
+        return ()
+
+    def _write_fields(self, path: Path) -> tuple[str, ...]:
+        states = self._field_states()
+        if not states:
+            return ()
+        try:
+            with closing(FieldOutput(self._fields, path)) as output:
+                for number, state in enumerate(states, start=1):
+                    self._options.doing(f"fields: state {number} of {len(states)}")
+                    (request,) = state_requests(self._recorder, [state])
+                    output.add(float(self._history.times[state]), request)
+        except OutputError as error:
+            with suppress(OSError):  # one that cannot be removed stays
+                path.unlink(missing_ok=True)
+            return (str(error),)
+        return ()
+
+    def _field_states(self) -> list[int]:
+        """Solved states whose fields the case asks for."""
+        solved = range(1, len(self._solution.times))
+        wanted = self._case.output.fields
+        if wanted == "none":
+            return []
+        if wanted == "all":
+            return list(solved)
+        if wanted == "last":
+            return list(solved[-1:])
+        if wanted == "extremes":
+            states = load_extremes(self._contacts, self._solution.cycle)
+            return sorted({*states, *solved[-1:]} & set(solved))
+        return [state for state in (self._history.step(time) for time in wanted) if state in solved]
 
 
-def _fronts(case: Case, solution: Solution | None) -> Tracks | None:
+def _fronts(case: Case, solution: Solution) -> Tracks | None:
     """The fronts of all contacts of solids through the history; None in the plane."""
-    if solution is None or solution.dimension == 2:
+    if solution.dimension == 2:
         return None
     # Imported where it is needed: SciPy's interpolation takes a second.
     from fretfe.evaluate.space.fronts import follow_fronts
@@ -159,51 +256,8 @@ def _fronts(case: Case, solution: Solution | None) -> Tracks | None:
     }
 
 
-def _evaluate(
-    model: Model, recorder: Recorder | None, solution: Solution | None, tracks: Tracks | None
-) -> _Evaluation:
-    """The contacts, with warnings where the model does not hold, and its limits. Collective.
-
-    Nothing on ranks other than 0, which has the solution.
-    """
-    depths = _penetration(model, recorder)
-
-    def work() -> _Evaluation:
-        if recorder is None or solution is None:
-            return _Evaluation()
-        contacts = evaluate(solution, tracks=tracks)
-        limits = model_limits(model, recorder, solution, contacts, depths)
-        contacts, ends = with_limit_warnings(contacts, limits), step_ends(solution)
-        return _Evaluation(ends.contacts(solution, contacts) if ends else contacts, limits)
-
-    return on_root(model.comm, work)
-
-
-def _notes(
-    mesh: Mesh | None, divided: tuple[str, ...], solution: Solution | None
-) -> tuple[str, ...]:
-    """Notes on the mesh, and on steps that were divided or not solved; in words."""
-    repeats = solution.repeats if solution else ()
-    return (*(mesh.notes if mesh else ()), *divided, *(each.text for each in repeats))
-
-
-def _penetration(model: Model, recorder: Recorder | None) -> dict[str, float]:
-    """Unpaired penetration of each contact; empty but on rank 0. Collective."""
-    pairs = model.reduction.pairs if model.reduction and recorder else ()
-    chosen = [farthest_states(model, pair, recorder) for pair in pairs] if recorder else []
-    requests = state_requests(recorder, [int(each) for states in chosen for each in states])
-    moved = model.surface_displacements(requests) or []
-    ends = np.cumsum([len(states) for states in chosen])
-    return {
-        pair.name: unpaired_penetration(model, pair, moved[end - len(states) : end])
-        for pair, states, end in zip(pairs, chosen, ends, strict=True)
-    }
-
-
 def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
-    reduction = model.reduction
-    assert reduction is not None
-    solution = recorder.solution(history, balance(reduction, recorder.blocks()))
+    solution = recorder.solution(history, balance(model.reduction, recorder.blocks()))
     return separate_patches(solution) if model.dimension == 2 else solution
 
 
@@ -215,32 +269,9 @@ class _Marched:
     failure: ConvergenceError | None
 
 
-def _march_on_root(
-    prepared: Prepared, case: Case, history: History, options: RunOptions
-) -> _Marched | None:
-    """Solve all steps; on ranks other than 0, from which signals come too, None. Collective."""
-    comm = prepared.model.comm
-    stop = SharedStop(comm, options.observer)
-    heeding = replace(options, observer=stop)
-    try:
-        marched = on_root(
-            comm,
-            lambda: _march(prepared, case, history, heeding),
-            share=False,
-            waiting=stop.send,
-        )
-    except FretfeError:  # raised on all ranks, as nothing else is
-        stop.close()
-        raise
-    stop.close()
-    return marched
-
-
 def _march(prepared: Prepared, case: Case, history: History, options: RunOptions) -> _Marched:
     """Solve all steps; one that fails ends the history and keeps what was computed."""
     reduction, march = prepared.model.reduction, prepared.march
-    assert reduction is not None
-    assert march is not None
     steps = step_loads(case, history, reduction.interface, reduction.definition)
     places = [_place(prepared.model, pair) for pair in reduction.pairs]
     channels = [load.channel for load in reduction.definition.loads]
@@ -277,75 +308,3 @@ def _require_contact(recorder: Recorder) -> None:
         "sizes of the loads that should bring the bodies together, and their place in the mesh"
     )
     raise ModelError(f"no contact surfaces pressed on each other in any step: {reason}.")
-
-
-def _write_fields(
-    model: Model,
-    history: History,
-    recorder: Recorder | None,
-    chosen: list[int] | None,
-    options: RunOptions,
-) -> tuple[str, ...]:
-    """Write the fields of the chosen states, which rank 0 has. Collective.
-
-    Returns:
-        Why they could not be written: no reason to lose the numbers.
-    """
-    states, path = model.comm.bcast(chosen), options.fields
-    if not states or path is None:
-        return ()
-    try:
-        with closing(FieldOutput(model, path)) as output:
-            for number, state in enumerate(states, start=1):
-                options.doing(f"fields: state {number} of {len(states)}")
-                (displacements,) = model.recover_fields(state_requests(recorder, [state]))
-                output.add(float(history.times[state]), displacements)
-    except OutputError as error:
-        on_root(model.comm, partial(_remove, path))
-        return (str(error),)
-    return ()
-
-
-def _write_stress(
-    model: Model,
-    recorder: Recorder | None,
-    solution: Solution | None,
-    found: _Evaluation,
-    path: Path,
-) -> tuple[str, ...]:
-    """Write the stress near the contacts of a history that has steps. Collective.
-
-    Returns:
-        Why it could not be written: no reason to lose the numbers.
-    """
-    if not model.comm.bcast(solution is not None and len(solution.times) > 1):
-        return ()
-    try:
-        write_stress(model, recorder, solution, found.contacts, path)
-    except OutputError as error:
-        return (str(error),)
-    return ()
-
-
-def _remove(path: Path) -> None:
-    """Remove a file that is not whole; one that cannot be removed stays."""
-    with suppress(OSError):
-        path.unlink(missing_ok=True)
-
-
-def _field_states(
-    case: Case, history: History, solution: Solution, found: _Evaluation
-) -> list[int]:
-    """Solved states whose fields the case asks for."""
-    solved = range(1, len(solution.times))
-    wanted = case.output.fields
-    if wanted == "none":
-        return []
-    if wanted == "all":
-        return list(solved)
-    if wanted == "last":
-        return list(solved[-1:])
-    if wanted == "extremes":
-        states = load_extremes(found.contacts, solution.cycle)
-        return sorted({*states, *solved[-1:]} & set(solved))
-    return [state for state in (history.step(time) for time in wanted) if state in solved]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Stress of plane bodies near their contacts through the evaluated cycle. Collective."""
+"""Stress of plane bodies near their contacts through the evaluated cycle."""
 
 from __future__ import annotations
 
@@ -11,11 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from dolfinx import fem
-from scipy import sparse
 
-from fretfe._typing import Array, Bools, Indices
-from fretfe.bodies.body import Material
+from fretfe._typing import Array
 from fretfe.case import Body, Case
 from fretfe.case.tables import Plane
 from fretfe.contact.recorder import Recorder
@@ -30,141 +27,22 @@ from fretfe.evaluate.surface_stress import (
     surface_tensor,
     tangential_stress,
 )
-from fretfe.fem._compat import cells_around
-from fretfe.fem.elasticity import COMPONENTS, ElasticBody
+from fretfe.fem.fields import FieldSource, Places
 from fretfe.fem.model import Model
-from fretfe.fem.parallel import on_root
 from fretfe.fem.probes import state_requests
 from fretfe.files import disk_reason
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.results.stress_file import StressSite, StressWriter
 from fretfe.surface.surface import Surface
 
-# Of a plane body: xx, yy, zz, xy, which is what `ElasticBody.element_stresses` has.
-IN_PLANE = ((0, 0), (1, 1), (2, 2), (0, 1))
-# Reference coordinates may leave an element by this much; bounding boxes grow by this part.
-TOLERANCE = 1e-8
-NEWTON_STEPS = 12
-# Bytes of the displacements that are recovered together.
-MOST_BYTES = 1 << 26
 # A contact node is above the other surface if the nearest place of that is no farther away along
 # the surface than this part of the largest facet.
 BESIDE = 0.5
 
-Places = dict[tuple[str, int], tuple[str, Array]]
-
-
-class StressPoints:
-    """Stress at those of some points that lie in this rank's elements.
-
-    Args:
-        elastic: the body.
-        points: (m, d) places, the same on all ranks of the body.
-
-    Attributes:
-        found: (f,) numbers of the points that this rank has.
-    """
-
-    def __init__(self, elastic: ElasticBody, points: Array) -> None:
-        self._pairs = IN_PLANE if elastic.gdim == 2 else COMPONENTS
-        cells, reference, self.found = _locate(elastic, points)
-        self._operator = _operator(elastic, cells, reference, self._pairs)
-
-    def stress(self, displacement: fem.Function) -> Array:
-        """(f, 4 or 6) stress xx, yy, zz, xy, yz, xz of a displacement, that of the element."""
-        values = self._operator @ displacement.x.array
-        return np.asarray(values.reshape(len(self.found), len(self._pairs)))
-
-
-def _locate(elastic: ElasticBody, points: Array) -> tuple[Indices, Array, Indices]:
-    """Own elements (f,), reference coordinates (f, d) in them, and numbers (f,) of points."""
-    mesh, space = elastic.mesh, _geometry(elastic)
-    dim = mesh.topology.dim
-    own = np.arange(mesh.topology.index_map(dim).size_local, dtype=np.int32)
-    extent = float(np.nanmax(np.abs(points), initial=0.0))
-    places = np.zeros((len(points), 3))
-    places[:, :dim] = points
-    cells, numbers = cells_around(mesh, own, places, TOLERANCE * extent)
-    nodes = space.tabulate_dof_coordinates()[space.dofmap.list[cells], :dim]
-    reference = _pulled_back(space, nodes, points[numbers])
-    inside = np.flatnonzero(_inside(elastic, reference))
-    # A point on the border of elements is in the first of them.
-    found, first = np.unique(numbers[inside], return_index=True)
-    chosen = inside[first]
-    return cells[chosen].astype(np.int64), reference[chosen], found
-
-
-def _geometry(elastic: ElasticBody) -> Any:
-    """The space in which the places of a body's elements lie."""
-    if elastic.order == elastic.degree:
-        return elastic.space
-    return fem.functionspace(elastic.mesh, ("Lagrange", elastic.order, (elastic.gdim,)))
-
-
-def _tabulated(space: Any, at: Array) -> tuple[Array, Array]:
-    """(n, k) basis functions and their slopes (n, k, d) at reference coordinates (n, d)."""
-    if not len(at):
-        count = space.element.basix_element.dim
-        return np.zeros((0, count)), np.zeros((0, count, at.shape[1]))
-    table = space.element.basix_element.tabulate(1, np.ascontiguousarray(at))[..., 0]
-    return table[0], np.moveaxis(table[1:], 0, 2)
-
-
-def _pulled_back(space: Any, nodes: Array, points: Array) -> Array:
-    """(n, d) reference coordinates of points (n, d) in elements with nodes (n, k, d), by Newton."""
-    at = np.full(points.shape, 1 / (points.shape[1] + 1))
-    for _ in range(NEWTON_STEPS):
-        values, slopes = _tabulated(space, at)
-        missing = points - np.einsum("nk,nkd->nd", values, nodes)
-        jacobians = np.einsum("nkd,nke->nde", nodes, slopes)
-        # Elements that a point only seems to be in: what is far outside stays there.
-        step = np.clip(np.linalg.solve(jacobians, missing[..., None])[..., 0], -1.0, 1.0)
-        at = at + step
-        if np.abs(step).max(initial=0.0) < TOLERANCE**2:
-            break
-    return np.asarray(at)
-
-
-def _inside(elastic: ElasticBody, at: Array) -> Bools:
-    """(n,) whether reference coordinates lie in the element."""
-    low = (at >= -TOLERANCE).all(axis=1)
-    simplex = elastic.mesh.topology.cell_name() in ("triangle", "tetrahedron")
-    high = at.sum(axis=1) if simplex else at.max(axis=1, initial=0.0)
-    return np.asarray(low & (high <= 1 + TOLERANCE))
-
-
-def _operator(
-    elastic: ElasticBody, cells: Indices, at: Array, pairs: tuple[tuple[int, int], ...]
-) -> sparse.csr_matrix:
-    """(f * c, n) stress at the points from all displacements of this rank."""
-    space, dim = _geometry(elastic), elastic.gdim
-    nodes = space.tabulate_dof_coordinates()[space.dofmap.list[cells], :dim]
-    jacobians = np.einsum("nkd,nke->nde", nodes, _tabulated(space, at)[1])
-    slopes = np.einsum("nke,ned->nkd", _tabulated(elastic.space, at)[1], np.linalg.inv(jacobians))
-    rows = np.stack([_row(elastic.material, slopes, pair) for pair in pairs], axis=1)
-    unknowns = elastic.space.dofmap.list[cells][..., None] * dim + np.arange(dim)
-    count, width = len(cells) * len(pairs), unknowns.shape[1] * dim
-    columns = np.repeat(unknowns.reshape(len(cells), width), len(pairs), axis=0)
-    indptr = np.arange(count + 1) * width
-    shape = count, len(elastic.space.tabulate_dof_coordinates()) * dim
-    return sparse.csr_matrix((rows.ravel(), columns.ravel(), indptr), shape=shape)
-
-
-def _row(material: Material, slopes: Array, pair: tuple[int, int]) -> Array:
-    """(n, k, d) factors of a stress component from slopes (n, k, d): Hooke's law."""
-    i, j = pair
-    row = np.zeros_like(slopes)
-    if i == j and not (material.plane == "stress" and i >= slopes.shape[2]):
-        row += material.first_lame * slopes
-    if max(i, j) < slopes.shape[2]:
-        row[..., i] += material.shear_modulus * slopes[..., j]
-        row[..., j] += material.shear_modulus * slopes[..., i]
-    return row
-
 
 @dataclass(frozen=True)
 class _Site:
-    """A contact with its patches, and the surfaces of its bodies; rank 0 only."""
+    """A contact with its patches, and the surfaces of its bodies."""
 
     patches: tuple[ContactHistory, ...]
     summaries: tuple[Contact, ...]
@@ -189,71 +67,38 @@ class _Site:
 
 def write_stress(
     model: Model,
-    recorder: Recorder | None,
-    solution: Solution | None,
+    fields: FieldSource,
+    recorder: Recorder,
+    solution: Solution,
     contacts: Sequence[Contact],
     path: Path,
 ) -> None:
-    """Write the stress near all contacts. Collective.
+    """Write the stress near all contacts; on rank 0.
 
     Args:
         model: plane bodies.
-        recorder: holds the solved states; on rank 0, None elsewhere.
-        solution: the same states; on rank 0, None elsewhere.
-        contacts: their evaluation, on rank 0.
+        fields: answers with displacements and stress.
+        recorder: holds the solved states.
+        solution: the same states.
+        contacts: their evaluation.
         path: of the file.
 
     Raises:
         OutputError: if the file cannot be written.
     """
-    writer = _Writer(model, solution, contacts, path) if solution is not None else None
-    places: Places = model.comm.bcast(writer.places if writer else None)
-    states: Indices = model.comm.bcast(writer.states if writer else None)
-    points = {
-        key: StressPoints(model.bodies[body].elastic, at)
-        for key, (body, at) in places.items()
-        if body in model.bodies
-    }
-    on_root(model.comm, lambda: writer.open() if writer else None, share=False)
-    length = _states_at_once(model)
-    for start in range(0, len(states), length):
-        block = [int(each) for each in states[start : start + length]]
-        fields = model.recover_fields(state_requests(recorder, block))
-        surfaces = model.gather_surfaces(fields)
-        for number, field in enumerate(fields):
-            inner = _gather(model, places, points, field)
-            if writer is not None and surfaces is not None and inner is not None:
-                writer.add(block[number], surfaces[number], inner)
-    on_root(model.comm, lambda: writer.close() if writer else None, share=False)
-
-
-def _states_at_once(model: Model) -> int:
-    """Number of displacement fields that are held together; the same on all ranks."""
-    sizes = [body.elastic.space.dofmap.index_map.size_global for body in model.bodies.values()]
-    largest = max(model.comm.allgather(sum(sizes) * model.dimension * 8))
-    return int(np.clip(MOST_BYTES // largest, 1, 64))
-
-
-def _gather(
-    model: Model,
-    places: Places,
-    points: dict[tuple[str, int], StressPoints],
-    field: dict[str, fem.Function],
-) -> dict[tuple[str, int], Array] | None:
-    """(m, 4) stress at the points below the surfaces, NaN outside the bodies; on rank 0."""
-    own = {key: (at.found, at.stress(field[places[key][0]])) for key, at in points.items()}
-    gathered = model.comm.gather(own)
-    if gathered is None:
-        return None
-    whole = {key: np.full((len(at), 4), np.nan) for key, (_, at) in places.items()}
-    for part in gathered:
-        for key, (found, values) in part.items():
-            whole[key][found] = values
-    return whole
+    writer = _Writer(model, solution, contacts, path)
+    writer.open()
+    length = fields.states_at_once()
+    for start in range(0, len(writer.states), length):
+        block = [int(each) for each in writer.states[start : start + length]]
+        found = fields.stress(writer.places, state_requests(recorder, block))
+        for state, (moved, inner) in zip(block, found, strict=True):
+            writer.add(state, moved, inner)
+    writer.close()
 
 
 class _Writer:
-    """The part of rank 0: places, the stress at the surface, the file."""
+    """Places, the stress at the surface, the file."""
 
     def __init__(
         self, model: Model, solution: Solution, contacts: Sequence[Contact], path: Path

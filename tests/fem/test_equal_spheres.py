@@ -108,7 +108,6 @@ def problem() -> tuple[Interface, Sequence[StepLoads]]:
     prepared = build_model(MPI.COMM_WORLD, case(), Clock(), load=lambda: mesh)
     history = load_history(MPI.COMM_WORLD, case(), DEFAULTS)
     reduction = prepared.model.reduction
-    assert reduction is not None
     return reduction.interface, step_loads(
         case(), history, reduction.interface, reduction.definition
     )

@@ -97,7 +97,6 @@ def on_dovetail(random: np.random.Generator) -> dict[str, float]:
 def test_every_jump_is_found(data: Data, draw: Draw) -> None:
     case = parse_case(data)
     reduction = build_model(MPI.COMM_WORLD, case, Clock()).model.reduction
-    assert reduction is not None
     interface = reduction.interface
     history = load_history(MPI.COMM_WORLD, case, DEFAULTS)
     unloaded, loaded = step_loads(case, history, interface, reduction.definition)

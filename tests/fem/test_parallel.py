@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import time
+from functools import partial
 
 import pytest
 
 from fretfe.errors import ModelError
 from fretfe.fem._compat import MPI
-from fretfe.fem.parallel import on_root
+from fretfe.fem.parallel import Lead, on_root
 
 COMM = MPI.COMM_WORLD
 
@@ -37,3 +38,41 @@ def test_ranks_that_wait_leave_the_cores_to_the_work() -> None:
     wall, used = time.perf_counter() - wall, time.process_time() - used
     assert wall > 0.49
     assert used < 0.3 * wall  # a rank that spins uses all of it; 2 % measured
+
+
+class Part:
+    """Of each rank, one more than its number."""
+
+    def sum(self, times: int, less: int = 0) -> int:
+        """Sum over all ranks, multiplied; `less` is known to rank 0 alone."""
+        return int(COMM.allreduce(COMM.rank + 1)) * times - less
+
+    def fail(self) -> None:
+        """Fail on all ranks, after all have come here."""
+        COMM.barrier()
+        raise ModelError("no rank can do this")
+
+
+@pytest.mark.mpi
+def test_all_ranks_answer_what_rank_0_asks_meanwhile() -> None:
+    lead = Lead(COMM, Part())
+
+    def work() -> list[int]:
+        return [lead.ask(partial(Part.sum, times=n), less=1) for n in (1, 2)]
+
+    whole = COMM.size * (COMM.size + 1) // 2
+    assert lead.run(work) == [whole - 1, 2 * whole - 1]
+
+
+@pytest.mark.mpi
+def test_rank_0_may_go_on_after_a_question_without_an_answer() -> None:
+    lead = Lead(COMM, Part())
+
+    def work() -> int:
+        with pytest.raises(ModelError, match="no rank can do this"):
+            lead.ask(Part.fail)
+        return lead.ask(partial(Part.sum, times=2))
+
+    assert lead.run(work) == COMM.size * (COMM.size + 1)
+    with pytest.raises(ModelError, match="no rank can do this"):
+        lead.run(lambda: lead.ask(Part.fail))

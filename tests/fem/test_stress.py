@@ -23,7 +23,7 @@ from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.evaluate.stress import StressHistory, worst_states
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
-from fretfe.fem.stress_output import StressPoints
+from fretfe.fem.fields import StressPoints
 from fretfe.report.figures.stress import stress_plot
 from fretfe.report.source import shown_contacts
 from fretfe.report.texts import with_error
