@@ -63,7 +63,7 @@ def scene(
 
 def _make(task: str, directory: Path, output: Path, suffix: str) -> dict[str, float]:
     from fretfe.errors import CaseError, OutputError
-    from fretfe.report.pictures.child import draw_in_child
+    from fretfe.report.pictures.folder import draw_in_child
     from fretfe.results.reader import read_numbers
 
     if output.suffix != suffix:

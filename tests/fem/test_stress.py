@@ -24,7 +24,7 @@ from fretfe.evaluate.stress import StressHistory, worst_states
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.fields import StressPoints
-from fretfe.report.figures.stress import stress_plot
+from fretfe.report.figures.tractions import stress_plot
 from fretfe.report.source import shown_contacts
 from fretfe.report.texts import with_error
 from fretfe.results.model import Result

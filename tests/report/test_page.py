@@ -20,8 +20,15 @@ from stored_runs import REASON, RUNS, edit_numbers, solved, write_many_contacts,
 from fretfe.case import parse_case
 from fretfe.errors import OutputError
 from fretfe.evaluate.refinement import Pass, Refinement, StationValues
-from fretfe.report.page.glossary import HEADERS, PLANE_TERMS, SOLID_TERMS, TERMS, Glossary
-from fretfe.report.page.html import render, write_report
+from fretfe.report.page.html import (
+    HEADERS,
+    PLANE_TERMS,
+    SOLID_TERMS,
+    TERMS,
+    Glossary,
+    render,
+    write_report,
+)
 from fretfe.report.page.tables import station_table
 from fretfe.results.reader import read_result
 from fretfe.results.writer import REPORT, write_results

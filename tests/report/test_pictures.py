@@ -24,9 +24,8 @@ from stored_runs import edit_numbers
 
 from fretfe.history.solution import SLIP, STICK
 from fretfe.report.pictures import folder as folder_module
-from fretfe.report.pictures.child import _run
 from fretfe.report.pictures.fields import open_fields
-from fretfe.report.pictures.folder import make_pictures
+from fretfe.report.pictures.folder import _run, make_pictures
 from fretfe.report.pictures.panels import Pixels
 from fretfe.report.pictures.plan import MOST_EDGES, plan_pictures
 from fretfe.report.pictures.status import STATUS

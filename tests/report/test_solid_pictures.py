@@ -36,15 +36,21 @@ from fretfe.errors import ConvergenceError
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.history.solution import OPEN, SLIP, STICK
 from fretfe.report.page.html import render
-from fretfe.report.pictures import cycle
-from fretfe.report.pictures.cycle import MOST_BYTES, cycle_frames, draw_cycle
+from fretfe.report.pictures import surfaces
 from fretfe.report.pictures.fields import FACES, BodyField, Grid
 from fretfe.report.pictures.fields import surface as linear_pieces
 from fretfe.report.pictures.folder import make_pictures, read_pictures
 from fretfe.report.pictures.panels import pixels
 from fretfe.report.pictures.plan import plan_pictures
 from fretfe.report.pictures.solids import View, cell_volumes, section
-from fretfe.report.pictures.surfaces import FILLS, draw_surface, lay_out
+from fretfe.report.pictures.surfaces import (
+    FILLS,
+    MOST_BYTES,
+    cycle_frames,
+    draw_cycle,
+    draw_surface,
+    lay_out,
+)
 from fretfe.report.pictures.unroll import Unrolled, unroll
 from fretfe.results.dataset import NODAL
 from fretfe.results.model import Result
@@ -275,7 +281,7 @@ def test_cycle_is_an_animation_of_its_states(drawn: Path, result: Result) -> Non
 
 def test_large_animations_are_thinned_out(result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
     short = replace(result, loads=replace(result.loads, cycle=(20, 24)))
-    monkeypatch.setattr(cycle, "MOST_BYTES", 60_000)
+    monkeypatch.setattr(surfaces, "MOST_BYTES", 60_000)
     data, caption = draw_cycle(short, "main")
     assert "2 states" in caption and len(data) < 60_000
 

@@ -68,20 +68,16 @@ def make_plot(
 def _svg(figure: Figure, key: str) -> str:
     """A figure as an `svg` element; all ids in it begin with the key."""
     canvas = FigureCanvasSVG(figure)
-    _lay_out(figure)
-    buffer = io.StringIO()
-    canvas.print_svg(buffer, metadata=METADATA)
-    return _inline(buffer.getvalue(), key)
-
-
-def _lay_out(figure: Figure) -> None:
-    """Give everything its place; `Figure.savefig` would draw all of it once more for that."""
+    # Everything has its place first; `Figure.savefig` would draw all of it once more for that.
     layout = figure.get_layout_engine()
     assert layout is not None
     figure.set_dpi(SVG_DPI)
     layout.execute(figure)
     figure.set_layout_engine("none")
     figure.set_dpi(MAP_DPI)
+    buffer = io.StringIO()
+    canvas.print_svg(buffer, metadata=METADATA)
+    return _inline(buffer.getvalue(), key)
 
 
 def _inline(svg: str, key: str) -> str:

@@ -1,10 +1,16 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The report of a run: one HTML file that needs nothing else, and its plots in their order."""
+"""The report of a run: one HTML file that needs nothing else, and its plots in their order.
+
+Its terms are explained as in the glossary of the documents, `docs/glossary.md`: a heading of the
+third level for each term, below it the explanation. An installed package has it in the folder of
+this module.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -12,18 +18,18 @@ from typing import Any
 
 import tomli_w
 from jinja2 import Environment, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 from rich.table import Table
 
 from fretfe.errors import OutputError
+from fretfe.evaluate.contacts import Contact
 from fretfe.files import disk_reason, replace_text
 from fretfe.history.solution import Solution
 from fretfe.quality.validate.single import own_rows
 from fretfe.quality.validate.solids import solid_rows
-from fretfe.report.figures import cycles, edges, history, slip, solids, solver, stress, tractions
+from fretfe.report.figures import edges, history, slip, solids, solver, tractions
 from fretfe.report.figures.plot import Plot
 from fretfe.report.page.answer import edge_answers, summary
-from fretfe.report.page.glossary import Glossary, subscripts
 from fretfe.report.page.tables import (
     contact_table,
     cycle_table,
@@ -33,7 +39,7 @@ from fretfe.report.page.tables import (
     timing_table,
 )
 from fretfe.report.pictures.folder import read_pictures
-from fretfe.report.source import Shown, force_unit, shown_contacts
+from fretfe.report.source import force_unit, shown_contacts
 from fretfe.report.texts import number
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
@@ -51,6 +57,41 @@ CERTIFICATE = {
     "cone": ("largest excess of the shear over f p", "stress"),
     "force_imbalance": ("largest sum of all forces on a body", "force"),
 }
+# Terms of every page, of pages of plane bodies, and of pages of solids.
+TERMS = {
+    *("Body 1, body 2", "State, step, cycle", "Half cycle", "Pressure, shear", "Friction bound"),
+    *("Stick and slip", "Partial slip, gross slip", "Full stick", "Patch", "Edge factor", "K_N"),
+    *("K_T", "K_I", "Slip zone", "Error bar", "Resolved", "Certificate", "Friction work"),
+    "Verdict",
+}
+PLANE_TERMS = {"Bulk tension", "Contact edge"}
+SOLID_TERMS = {"Front", "Station", "K_S"}
+# Headers of tables, with the terms that explain them.
+HEADERS = {
+    "edge": "Contact edge",
+    "front": "Front",
+    "K_N": "K_N",
+    "K_T": "K_T",
+    "ΔK_T": "K_T",
+    "mean K_T": "K_T",
+    "|ΔK|": "K_S",
+    "half cycle": "Half cycle",
+    "d found": "Slip zone",
+    "d predicted": "Slip zone",
+    "slip": "Slip zone",
+    "slip zones": "Slip zone",
+    "predicted": "Slip zone",
+    "verdict": "Verdict",
+    "P": "Pressure, shear",
+    "Q": "Pressure, shear",
+    "|Q|": "Pressure, shear",
+    "sticks": "Stick and slip",
+    "steady": "State, step, cycle",
+    "Δq/(f p_max)": "Friction bound",
+    "work": "Friction work",
+}
+# A reference to another page, which a report cannot lead to, and other links.
+REFERENCE, LINK = re.compile(r"\s\(\[[^]]*\]\([^)]*\)\)"), re.compile(r"\[([^]]*)\]\([^)]*\)")
 
 
 @dataclass(frozen=True)
@@ -93,63 +134,68 @@ def _sections(run: Result) -> tuple[Section, ...]:
         return ()
     if run.solid:
         return _solid_sections(run)
-    shown = shown_contacts(run)
+    shown, keyed = shown_contacts(run), _keyed(run)
+    factors = (history.factor_plot(run, contact, key) for key, contact in keyed)
+    paths = (history.path_plot(run, contact, key) for key, contact in keyed)
     histories = (
-        _section("factors", "Edge factors", history.FACTORS_INTRO, _factors(run)),
-        _section("loads", "Loads", history.LOADS_INTRO, _loads(run)),
+        _section("factors", "Edge factors", history.FACTORS_INTRO, factors),
+        _section("loads", "Loads", history.LOADS_INTRO, [history.load_plot(run), *paths]),
     )
     if not shown:
         none = f"The backend {run.backend} gives no tractions along the contact."
         return (Section("tractions", "Along the contacts", none, ()), *histories)
     asymptotes = (edges.edge_plot(each, edge) for each in shown for edge in each.summary.stations)
-    counted = (cycles.cycle_plot(each, edge) for each in shown for edge in each.summary.stations)
+    loops = (*map(history.slip_loop_plot, shown), *history.work_loop_plots(run))
+    counted = (edges.cycle_plot(each, edge) for each in shown for edge in each.summary.stations)
+    irregular = any(edge.cycles.irregular for each in run.contacts for edge in each.stations)
+    slip_intro = slip.INTRO + (slip.ENVELOPE_INTRO if irregular else "")
     sections = (
         _section(
             "tractions", "Along the contacts", tractions.INTRO, map(tractions.traction_plot, shown)
         ),
         _section("edges", "Next to the edges", edges.INTRO, asymptotes),
-        _section("slip", "Stick and slip", _slip_intro(run), map(slip.slip_plot, shown)),
-        _section("cycles", "Counted cycles", cycles.INTRO, counted),
+        _section("slip", "Stick and slip", slip_intro, map(slip.slip_plot, shown)),
+        _section("cycles", "Counted cycles", edges.CYCLES_INTRO, counted),
         _section(
             "local", "Local parameters", tractions.LOCAL_INTRO, map(tractions.local_plot, shown)
         ),
         _section(
-            "stress", "Stress next to the edges", stress.INTRO, map(stress.stress_plot, shown)
+            "stress",
+            "Stress next to the edges",
+            tractions.STRESS_INTRO,
+            map(tractions.stress_plot, shown),
         ),
         *histories,
-        _section("loops", "Hysteresis", history.LOOPS_INTRO, _loops(run, shown)),
+        _section("loops", "Hysteresis", history.LOOPS_INTRO, loops),
     )
     return tuple(section for section in sections if section.plots)
-
-
-def _slip_intro(run: Result) -> str:
-    """Legend of the maps, and of the envelopes where there are any."""
-    edges = [edge for contact in run.contacts for edge in contact.stations]
-    irregular = any(edge.cycles.irregular for edge in edges)
-    return slip.INTRO + (slip.ENVELOPE_INTRO if irregular else "")
 
 
 def _solid_sections(run: Result) -> tuple[Section, ...]:
-    shown = shown_contacts(run)
+    shown, keyed = shown_contacts(run), _keyed(run)
+    loops = (*map(history.slip_loop_plot, shown), *history.work_loop_plots(run))
+    fronts = (
+        solids.front_plot(run, contact, front, f"{key}-{row}")
+        for key, contact in keyed
+        for row, front in enumerate(contact.fronts)
+    )
+    areas = (
+        draw(run, contact, key)
+        for key, contact in keyed
+        for draw in (solids.force_plot, solids.area_plot)
+    )
     sections = (
-        _section("fronts", "Along the fronts", solids.FRONTS_INTRO, _fronts(run)),
-        _section("areas", "Contacts over time", solids.AREAS_INTRO, _areas(run)),
+        _section("fronts", "Along the fronts", solids.FRONTS_INTRO, fronts),
+        _section("areas", "Contacts over time", solids.AREAS_INTRO, areas),
         _section("loads", "Loads", "Shaded: the evaluated cycle.", [history.load_plot(run)]),
-        _section("loops", "Hysteresis", history.SOLID_LOOPS_INTRO, _loops(run, shown)),
+        _section("loops", "Hysteresis", history.SOLID_LOOPS_INTRO, loops),
     )
     return tuple(section for section in sections if section.plots)
 
 
-def _fronts(run: Result) -> Iterable[Plot]:
-    for place, contact in enumerate(run.contacts):
-        for row, front in enumerate(contact.fronts):
-            yield solids.front_plot(run, contact, front, f"contact{place}-{row}")
-
-
-def _areas(run: Result) -> Iterable[Plot]:
-    for place, contact in enumerate(run.contacts):
-        yield solids.force_plot(run, contact, f"contact{place}")
-        yield solids.area_plot(run, contact, f"contact{place}")
+def _keyed(run: Result) -> list[tuple[str, Contact]]:
+    """The contacts with what starts the ids of their plots."""
+    return [(f"contact{place}", contact) for place, contact in enumerate(run.contacts)]
 
 
 def _solver_plots(run: Result) -> tuple[Plot, ...]:
@@ -159,22 +205,6 @@ def _solver_plots(run: Result) -> tuple[Plot, ...]:
     if run.refinement is not None:
         plots.append(solver.refinement_plot(run.refinement))
     return tuple(plot for plot in plots if plot is not None)
-
-
-def _factors(run: Result) -> Iterable[Plot]:
-    for place, contact in enumerate(run.contacts):
-        yield history.factor_plot(run, contact, f"contact{place}")
-
-
-def _loads(run: Result) -> Iterable[Plot | None]:
-    yield history.load_plot(run)
-    for place, contact in enumerate(run.contacts):
-        yield history.path_plot(run, contact, f"contact{place}")
-
-
-def _loops(run: Result, shown: Sequence[Shown]) -> Iterable[Plot | None]:
-    yield from map(history.slip_loop_plot, shown)
-    yield from history.work_loop_plots(run)
 
 
 def _section(anchor: str, title: str, intro: str, plots: Iterable[Plot | None]) -> Section:
@@ -236,9 +266,12 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         plots=plots or draw_plots(run),
         certificate=_certificate_rows(run),
         checks=(*own_rows(run), *solid_rows(run)) if _solved(run.solution) else (),
-        meshes=_mesh_tables(run),
+        meshes=[mesh_table(run.refinement), limit_table(run.refinement)] if run.refinement else [],
         timings=timing_table(run.seconds),
-        case_text=_case_text(run),
+        # The case as it was understood.
+        case_text=tomli_w.dumps(
+            run.case.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+        ),
         terms=glossary.terms,
     )
 
@@ -273,16 +306,6 @@ def _certificate_rows(run: Result) -> list[tuple[str, str, str]]:
     return rows
 
 
-def _case_text(run: Result) -> str:
-    """The case as it was understood, as TOML."""
-    return tomli_w.dumps(run.case.model_dump(mode="json", exclude_unset=True, exclude_none=True))
-
-
-def _mesh_tables(run: Result) -> list[Table]:
-    refinement = run.refinement
-    return [] if refinement is None else [mesh_table(refinement), limit_table(refinement)]
-
-
 def _grid(table: Table) -> dict[str, Any]:
     """Title, headers with their alignment, and rows of a table for the terminal."""
     return {
@@ -290,3 +313,69 @@ def _grid(table: Table) -> dict[str, Any]:
         "headers": [(str(column.header), column.justify == "right") for column in table.columns],
         "rows": list(zip(*(column.cells for column in table.columns), strict=True)),
     }
+
+
+@dataclass(frozen=True)
+class Term:
+    """A term with its explanation.
+
+    Attributes:
+        name: the term.
+        text: the explanation in Markdown, without links.
+    """
+
+    name: str
+    text: str
+
+    @property
+    def anchor(self) -> str:
+        """Id of the explanation on the page."""
+        return "term-" + re.sub(r"\W+", "-", self.name.lower())
+
+    @property
+    def hint(self) -> str:
+        """The explanation as plain text."""
+        return re.sub(r"[*`]", "", self.text)
+
+    @property
+    def html(self) -> Markup:
+        """The explanation."""
+        text = re.sub(r"\*([^*]+)\*", r"<em>\1</em>", str(subscripts(self.text)))
+        return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", text))
+
+
+class Glossary:
+    """The terms of a page, in the order of the glossary.
+
+    Args:
+        solid: whether the bodies are solids.
+    """
+
+    def __init__(self, solid: bool) -> None:
+        wanted = TERMS | (SOLID_TERMS if solid else PLANE_TERMS)
+        self.terms = tuple(term for term in _read_terms() if term.name in wanted)
+        self._by_name = {term.name: term for term in self.terms}
+
+    def linked(self, header: str, unit: str = "") -> Markup:
+        """A header of a table, linked to the term that explains it if there is one."""
+        shown = subscripts(header) + (f" [{unit}]" if unit else "")
+        term = self._by_name.get(HEADERS.get(header, ""))
+        if term is None:
+            return shown
+        link = Markup('<a class="term" href="#{}" title="{}">{}</a>')
+        return link.format(term.anchor, term.hint, shown)
+
+
+def subscripts(text: str) -> Markup:
+    """Escaped text in which the index of a symbol such as K_N stands lower."""
+    return Markup(re.sub(r"(?<![A-Za-z_])([Kp])_(\w+)", r"\1<sub>\2</sub>", str(escape(text))))
+
+
+def _read_terms() -> list[Term]:
+    installed = Path(__file__).with_name("glossary.md")
+    beside = Path(__file__).parents[3] / "docs" / "glossary.md"
+    text = (installed if installed.is_file() else beside).read_text(encoding="utf-8")
+    text = LINK.sub(r"\1", REFERENCE.sub("", text))
+    entries = re.split(r"^#{2,3} ", text, flags=re.MULTILINE)[1:]
+    parts = (entry.partition("\n") for entry in entries)
+    return [Term(name, " ".join(explanation.split())) for name, _, explanation in parts]

@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Pictures of the contact surfaces of solids: pressure, shear, stick and slip, and the fronts."""
+"""Pictures of the contact surfaces of solids: pressure, shear, stick and slip, and the fronts.
+
+Animations show them through the evaluated cycle.
+"""
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,12 +21,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
+from PIL import Image
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
-from fretfe.report.pictures.panels import name_axes, panel_inches, panels, settle
+from fretfe.report.pictures.panels import name_axes, panel_inches, panels, pixels, settle
 from fretfe.report.pictures.status import NAMES, STATUS, shares_text, visible_status
 from fretfe.report.pictures.stress import BAR_ASPECT
 from fretfe.report.pictures.unroll import Unrolled, unroll
@@ -58,6 +63,9 @@ LINES: dict[str, dict[str, Any]] = {
     "edge of stick": {"colors": "black", "linewidths": 1.2, "linestyles": "--"},
 }
 FILLS = {SLIP: STATUS[SLIP]["color"], STICK: STATUS[STICK]["color"], OPEN: PALE}
+# Width in inches and dots per inch of a frame; frames and bytes at most; milliseconds of a cycle.
+FRAME_WIDTH, FRAME_DPI = 6.4, 100
+MOST_FRAMES, MOST_BYTES, DURATION = 60, 2_000_000, 4000
 
 
 def front_handles(fronts: Sequence[Front]) -> list[Line2D]:
@@ -344,3 +352,62 @@ def reading(sheet: Sheet) -> str:
         f"{units.length}, {axes}.{stretched}{arrows} Solid line: border of the contact; dashed: "
         "border of its part that sticks."
     )
+
+
+def cycle_frames(run: Result) -> list[int]:
+    """States of the evaluated cycle, or of everything, to be drawn; none if some are not kept."""
+    first, last = run.loads.evaluated
+    # The last state of a cycle looks like the first one; nothing is loaded at the first of all.
+    states = np.arange(first, last) if run.loads.cycle else np.arange(1, last + 1)
+    assert run.solution is not None
+    if not run.solution.keeps(int(states[0]), int(states[-1])):
+        return []
+    return _thinned(states.tolist(), MOST_FRAMES)
+
+
+def _thinned(states: list[int], most: int) -> list[int]:
+    """As many of the states at most, evenly."""
+    if len(states) <= most:
+        return states
+    return [states[round(place)] for place in np.linspace(0, len(states) - 1, most)]
+
+
+@mpl.rc_context(FRAMED)
+def draw_cycle(run: Result, name: str) -> tuple[bytes, str]:
+    """Pressure, shear and stick of a contact as a GIF file, and the caption."""
+    states = cycle_frames(run)
+    sheet = lay_out(run, name, states)
+    images = _frames(sheet, states)
+    data = _encoded(images)
+    # Frames take about the same room each.
+    while len(data) > MOST_BYTES and len(images) > 2:
+        images = [images[i] for i in _thinned(list(range(len(images))), len(images) // 2)]
+        data = _encoded(images)
+    what = "the evaluated cycle" if run.loads.cycle else "the whole history"
+    return data, f"Pressure and shear in {what}, {len(images)} states. {reading(sheet)}"
+
+
+def _frames(sheet: Sheet, states: Sequence[int]) -> list[Image.Image]:
+    figure, (panel,) = panels(1, sheet.aspect, width=FRAME_WIDTH)
+    figure.set_dpi(FRAME_DPI)
+    frame(panel, sheet)
+    panel.set_title(frame_title(sheet, states[0]))
+    finish(figure, [panel], sheet, [])
+    images = []
+    for state in states:
+        for artist in list(panel.collections):
+            artist.remove()
+        panel.set_title(frame_title(sheet, state))
+        draw_pressure(panel, sheet, state)
+        images.append(pixels(figure, COLOURS))
+    return images
+
+
+def _encoded(images: Sequence[Image.Image]) -> bytes:
+    first, *rest = images
+    buffer = io.BytesIO()
+    duration = round(DURATION / len(images))
+    first.save(
+        buffer, "GIF", save_all=True, append_images=rest, duration=duration, loop=0, optimize=True
+    )
+    return buffer.getvalue()
