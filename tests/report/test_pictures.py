@@ -26,10 +26,11 @@ from fretfe.history.solution import SLIP, STICK
 from fretfe.report.pictures import folder as folder_module
 from fretfe.report.pictures.fields import open_fields
 from fretfe.report.pictures.folder import _run, make_pictures
-from fretfe.report.pictures.panels import Pixels
+from fretfe.report.pictures.looks import find_look
+from fretfe.report.pictures.panels import Pixels, View
 from fretfe.report.pictures.plan import MOST_EDGES, plan_pictures
 from fretfe.report.pictures.status import STATUS
-from fretfe.report.pictures.stress import draw_bodies, find_look
+from fretfe.report.pictures.stress import draw_bodies
 from fretfe.results.field_files import FIELDS
 from fretfe.results.reader import load_result
 from fretfe.results.writer import PICTURE_LIST, PICTURES
@@ -110,6 +111,8 @@ def test_colours_are_where_the_stress_is(drawn: Path) -> None:
     image = imread(drawn / "pictures" / "stress.png")[..., :3]
     source = open_fields(drawn)
     look = find_look(source, [7, 9])
+    (view,) = look.views
+    assert isinstance(view, View)
     figure = draw_bodies(source, [7, 9], look, Blank())  # type: ignore[arg-type]
     assert np.floor(figure.bbox.size).tolist() == [image.shape[1], image.shape[0]]
     for axes, time in zip(figure.axes, (2.25, 2.75), strict=False):
@@ -118,8 +121,8 @@ def test_colours_are_where_the_stress_is(drawn: Path) -> None:
         assert box.extents == pytest.approx(np.round(box.extents), abs=1e-6)
         for place in np.array([(-1.5, 1.2), (1.5, 1.2), (-2.3, -1.2), (2.3, -0.7)]):
             displacement, stress = fields(place[None], time)
-            seen = look.view.local(place + look.scale * displacement[0]) - look.view.origin
-            part = (seen / look.view.half_size + 1) / 2
+            seen = view.local(place + look.scale * displacement[0]) - view.origin
+            part = (seen / view.half_size + 1) / 2
             column = box.x0 + part[0] * box.width
             row = image.shape[0] - (box.y0 + part[1] * box.height)
             von_mises = np.sqrt(1 - 0.3 + 0.09) * stress[0, 0]

@@ -37,12 +37,12 @@ from fretfe.evaluate.evaluate import evaluate
 from fretfe.history.solution import OPEN, SLIP, STICK
 from fretfe.report.page.html import render
 from fretfe.report.pictures import surfaces
-from fretfe.report.pictures.fields import FACES, BodyField, Grid
+from fretfe.report.pictures.fields import FACES, BodyField, Grid, section
 from fretfe.report.pictures.fields import surface as linear_pieces
 from fretfe.report.pictures.folder import make_pictures, read_pictures
-from fretfe.report.pictures.panels import pixels
+from fretfe.report.pictures.looks import cell_volumes
+from fretfe.report.pictures.panels import SpaceView, pixels
 from fretfe.report.pictures.plan import plan_pictures
-from fretfe.report.pictures.solids import View, cell_volumes, section
 from fretfe.report.pictures.surfaces import (
     FILLS,
     MOST_BYTES,
@@ -224,7 +224,7 @@ def test_skin_and_cut_of_a_box(tetrahedra: bool) -> None:
     body = field(tetrahedra)
     assert linear_pieces(body, 1.0).area == pytest.approx(22.0)
     middle, cut = np.array([0.4, 1.0, 1.5]), np.array([1.0, 0.0, 0.0])
-    view = View(middle, cut, np.array([0.0, 1.0, 0.0]), np.ones(2), cut)
+    view = SpaceView(middle, cut, np.array([0.0, 1.0, 0.0]), np.ones(2), cut)
     plane = section(body, 1.0, view)
     assert plane.area == pytest.approx(6.0)
     np.testing.assert_allclose(plane.points[:, 0], 0.4, atol=1e-6)

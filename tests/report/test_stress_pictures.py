@@ -24,16 +24,16 @@ from fretfe.evaluate.plane.section import PLANE_FRONTS
 from fretfe.evaluate.resultants import station_extremes
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 from fretfe.report.pictures.fields import BodyField, Grid, find_time, open_fields
-from fretfe.report.pictures.panels import View
-from fretfe.report.pictures.plan import EdgePlace
-from fretfe.report.pictures.status import shares_text, visible_status
-from fretfe.report.pictures.stress import (
+from fretfe.report.pictures.looks import (
     colour_limit,
     deformation_scale,
     edge_view,
     round_down,
     round_up,
 )
+from fretfe.report.pictures.panels import View
+from fretfe.report.pictures.plan import EdgePlace
+from fretfe.report.pictures.status import shares_text, visible_status
 
 needs_pyvista = pytest.mark.skipif(
     importlib.util.find_spec("pyvista") is None, reason="PyVista is not installed"

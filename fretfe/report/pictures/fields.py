@@ -18,9 +18,9 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.files import cut_off, replacing
-from fretfe.report.pictures.panels import Pixels, View
+from fretfe.report.pictures.panels import Pixels, SpaceView, View
 from fretfe.report.theme import COLOURS
-from fretfe.results.field_files import FIELDS, FieldReader
+from fretfe.results.field_files import CELL_TYPES, FIELDS, FieldReader
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 
@@ -42,8 +42,8 @@ FACES = {
         (0, 3, 2, 1, 11, 10, 9, 8, 24), (4, 5, 6, 7, 12, 13, 14, 15, 25),
     ),
 }  # fmt: skip
-# Number of corners of a plane cell, which come first among its nodes.
-CORNERS = {3: 3, 4: 4, 6: 3, 9: 4}
+# Number of corners of a cell, which come first among its nodes, by the dimension.
+CORNERS = {2: {3: 3, 4: 4, 6: 3, 9: 4}, 3: {4: 4, 8: 8, 10: 4, 27: 8}}
 # Nodes along the edges of a cell, edge by edge.
 EDGES = {
     3: ((0, 1), (1, 2), (2, 0)),
@@ -51,6 +51,11 @@ EDGES = {
     6: ((0, 3, 1), (1, 4, 2), (2, 5, 0)),
     9: ((0, 4, 1), (1, 5, 2), (2, 6, 3), (3, 7, 0)),
 }
+# Angle in degrees between faces of solids that meet in an edge which is drawn.
+CREASE = 30.0
+LINE: dict[str, Any] = {"color": "#949494", "line_width": 1.6, "lighting": False}
+# Parts of a colour that do and do not depend on the light.
+LIGHT: dict[str, Any] = {"lighting": True, "ambient": 0.55, "diffuse": 0.45, "specular": 0.0}
 # Times of a file and of the results that differ by less than this fraction are the same.
 SAME_TIME = 1e-9
 
@@ -65,6 +70,11 @@ class Grid:
     def __init__(self, nodes: Array) -> None:
         self.points: Array = nodes.reshape(-1, nodes.shape[2])
         self.cells: Indices = np.arange(len(self.points)).reshape(nodes.shape[:2])
+
+    @property
+    def corners(self) -> Indices:
+        """(m, c) nodes at the corners of the elements."""
+        return self.cells[:, : CORNERS[self.points.shape[1]][self.cells.shape[1]]]
 
     @cached_property
     def outline(self) -> Indices:
@@ -84,7 +94,7 @@ class Grid:
             return self.cells
         pattern = np.array(FACES[self.cells.shape[1]])
         faces = self.cells[:, pattern].reshape(-1, pattern.shape[1])
-        corners = faces[:, : CORNERS[faces.shape[1]]]
+        corners = faces[:, : CORNERS[2][faces.shape[1]]]
         # Nodes of neighbouring elements are at exactly the same place.
         _, places = np.unique(self.points, axis=0, return_inverse=True)
         same = np.sort(places.ravel()[corners], axis=1)
@@ -204,7 +214,11 @@ class Scene:
         self._plotter.enable_parallel_projection()
 
     def image(
-        self, bodies: Sequence[BodyField], scale: float, view: View, pixels: tuple[int, int]
+        self,
+        bodies: Sequence[BodyField],
+        scale: float,
+        view: View | SpaceView,
+        pixels: tuple[int, int],
     ) -> Pixels:
         """Bodies in their deformed shape.
 
@@ -217,18 +231,23 @@ class Scene:
         Returns:
             (height, width, 3) red, green and blue.
         """
-        self._add(bodies, scale, smooth=True)
-        distance = 10 * float(view.half_size.max())
-        camera = self._plotter.camera
-        camera.focal_point = (*view.centre, 0.0)
-        camera.position = (*view.centre, distance)
-        camera.up = (*view.normal, 0.0)
+        self._plotter.clear_actors()
+        camera, distance = self._plotter.camera, 10 * float(view.half_size.max())
+        if isinstance(view, SpaceView):
+            for body in bodies:
+                self._add_solid(body, scale, view)
+            centre, viewer, up = view.centre, view.viewer, view.up
+            distance += self._plotter.length
+        else:
+            for body in bodies:
+                self._add(surface(body, scale), lighting=False)
+            centre, up = np.append(view.centre, 0.0), np.append(view.normal, 0.0)
+            viewer = np.array([0.0, 0.0, 1.0])
+            camera.clipping_range = (0.5 * distance, 2.0 * distance)
+        camera.focal_point = tuple(centre)
+        camera.position = tuple(centre + distance * viewer)
+        camera.up = tuple(up)
         camera.parallel_scale = float(view.half_size[1])
-        camera.clipping_range = (0.5 * distance, 2.0 * distance)
-        return self._shot(pixels)
-
-    def _shot(self, pixels: tuple[int, int]) -> Pixels:
-        """The image that the camera sees."""
         # The plotter's own setter would draw once more.
         self._plotter.render_window.SetSize(*pixels)
         self._plotter.render()
@@ -240,7 +259,11 @@ class Scene:
         Raises:
             OSError: if it cannot be written, of which VTK says nothing.
         """
-        self._add(bodies, scale, smooth=False)
+        self._plotter.clear_actors()
+        for body in bodies:
+            actor = self._add(surface(body, scale), lighting=False, interpolate_before_map=False)
+            # Viewers of glTF multiply the colours by this one.
+            actor.prop.color = "white"
         with replacing(path) as new:
             self._plotter.export_gltf(new)
             try:
@@ -248,23 +271,31 @@ class Scene:
             except ValueError:
                 raise cut_off(new) from None
 
-    def _add(self, bodies: Sequence[BodyField], scale: float, *, smooth: bool) -> None:
-        """Have these bodies and no others; smooth: colours follow stresses between nodes."""
-        self._plotter.clear_actors()
-        for body in bodies:
-            actor = self._plotter.add_mesh(
-                surface(body, scale),
-                scalars="stress",
-                cmap=COLOURS,
-                clim=(0.0, self._limit),
-                interpolate_before_map=smooth,
-                lighting=False,
-                show_scalar_bar=False,
-                copy_mesh=False,
-                render=False,
+    def _add(self, mesh: Any, **look: Any) -> Any:
+        """Add a mesh in the colours of its stress, which follow it between the nodes."""
+        return self._plotter.add_mesh(
+            mesh, scalars="stress", cmap=COLOURS, clim=(0.0, self._limit),
+            show_scalar_bar=False, render=False, **{"interpolate_before_map": True, **look},
+        )  # fmt: skip
+
+    def _add_solid(self, body: BodyField, scale: float, view: SpaceView) -> None:
+        """Add the shaded skin of a solid and, where it is cut, the section, with their edges."""
+        skin = surface(body, scale)
+        parts = [(skin, LIGHT)]
+        if view.cut is not None:
+            skin = skin.clip(normal=view.cut, origin=view.centre)
+            parts = [(section(body, scale, view), {"lighting": False}), (skin, LIGHT)]
+        for mesh, light in parts:
+            if not mesh.n_cells:
+                continue
+            self._add(mesh, **light)
+            edges = mesh.clean(tolerance=0.0).extract_feature_edges(
+                feature_angle=CREASE, manifold_edges=False, non_manifold_edges=False
             )
-            # Viewers of glTF multiply the colours by this one.
-            actor.prop.color = "white"
+            if edges.n_cells:
+                actor = self._plotter.add_mesh(edges, render=False, **LINE)
+                # Lines lie on the faces that they bound.
+                actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
 
     def close(self) -> None:
         """Give the memory back."""
@@ -287,3 +318,19 @@ def surface(body: BodyField, scale: float) -> Any:
     mesh: Any = PolyData(points, np.insert(faces, 0, faces.shape[1], axis=1).ravel())
     mesh.point_data["stress"] = body.von_mises
     return mesh
+
+
+def section(body: BodyField, scale: float, view: SpaceView) -> Any:
+    """Cut through a solid in a view, with the point data `stress`; a `pyvista.PolyData`."""
+    from pyvista import UnstructuredGrid
+
+    assert view.cut is not None
+    cells = body.grid.cells
+    places = body.deformed(scale)
+    heights = ((places - view.centre) @ view.cut)[cells]
+    met = cells[(heights.min(axis=1) <= 0) & (heights.max(axis=1) >= 0)]
+    nodes = met.ravel()
+    numbers = np.arange(len(nodes)).reshape(met.shape)
+    mesh: Any = UnstructuredGrid({CELL_TYPES[3, cells.shape[1]]: numbers}, places[nodes])
+    mesh.point_data["stress"] = body.von_mises[nodes]
+    return mesh.slice(normal=view.cut, origin=view.centre)

@@ -30,6 +30,8 @@ SLIGHTLY = 0.9
 TEXTS = 0.8
 # Layouts until a picture has its size: colour bars change a little with it.
 PASSES = 3
+# Height of a colour bar over its width.
+BAR_ASPECT = 28
 # Tones of a colour map and of grey in a file: finer ones are not seen, and it is much smaller.
 TONES, GREYS = 216, 40
 
@@ -70,6 +72,36 @@ class View:
         local = self.local(shapes) - self.origin
         low, high = local.min(axis=1), local.max(axis=1)
         return ((low < self.half_size) & (high > -self.half_size)).all(axis=1)
+
+
+@dataclass(frozen=True)
+class SpaceView:
+    """A view of solids.
+
+    Attributes:
+        centre: (3,) what is in the middle.
+        viewer: (3,) unit vector towards the viewer.
+        up: (3,) unit vector that points up in the picture, across `viewer`.
+        half_size: (2,) half the width and height of what is seen.
+        cut: (3,) unit normal of the plane through `centre` that cuts off what lies before it, or
+            None.
+    """
+
+    centre: Array
+    viewer: Array
+    up: Array
+    half_size: Array
+    cut: Array | None = None
+
+    @property
+    def across(self) -> Array:
+        """(2, 3) unit vectors to the right and up."""
+        return np.stack([np.cross(self.up, self.viewer), self.up])
+
+    @property
+    def aspect(self) -> float:
+        """Height over width."""
+        return float(self.half_size[1] / self.half_size[0])
 
 
 def panels(
@@ -163,10 +195,12 @@ def name_axes(axes: Axes, x: str, y: str, unit: str) -> None:
     axes.set_ylabel(f"{y} [{unit}]")
 
 
-def set_limits(axes: Axes, view: View) -> None:
-    """Let a panel show a view."""
-    axes.set_xlim(view.origin[0] - view.half_size[0], view.origin[0] + view.half_size[0])
-    axes.set_ylim(view.origin[1] - view.half_size[1], view.origin[1] + view.half_size[1])
+def set_limits(axes: Axes, view: View | SpaceView) -> None:
+    """Let a panel show a view; in space its axes begin in the middle."""
+    origin = view.origin if isinstance(view, View) else np.zeros(2)
+    (left, low), (right, high) = origin - view.half_size, origin + view.half_size
+    axes.set_xlim(left, right)
+    axes.set_ylim(low, high)
 
 
 def show_image(axes: Axes, image: Pixels) -> None:

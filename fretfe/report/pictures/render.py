@@ -13,16 +13,16 @@ import warnings
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from PIL.Image import Image
 
 from fretfe.files import disk_reason, replacing
-from fretfe.report.pictures import solids, stress
 from fretfe.report.pictures.fields import Fields, Scene, open_fields
+from fretfe.report.pictures.looks import Look, find_look
 from fretfe.report.pictures.panels import pixels, save_png
 from fretfe.report.pictures.plan import Wanted, plan_pictures
+from fretfe.report.pictures.stress import bodies_caption, draw_bodies, draw_edges
 from fretfe.report.source import extremes, folder_of, when
 from fretfe.report.theme import COLOURS
 from fretfe.results.field_files import FIELDS
@@ -74,22 +74,16 @@ def _draw(source: Fields, wanted: Wanted) -> dict[str, Any]:
         )
         return {**report, "caption": caption}
     if wanted.kind == "bodies":
-        style = _style(source)
-        look = style.find_look(source, states)
-        scene = style.Scene(look.limit)
-        figure = style.draw_bodies(source, states, look, scene)
-        caption = style.bodies_caption(source, states, look)
+        look = find_look(source, states)
+        scene = Scene(look.limit)
+        figure = draw_bodies(source, states, look, scene)
+        caption = bodies_caption(source, states, look)
         scene.close()
     else:
-        figure, caption = stress.draw_edges(source, states[-1], wanted.edges)
+        figure, caption = draw_edges(source, states[-1], wanted.edges)
     # Shades of solids have other colours too.
     width, height = save_png(figure, path, COLOURS if source.dimension == 2 else None)
     return {**report, "caption": caption, "width": width, "height": height}
-
-
-def _style(source: Fields) -> ModuleType:
-    """The function that draws plane bodies, or solids."""
-    return solids if source.dimension == 3 else stress
 
 
 def draw_animation(directory: Path, files: list[str]) -> None:
@@ -111,12 +105,11 @@ def draw_animation(directory: Path, files: list[str]) -> None:
         )
         print(json.dumps({"file": files[0], "reason": reason}), flush=True)
         return
-    style = _style(source)
-    look = style.find_look(source, extremes(source.run))
-    scene = style.Scene(look.limit)
+    look = find_look(source, extremes(source.run))
+    scene = Scene(look.limit)
     frames = []
     for state in states:
-        frames.append(pixels(style.draw_bodies(source, [state], look, scene, FRAME_WIDTH), COLOURS))
+        frames.append(pixels(draw_bodies(source, [state], look, scene, FRAME_WIDTH), COLOURS))
         source.forget()
     scene.close()
     duration = round(DURATION / len(frames))
@@ -149,10 +142,9 @@ def export_scene(directory: Path, files: list[str]) -> None:
     _report(files[0], write)
 
 
-def _export(source: Fields, state: int, path: Path) -> stress.Look | solids.Look:
+def _export(source: Fields, state: int, path: Path) -> Look:
     """Write the bodies at a state as a glTF file, and return their look."""
-    style = _style(source)
-    look: stress.Look | solids.Look = style.find_look(source, [state])
+    look = find_look(source, [state])
     scene = Scene(look.limit)
     scene.export(list(source.bodies(state).values()), look.scale, path)
     scene.close()

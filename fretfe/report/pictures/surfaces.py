@@ -27,9 +27,15 @@ from scipy.spatial import cKDTree
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
-from fretfe.report.pictures.panels import name_axes, panel_inches, panels, pixels, settle
+from fretfe.report.pictures.panels import (
+    BAR_ASPECT,
+    name_axes,
+    panel_inches,
+    panels,
+    pixels,
+    settle,
+)
 from fretfe.report.pictures.status import NAMES, STATUS, shares_text, visible_status
-from fretfe.report.pictures.stress import BAR_ASPECT
 from fretfe.report.pictures.unroll import Unrolled, unroll
 from fretfe.report.source import loading, when
 from fretfe.report.texts import direction_text, number, rounded
