@@ -21,7 +21,7 @@ from fretfe.exchange.comparison import Comparison, compare
 from fretfe.exchange.export import export_result
 from fretfe.matching.match import compare_tests, match_test
 from fretfe.matching.rig import load_rig
-from fretfe.quality.validate import Validation
+from fretfe.quality.validation import Validation
 from fretfe.quality.verification import Verification, verify
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result

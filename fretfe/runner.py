@@ -37,7 +37,7 @@ from fretfe.results.writer import prepare_directory
 from fretfe.work import ROWS, StepNotes, Work
 
 if TYPE_CHECKING:
-    from fretfe.quality.validate import Validation
+    from fretfe.quality.validation import Validation
     from fretfe.report.page.html import Plots
     from fretfe.sweeps import Solved, Sweep
 
@@ -205,7 +205,7 @@ class Runner:
         Raises:
             FretfeError: if the case itself cannot be solved.
         """
-        from fretfe.quality.validate import validate
+        from fretfe.quality.validation import validate
 
         self.require_support(case)
         options = RunOptions(observer=self._shown(observer))
@@ -293,7 +293,7 @@ def require_support(backend: str, case: Case, reasons: Sequence[str]) -> None:
 
 
 def _write_rows(directory: Path, validation: Validation) -> None:
-    from fretfe.quality.validate.run import as_numbers
+    from fretfe.quality.validation import as_numbers
 
     text = json.dumps(as_numbers(validation), indent=1, allow_nan=False)
     replace_text(directory / ROWS, text + "\n")

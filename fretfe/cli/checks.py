@@ -25,7 +25,7 @@ from fretfe.cli.options import (
 from fretfe.environment import rank_from_environment
 
 if TYPE_CHECKING:
-    from fretfe.quality.validate import Validation
+    from fretfe.quality.validation import Validation
 
 NARROWEST = 100
 
@@ -69,7 +69,7 @@ def validate(
 def _print(validation: Validation, as_json: bool) -> None:
     from rich.console import Console
 
-    from fretfe.quality.validate.run import as_numbers, print_validation
+    from fretfe.quality.validation import as_numbers, print_validation
 
     if as_json:
         print(json.dumps(as_numbers(validation), indent=1, allow_nan=False), flush=True)

@@ -8,8 +8,7 @@ from pad_cases import cylinder, pad
 
 from fretfe.backends import find_backend
 from fretfe.case import parse_case
-from fretfe.quality.validate import validate
-from fretfe.quality.validate.run import summary
+from fretfe.quality.validation import summary, validate
 
 HALF_WIDTH = 0.5749
 QUANTITY = "error of K_N or ΔK_T because the bodies are not half-planes"

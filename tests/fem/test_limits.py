@@ -22,7 +22,7 @@ from fretfe.case import parse_case
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.fem.limits import LARGEST_IMBALANCE, _along_surface, _deformation, depth, imbalance
 from fretfe.history.solution import ContactHistory
-from fretfe.quality.validate import validate
+from fretfe.quality.validation import validate
 from fretfe.report.page.html import render
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result

@@ -13,9 +13,8 @@ import two_bumps
 
 from fretfe.case import parse_case
 from fretfe.fem.backend import BACKEND
-from fretfe.quality.validate.compare import companion_rows
-from fretfe.quality.validate.single import own_rows
-from fretfe.quality.validate.variants import MEAN
+from fretfe.quality.companions import MEAN, companion_rows
+from fretfe.quality.rows import own_rows
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import write_results

@@ -13,8 +13,7 @@ from pad_cases import cylinder, pad
 
 from fretfe.backends import find_backend
 from fretfe.case import parse_case
-from fretfe.quality.validate import validate
-from fretfe.quality.validate.run import summary
+from fretfe.quality.validation import summary, validate
 from fretfe.results.model import Result
 from fretfe.results.writer import write_results
 

@@ -15,7 +15,7 @@ from fretfe.case import load_case, parse_case
 from fretfe.cli.app import app
 from fretfe.errors import CaseError, FretfeError, MeshError
 from fretfe.mesh.templates import template_directory
-from fretfe.quality.validate.variants import coarser
+from fretfe.quality.companions import coarser
 from fretfe.surface.checks import load_mesh
 
 # Two squares, one on the other, with a trace of having run.

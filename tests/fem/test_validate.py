@@ -9,8 +9,9 @@ import pytest
 
 from fretfe.backends import find_backend
 from fretfe.case import load_case, parse_case
-from fretfe.quality.validate import Row, Validation, validate
-from fretfe.quality.validate.variants import MESH, START
+from fretfe.quality.companions import MESH, START
+from fretfe.quality.rows import Row
+from fretfe.quality.validation import Validation, validate
 
 DEMO = Path(__file__).parents[2] / "demos" / "dovetail.toml"
 

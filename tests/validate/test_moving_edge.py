@@ -10,7 +10,7 @@ from pad_cases import pad
 
 from fretfe.backends import find_backend
 from fretfe.case import parse_case
-from fretfe.quality.validate.single import own_rows
+from fretfe.quality.rows import own_rows
 from fretfe.results.model import Result
 
 

@@ -25,10 +25,9 @@ from fretfe.evaluate.plane.section import PLANE_FRONTS
 from fretfe.evaluate.verdicts import NO_VERDICT, NOT_RESOLVED, Verdict, expected_error, judge
 from fretfe.halfplane import solve_half_planes
 from fretfe.loads import History
-from fretfe.quality.validate import Row, validate
-from fretfe.quality.validate.rows import compared, missing
-from fretfe.quality.validate.single import own_rows
-from fretfe.quality.validate.variants import MEAN, MESH, START, make_variants, overloaded, shifted
+from fretfe.quality.companions import MEAN, MESH, START, make_variants, overloaded, shifted
+from fretfe.quality.rows import Place, Row, own_rows
+from fretfe.quality.validation import validate
 from fretfe.results.model import Result
 
 
@@ -43,11 +42,11 @@ from fretfe.results.model import Result
     ],
 )
 def test_verdicts(value: float, reference: float, verdict: str) -> None:
-    row = compared("main", "left", "d", value, reference, 0.1, "for a test")
+    row = Place("main", "left").compared("d", value, reference, 0.1, "for a test")
     assert row.verdict == verdict
-    outside = compared("main", "left", "d", value, reference, 0.1, "for a test", "outside")
+    outside = Place("main", "left").compared("d", value, reference, 0.1, "for a test", "outside")
     assert outside.verdict == verdict.replace("FAIL", "outside")
-    whole = missing("main", "", "d", "no friction")
+    whole = Place("main").missing("d", "no friction")
     assert whole.verdict == "-"
     assert (row.where, whole.where) == ("main, left edge", "main")
 

@@ -12,17 +12,19 @@ from test_fronts_in_space import fronts, grid, hertz
 
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Front
-from fretfe.quality.validate.rows import Row
-from fretfe.quality.validate.run import plan
-from fretfe.quality.validate.solids import (
-    Pairs,
+from fretfe.quality.companions import (
+    MEAN,
+    MESH,
+    START,
+    Variant,
     at_places,
-    front_row,
+    coarser,
+    companion_rows,
+    make_variants,
     nearest_front,
-    solid_companion_rows,
-    solid_rows,
 )
-from fretfe.quality.validate.variants import MEAN, MESH, START, Variant, coarser, make_variants
+from fretfe.quality.rows import Pairs, Place, Row, own_rows
+from fretfe.quality.validation import plan
 from fretfe.results.model import Result
 
 
@@ -49,9 +51,8 @@ def scaled(front: Front, factor: float) -> Front:
 
 
 def row_of(values: Array, references: Array, circle: Front) -> Row:
-    area = solid_runs.solid_result().contacts[0]
     pairs = Pairs(values, references, np.full(len(values), 0.1))
-    return front_row(area, circle, "K_N", pairs, "for a test")
+    return Place("main", circle.name).over_stations("K_N", pairs, "for a test")
 
 
 def test_nine_tenths_of_the_stations_must_agree(circle: Front) -> None:
@@ -74,9 +75,9 @@ def test_numbers_between_the_stations(circle: Front) -> None:
     places = circle.along("point")
     between = (places + np.roll(places, -1, axis=0)) / 2
     expected = circle.along("reported_k_n")
-    (at_stations,) = at_places(circle, places, ["K_N"])
+    (at_stations,) = at_places(circle, places, [lambda each: each.reported_k_n])
     np.testing.assert_allclose(at_stations, expected, rtol=1e-9)
-    (found,) = at_places(circle, between, ["K_N"])
+    (found,) = at_places(circle, between, [lambda each: each.reported_k_n])
     np.testing.assert_allclose(found, (expected + np.roll(expected, -1)) / 2, rtol=1e-9)
 
 
@@ -89,18 +90,18 @@ def test_front_of_a_companion_is_the_nearest(circle: Front, ellipse: Front) -> N
 def test_companion_mesh_within_the_error_bars(circle: Front) -> None:
     for factor, verdict in ((1.005, "pass"), (1.3, "FAIL")):
         other = result_with(scaled(circle, factor))
-        rows = {row.quantity: row for row in solid_companion_rows(MESH, result_with(circle), other)}
+        rows = {row.quantity: row for row in companion_rows(MESH, result_with(circle), other)}
         row = rows[f"K_N {MESH}"]
         assert row.verdict == verdict
         assert row.reference == pytest.approx(factor * row.value, rel=0.05)
-    (lost,) = solid_companion_rows(MESH, result_with(circle), solid_runs.solid_result())
+    (lost,) = companion_rows(MESH, result_with(circle), solid_runs.solid_result())
     assert lost.verdict == "-" and "no such front" in lost.reason
 
 
 def test_contact_without_fronts_is_unknown(circle: Front) -> None:
-    rows = {row.quantity: row for row in solid_rows(solid_runs.solid_result())}
+    rows = {row.quantity: row for row in own_rows(solid_runs.solid_result())}
     assert rows["fronts"].verdict == "unknown"
-    rows = {row.quantity: row for row in solid_rows(result_with(circle))}
+    rows = {row.quantity: row for row in own_rows(result_with(circle))}
     assert "fronts" not in rows and "K_N" not in rows
     # There are no integrals in this run.
     assert rows["ΔK"].verdict == "unknown"

@@ -25,8 +25,7 @@ from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import Contact
 from fretfe.files import disk_reason, replace_text
 from fretfe.history.solution import Solution
-from fretfe.quality.validate.single import own_rows
-from fretfe.quality.validate.solids import solid_rows
+from fretfe.quality.rows import own_rows
 from fretfe.report.figures import edges, history, slip, solids, solver, tractions
 from fretfe.report.figures.plot import Plot
 from fretfe.report.page.answer import edge_answers, summary
@@ -265,7 +264,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         pictures=pictures,
         plots=plots or draw_plots(run),
         certificate=_certificate_rows(run),
-        checks=(*own_rows(run), *solid_rows(run)) if _solved(run.solution) else (),
+        checks=tuple(own_rows(run)) if _solved(run.solution) else (),
         meshes=[mesh_table(run.refinement), limit_table(run.refinement)] if run.refinement else [],
         timings=timing_table(run.seconds),
         # The case as it was understood.

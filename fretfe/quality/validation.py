@@ -18,11 +18,8 @@ from fretfe.backends.protocol import DEFAULTS, Session, session_of
 from fretfe.case import Case
 from fretfe.environment import peak_memory
 from fretfe.errors import FretfeError, StoppedError
-from fretfe.quality.validate.compare import companion_rows
-from fretfe.quality.validate.rows import Row, missing
-from fretfe.quality.validate.single import limit_rows, own_rows
-from fretfe.quality.validate.solids import solid_companion_rows, solid_rows
-from fretfe.quality.validate.variants import COARSER, MESH, Variant, make_variants
+from fretfe.quality.companions import COARSER, MESH, Variant, companion_rows, make_variants
+from fretfe.quality.rows import EVERYWHERE, Row, limit_rows, own_rows
 from fretfe.results.model import Result
 
 # Phases of a run that companions on the same mesh go through too.
@@ -92,9 +89,9 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
         if result.failure is not None:
             raise result.failure
         options.keep(result)
-        rows = [*own_rows(result), *solid_rows(result), *limit_rows(result)]
+        rows = [*own_rows(result), *limit_rows(result)]
         variants, reasons = make_variants(case, result)
-        rows += [missing("all", "", name, reason) for name, reason in reasons.items()]
+        rows += [EVERYWHERE.missing(name, reason) for name, reason in reasons.items()]
         options.observer.phase(plan(variants, result))
         for variant in variants:
             options.observer.phase(variant.name)
@@ -121,13 +118,12 @@ def _companion(
     try:
         other = session.solve(variant.case, options)
     except FretfeError as error:
-        return [missing("all", "", variant.name, f"no solution: {error}")]
+        return [EVERYWHERE.missing(variant.name, f"no solution: {error}")]
     if isinstance(other.failure, StoppedError):
         raise other.failure
     if other.failure is not None:
-        return [missing("all", "", variant.name, f"no solution: {other.failure}")]
-    rows = solid_companion_rows if result.solid else companion_rows
-    return list(rows(variant.name, result, other))
+        return [EVERYWHERE.missing(variant.name, f"no solution: {other.failure}")]
+    return list(companion_rows(variant.name, result, other))
 
 
 def print_validation(console: Console, validation: Validation) -> None:

@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Companions of a case, by another mean, another start, another mesh, and rows against them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.case import Case, parse_case
+from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
+from fretfe.evaluate.verdicts import BORDER_ELEMENTS, BORDER_FRACTION
+from fretfe.loads import History
+from fretfe.mesh.templates import find_template
+from fretfe.quality.rows import CONSTANT_NORMAL, Measure, Pairs, Place, Row, Verdict, numbers
+from fretfe.results.model import Result
+
+MEAN, START, MESH = "about another mean", "from another start", "on a coarser mesh"
+
+# The mean moves by this fraction of the range of each load.
+MEAN_SHIFT = 0.1
+# The other start goes this much beyond the extremes of the cycle.
+OVERLOAD = 0.15
+# Elements of the other mesh are this much larger: it costs less than half.
+COARSER = 1.5
+CYCLES = 2
+EXCURSION_STEPS = 6
+STEADY_REASONS = {
+    MEAN: "the mean of K_T does not count in a steady cycle",
+    START: "the steady cycle forgets how it was reached, unless the whole contact slid",
+}
+# Halving the elements would change a first-order quantity by this many times the difference.
+EXTRAPOLATION = 1 / (COARSER - 1)
+MESH_TOLERANCE, SLIP_TOLERANCE = 0.02, 0.05
+# No more than this part of a number counts of its own error bar: it must not excuse whatever comes.
+LARGEST_BAR = 0.1
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A companion run.
+
+    Attributes:
+        name: what it checks.
+        case: to solve.
+        history: of its loads, None for that of the case.
+    """
+
+    name: str
+    case: Case
+    history: History | None
+
+
+def make_variants(case: Case, result: Result) -> tuple[list[Variant], dict[str, str]]:
+    """The companions of a case that make sense, and for the others the reason why they do not."""
+    variants, reasons = [], {}
+    if result.loads.cycle is None:
+        reasons[MEAN] = reasons[START] = "no cycle to evaluate"
+    else:
+        if _constant_normal(result):
+            variants.append(Variant(MEAN, case, shifted(result.loads)))
+        else:
+            reasons[MEAN] = "the normal load varies: another mean is another cycle"
+        variants.append(Variant(START, case, overloaded(result.loads)))
+    coarse = coarser(case)
+    if case.edges.tolerance is not None:
+        reasons[MESH] = "the mesh refined itself: see the changes from mesh to mesh"
+    elif coarse is not None:
+        variants.append(Variant(MESH, coarse, None))
+    else:
+        reasons[MESH] = "a mesh file: compare with a finer mesh of your own"
+    if not result.bodies:
+        variants = [variant for variant in variants if variant.name != MESH]
+        reasons[MESH] = "no mesh"
+    return variants, reasons
+
+
+def _constant_normal(result: Result) -> bool:
+    plane = all(
+        float(station.k_i_range) <= CONSTANT_NORMAL * float(station.k_t_range)
+        for contact in result.contacts
+        if not contact.solid
+        for station in contact.stations
+    )
+    # Factors at single stations of solids scatter by about as much as the limit.
+    return plane and all(
+        np.median(front.along("k_i_range")) <= CONSTANT_NORMAL * np.median(front.along("k_range"))
+        for contact in result.contacts
+        if contact.solid
+        for front in contact.fronts
+    )
+
+
+def shifted(history: History) -> History:
+    """The cycle again about a mean that is nearer to zero, or a little higher if it is zero."""
+    first, last = _cycle(history)
+    loads = history.values[first : last + 1]
+    ranges, means = np.ptp(loads, axis=0), (loads.max(axis=0) + loads.min(axis=0)) / 2
+    return _continued(history, loads - np.where(means > 0, 1.0, -1.0) * MEAN_SHIFT * ranges)
+
+
+def overloaded(history: History) -> History:
+    """The cycle again after an excursion beyond both of its extremes."""
+    first, last = _cycle(history)
+    loads = history.values[first : last + 1]
+    mean = (loads.max(axis=0) + loads.min(axis=0)) / 2
+    larger = mean + (1 + OVERLOAD) * (loads - mean)
+    chosen = np.unique(np.linspace(0, len(loads) - 1, 4 * EXCURSION_STEPS + 1).round().astype(int))
+    return _continued(history, loads, larger[chosen])
+
+
+def _cycle(history: History) -> tuple[int, int]:
+    assert history.cycle is not None
+    return history.cycle
+
+
+def _continued(history: History, loads: Array, before: Array | None = None) -> History:
+    """The history to the start of its cycle, an excursion (k, C), and cycles of loads (n, C)."""
+    first, _ = _cycle(history)
+    parts = [history.values[: first + 1]]
+    parts += [] if before is None else [before]
+    parts += [loads] + [loads[1:]] * (CYCLES - 1)
+    values = np.vstack(parts)
+    step = history.times[-1] / (len(history.times) - 1)
+    added = np.arange(1, len(values) - first) * step
+    times = np.concatenate([history.times[: first + 1], history.times[first] + added])
+    return History(history.channels, times, values, (len(values) - len(loads), len(values) - 1))
+
+
+def coarser(case: Case) -> Case | None:
+    """The same case with larger elements; None where the case does not give their sizes."""
+    data = case.model_dump(mode="json", exclude_unset=True)
+    if case.geometry.solid is not None:
+        layers = max(1, round(case.geometry.solid.layers / COARSER))
+        data["geometry"]["solid"]["layers"] = layers
+    if case.geometry.size is not None:
+        data["geometry"]["size"] = COARSER * case.geometry.size
+    elif case.geometry.template is not None:
+        given = case.geometry.parameters
+        sizes = {
+            parameter.name: COARSER * given.get(parameter.name, parameter.default)
+            for parameter in find_template(
+                case.geometry.template, length=case.units.length
+            ).parameters
+            if parameter.name.endswith("size")
+        }
+        data["geometry"]["parameters"] = {**given, **sizes}
+    else:
+        return None
+    return parse_case(data, source=case.source, trust_geo=case.trust_geo)
+
+
+def companion_rows(name: str, result: Result, other: Result) -> Iterator[Row]:
+    """Rows for each front, the numbers of the companion in the same places as references."""
+    for contact in result.contacts:
+        twin = _twin(contact, other)
+        if twin is None:
+            reason = "the companion has no patch there at its end"
+            verdict: Verdict = "unknown" if contact.normal_force[-1] > 0 else "-"
+            yield Place(contact.name).missing(name, reason, verdict)
+        elif contact.solid:
+            for front in contact.fronts:
+                yield from _front_rows(name, contact, front, nearest_front(front, twin.fronts))
+        else:
+            for station, reference in zip(contact.stations, twin.stations, strict=True):
+                yield from _edge_rows(name, contact, station, reference)
+
+
+def _twin(contact: Contact, other: Result) -> Contact | None:
+    """The contact of a companion that is in the same place at the end; None if there is none.
+
+    What patches are called depends on the order in which they appear, and may differ.
+    """
+    twins = [each for each in other.contacts if each.pair == contact.pair]
+    if contact.name == contact.pair and len(twins) == 1:
+        return twins[0]
+    for each in twins:
+        (centre, half_width), (other_centre, _) = _place(contact), _place(each)
+        if abs(other_centre - centre) < half_width:
+            return each
+    return None
+
+
+def _place(contact: Contact) -> tuple[float, float]:
+    """Centre and half-width at the end of the cycle."""
+    last = contact.stations[0].last
+    return float(contact.centre[last]), float(contact.half_width[last])
+
+
+def _edge_rows(name: str, contact: Contact, station: Station, other: Station) -> Iterator[Row]:
+    """Rows of the only station of a plane front."""
+    at, length, reference = Place(contact.name, station.front), _length(station), _length(other)
+    if name != MESH:
+        # The same steady slip zone, whatever the mean and the way to it.
+        share = BORDER_FRACTION * (length if length > 0 else 0.0)
+        tolerance = BORDER_ELEMENTS * station.size + share
+        yield at.compared(
+            f"d {name}", length, reference, tolerance, STEADY_REASONS[name], _otherwise(name)
+        )
+        return
+    # Extrapolated error of each number, first order.
+    reason = f"elements {COARSER:g} times as large: the error of the case is about twice the change"
+    for quantity, value, coarse in (
+        ("K_N", station.last_k_n[0], other.last_k_n[0]),
+        ("ΔK_T", station.k_t_range, other.k_t_range),
+    ):
+        label = f"{quantity} {MESH}"
+        if math.isnan(value) or math.isnan(coarse):
+            yield at.missing(label, "the coarser mesh does not carry this number")
+        else:
+            tolerance = MESH_TOLERANCE * abs(value) / EXTRAPOLATION
+            yield at.compared(label, value, coarse, tolerance, reason)
+    if other.slip_zones and not math.isnan(length):
+        tolerance = SLIP_TOLERANCE * length / EXTRAPOLATION
+        tolerance += BORDER_ELEMENTS * COARSER * station.size
+        yield at.compared(f"d {MESH}", length, reference, tolerance, reason)
+
+
+def _length(station: Station) -> float:
+    return station.slip_zones[-1].length if station.slip_zones else math.nan
+
+
+def _otherwise(name: str) -> Verdict:
+    return "depends" if name == START else "FAIL"
+
+
+def _front_rows(name: str, contact: Contact, front: Front, twin: Front | None) -> Iterator[Row]:
+    """Rows of a front of solids, against the nearest one of the companion."""
+    at, stations = Place(contact.name, front.name), front.judged
+    if twin is None:
+        yield at.missing(name, "the companion has no such front at the end of its cycle")
+        return
+    if not stations:
+        return
+    places = np.array([station.point for station in stations])
+    if name != MESH:
+        # The same steady slip zone, whatever the mean and the way to it.
+        values, (references,) = numbers(stations, reported_d), at_places(twin, places, [reported_d])
+        sizes = numbers(stations, lambda each: each.size)
+        pairs = Pairs(values, references, BORDER_ELEMENTS * sizes + BORDER_FRACTION * values)
+        yield at.over_stations(f"d {name}", pairs, STEADY_REASONS[name], _otherwise(name))
+        return
+    reason = (
+        f"elements {COARSER:g} times as large: the error bars of both meshes, that of a factor of "
+        f"the case {LARGEST_BAR:.0%} at most"
+    )
+    for quantity, measure, bar in (
+        ("K_N", lambda each: each.reported_k_n, lambda each: each.last_k_n[1]),
+        ("ΔK", lambda each: each.reported_range, lambda each: each.k_range_spread),
+        ("d", reported_d, _d_bar),
+    ):
+        values, bars = numbers(stations, measure), numbers(stations, bar)
+        references, other = at_places(twin, places, [measure, bar])
+        # Slip zones of a fraction of their front need not be known to a tenth of themselves.
+        own = bars if quantity == "d" else np.minimum(bars, LARGEST_BAR * np.abs(values))
+        pairs = Pairs(values, references, np.hypot(own, other))
+        yield at.over_stations(f"{quantity} {MESH}", pairs, reason)
+
+
+def reported_d(station: Station) -> float:
+    """Length of the last slip zone; NaN where it is not resolved or the whole contact slides."""
+    zone = _resolved_zone(station)
+    return zone.reported_length if zone else math.nan
+
+
+def _d_bar(station: Station) -> float:
+    zone = _resolved_zone(station)
+    return zone.spread if zone else math.nan
+
+
+def _resolved_zone(station: Station) -> SlipZone | None:
+    zone = station.slip_zones[-1] if station.slip_zones else None
+    return None if zone is None or zone.gross or not zone.resolved else zone
+
+
+def nearest_front(front: Front, others: Sequence[Front]) -> Front | None:
+    """The front among others that runs nearest to the stations of one; None without any."""
+    points = front.along("point")
+
+    def distance(other: Front) -> float:
+        gaps = np.linalg.norm(points[:, None] - other.along("point"), axis=2)
+        return float(gaps.min(axis=1).mean())
+
+    return min(
+        (other for other in others if other.closed == front.closed), key=distance, default=None
+    )
+
+
+def at_places(front: Front, points: Array, measures: Sequence[Measure]) -> Iterator[Array]:
+    """Numbers (n,) of a front at the places of its line that are nearest to points (n, 3).
+
+    Linear between the stations; NaN where a neighbour has none, or is an end.
+    """
+    places = front.along("point")
+    ends = np.roll(places, -1, axis=0) if front.closed else places[1:]
+    starts = places[: len(ends)]
+    lines = ends - starts
+    share = np.einsum("nmd,md->nm", points[:, None] - starts, lines) / np.sum(lines**2, axis=1)
+    share = np.clip(share, 0.0, 1.0)
+    gaps = np.linalg.norm(starts + share[..., None] * lines - points[:, None], axis=2)
+    first = gaps.argmin(axis=1)
+    part = share[np.arange(len(points)), first]
+    second = (first + 1) % len(places)
+    for measure in measures:
+        values = numbers(front.stations, measure)
+        values[front.along("end").astype(bool)] = np.nan
+        # A place on a station needs no neighbour.
+        terms = (part < 1, (1 - part) * values[first]), (part > 0, part * values[second])
+        yield np.sum([np.where(used, term, 0.0) for used, term in terms], axis=0)

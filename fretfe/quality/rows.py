@@ -1,0 +1,422 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Rows of a validation: comparisons with verdicts, and those of one run by itself.
+
+A front of a plane contact has one station and a row for each of its numbers. A front of solids has
+one row for a number of all of its stations.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from fretfe._typing import Array, Bools
+from fretfe.evaluate import analyse_tractions
+from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, Front, SlipZone, Station
+from fretfe.evaluate.plane.section import plane_front
+from fretfe.evaluate.slip import cycle_states
+from fretfe.evaluate.verdicts import (
+    AGREES,
+    BORDER_ELEMENTS,
+    BORDER_FRACTION,
+    DIFFERS,
+    NOT_RESOLVED,
+    OUTSIDE,
+    judge,
+    last_verdict,
+    withheld,
+)
+from fretfe.results.model import Result
+
+# Reads one number of a station.
+Measure = Callable[[Station], float]
+Verdict = Literal["pass", "FAIL", "outside", "depends", "unknown", "-"]
+# Of a row, by the word of a verdict on a slip zone; "-" for all others.
+VERDICTS: dict[str, Verdict] = {
+    AGREES: "pass",
+    DIFFERS: "FAIL",
+    OUTSIDE: "outside",
+    NOT_RESOLVED: "unknown",
+}
+# Normal increments below this fraction of the tangential ones leave the edges where they are.
+CONSTANT_NORMAL = 0.05
+K_N_AGREEMENT = 0.02
+# A second K_N whose own bar is wider than this checks nothing.
+LOOSE = 0.3
+K_T_AGREEMENT = 0.01
+SHEAR_AGREEMENT = 0.03
+# Ranges of K_T and K_S that other reaches of the integrals give, relative to the largest along the
+# front.
+REACH_AGREEMENT = 0.02
+STEADY = 1e-3
+CERTIFIED, BALANCED = 1e-6, 1e-8
+# Share of the stations that must agree, as error bars hold for 95 %.
+WITHIN = 0.9
+# Share of the stations that must have a number to compare.
+CARRIED = 0.5
+
+
+@dataclass(frozen=True)
+class Row:
+    """A number, what it is compared with, and what follows.
+
+    Attributes:
+        contact: name of the contact.
+        edge: "left", "right", of solids a front; "" for the contact as a whole.
+        quantity: what is compared.
+        value: the number.
+        reference: what it should be.
+        tolerance: largest acceptable |value - reference|, in the same unit.
+        reason: where the tolerance comes from, or why there is no comparison.
+        verdict: "pass"; "FAIL"; "outside" the range of the formula, which is an answer and no
+            failure; "depends" on how the cycle was reached; "unknown" if the run does not carry
+            the number; "-" if there is nothing to compare.
+    """
+
+    contact: str
+    edge: str
+    quantity: str
+    value: float
+    reference: float
+    tolerance: float
+    reason: str
+    verdict: Verdict
+
+    @property
+    def where(self) -> str:
+        """Contact and edge or front, for people."""
+        edge = f"{self.edge} edge" if self.edge in ("left", "right") else self.edge
+        return f"{self.contact}, {edge}" if edge else self.contact
+
+    @property
+    def difference(self) -> float:
+        """Value less reference."""
+        return self.value - self.reference
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Numbers of n stations and what they are compared with; NaN where there is none.
+
+    Attributes:
+        values: (n,) the numbers.
+        references: (n,) what they should be.
+        tolerances: (n,) largest acceptable differences.
+    """
+
+    values: Array
+    references: Array
+    tolerances: Array
+
+    @property
+    def known(self) -> Bools:
+        """(n,) where there is something to compare."""
+        return np.asarray(np.isfinite(self.values + self.references + self.tolerances))
+
+
+@dataclass(frozen=True)
+class Place:
+    """Subject of rows: the whole case, a contact, or an edge or front of it."""
+
+    contact: str = "all"
+    edge: str = ""
+
+    def compared(
+        self,
+        quantity: str,
+        value: float,
+        reference: float,
+        tolerance: float,
+        reason: str,
+        otherwise: Verdict = "FAIL",
+    ) -> Row:
+        """A row whose verdict is "pass" within the tolerance and `otherwise` outside.
+
+        A value or reference that does not exist gives "-", unless the two are both expected: then
+        NaN on one side only is no agreement.
+        """
+        verdict: Verdict = otherwise
+        if math.isnan(value) and math.isnan(reference):
+            verdict = "-"
+        elif abs(value - reference) <= tolerance:
+            verdict = "pass"
+        return Row(self.contact, self.edge, quantity, value, reference, tolerance, reason, verdict)
+
+    def missing(self, quantity: str, reason: str, verdict: Verdict = "-") -> Row:
+        """A row without a comparison."""
+        none = math.nan
+        return Row(self.contact, self.edge, quantity, none, none, none, reason, verdict)
+
+    def over_stations(
+        self, quantity: str, pairs: Pairs, reason: str, otherwise: Verdict = "FAIL"
+    ) -> Row:
+        """One row for many stations: that of the worst of the best nine tenths of them."""
+        known = np.flatnonzero(pairs.known)
+        count = len(pairs.values)
+        if len(known) < max(CARRIED * count, 1):
+            given = f"there is a number to compare at {len(known)} of {count} stations only"
+            return self.missing(quantity, given)
+        off = np.abs(pairs.values - pairs.references)[known]
+        tolerances = pairs.tolerances[known]
+        order = np.argsort(off / np.maximum(tolerances, 1e-300))
+        chosen = known[order[math.ceil(WITHIN * len(known)) - 1]]
+        inside = np.count_nonzero(off <= tolerances)
+        return self.compared(
+            quantity,
+            float(pairs.values[chosen]),
+            float(pairs.references[chosen]),
+            float(pairs.tolerances[chosen]),
+            f"{reason}. {inside} of {len(known)} stations agree, {WITHIN:.0%} must; the line is "
+            "that of the worst of these",
+            otherwise,
+        )
+
+
+EVERYWHERE = Place()
+
+
+def numbers(stations: Sequence[Station], measure: Measure) -> Array:
+    """(n,) a number of stations."""
+    return np.array([float(measure(station)) for station in stations])
+
+
+def own_rows(result: Result) -> Iterator[Row]:
+    """Rows for each contact and its fronts, and for the solution."""
+    if result.solid:
+        yield from _solution_rows(result)
+    for contact in result.contacts:
+        yield from _contact_rows(result, contact)
+        for front in contact.fronts:
+            if contact.solid:
+                yield from _front_rows(contact, front)
+            else:
+                yield from _edge_rows(result, contact, front.stations[0])
+    if not result.solid:
+        yield from _solution_rows(result)
+
+
+def limit_rows(result: Result) -> Iterator[Row]:
+    """Rows for the limits of the model: beyond one of them nothing is known of the bodies."""
+    for limit in result.limits:
+        at = Place(limit.contact or "all")
+        if math.isnan(limit.found):
+            yield at.missing(limit.quantity, "not measured: no evaluated cycle or no ΔK_T")
+            continue
+        reason = f"limit of the model; beyond it {limit.consequence}"
+        yield at.compared(limit.quantity, limit.found, 0.0, limit.limit, reason, "unknown")
+
+
+def _solution_rows(result: Result) -> Iterator[Row]:
+    if result.solution is None:
+        return
+    certificates = result.solution.certificates
+    worst = float(certificates["worst"].max())
+    reason = "relative violation of penetration, friction cone, stick, slip direction"
+    yield EVERYWHERE.compared("contact conditions", worst, 0.0, CERTIFIED, reason)
+    scale = float(certificates["force_scale"].max())
+    balance = float(certificates["force_imbalance"].max()) / scale
+    yield EVERYWHERE.compared("balance of forces", balance, 0.0, BALANCED, "relative, any body")
+
+
+def _contact_rows(result: Result, contact: Contact) -> Iterator[Row]:
+    at = Place(contact.name)
+    if not contact.solid:
+        yield _shear_row(at, contact.shear_mismatch)
+    quantity, change = "change of q", contact.cycle_change
+    if math.isnan(change):
+        given = "no cycle, no friction, or a backend that gives the steady cycle itself"
+        yield at.missing(quantity, given)
+    else:
+        given = "relative to f p_max: the cycle is steady"
+        yield at.compared(quantity, change, 0.0, STEADY, given)
+    if contact.solid and not contact.fronts and contact.normal_force[-1] > 0:
+        told = (text for text in contact.warnings if "cannot be told" in text)
+        yield at.missing("fronts", next(told, "too few elements in contact"), "unknown")
+    if contact.name != contact.pair:
+        # A patch that comes or goes within the cycle: what it does there is not known.
+        cycle = cycle_states(result.loads.cycle)
+        existing = np.count_nonzero(contact.normal_force[cycle] > 0)
+        if 0 < existing < len(cycle):
+            given = f"it exists in {existing} of the {len(cycle)} states: its ranges are unknown"
+            yield at.missing("patch in the cycle", given, "unknown")
+
+
+def _shear_row(at: Place, mismatch: float) -> Row:
+    """Range of Q by the factors of half-planes, over that by the tractions."""
+    quantity = "Q by ΔK_T / by ∫q"
+    if math.isnan(mismatch):
+        return at.missing(quantity, "no cycle, or no shear force in it")
+    reason = "no free parameter, but the bodies are not half-planes: outside, use K_T as computed"
+    return at.compared(quantity, 1 + mismatch, 1.0, SHEAR_AGREEMENT, reason, "outside")
+
+
+def _edge_rows(result: Result, contact: Contact, station: Station) -> Iterator[Row]:
+    """Rows of the only station of a plane front."""
+    at = Place(contact.name, station.front)
+    yield from _unknown_rows(at, contact, station)
+    if not math.isnan(station.last_k_n[0]):
+        yield _moving_row(at, station)
+        yield _fit_row(at, station)
+        yield from _zone_rows(at, station)
+    yield from _traction_rows(at, result, contact, station)
+
+
+def _unknown_rows(at: Place, contact: Contact, station: Station) -> Iterator[Row]:
+    """Numbers that this run should carry and does not; warnings of the contact say why."""
+    for quantity, value in (("K_N", station.last_k_n[0]), ("ΔK_T", station.k_t_range)):
+        if (
+            math.isnan(value)
+            and contact.normal_force[station.last] > 0
+            and not math.isnan(contact.cycle_change)
+        ):
+            told = (each for each in contact.warnings if quantity in each and "unknown" in each)
+            reason = next(told, "it is not known in every state of the cycle")
+            yield at.missing(quantity, reason, "unknown")
+
+
+def _moving_row(at: Place, station: Station) -> Row:
+    """K_N by the pressure and by the movement of the edge, if that is known well enough."""
+    quantity = "K_N, by moving edge"
+    k_n, moved, spread = float(station.k_n[-1]), station.k_n_moved, station.k_n_moved_spread
+    if math.isnan(moved):
+        reason = (
+            "there are no two load levels: the edge does not move, or reaches the end of its "
+            "surface; or the bodies are dissimilar and there is friction"
+        )
+        return at.missing(quantity, reason)
+    if spread > LOOSE * moved:
+        reason = f"the movement of the edge is known to {spread / moved:.0%} only: nothing to check"
+        return at.missing(quantity, reason)
+    # A large error bar must not excuse whatever comes out.
+    own = min(float(station.k_n_spread[-1]), LARGEST_SPREAD * k_n)
+    reason = (
+        f"{K_N_AGREEMENT:.0%}, the error bar of K_N, {LARGEST_SPREAD:.0%} at most, and that of the "
+        "movement"
+    )
+    return at.compared(quantity, k_n, moved, K_N_AGREEMENT * k_n + own + spread, reason)
+
+
+def _fit_row(at: Place, station: Station) -> Row:
+    """Range of K_T by interaction integrals and by fits to tractions."""
+    quantity, value, fitted = "ΔK_T, by fit", station.k_t_range, station.k_t_range_fitted
+    if math.isnan(fitted) or math.isnan(value):
+        return at.missing(quantity, "there is no second way here")
+    tolerance = K_T_AGREEMENT * value + station.k_range_parts.extraction
+    reason = f"{K_T_AGREEMENT:.0%} and the spread over three radii"
+    return at.compared(quantity, value, fitted, tolerance, reason)
+
+
+def _zone_rows(at: Place, station: Station) -> Iterator[Row]:
+    """The last two slip zones, found and predicted, and their inner ends."""
+    zones = station.slip_zones[-2:]
+    if not zones:
+        reason = station.cycles.reason or "the factors are not known through the cycle"
+        yield at.missing("slip zone", reason)
+    for number, zone in enumerate(zones, start=1):
+        verdict = judge(station, zone)
+        word = VERDICTS.get(verdict.word, "-")
+        label = f"d, by formula, half cycle {number}"
+        if math.isnan(verdict.tolerance):
+            yield at.missing(label, verdict.reason, word)
+        else:
+            yield at.compared(
+                label, zone.length, zone.prediction, verdict.tolerance, verdict.reason, word
+            )
+    if len(zones) == 2:
+        # Slip does not repeat itself where both half cycles end.
+        tolerance = BORDER_ELEMENTS * station.size + BORDER_FRACTION * max(z.length for z in zones)
+        reason = "the same material point in a steady cycle, to the accuracy of the border"
+        first, second = (zone.border for zone in zones)
+        yield at.compared("inner end, both ways", second, first, tolerance, reason)
+
+
+def _traction_rows(at: Place, result: Result, contact: Contact, station: Station) -> Iterator[Row]:
+    """Slip zones once more, from where the shear leaves the friction bound.
+
+    What slips in one half cycle of a steady cycle slips back in the other: the shear changes from
+    one bound to the other there. The shear itself is at the bound farther inward at the reversal
+    that the first loading has reached: that keeps its longer zone.
+    """
+    if result.solution is None or not station.slip_zones:
+        return
+    if station.k_i_range > CONSTANT_NORMAL * station.k_t_range:
+        reason = "the normal load varies: the shear keeps traces of slip with other edges"
+        yield at.missing("d, by traction", reason)
+        return
+    history = result.contact_history(contact.name)
+    for number, zone in enumerate(station.slip_zones[-2:], start=1):
+        label = f"d, by traction, half cycle {number}"
+        if zone.gross or not zone.length > 0:
+            continue
+        pressure, shear = history.traction[zone.end].T
+        if contact.steady:
+            shear = (shear - history.traction[zone.start, :, 1]) / 2
+        friction = float(history.friction[zone.end])
+        analysis = analyse_tractions(history.arc, pressure, shear, friction=friction)
+        found = analysis.edges[plane_front(station.front).number].slip_from_traction
+        if not found.known:
+            yield at.missing(label, found.remark)
+            continue
+        tolerance = found.spread + station.size / 2 + BORDER_FRACTION * zone.length
+        reason = (
+            "by slip, and where the shear, or half its change through a steady half cycle, leaves "
+            "the friction bound: error bar, half an element"
+        )
+        yield at.compared(label, zone.length, found.value, tolerance, reason)
+
+
+def _front_rows(contact: Contact, front: Front) -> Iterator[Row]:
+    """Rows of a front of solids, over those of its stations that are not near its ends."""
+    at, stations = Place(contact.name, front.name), front.judged
+    if not stations:
+        yield at.missing("stations", "all of them are near its ends")
+        return
+    told = {"K_N": numbers(stations, lambda each: each.reported_k_n)}
+    if np.isfinite(contact.cycle_change):
+        told["ΔK"] = numbers(stations, lambda each: each.reported_range)
+    for quantity, values in told.items():
+        unknown = np.count_nonzero(np.isnan(values))
+        if unknown > (1 - WITHIN) * len(values):
+            reasons = [each for station in stations if (each := withheld(station))]
+            text = (
+                f"not known to within half of it at {unknown} of {len(values)} stations, as "
+                f"{reasons[len(reasons) // 2]}"
+            )
+            yield at.missing(quantity, text, "unknown")
+    ranges = numbers(stations, lambda each: each.k_range)
+    spread = numbers(stations, lambda each: each.k_range_parts.extraction)
+    largest = np.nanmax(ranges, initial=0.0)
+    pairs = Pairs(ranges, ranges + spread, np.full(len(ranges), REACH_AGREEMENT * largest))
+    reason = f"half the spread over reaches and lengths, {REACH_AGREEMENT:.0%} of the largest"
+    yield at.over_stations("ΔK, other reach", pairs, reason)
+    for half in (1, 2):
+        zones = [(each, each.slip_zones[half - 3]) for each in stations if len(each.slip_zones) > 1]
+        label = f"d, by formula, half cycle {half}"
+        if zones:
+            yield _formula_row(at, label, zones)
+        else:
+            yield at.missing(label, last_verdict(stations[len(stations) // 2]).reason)
+
+
+def _formula_row(at: Place, label: str, zones: Sequence[tuple[Station, SlipZone]]) -> Row:
+    """Slip zones found and predicted at the stations where formulas hold.
+
+    Where none does, the most frequent word, and a reason for it.
+    """
+    verdicts = [judge(station, zone) for station, zone in zones]
+    known = [
+        (zone.length, zone.prediction, verdict.tolerance)
+        for (_, zone), verdict in zip(zones, verdicts, strict=True)
+        if math.isfinite(verdict.tolerance)
+    ]
+    if not known:
+        ((word, _),) = Counter(each.word for each in verdicts).most_common(1)
+        reason = next(each.reason for each in verdicts if each.word == word)
+        return at.missing(label, f"{word}: {reason}", VERDICTS.get(word, "-"))
+    reason = "the formula's own error, the error bars, and a fifth of an element"
+    return at.over_stations(label, Pairs(*np.transpose(known)), reason)
