@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 from scipy.integrate import trapezoid
@@ -18,7 +18,7 @@ from fretfe.evaluate.resultants import load_extremes
 from fretfe.report.source import force_unit
 from fretfe.results.model import Result
 
-Pairs = Sequence[tuple[Any, Any]]
+Pairs = Sequence[tuple[Contact, Contact]]
 # Times that differ by less than this fraction of the clock are the same.
 SAME_TIME = 1e-9
 LAST = "last state"
@@ -71,9 +71,6 @@ class HistoryPair:
         contact, edge, quantity, unit: as of a pair of numbers.
         first_times, second_times: (T,) of each result.
         first, second: (T,) of each result.
-        common: number of times that both results have, where both values are known.
-        difference: largest difference at these times, over the largest value of the first one
-            there; NaN without any.
     """
 
     contact: str
@@ -84,8 +81,29 @@ class HistoryPair:
     second_times: Array
     first: Array
     second: Array
-    common: int
-    difference: float
+
+    @property
+    def common(self) -> int:
+        """Number of times that both results have, where both values are known."""
+        return len(self._at_equal_times[0])
+
+    @property
+    def difference(self) -> float:
+        """Largest difference at these times, over the largest value of the first one there.
+
+        NaN without any.
+        """
+        first, second = self._at_equal_times
+        size = float(np.abs(first).max(initial=0.0))
+        return float(np.abs(second - first).max(initial=0.0)) / size if size > 0 else math.nan
+
+    @cached_property
+    def _at_equal_times(self) -> tuple[Array, Array]:
+        """Both values, each (n,), at the times that both have and where both are known."""
+        places = _equal_times(self.first_times, self.second_times)
+        first, second = self.first[places[0]], self.second[places[1]]
+        known = np.isfinite(first) & np.isfinite(second)
+        return first[known], second[known]
 
 
 def traction_pairs(
@@ -197,39 +215,22 @@ def _norm(x: Array, values: Array) -> float:
 
 def history_pairs(first: Result, second: Result, pairs: Pairs) -> Iterator[HistoryPair]:
     """Histories of all contacts that belong together."""
-    units = first.case.units
+    units, force = first.case.units, force_unit(first)
     factor = f"{units.stress}·√{units.length}"
-    for one, two in pairs:
-        force = force_unit(first)
-        yield _history(first, second, one, two, one.name, "", "P", force, "normal_force")
-        if one.solid:
-            area = f"{units.length}²"
-            yield _history(first, second, one, two, one.name, "", "area", area, "contact_area")
-            continue
-        yield _history(first, second, one, two, one.name, "", "Q", force, "shear_force")
-        for edge, partner in zip(one.stations, two.stations, strict=True):
-            yield _history(first, second, edge, partner, one.name, edge.front, "K_T", factor, "k_t")
-
-
-def _history(
-    first: Result, second: Result, one: Any, two: Any,
-    contact: str, edge: str, quantity: str, unit: str, attribute: str,
-) -> HistoryPair:  # fmt: skip
     times = first.loads.times, second.loads.times
-    values = getattr(one, attribute), getattr(two, attribute)
-    places = _common(*times)
-    both = [each[place] for each, place in zip(values, places, strict=True)]
-    known = np.isfinite(both[0]) & np.isfinite(both[1])
-    size = np.abs(both[0][known]).max(initial=0.0)
-    change = np.abs(both[1][known] - both[0][known]).max(initial=0.0)
-    return HistoryPair(
-        contact, edge, quantity, unit, *times, *values,
-        common=int(np.count_nonzero(known)),
-        difference=float(change / size) if size > 0 else math.nan,
-    )  # fmt: skip
+    for one, two in pairs:
+        name, loads = one.name, (one.normal_force, two.normal_force)
+        yield HistoryPair(name, "", "P", force, *times, *loads)
+        if one.solid:
+            areas = one.contact_area, two.contact_area
+            yield HistoryPair(name, "", "area", f"{units.length}²", *times, *areas)
+            continue
+        yield HistoryPair(name, "", "Q", force, *times, one.shear_force, two.shear_force)
+        for edge, partner in zip(one.stations, two.stations, strict=True):
+            yield HistoryPair(name, edge.front, "K_T", factor, *times, edge.k_t, partner.k_t)
 
 
-def _common(first: Array, second: Array) -> tuple[Indices, Indices]:
+def _equal_times(first: Array, second: Array) -> tuple[Indices, Indices]:
     """(n,) places of equal times in both, which increase."""
     nearest = np.clip(np.searchsorted(second, first), 1, max(len(second) - 1, 1))
     nearest = np.minimum(nearest, len(second) - 1)
