@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 from dataclasses import replace
 from pathlib import Path
+from typing import get_type_hints
 
 import numpy as np
 import pandas as pd
@@ -16,10 +17,13 @@ from solid_runs import NORMAL, write_solid
 from stored_runs import solved, write_run
 
 import fretfe
+from fretfe._typing import Array, Indices
 from fretfe.case import Units, parse_case
 from fretfe.errors import CaseError, ConvergenceError, OutputError
-from fretfe.exchange import columns
-from fretfe.exchange.columns import headings
+from fretfe.evaluate.contacts import Contact, Station, quantities
+from fretfe.exchange import export
+from fretfe.exchange.export import headings
+from fretfe.results import tables as contents
 from fretfe.results.writer import write_results
 
 # Hertz: R = 50, P = 600, two equal bodies of steel.
@@ -94,26 +98,36 @@ def test_all_columns_are_listed_and_documented(tables: dict[str, pd.DataFrame]) 
             own = listing[listing["file"] == name]
             assert list(own["header"]) == list(table.columns)
             assert own["meaning"].str.len().min() > 3
-    named = [columns.STATION, columns.CONTACTS, columns.FACTORS, columns.EDGES]
-    named += [columns.CYCLES, columns.STATIONS, columns.PLANE_TRACTIONS, columns.SOLID_TRACTIONS]
+    named = [contents.STATION, contents.CONTACTS, contents.FACTORS, contents.EDGES]
+    named += [contents.CYCLES, contents.STATIONS, export.PLANE_TRACTIONS, export.SOLID_TRACTIONS]
     for each in {column.name for group in named for column in group}:
         stem = each.removesuffix("_x").removesuffix("_y").removesuffix("_z")
         assert f"`{each}`" in GUIDE or f"`{stem}_x`" in GUIDE, each
     for kind in ("k_n", "k_t"):
-        assert columns.PLANE_UNITS[kind] == columns.SOLID_UNITS[kind]
+        assert contents.UNITS[kind] == contents.SOLID_UNITS[kind]
+
+
+@pytest.mark.parametrize("owner", [Station, Contact])
+def test_every_number_has_a_unit_and_a_meaning(owner: type) -> None:
+    types = (Array, Indices, float, int, bool)
+    numbers = {name for name, kind in get_type_hints(owner).items() if kind in types}
+    declared = quantities(owner)
+    assert len(numbers) > 10 and numbers <= declared.keys()
+    for each in declared.values():
+        assert each.kind in contents.UNITS and len(each.meaning) > 10
 
 
 def test_units_are_those_of_the_case() -> None:
     units = Units(length="in", force="lbf", stress="psi", time="min")
     one, two = (
-        headings((*columns.STATION, *columns.STATE, *columns.CONTACTS), units, solid=solid)
+        headings((*contents.STATION, *export.STATE, *contents.CONTACTS), units, solid=solid)
         for solid in (False, True)
     )
     texts = {heading.name: heading.text for heading in one}
     assert texts["time"] == "time [min]" and texts["normal_force"] == "normal_force [lbf/in]"
     assert texts["moment"] == "moment [lbf]" and texts["contact"] == "contact"
     assert {heading.name: heading.unit for heading in two}["moment"] == "lbf*in"
-    factors = {each.name: each.unit for each in headings(columns.FACTORS, units, solid=False)}
+    factors = {each.name: each.unit for each in headings(contents.FACTORS, units, solid=False)}
     assert (factors["k_n"], factors["k_t"]) == ("psi/in^0.5", "psi*in^0.5")
 
 

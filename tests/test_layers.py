@@ -36,7 +36,7 @@ LAYERS = (
     "fretfe.contact.*",
     "fretfe.evaluate.*",
     "fretfe.results.stress_file",
-    "fretfe.results.records",
+    "fretfe.results.tables",
     "fretfe.results.dataset",
     "fretfe.results.model",
     "fretfe.results.field_files",

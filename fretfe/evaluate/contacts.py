@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import Annotated, get_origin, get_type_hints
 
 import numpy as np
 
@@ -25,6 +26,33 @@ LARGEST_ZONE_SPREAD = 0.1
 NO_NUMBER = 0.5
 # Counted cycles whose ranges differ by less than this fraction are the same cycle.
 SAME_RANGE = 1e-3
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Unit and meaning of a field, from which all tables take them.
+
+    Attributes:
+        kind: of quantity, a key of `fretfe.results.tables.UNITS`; empty for pure numbers.
+        meaning: in words.
+    """
+
+    kind: str
+    meaning: str
+
+
+def quantities(owner: type) -> dict[str, Quantity]:
+    """The fields of `Station` or `Contact` that have a unit and a meaning, by name."""
+    hints = get_type_hints(owner, include_extras=True)
+    return {
+        name: hints[name].__metadata__[0] for name in hints if get_origin(hints[name]) is Annotated
+    }
+
+
+def histories(owner: type) -> list[str]:
+    """Names of the fields of `StationHistory` or `Contact` with a row for every state."""
+    plain = get_type_hints(owner)
+    return [name for name in quantities(owner) if plain[name] == Array]
 
 
 def reported(value: float, spread: float) -> float:
@@ -161,31 +189,29 @@ class CountedCycles:
 class StationHistory:
     """Position and factors of a station in every state.
 
+    Arrays are (T,), NaN where there is no contact or a number is not known. (K_T, K_S) and K_I are
+    counted from the first state with friction, or in contact, or the first one from which on they
+    are known; before they are NaN. K_T is the factor of the shear along `frame.inward`, K_S of that
+    along `frame.along`.
+
     Attributes:
         front: name of its front.
-        number: place along the front, from 0.
-        position: (T,) along the arc; NaN where there is no contact or it cannot be fitted.
-        position_spread: (T,) its error bar.
-        k_n: (T,) pressure factor.
-        k_n_spread: (T,) its error bar.
-        k_t: (T,) factor of the shear along `inward`, counted from the first state with friction,
-            or the first one from which on it is known; NaN before and where unknown.
-        k_s: (T,) factor of the shear along `along`, counted likewise; zero in the plane.
-        k_i: (T,) factor of the normal increments, counted likewise from the first state in contact.
-        last: state that single numbers are told of: the last one of the evaluated cycle, or of the
-            history without one.
     """
 
     front: str
-    number: int
-    position: Array
-    position_spread: Array
-    k_n: Array
-    k_n_spread: Array
-    k_t: Array
-    k_s: Array
-    k_i: Array
-    last: int = field(default=-1, kw_only=True)
+    number: Annotated[int, Quantity("", "of the station along its front, from 0")]
+    position: Annotated[
+        Array, Quantity("length", "of the edge; of solids from the point of the station, inward")
+    ]
+    position_spread: Annotated[Array, Quantity("length", "its error bar")]
+    k_n: Annotated[Array, Quantity("k_n", "K_N in the state")]
+    k_n_spread: Annotated[Array, Quantity("k_n", "its error bar")]
+    k_t: Annotated[Array, Quantity("k_t", "K_T, counted from the first state")]
+    k_s: Annotated[Array, Quantity("k_t", "K_S, the same along the edge; zero in the plane")]
+    k_i: Annotated[Array, Quantity("k_t", "K_I, the same of normal increments")]
+    last: Annotated[int, Quantity("", "last state of the evaluated cycle, or of all")] = field(
+        default=-1, kw_only=True
+    )
 
     @property
     def last_k_n(self) -> tuple[float, float]:
@@ -235,66 +261,69 @@ class Station(StationHistory):
             deformation.
         point: (3,) place before deformation: in the plane in the same state as `frame`, of solids
             on the front in the reference state; NaN where unknown.
-        arc: distance along the front.
-        curvature: of the front in the tangent plane, positive where the contact is convex.
-        to_end: distance along the front to its nearer end; infinite on a closed front, NaN in the
-            plane.
-        size: length of an element across the front; 0 without elements.
-        depth: half of the width of the contact along `inward`; NaN in the plane.
-        length: over which K_N makes the pressure: half-width of the Hertzian contact whose pressure
-            falls behind K_N sqrt(s) as fast; NaN in the plane.
-        end: whether the station is so close to an end of its front that the fields are not those of
-            an edge.
-        k_n_moved: K_N in the last state from the movement of the front between two load levels,
-            2 dK_I/da; NaN where it is not known, and between dissimilar bodies with friction.
-        k_n_moved_spread: error bar of `k_n_moved`.
-        k_n_moved_reason: why it is not known, between solids; empty where it is.
+        curvature: positive where the contact is convex.
+        to_end: infinite on a closed front, NaN in the plane.
+        length: half-width of the Hertzian contact whose pressure falls behind K_N sqrt(s) as fast.
+        k_n_moved: from the movement of the front between two load levels, 2 dK_I/da; not known
+            between dissimilar bodies with friction either.
         stiffening: relative growth of dP/da with the half-width a in the last state, from the same
             two loads; it tells how long a slip zone may be for the edge description. Of solids that
             of a circle of the half-width `length`: 2/`length`.
-        k_t_range: range of K_T.
-        k_s_range: range of K_S.
-        k_range: range of the vector (K_T, K_S) along `k_angle`.
-        k_angle: direction in which that varies most, in degrees from `inward` towards `along`,
-            between -90 and 90.
-        turning: range across that direction over the one along it.
+        k_angle: in degrees, between -90 and 90.
         k_range_spread: half the width of an interval that is meant to hold `k_range` with 95 %; 0
             if the factors are known in closed form at any time, NaN if nothing can be compared.
         k_range_parts: what that is made of.
-        k_t_range_fitted: range of K_T by fits to the tractions of full stick; NaN without them.
-        k_i_range: range of K_I.
         cycles: counted in the evaluated cycle, or in the whole history without one.
         slip_zones: one for each half cycle, in time order; if the counted cycles are irregular,
             only those of the worst one.
-        dissipation: friction work on this side of the contact in the evaluated cycle, per unit
-            thickness; NaN of solids.
+        dissipation: on this side of the contact, per unit thickness; NaN of solids.
     """
 
     frame: Frame
-    point: Array = field(default_factory=lambda: np.full(3, np.nan))
-    arc: float = 0.0
-    curvature: float = 0.0
-    to_end: float = math.nan
-    size: float = 0.0
-    depth: float = math.nan
-    length: float = math.nan
-    end: bool = False
-    k_n_moved: float
-    k_n_moved_spread: float
-    k_n_moved_reason: str = ""
-    stiffening: float = math.nan
-    k_t_range: float
-    k_s_range: float = 0.0
-    k_range: float
-    k_angle: float = 0.0
-    turning: float = 0.0
-    k_range_spread: float
+    point: Annotated[Array, Quantity("length", "point of the station before deformation")] = field(
+        default_factory=lambda: np.full(3, np.nan)
+    )
+    arc: Annotated[float, Quantity("length", "place along the front")] = 0.0
+    curvature: Annotated[float, Quantity("curvature", "of the front in the tangent plane")] = 0.0
+    to_end: Annotated[
+        float, Quantity("length", "distance to the nearer end of the front; empty if it is closed")
+    ] = math.nan
+    size: Annotated[float, Quantity("length", "an element across the front")] = 0.0
+    depth: Annotated[
+        float, Quantity("length", "half of the width of the contact inward; NaN in the plane")
+    ] = math.nan
+    length: Annotated[
+        float, Quantity("length", "over which K_N makes the pressure; NaN in the plane")
+    ] = math.nan
+    end: Annotated[bool, Quantity("", "whether the station is too near an end for a verdict")] = (
+        False
+    )
+    k_n_moved: Annotated[float, Quantity("k_n", "K_N by the movement of the front")]
+    k_n_moved_spread: Annotated[float, Quantity("k_n", "its error bar")]
+    k_n_moved_reason: Annotated[str, Quantity("", "why that is not known")] = ""
+    stiffening: Annotated[
+        float, Quantity("curvature", "relative growth of dP/da with the half-width a")
+    ] = math.nan
+    k_t_range: Annotated[float, Quantity("k_t", "range of K_T over the evaluated cycle")]
+    k_s_range: Annotated[float, Quantity("k_t", "range of K_S")] = 0.0
+    k_range: Annotated[
+        float, Quantity("k_t", "range of (K_T, K_S) along the direction in which it varies most")
+    ]
+    k_angle: Annotated[float, Quantity("angle", "that direction, from inward towards along")] = 0.0
+    turning: Annotated[float, Quantity("", "range across that direction over the one along it")] = (
+        0.0
+    )
+    k_range_spread: Annotated[float, Quantity("k_t", "its error bar")]
     k_range_parts: RangeSpread
-    k_t_range_fitted: float = math.nan
-    k_i_range: float
+    k_t_range_fitted: Annotated[
+        float, Quantity("k_t", "range of K_T by fits to the tractions of full stick; NaN without")
+    ] = math.nan
+    k_i_range: Annotated[float, Quantity("k_t", "range of K_I")]
     cycles: CountedCycles
     slip_zones: tuple[SlipZone, ...]
-    dissipation: float = math.nan
+    dissipation: Annotated[float, Quantity("work", "friction work at the edge in the cycle")] = (
+        math.nan
+    )
 
     @property
     def reported_range(self) -> float:
@@ -383,63 +412,84 @@ def fronts_of(stations: Iterable[Station]) -> tuple[Front, ...]:
     return tuple(Front(name, tuple(each)) for name, each in named.items())
 
 
+def _none() -> Array:
+    return np.empty(0)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Contact:
     """One contact, evaluated: a surface pair, or one of several patches of it.
 
     Forces are per unit thickness in the plane; between solids vectors (T, 3) are in the axes of the
     case. Areas are widths in the plane. They belong to the nodes, which count as a whole: areas
-    grow in steps of an element. Histories that a backend does not know are (0,).
+    grow in steps of an element. Histories are (T,), of solids vectors (T, 3); those that a backend
+    does not know are (0,), as `half_width` and `effective_tension` of solids are.
 
     Attributes:
         name: that of the pair; with a number in brackets for one of several patches.
         pair: name of the surface pair, the contact in the case.
         fronts: in the plane left and right; between solids the boundary curves of the contact area,
             none where they cannot be told.
-        normal_force: (T,) P, integral of the pressure.
         shear_force: (T,) Q along the arc; (T, 3) of solids, integral of the shear traction that
             body 1 exerts on body 2.
-        force: (T, d) all that body 1 exerts on body 2; on curved surfaces the pressure has a share
-            in every component.
-        centre: (T,) middle between the edges along the arc; (T, 3) of solids, centre of pressure;
-            NaN where nothing presses.
-        moment: (T,) moment of the pressure about `centre`; (T, 3) of solids, moment of all
-            tractions on body 2 about it.
-        half_width: (T,) of a plane contact, NaN where it has none; (0,) of solids.
-        contact_area, stick_area: (T,) of the nodes in contact, and of those of them that stick.
-        largest_pressure: (T,) of the means around the nodes.
-        work: (T,) friction work in the step to each state.
-        effective_tension: (T,) bulk tension that gives half-planes the same mean of K_T over the
-            two fronts, counted like K_T; (0,) of solids.
+        force: (T, d), as `shear_force`; on curved surfaces the pressure has a share in every
+            component.
+        centre: NaN where nothing presses.
+        moment: of solids (T, 3), of all tractions on body 2.
+        half_width: NaN where there is no contact.
+        effective_tension: gives half-planes the same mean of K_T over the two fronts, counted like
+            K_T.
         shear_mismatch: (range of Q that half-planes need for K_T at the two fronts)/(range of Q of
             full stick) - 1 over the cycle: zero if the half-plane description holds; NaN without a
             cycle, and of solids.
-        cycle_change: change of the shear over the evaluated cycle relative to f p_max.
-        steady: whether that is below the limit; False without a cycle.
-        dissipation: friction work in the evaluated cycle, or of all steps without one.
-        dissipation_change: relative change of it from the cycle before; NaN if there is none.
+        steady: False without a cycle.
+        dissipation_change: NaN if there is no cycle before.
         warnings: what a reader must know, in words.
     """
 
     name: str
     pair: str
     fronts: tuple[Front, ...]
-    normal_force: Array
-    shear_force: Array
-    force: Array = field(default_factory=lambda: np.empty(0))
-    centre: Array
-    moment: Array
-    half_width: Array = field(default_factory=lambda: np.empty(0))
-    contact_area: Array = field(default_factory=lambda: np.empty(0))
-    stick_area: Array = field(default_factory=lambda: np.empty(0))
-    largest_pressure: Array = field(default_factory=lambda: np.empty(0))
-    work: Array = field(default_factory=lambda: np.empty(0))
-    effective_tension: Array = field(default_factory=lambda: np.empty(0))
-    shear_mismatch: float = math.nan
-    cycle_change: float
-    steady: bool
-    dissipation: float
-    dissipation_change: float
+    normal_force: Annotated[Array, Quantity("force", "P, integral of the pressure")]
+    shear_force: Annotated[Array, Quantity("force", "Q, integral of the shear on body 2")]
+    force: Annotated[Array, Quantity("force", "all on body 2")] = field(default_factory=_none)
+    centre: Annotated[
+        Array, Quantity("length", "middle between the two edges, of solids the centre of pressure")
+    ]
+    moment: Annotated[
+        Array, Quantity("moment", "moment about the centre, in the plane of the pressure")
+    ]
+    half_width: Annotated[Array, Quantity("length", "half the distance between the edges")] = field(
+        default_factory=_none
+    )
+    contact_area: Annotated[
+        Array, Quantity("area", "of the nodes in contact, in the plane their width")
+    ] = field(default_factory=_none)
+    stick_area: Annotated[Array, Quantity("area", "of those that stick")] = field(
+        default_factory=_none
+    )
+    largest_pressure: Annotated[Array, Quantity("stress", "largest mean around a node")] = field(
+        default_factory=_none
+    )
+    work: Annotated[Array, Quantity("work", "friction work in the step to the state")] = field(
+        default_factory=_none
+    )
+    effective_tension: Annotated[
+        Array, Quantity("stress", "bulk tension that half-planes need for these K_T")
+    ] = field(default_factory=_none)
+    shear_mismatch: Annotated[
+        float, Quantity("", "range of Q by half-planes over that of full stick, less 1")
+    ] = math.nan
+    cycle_change: Annotated[
+        float, Quantity("", "change of the shear over the evaluated cycle relative to f p_max")
+    ]
+    steady: Annotated[bool, Quantity("", "whether the cycle is steady")]
+    dissipation: Annotated[
+        float, Quantity("work", "friction work in the evaluated cycle, or of all steps without one")
+    ]
+    dissipation_change: Annotated[
+        float, Quantity("", "relative change of that from the cycle before")
+    ]
     warnings: tuple[str, ...]
 
     @property

@@ -14,15 +14,16 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.case import Units
 from fretfe.errors import CaseError, OutputError
 from fretfe.evaluate.stress import StressParameters
-from fretfe.exchange import columns
-from fretfe.exchange.columns import Column, Heading, headings
 from fretfe.files import disk_reason, replacing
 from fretfe.history.solution import ContactHistory
 from fretfe.report.source import load_unit
-from fretfe.results.csv_files import cycle_records, station_records
+from fretfe.results import tables
+from fretfe.results.field_files import in_space
 from fretfe.results.model import Result
+from fretfe.results.tables import CONTACT, EDGE, Column, unit
 from fretfe.results.writer import prepare_other
 
 Row = Sequence[Any]
@@ -30,6 +31,86 @@ Row = Sequence[Any]
 COLUMNS = "columns.csv"
 LISTED = ("file", "header", "column", "unit", "meaning")
 TABLE_NAME = re.compile(r"[a-z_]+\.csv")
+STATE = (
+    Column("state", "", "number of the state; 0 is the unloaded one"),
+    Column("time", "time", "the clock"),
+)
+NODE = (
+    Column("gap", "length", "mean gap around the node"),
+    Column("status", "", "0 open, 1 stuck, 2 slipping in the step to the state"),
+    Column("dissipation", "density", "friction work in that step per area"),
+)
+PLANE_TRACTIONS = (
+    CONTACT,
+    *STATE,
+    Column("x", "length", "place along the contact"),
+    Column("p", "stress", "pressure, mean around the node"),
+    Column("q", "stress", "shear on body 2, mean around the node"),
+    Column("slip", "length", "of body 1 relative to body 2 since state 0"),
+    *NODE,
+)
+SOLID_TRACTIONS = (
+    CONTACT,
+    *STATE,
+    *(Column(axis, "length", "place of the node before deformation") for axis in "xyz"),
+    *(Column(f"normal_{axis}", "", "outward normal of body 2") for axis in "xyz"),
+    Column("p", "stress", "pressure, mean around the node"),
+    *(Column(f"q_{axis}", "stress", "shear on body 2, mean around the node") for axis in "xyz"),
+    *(
+        Column(f"slip_{axis}", "length", "of body 1 relative to body 2 since state 0")
+        for axis in "xyz"
+    ),
+    *NODE,
+)
+PLANE_LOCAL = (
+    CONTACT,
+    Column("x", "length", "place along the contact"),
+    Column("slip_range", "length", "range of the slip in the evaluated cycle"),
+    Column("path", "length", "way that slips in it"),
+    Column("work", "density", "friction work per area in it"),
+    Column("pressed_path", "density", "integral of p |ds| in it: wear after Archard"),
+    Column("ruiz", "density", "largest |q| times slip_range"),
+)
+STRESS = (
+    CONTACT,
+    Column("body", "", "name of the body"),
+    Column("depth", "length", "below the surface of the body; 0 is the surface"),
+    Column("x", "length", "place along the contact"),
+    Column("largest_tension", "stress", "largest stress along the surface in the cycle"),
+    Column("ruiz2", "stress slip", "that, if it is tension, times ruiz of local.csv; surface only"),
+    Column("swt", "stress", "Smith-Watson-Topper parameter of the plane where it is largest"),
+    Column("shear_strain", "", "largest amplitude of the shear strain on any plane"),
+)
+FATEMI_SOCIE = Column("fatemi_socie", "", "Fatemi-Socie parameter of the plane where it is largest")
+EDGE_STRESS = (
+    CONTACT,
+    EDGE,
+    Column("body", "", "name of the body"),
+    Column(
+        "largest_tension", "stress", "largest stress along the surface at the edge in the cycle"
+    ),
+    Column("largest_tension_spread", "stress", "its error bar"),
+    Column("reason", "", "why it is not known"),
+)
+SOLID_LOCAL = (
+    CONTACT,
+    *(Column(axis, "length", "place of the node before deformation") for axis in "xyz"),
+    *PLANE_LOCAL[2:],
+)
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A column with its unit."""
+
+    name: str
+    unit: str
+    meaning: str
+
+    @property
+    def text(self) -> str:
+        """As it stands in the header of a file."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
 @dataclass(frozen=True)
@@ -51,12 +132,17 @@ def export_tables(
     if stations:
         yield _factors(result)
     if edges := result.edges():
-        yield _of_records(result, "edges.csv", columns.EDGES, edges)
-    if points := station_records(result):
-        yield _of_records(result, "stations.csv", columns.STATIONS, points)
+        yield _of_records(result, "edges.csv", tables.EDGES, edges)
+    if points := tables.station_records(result.contacts):
+        yield _of_records(result, "stations.csv", tables.STATIONS, points)
     # Regular loads have one cycle, which edges and stations tell.
     if any(station.cycles.irregular for station in stations):
-        yield _of_records(result, "cycles.csv", columns.CYCLES, cycle_records(result))
+        yield _of_records(
+            result,
+            "cycles.csv",
+            tables.CYCLES,
+            tables.cycle_records(result.contacts, result.loads.times),
+        )
     if result.solution is not None:
         yield _tractions(result)
         if result.solution.keeps(*result.loads.evaluated):
@@ -70,6 +156,14 @@ def _headings(result: Result, names: Sequence[Column]) -> list[Heading]:
     return headings(names, result.case.units, solid=result.solid)
 
 
+def headings(columns: Iterable[Column], units: Units, *, solid: bool) -> list[Heading]:
+    """Give columns the units of a case."""
+    return [
+        Heading(each.name, unit(each.kind, units, solid=solid, ascii_only=True), each.meaning)
+        for each in columns
+    ]
+
+
 def _loads(result: Result) -> ExportTable:
     loads = result.loads
     units = [load_unit(result.case, name).replace("·", "*") for name in loads.channels]
@@ -81,7 +175,7 @@ def _loads(result: Result) -> ExportTable:
         (state, time, *values)
         for state, (time, values) in enumerate(zip(loads.times, loads.values, strict=True))
     )
-    return ExportTable("loads.csv", [*_headings(result, columns.STATE), *named], rows)
+    return ExportTable("loads.csv", [*_headings(result, STATE), *named], rows)
 
 
 def _of_records(
@@ -96,7 +190,7 @@ def _of_records(
 
 def _contacts(result: Result) -> ExportTable:
     """Histories of the contacts, those that they have; vectors by component."""
-    named = [each for each in columns.CONTACTS if getattr(result.contacts[0], each.name).size]
+    named = [each for each in tables.CONTACTS if getattr(result.contacts[0], each.name).size]
     rows = (
         (each.name, *state)
         for each in result.contacts
@@ -110,19 +204,21 @@ def _contacts(result: Result) -> ExportTable:
             each.components(axes) if getattr(result.contacts[0], each.name).ndim == 2 else (each,)
         )
     ]
-    headings = _headings(result, (columns.CONTACT, *columns.STATE, *components))
+    headings = _headings(result, (CONTACT, *STATE, *components))
     return ExportTable("contacts.csv", headings, rows)
 
 
 def _factors(result: Result) -> ExportTable:
-    names = [each.name for each in columns.FACTORS[2:]]
+    names = [each.name for each in tables.FACTORS]
     rows = (
         (contact.name, station.front, station.number, *state)
         for contact in result.contacts
         for station in contact.stations
         for state in _states(result, [getattr(station, name) for name in names])
     )
-    return ExportTable("factors.csv", _headings(result, (*columns.STATION, *columns.FACTORS)), rows)
+    return ExportTable(
+        "factors.csv", _headings(result, (*tables.STATION, *STATE, *tables.FACTORS)), rows
+    )
 
 
 def _states(result: Result, histories: Sequence[Array]) -> Iterator[Row]:
@@ -137,7 +233,7 @@ def _tractions(result: Result) -> ExportTable:
     assert solution is not None
     kept = np.arange(len(solution.times)) if solution.kept is None else solution.kept
     solid = result.solid
-    named = columns.SOLID_TRACTIONS if solid else columns.PLANE_TRACTIONS
+    named = SOLID_TRACTIONS if solid else PLANE_TRACTIONS
     rows = (
         (contact.name, int(state), solution.times[state], *row[:-2], int(row[-2]), row[-1])
         for contact in solution.contacts
@@ -149,8 +245,8 @@ def _tractions(result: Result) -> ExportTable:
 
 def _local(result: Result) -> ExportTable:
     assert result.solution is not None
-    named = columns.SOLID_LOCAL if result.solid else columns.PLANE_LOCAL
-    own = [each.name for each in columns.PLANE_LOCAL[2:]]
+    named = SOLID_LOCAL if result.solid else PLANE_LOCAL
+    own = [each.name for each in PLANE_LOCAL[2:]]
     rows = (
         (contact.name, *row)
         for contact in result.solution.contacts
@@ -166,7 +262,7 @@ def _local(result: Result) -> ExportTable:
 
 
 def _stress(result: Result, fatemi_socie: tuple[float, float] | None) -> ExportTable:
-    named = [*columns.STRESS, *([columns.FATEMI_SOCIE] if fatemi_socie else [])]
+    named = [*STRESS, *([FATEMI_SOCIE] if fatemi_socie else [])]
     # All is computed before the file is made: what is wrong with the numbers is told first.
     found = {
         name: (result.stress_history(name).arc, result.stress_parameters(name, fatemi_socie))
@@ -198,35 +294,22 @@ def _edge_stress(result: Result) -> ExportTable:
         for name in result.case.contacts
         for each in result.stress_history(name).edges
     )
-    return ExportTable("edge_stress.csv", _headings(result, columns.EDGE_STRESS), rows)
+    return ExportTable("edge_stress.csv", _headings(result, EDGE_STRESS), rows)
 
 
 def _plane_nodes(contact: ContactHistory, state: int) -> Array:
-    """(N, 7) values of a state, as of `columns.PLANE_TRACTIONS`."""
+    """(N, 7) values of a state, as of `PLANE_TRACTIONS`."""
     return np.column_stack(
-        [
-            contact.arc,
-            contact.mean_traction[state],
-            contact.slip[state],
-            *_scalars(contact, state),
-        ]
+        [contact.arc, contact.mean_traction[state], contact.slip[state], *_scalars(contact, state)]
     )
 
 
 def _solid_nodes(contact: ContactHistory, state: int) -> Array:
-    """(N, 16) values of a state, as of `columns.SOLID_TRACTIONS`."""
+    """(N, 16) values of a state, as of `SOLID_TRACTIONS`."""
     traction, frames = contact.mean_traction[state], contact.frames
-    shear = np.einsum("nt,ntd->nd", traction[:, 1:], frames[:, 1:])
-    slip = np.einsum("nt,ntd->nd", contact.slip[state], frames[:, 1:])
+    shear, slip = (in_space(contact, each) for each in (traction[:, 1:], contact.slip[state]))
     return np.column_stack(
-        [
-            contact.points,
-            frames[:, 0],
-            traction[:, 0],
-            shear,
-            slip,
-            *_scalars(contact, state),
-        ]
+        [contact.points, frames[:, 0], traction[:, 0], shear, slip, *_scalars(contact, state)]
     )
 
 
@@ -264,15 +347,16 @@ def export_result(
         OutputError: if a file cannot be written, or there is no stress for that parameter.
     """
     prepare_other(folder)
-    tables = list(export_tables(result, fatemi_socie))
+    exported = list(export_tables(result, fatemi_socie))
     try:
-        _remove_earlier(folder, [each.file for each in tables])
-        named = ((t.file, h.text, h.name, h.unit, h.meaning) for t in tables for h in t.headings)
+        _remove_earlier(folder, [each.file for each in exported])
+        named = ((t.file, h.text, h.name, h.unit, h.meaning) for t in exported for h in t.headings)
         # First: what was cut off can be exported again.
         listing = Exported(folder / COLUMNS, _write(folder / COLUMNS, LISTED, named))
         files = [
-            Exported(folder / each.file, _write(folder / each.file, _header(each), each.rows))
-            for each in tables
+            Exported(path, _write(path, [heading.text for heading in each.headings], each.rows))
+            for each in exported
+            for path in [folder / each.file]
         ]
     except OSError as error:
         raise OutputError(f"{folder}: cannot write the tables: {disk_reason(error)}") from error
@@ -315,10 +399,6 @@ def _listed(listing: Path) -> set[str]:
         )
     # Names only: a listing that somebody has changed must not lead elsewhere.
     return {row[0] for row in rows if row and TABLE_NAME.fullmatch(row[0])}
-
-
-def _header(table: ExportTable) -> Sequence[str]:
-    return [each.text for each in table.headings]
 
 
 def _write(path: Path, header: Sequence[str], rows: Iterable[Row]) -> int:

@@ -11,19 +11,13 @@ import numpy as np
 
 from fretfe._typing import Indices
 from fretfe.errors import DependencyError
-from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.contacts import Contact, StationHistory, histories
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
 
 if TYPE_CHECKING:
     import xarray as xr
 
-# Histories of a contact, and of a station, by their attributes.
-CONTACT = (
-    "normal_force", "shear_force", "force", "centre", "moment", "half_width", "contact_area",
-    "stick_area", "largest_pressure", "work", "effective_tension",
-)  # fmt: skip
-STATION = ("position", "position_spread", "k_n", "k_n_spread", "k_t", "k_s", "k_i")
 AXES = ("x", "y", "z")
 # Fields along a contact, with what they have besides times and nodes.
 NODAL = {
@@ -87,7 +81,7 @@ def make_dataset(
 def _histories(contacts: Sequence[Contact]) -> dict[str, Any]:
     """Histories of the contacts, those that they have."""
     variables: dict[str, Any] = {}
-    for name in CONTACT:
+    for name in histories(Contact):
         values = np.array([getattr(contact, name) for contact in contacts])
         if values.size:
             variables[name] = (("contact", "time", "axis")[: values.ndim], values)
@@ -97,7 +91,7 @@ def _histories(contacts: Sequence[Contact]) -> dict[str, Any]:
 def _plane_stations(contacts: Sequence[Contact]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Histories of the edges of plane contacts, and the coordinate edge."""
     variables: dict[str, Any] = {}
-    for name in STATION:
+    for name in histories(StationHistory):
         values = [[getattr(edge, name) for edge in contact.stations] for contact in contacts]
         variables[name] = (("contact", "edge", "time"), np.array(values))
     return variables, {"edge": [edge.front for edge in contacts[0].stations] if contacts else []}
@@ -110,7 +104,7 @@ def _solid_stations(contacts: Sequence[Contact]) -> tuple[dict[str, Any], dict[s
         return {}, {}
     variables = {
         name: (("station", "time"), np.array([getattr(each, name) for _, each in stations]))
-        for name in STATION
+        for name in histories(StationHistory)
     }
     points = np.array([each.point for _, each in stations])
     return variables, {

@@ -34,13 +34,13 @@ from fretfe.evaluate.slip import cycle_states
 from fretfe.files import disk_reason, make_folder, replace_text, replacing
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.history.state_array import StateArray, states_in_block
-from fretfe.results.csv_files import CYCLES, STATIONS, write_cycles, write_stations
 from fretfe.results.dataset import NODAL
 from fretfe.results.field_files import FIELDS, SURFACES, write_surfaces
 from fretfe.results.hdf5_file import new_hdf5, room, store
 from fretfe.results.model import BodyArrays, Result
 from fretfe.results.run_folder import MARK, with_digest
 from fretfe.results.stress_file import STRESSES
+from fretfe.results.tables import CYCLES_FILE, STATIONS_FILE, write_cycles, write_stations
 
 SCHEMA = {"name": "fretfe-results", "version": 6}
 NUMBERS, ARRAYS, REPORT = "results.json", "results.h5", "report.html"
@@ -97,7 +97,7 @@ def remove_results(directory: Path) -> None:
     Raises:
         OSError: if that fails.
     """
-    for name in (NUMBERS, ARRAYS, SURFACES, STATIONS, CYCLES, FIELDS, STRESSES, REPORT):
+    for name in (NUMBERS, ARRAYS, SURFACES, STATIONS_FILE, CYCLES_FILE, FIELDS, STRESSES, REPORT):
         (directory / name).unlink(missing_ok=True)
 
 
@@ -134,8 +134,8 @@ def write_results(directory: Path, result: Result) -> None:
         else:
             (directory / ARRAYS).unlink(missing_ok=True)
         replace_text(directory / NUMBERS, text + "\n")
-        write_stations(directory / STATIONS, result)
-        write_cycles(directory / CYCLES, result)
+        write_stations(directory / STATIONS_FILE, result.contacts)
+        write_cycles(directory / CYCLES_FILE, result.contacts, result.loads.times)
         if late is not None:
             raise late
     except OSError as error:

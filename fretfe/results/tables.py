@@ -1,0 +1,327 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Tables of contacts, stations and counted cycles: their columns with units, and their rows.
+
+Units and meanings are those of the fields of `Contact` and `Station`; a column that is something
+else than a field has its own. A new number of a station is a field there and a line here.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
+from operator import attrgetter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.case import Units
+from fretfe.evaluate.contacts import Contact, Station, StationHistory, histories, quantities
+from fretfe.evaluate.verdicts import last_verdict, withheld
+
+CYCLES_FILE, STATIONS_FILE = "cycles.csv", "stations.csv"
+AXES = "xyz"
+# Kinds of quantities and their units, plane bodies per unit thickness. Solids differ in some.
+UNITS = {
+    "": "",
+    "length": "{length}",
+    "time": "{time}",
+    "stress": "{stress}",
+    "force": "{force}/{length}",
+    "moment": "{force}",
+    "work": "{force}·{length}/{length}",
+    "density": "{force}·{length}/{length}²",
+    "stress slip": "{stress}²·{length}",
+    "area": "{length}",
+    "curvature": "1/{length}",
+    "angle": "deg",
+    "k_n": "{stress}/√{length}",
+    "k_t": "{stress}·√{length}",
+}
+SOLID_UNITS = UNITS | {
+    "force": "{force}",
+    "moment": "{force}·{length}",
+    "work": "{force}·{length}",
+    "area": "{length}²",
+}
+
+
+def unit(kind: str, units: Units, *, solid: bool, ascii_only: bool = False) -> str:
+    """Unit of a kind of quantity; in ASCII as in the header of a file: ``MPa/mm^0.5``."""
+    template = (SOLID_UNITS if solid else UNITS)[kind]
+    if ascii_only:
+        root = template.replace("√{length}", "{length}^0.5")
+        template = root.replace("·", "*").replace("²", "^2")
+    return template.format(**units.model_dump())
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table.
+
+    Attributes:
+        name: without its unit.
+        kind: of quantity, a key of `UNITS`.
+        meaning: in words.
+        value: in the row of a station, from its contact and it; None in tables of other things.
+    """
+
+    name: str
+    kind: str
+    meaning: str
+    value: Callable[[Contact, Station], Any] | None = None
+
+    def components(self, axes: str) -> list[Column]:
+        """The columns of a vector along axes."""
+        return [
+            Column(f"{self.name}_{axis}", self.kind, f"component {axis} of: {self.meaning}")
+            for axis in axes
+        ]
+
+
+def _fields(owner: type, names: Iterable[str]) -> list[Column]:
+    """Fields of a contact or a station, with their units and meanings."""
+    known = quantities(owner)
+    return [Column(name, known[name].kind, known[name].meaning) for name in names]
+
+
+CONTACTS = _fields(Contact, histories(Contact))
+FACTORS = _fields(Station, histories(StationHistory))
+HISTORIES, NUMBERS = histories(StationHistory), quantities(Station)
+
+
+def _number(name: str, meaning: str = "", read: str = "") -> Column:
+    """A number of a station.
+
+    Args:
+        name: of the column.
+        meaning: in words; empty for that of the field.
+        read: attribute to read, of a history in the last state; empty for the field of this name.
+    """
+    attribute, field = read or name, NUMBERS[name if name in NUMBERS else read]
+
+    def value(_: Contact, station: Station) -> Any:
+        found = getattr(station, attribute)
+        found = found[station.last] if attribute in HISTORIES else found
+        return float(found) if isinstance(found, float) else found
+
+    return Column(name, field.kind, meaning or field.meaning, value)
+
+
+def _vector(prefix: str, kind: str, meaning: str, attribute: str) -> list[Column]:
+    """A vector of a station, by component."""
+    read = attrgetter(attribute)
+
+    def component(number: int, axis: str) -> Column:
+        return Column(prefix + axis, kind, meaning, lambda _, station: float(read(station)[number]))
+
+    return [component(number, axis) for number, axis in enumerate(AXES)]
+
+
+def _zone(name: str, meaning: str, attribute: str, place: int) -> Column:
+    """A length of one of the last slip zones; NaN without it."""
+
+    def value(_: Contact, station: Station) -> float:
+        zones = station.slip_zones
+        return float(getattr(zones[place], attribute)) if len(zones) >= -place else math.nan
+
+    return Column(name, "length", meaning, value)
+
+
+CONTACT = Column(
+    "contact", "", "name of the contact, or of one of its patches", lambda contact, _: contact.name
+)
+EDGE = Column("edge", "", "left or right", lambda _, station: station.front)
+STATION = (
+    CONTACT,
+    replace(EDGE, name="front", meaning="name of the front, in the plane left or right"),
+    _number("station", "number of the station along the front, from 0; 0 in the plane", "number"),
+)
+EDGES = (
+    CONTACT,
+    EDGE,
+    _number("position", "of the edge in the last state"),
+    Column(
+        "half_width",
+        "length",
+        "of the contact in the last state",
+        lambda contact, station: float(contact.half_width[station.last]),
+    ),
+    _number(
+        "k_n", "K_N in the last state; empty if its bar is more than half of it", "reported_k_n"
+    ),
+    _number("k_n_spread", "error bar of K_N"),
+    _number("k_t_range", "range of K_T over the evaluated cycle; empty likewise", "reported_range"),
+    _number("k_t_range_spread", read="k_range_spread"),
+    _number("k_i_range"),
+    _zone("slip_1", "slip zone of the last but one half cycle", "reported_length", -2),
+    _zone("slip_2", "slip zone of the last half cycle", "reported_length", -1),
+    _zone("slip_1_spread", "error bar of slip_1", "spread", -2),
+    _zone("slip_2_spread", "error bar of slip_2", "spread", -1),
+    _zone("predicted_1", "what the edge factors predict for slip_1", "prediction", -2),
+    _zone("predicted_2", "what the edge factors predict for slip_2", "prediction", -1),
+    Column(
+        "gross",
+        "",
+        "whether the whole contact slipped in one of them",
+        lambda _, s: any(z.gross for z in s.slip_zones[-2:]),
+    ),
+    Column(
+        "resolved",
+        "",
+        "whether the mesh resolves both",
+        lambda _, s: all(z.resolved for z in s.slip_zones[-2:]),
+    ),
+    _number("dissipation"),
+    Column("steady", "", "whether the cycle is steady", lambda c, _: bool(c.steady)),
+    Column("warnings", "", "what a reader must know", lambda c, _: "; ".join(c.warnings)),
+)
+STATIONS = (
+    *STATION,
+    _number("arc"),
+    *_vector("", "length", "point of the station before deformation", "point"),
+    *_vector("inward_", "", "direction into the contact", "frame.inward"),
+    _number("position", "along the arc at the end; of solids from the point, inward"),
+    *map(_number, ("position_spread", "curvature", "to_end", "end")),
+    _number("element_size", read="size"),
+    _number("k_n", "K_N in the last state"),
+    *map(_number, ("k_n_spread", "k_n_moved", "k_n_moved_spread", "k_n_moved_reason")),
+    _number("k_t", "K_T in the last state"),
+    _number("k_s", "K_S in the last state"),
+    _number("k_i", "K_I in the last state"),
+    *map(_number, ("k_t_range", "k_s_range", "k_i_range")),
+    *map(_number, ("k_range", "k_range_spread", "k_angle", "turning")),
+    _zone("slip", "slip zone of the last half cycle", "reported_length", -1),
+    _zone("slip_spread", "its error bar", "spread", -1),
+    _zone("predicted", "what the factors predict for it", "prediction", -1),
+    Column("verdict", "", "comparison of the two", lambda _, s: last_verdict(s).word),
+    Column("reason", "", "why there is no verdict", lambda _, s: last_verdict(s).reason),
+)
+WITHHELD = Column("withheld", "", "why a number is not told", lambda _, each: withheld(each))
+CYCLES = (
+    *STATION,
+    Column("start", "", "state of the first reversal"),
+    Column("end", "", "state of the second reversal"),
+    Column("start_time", "time", "its time"),
+    Column("end_time", "time", "its time"),
+    Column("count", "", "1, or 0.5 for a range that nothing closes"),
+    Column("k_t_start", "k_t", "K_T at the first reversal; of solids along k_angle"),
+    Column("k_t_end", "k_t", "K_T at the second reversal"),
+    Column("k_t_range", "k_t", "difference of the two, positive"),
+    Column("k_t_mean", "k_t", "mean of the two"),
+    Column("effective_range", "k_t", "the same with K_T - f K_I and K_T + f K_I: what is counted"),
+    Column("slip", "length", "slip length by that range"),
+    Column("worst", "", "whether it is the worst cycle of its edge"),
+)
+
+
+def _records(contacts: Sequence[Contact], columns: Sequence[Column]) -> list[dict[str, Any]]:
+    """A row for each station, by the names of the columns; numbers that do not exist are NaN."""
+    return [
+        {each.name: each.value(contact, station) for each in columns if each.value is not None}
+        for contact in contacts
+        for station in contact.stations
+    ]
+
+
+def edge_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
+    """Texts, numbers and truth values of every edge, by name; numbers that do not exist are NaN.
+
+    ``slip_1`` and ``slip_2`` are the lengths of the slip zones of the last two half cycles, in the
+    order of time, ``slip_1_spread`` and ``slip_2_spread`` their error bars, ``predicted_1`` and
+    ``predicted_2`` what the edge factors predict for them. With one half cycle only it is the
+    second. All spreads are half the width of an interval meant to hold the truth with 95 %; where
+    that is more than half of the number, or unknown, there is none.
+    """
+    return _records(contacts, EDGES)
+
+
+def station_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
+    """Texts and numbers of every station, by name; numbers that do not exist are NaN.
+
+    Ranges are those over the evaluated cycle, factors those at its end, or that of the history, the
+    slip zone that of the last half cycle.
+    """
+    return _records(contacts, (*STATIONS, WITHHELD))
+
+
+def solid_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
+    """Texts, numbers and truth values of every contact of solids in its last state, by name."""
+    return [
+        {
+            "contact": each.name,
+            "normal_force": float(each.normal_force[-1]),
+            **{
+                f"shear_force_{axis}": float(q)
+                for axis, q in zip(AXES, each.shear_force[-1], strict=True)
+            },
+            "contact_area": float(each.contact_area[-1]),
+            "stick_area": float(each.stick_area[-1]),
+            "largest_pressure": float(each.largest_pressure[-1]),
+            "dissipation": each.dissipation,
+            "steady": each.steady,
+            "warnings": "; ".join(each.warnings),
+        }
+        for each in contacts
+    ]
+
+
+def cycle_records(contacts: Sequence[Contact], times: Array) -> Iterator[dict[str, Any]]:
+    """Texts and numbers of every counted cycle, by name; numbers that do not exist are NaN."""
+    names = [each.name for each in CYCLES]
+    for contact in contacts:
+        for station in contact.stations:
+            for row in _cycles(station, times):
+                key = (contact.name, station.front, station.number)
+                yield dict(zip(names, (*key, *row), strict=True))
+
+
+def _cycles(station: Station, times: Array) -> Iterator[tuple[Any, ...]]:
+    """Rows of the cycles of a station, in the order of `CYCLES`."""
+    cycles, angle = station.cycles, math.radians(station.k_angle)
+    along = station.k_t * math.cos(angle) + station.k_s * math.sin(angle)
+    worst = cycles.worst if len(cycles.count) else None
+    numbers = (cycles.k_t_range, cycles.k_t_mean, cycles.effective_range, cycles.slip)
+    for number, (start, end) in enumerate(zip(cycles.start, cycles.end, strict=True)):
+        yield (
+            *(int(start), int(end)),
+            *(float(times[start]), float(times[end])),
+            float(cycles.count[number]),
+            *(float(along[start]), float(along[end])),
+            *(float(each[number]) for each in numbers),
+            number == worst,
+        )
+
+
+def write_stations(path: Path, contacts: Sequence[Contact]) -> None:
+    """Write the stations; without any there is no file."""
+    _write(path, station_records(contacts))
+
+
+def write_cycles(path: Path, contacts: Sequence[Contact], times: Array) -> None:
+    """Write the cycles; if the loads are regular there is no file."""
+    stations = (station for contact in contacts for station in contact.stations)
+    irregular = any(station.cycles.irregular for station in stations)
+    _write(path, cycle_records(contacts, times) if irregular else ())
+
+
+def _write(path: Path, records: Iterable[dict[str, Any]]) -> None:
+    """A row for each record; without any there is no file."""
+    rows = iter(records)
+    first = next(rows, None)
+    if first is None:
+        path.unlink(missing_ok=True)
+        return
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, list(first))
+        writer.writeheader()
+        for row in chain([first], rows):
+            writer.writerow({name: _plain(value) for name, value in row.items()})
+
+
+def _plain(value: Any) -> Any:
+    return "" if isinstance(value, float) and not np.isfinite(value) else value
