@@ -43,7 +43,7 @@ def _print(checked: Checked) -> None:
     case, history = checked.case, checked.history
     console = Console()
     print_mesh(console, case, checked.mesh)
-    if case.edges.tolerance is None and checked.mesh.dimension == 2:
+    if case.edges.tolerance is None:
         for warning in coarse_contacts(case, checked.mesh, history):
             console.print(f"Warning: {warning}", highlight=False, markup=False)
     for body in checked.definition.bodies:

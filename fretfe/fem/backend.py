@@ -146,9 +146,8 @@ def _load(case: Case, options: RunOptions) -> Mesh:
     mesh = load_mesh(case)
     unknowns = count_unknowns(mesh, case.model.degree)
     options.announce(f"mesh: {unknowns} unknowns; the bodies are condensed before the first step")
-    if mesh.dimension == 2:
-        for warning in coarse_contacts(case, mesh, options.history or build_history(case)):
-            options.announce(f"Warning: {warning}")
+    for warning in coarse_contacts(case, mesh, options.history or build_history(case)):
+        options.announce(f"Warning: {warning}")
     return mesh
 
 

@@ -65,6 +65,41 @@ def test_a_fine_mesh_is_quiet(size: float) -> None:
     assert foreseen(pad(geometry=cylinder(size=size))) == []
 
 
+SOLIDS = {
+    "geometry": {"template": "sphere", "parameters": {}},
+    "bodies": {"upper": STEEL, "lower": STEEL},
+    "contacts": {
+        "main": {"surface1": "upper_contact", "surface2": "lower_contact", "friction": 0.5}
+    },
+    "supports": {"base": {"boundary": "lower_bottom", "fix": ["x", "y", "z"]}},
+    "loads": {"press": {**press(), "history": [{"ramp": -2900.0, "until": 1.0, "steps": 1}]}},
+}
+
+
+@pytest.mark.parametrize(
+    ("template", "parameters", "width"),
+    [
+        # Steel of press(): E* = 115.4 GPa; a³ = 3 P R/(4 E*).
+        ("sphere", {"size": 0.3}, (0.75 * 2900 * 50 / 115385) ** (1 / 3)),
+        # Half-planes under the mean force per length, a² = 4 P R/(π E*).
+        ("cylinder_finite", {"size": 0.2}, (4 * 290 * 30 / np.pi / 115385) ** 0.5),
+    ],
+)
+def test_the_width_of_solids(template: str, parameters: dict[str, float], width: float) -> None:
+    (text,) = foreseen({**SOLIDS, "geometry": {"template": template, "parameters": parameters}})
+    assert float(re.findall(r"half-width ([\d.]+)", text)[0]) == pytest.approx(width, rel=0.02)
+    count = int(re.findall(r"about (\d+) nodes across", text)[0])
+    assert count == pytest.approx(2 * width / parameters["size"], abs=1)
+
+
+def test_a_fine_sphere_and_the_dovetail_of_solids_are_quiet() -> None:
+    assert (
+        foreseen({**SOLIDS, "geometry": {"template": "sphere", "parameters": {"size": 0.1}}}) == []
+    )
+    case = load_case(DEMOS / "dovetail_solid.toml", trust_geo=True)
+    assert list(coarse_contacts(case, load_mesh(case), build_history(case))) == []
+
+
 @pytest.mark.parametrize("name", ["dovetail", "wedge", "flat_rounded", "ellipse"])
 def test_demos_are_quiet(name: str) -> None:
     case = load_case(DEMOS / f"{name}.toml", trust_geo=True)
