@@ -8,16 +8,23 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from fretfe.case import Units
 from fretfe.errors import CaseError
-from fretfe.evaluate.contacts import Contact, SlipZone, Station
+from fretfe.evaluate.contacts import Contact, SlipZone, Station, quantities
 from fretfe.evaluate.refinement import StationValues, front_means
 from fretfe.exchange.overlays import HistoryPair, TractionPair, history_pairs, traction_pairs
-from fretfe.report.source import work_unit
 from fretfe.results.model import Result
+from fretfe.results.tables import unit
 
 # Slip zones are those of the last two half cycles, in the order of time.
 K_N, K_T, ZONES = "K_N", "ΔK_T", ("d_1", "d_2")
+# Of contacts of solids in the last state.
+SOLID_NUMBERS = {
+    "P": "normal_force",
+    "contact area": "contact_area",
+    "stick area": "stick_area",
+    "largest p": "largest_pressure",
+}
+CONTACT_NUMBERS = quantities(Contact)
 # Times that differ by less than this fraction of the clock are the same.
 SAME_TIME = 1e-6
 Pairs = Sequence[tuple[Any, Any]]
@@ -81,72 +88,61 @@ class QuantityPair:
 
 
 class Number(NamedTuple):
-    """A number of one result: what it is, its unit, its value, its error bar."""
+    """A number of one result: what it is, its kind of quantity, its value, its error bar."""
 
     quantity: str
-    unit: str
+    kind: str
     value: float
     spread: float = math.nan
 
 
 def quantity_pairs(first: Result, second: Result, pairs: Pairs) -> Iterator[QuantityPair]:
     """Numbers of all contacts that belong together."""
-    units = first.case.units
     means = [_means(each) for each in (first, second)]
     for one, two in pairs:
+        groups = [("", _contact(one), _contact(two))]
         if one.solid:
-            yield from _paired(one.name, "", _solid(one, first), _solid(two, second))
-            for front, values in means[0].get(one.name, {}).items():
-                if other := means[1].get(two.name, {}).get(front):
-                    mine = _front(values, units)
-                    yield from _paired(one.name, front, mine, _front(other, units))
-            continue
-        mine, other_numbers = (_contact(each, units) for each in (one, two))
-        yield from _paired(one.name, "", mine, other_numbers)
-        for edge, partner in zip(one.stations, two.stations, strict=True):
-            numbers = (_edge(each, result) for each, result in ((edge, first), (partner, second)))
-            yield from _paired(one.name, edge.front, *numbers)
+            fronts, others = means[0].get(one.name, {}), means[1].get(two.name, {})
+            both = [name for name in fronts if name in others]
+            groups += [(name, _front(fronts[name]), _front(others[name])) for name in both]
+        else:
+            edges = zip(one.stations, two.stations, strict=True)
+            groups += [(edge.front, _edge(edge), _edge(partner)) for edge, partner in edges]
+        for front, numbers, partners in groups:
+            for mine, other in zip(numbers, partners, strict=True):
+                if math.isfinite(mine.value) or math.isfinite(other.value):
+                    label = unit(mine.kind, first.case.units, solid=one.solid)
+                    yield QuantityPair(
+                        one.name, front, mine.quantity, label,
+                        mine.value, other.value, mine.spread, other.spread,
+                    )  # fmt: skip
 
 
-def _paired(
-    contact: str, edge: str, first: Sequence[Number], second: Sequence[Number]
-) -> Iterator[QuantityPair]:
-    for mine, other in zip(first, second, strict=True):
-        if math.isfinite(mine.value) or math.isfinite(other.value):
-            yield QuantityPair(
-                contact, edge, mine.quantity, mine.unit,
-                mine.value, other.value, mine.spread, other.spread,
-            )  # fmt: skip
-
-
-def _contact(contact: Contact, units: Units) -> list[Number]:
-    return [Number("half-width", units.length, float(contact.half_width[contact.stations[0].last]))]
-
-
-def _edge(edge: Station, result: Result) -> list[Number]:
-    units = result.case.units
-    zones: list[SlipZone | None] = [None, None, *edge.slip_zones][-2:]
+def _contact(contact: Contact) -> list[Number]:
+    if not contact.solid:
+        last = contact.stations[0].last
+        return [Number("half-width", "length", float(contact.half_width[last]))]
     return [
-        Number(K_N, f"{units.stress}/√{units.length}", edge.reported_k_n, edge.last_k_n[1]),
-        Number(K_T, f"{units.stress}·√{units.length}", edge.reported_range, edge.k_range_spread),
         *(
-            Number(name, units.length, zone.reported_length, zone.spread)
-            if zone
-            else Number(name, units.length, math.nan)
-            for name, zone in zip(ZONES, zones, strict=True)
+            Number(quantity, CONTACT_NUMBERS[name].kind, float(getattr(contact, name)[-1]))
+            for quantity, name in SOLID_NUMBERS.items()
         ),
-        Number("friction work", work_unit(result), edge.dissipation),
+        Number("friction work", "work", contact.dissipation),
     ]
 
 
-def _solid(contact: Contact, result: Result) -> list[Number]:
-    units = result.case.units
+def _edge(edge: Station) -> list[Number]:
+    zones: list[SlipZone | None] = [None, None, *edge.slip_zones][-2:]
     return [
-        Number("P", units.force, float(contact.normal_force[-1])),
-        Number("contact area", f"{units.length}²", float(contact.contact_area[-1])),
-        Number("stick area", f"{units.length}²", float(contact.stick_area[-1])),
-        Number("largest p", units.stress, float(contact.largest_pressure[-1])),
-        Number("friction work", work_unit(result), contact.dissipation),
+        Number(K_N, "k_n", edge.reported_k_n, edge.last_k_n[1]),
+        Number(K_T, "k_t", edge.reported_range, edge.k_range_spread),
+        *(
+            Number(name, "length", zone.reported_length, zone.spread)
+            if zone
+            else Number(name, "length", math.nan)
+            for name, zone in zip(ZONES, zones, strict=True)
+        ),
+        Number("friction work", "work", edge.dissipation),
     ]
 
 
@@ -159,15 +155,12 @@ def _means(result: Result) -> dict[str, dict[str, StationValues]]:
     return found
 
 
-def _front(values: StationValues, units: Units) -> list[Number]:
+def _front(values: StationValues) -> list[Number]:
     slip = values.slip or (math.nan, math.nan)
     return [
-        Number(f"mean {K_N}", f"{units.stress}/√{units.length}", values.k_n),
-        Number("mean ΔK", f"{units.stress}·√{units.length}", values.k_t),
-        *(
-            Number(f"mean {name}", units.length, length)
-            for name, length in zip(ZONES, slip, strict=True)
-        ),
+        Number(f"mean {K_N}", "k_n", values.k_n),
+        Number("mean ΔK", "k_t", values.k_t),
+        *(Number(f"mean {name}", "length", d) for name, d in zip(ZONES, slip, strict=True)),
     ]
 
 

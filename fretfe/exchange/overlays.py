@@ -15,8 +15,8 @@ from fretfe._typing import Array, Indices
 from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.resultants import load_extremes
-from fretfe.report.source import force_unit
 from fretfe.results.model import Result
+from fretfe.results.tables import unit
 
 Pairs = Sequence[tuple[Contact, Contact]]
 # Times that differ by less than this fraction of the clock are the same.
@@ -215,15 +215,16 @@ def _norm(x: Array, values: Array) -> float:
 
 def history_pairs(first: Result, second: Result, pairs: Pairs) -> Iterator[HistoryPair]:
     """Histories of all contacts that belong together."""
-    units, force = first.case.units, force_unit(first)
-    factor = f"{units.stress}·√{units.length}"
+    force, area, factor = (
+        unit(kind, first.case.units, solid=first.solid) for kind in ("force", "area", "k_t")
+    )
     times = first.loads.times, second.loads.times
     for one, two in pairs:
         name, loads = one.name, (one.normal_force, two.normal_force)
         yield HistoryPair(name, "", "P", force, *times, *loads)
         if one.solid:
             areas = one.contact_area, two.contact_area
-            yield HistoryPair(name, "", "area", f"{units.length}²", *times, *areas)
+            yield HistoryPair(name, "", "area", area, *times, *areas)
             continue
         yield HistoryPair(name, "", "Q", force, *times, one.shear_force, two.shear_force)
         for edge, partner in zip(one.stations, two.stations, strict=True):
