@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,7 +14,14 @@ from fretfe.evaluate.resultants import shear_direction
 from fretfe.history.solution import OPEN, Solution
 from fretfe.history.state_array import blocks
 from fretfe.loads import History
-from fretfe.report.figures.plot import Plot, envelope, legend_above, make_plot, plain_axis
+from fretfe.report.figures.plot import (
+    Plot,
+    envelope,
+    legend_above,
+    make_figure,
+    make_plot,
+    plain_axis,
+)
 from fretfe.report.source import (
     Shown,
     edge_title,
@@ -27,7 +33,7 @@ from fretfe.report.source import (
     worst_states,
 )
 from fretfe.report.texts import direction_text, number
-from fretfe.report.theme import BLUE, CYCLE, DOUBLE, GREY, LOAD, ORANGE, PALE, SINGLE, STYLE, WIDTH
+from fretfe.report.theme import BLUE, CYCLE, DOUBLE, GREY, LOAD, ORANGE, PALE, SINGLE, WIDTH
 from fretfe.results.model import Result
 
 FACTORS_INTRO = (
@@ -72,11 +78,8 @@ def load_plot(run: Result) -> Plot | None:
 
 def draw_loads(case: Case, history: History) -> Figure:
     """One panel for each load, in the units of its history; the evaluated cycle is shaded."""
-    with mpl.rc_context(STYLE):
-        height = LOAD * (len(history.channels) + 0.4)
-        figure = Figure(figsize=(WIDTH, height), layout="constrained")
-        _draw_loads(figure, case, history)
-    return figure
+    height = LOAD * (len(history.channels) + 0.4)
+    return make_figure(WIDTH, height, lambda figure: _draw_loads(figure, case, history))
 
 
 def _draw_loads(figure: Figure, case: Case, history: History) -> None:
@@ -99,10 +102,10 @@ def factor_plot(run: Result, contact: Contact, key: str) -> Plot:
 
 def draw_factors(case: Case, history: History, contacts: tuple[Contact, ...]) -> Figure:
     """K_N above K_T of every edge; the evaluated cycle is shaded."""
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, DOUBLE), layout="constrained")
-        _draw_factors(figure, case, history, contacts, {"k_n": "K_N", "k_t": "K_T"})
-    return figure
+    names = {"k_n": "K_N", "k_t": "K_T"}
+    return make_figure(
+        WIDTH, DOUBLE, lambda figure: _draw_factors(figure, case, history, contacts, names)
+    )
 
 
 def _draw_factors(

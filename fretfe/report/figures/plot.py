@@ -60,9 +60,15 @@ def make_plot(
     with mpl.rc_context({**STYLE, "svg.hashsalt": key}), warnings.catch_warnings():
         # A unit in letters that the font does not have is drawn as boxes.
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
-        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        return Plot(title, caption, _svg(make_figure(WIDTH, height, draw), key))
+
+
+def make_figure(width: float, height: float, draw: Callable[[Figure], None]) -> Figure:
+    """Draw a figure of this size in inches in the style of all of them."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(width, height), layout="constrained")
         draw(figure)
-        return Plot(title, caption, _svg(figure, key))
+    return figure
 
 
 def _svg(figure: Figure, key: str) -> str:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from fretfe._typing import Array, Bools
-from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.contacts import SlipZone, Station
 from fretfe.evaluate.slip import SMALLEST_SLIP
 from fretfe.history.solution import OPEN, SLIP, STICK
 from fretfe.history.state_array import blocks
@@ -31,6 +31,7 @@ KINDS = {
 ZONES, NARROWEST = 2.5, 0.02
 # More load steps are not drawn, nor the ends of more slip zones.
 MOST_ROWS, MOST_ZONES = 1500, 50
+NOT_KEPT = "the states are not kept:\n[output] tractions"
 INTRO = (
     "Each row is a load step. Body 1 slips over body 2 towards larger x where q > 0, towards "
     "smaller x where q < 0. Lines: the contact edges. Above: the whole contact and history, with "
@@ -54,8 +55,7 @@ def draw_envelope(
     solution = shown.run.solution
     assert solution is not None
     if not solution.keeps(*states):
-        text = "the states are not kept:\n[output] tractions"
-        axes.text(0.5, 0.5, text, ha="center", va="center", transform=axes.transAxes)
+        axes.text(0.5, 0.5, NOT_KEPT, ha="center", va="center", transform=axes.transAxes)
         return
     arc = shown.tractions.arc
     slip, closed = _slip_range(shown, states)
@@ -69,10 +69,7 @@ def draw_envelope(
     for end in {np.nanmin(places), np.nanmax(places)} if np.isfinite(places).any() else ():
         axes.axvline(end, color="black", lw=0.7)
     for zone in edge.slip_zones:
-        predicted = edge.position[zone.end] + inward(edge) * zone.prediction
-        for place, mark in ((zone.border, "o"), (predicted, "x")):
-            (point,) = axes.plot(place, 0.0, mark, mfc="none", color="black", ms=6)
-            point.set(clip_on=False, in_layout=False)
+        _mark_zone(axes, edge, zone, 0.0)
     axes.set_ylim(0.0, top)
     plain_axis(axes, "y")
 
@@ -118,7 +115,9 @@ def _draw(figure: Figure, shown: Shown) -> None:
             draw_envelope(axes, shown, edge, window, (first, last))
         else:
             _map(axes, shown, *window, (first, last))
-            _zone_ends(axes, shown, edge, first, last)
+            zones = [zone for zone in edge.slip_zones if first < zone.end <= last]
+            for zone in zones if len(zones) <= MOST_ZONES else ():
+                _mark_zone(axes, edge, zone, times[zone.end])
             axes.set_ylim(times[first], times[last])
         axes.set_title(edge_title(edge))
         axes.tick_params(axis="x", labelrotation=30)
@@ -172,8 +171,7 @@ def _map(axes: Axes, shown: Shown, low: float, high: float, states: tuple[int, i
     assert solution is not None
     axes.set_xlim(low, high)
     if not solution.keeps(states[0] + 1, states[1]):
-        text = "the states are not kept:\n[output] tractions"
-        axes.text(0.5, 0.5, text, ha="center", va="center", transform=axes.transAxes)
+        axes.text(0.5, 0.5, NOT_KEPT, ha="center", va="center", transform=axes.transAxes)
         return
     # Of a long history some steps, evenly spread: each row reaches from the one below.
     rows = np.unique(np.linspace(*states, min(states[1] - states[0], MOST_ROWS) + 1).astype(int))
@@ -199,12 +197,10 @@ def _map(axes: Axes, shown: Shown, low: float, high: float, states: tuple[int, i
         axes.plot(edge.position[seen], times[seen], color="black", lw=0.7)
 
 
-def _zone_ends(axes: Axes, shown: Shown, edge: Station, first: int, last: int) -> None:
-    times = shown.run.loads.times
-    zones = [zone for zone in edge.slip_zones if first < zone.end <= last]
-    for zone in zones if len(zones) <= MOST_ZONES else ():
-        predicted = edge.position[zone.end] + inward(edge) * zone.prediction
-        for place, mark in ((zone.border, "o"), (predicted, "x")):
-            (point,) = axes.plot(place, times[zone.end], mark, mfc="none", color="black", ms=6)
-            # Whole at the first and last state too, beyond the frame.
-            point.set(clip_on=False, in_layout=False)
+def _mark_zone(axes: Axes, edge: Station, zone: SlipZone, height: float) -> None:
+    """The inner end of a slip zone as found and as predicted."""
+    predicted = edge.position[zone.end] + inward(edge) * zone.prediction
+    for place, mark in ((zone.border, "o"), (predicted, "x")):
+        (point,) = axes.plot(place, height, mark, mfc="none", color="black", ms=6)
+        # Whole at the first and last state too, beyond the frame.
+        point.set(clip_on=False, in_layout=False)

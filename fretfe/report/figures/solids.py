@@ -103,8 +103,12 @@ def front_plot(run: Result, area: Contact, front: Front, key: str) -> Plot:
         if has_zones:
             _zones(panels[-1], front)
             panels[-1].set_ylabel(f"d [{units.length}]")
+        half = front.length / len(front.stations) / 2
         for axes in panels:
-            _shade_ends(axes, front)
+            for station in front.stations:
+                if station.end:
+                    low, high = station.arc - half, station.arc + half
+                    axes.axvspan(low, high, color=GREY, alpha=0.2, lw=0)
             plain_axis(axes, "y")
         panels[-1].set_xlabel(f"distance along {front.name} [{units.length}]")
         figure.align_ylabels()
@@ -159,11 +163,3 @@ def _bars(axes: Axes, arc: Array, values: Array, spread: Array, label: str, colo
     axes.errorbar(
         arc, values, shown, fmt="o-", ms=2.5, lw=1.0, elinewidth=0.7, color=colour, label=label
     )
-
-
-def _shade_ends(axes: Axes, front: Front) -> None:
-    """Grey behind the stations that are too near an end."""
-    ends = [station for station in front.stations if station.end]
-    half = front.length / len(front.stations) / 2
-    for station in ends:
-        axes.axvspan(station.arc - half, station.arc + half, color=GREY, alpha=0.2, lw=0)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -20,11 +19,17 @@ from fretfe.evaluate.stress import (
     stress_parameters,
 )
 from fretfe.history.solution import ContactHistory, Solution
-from fretfe.report.figures.plot import Plot, finish_edge_column, legend_above, make_plot
+from fretfe.report.figures.plot import (
+    Plot,
+    finish_edge_column,
+    legend_above,
+    make_figure,
+    make_plot,
+)
 from fretfe.report.figures.slip import edge_window
 from fretfe.report.source import Shown, edge_title
 from fretfe.report.texts import number, with_error
-from fretfe.report.theme import BLUE, CYCLE, DOUBLE, GREEN, GREY, SINGLE, STYLE, VERMILLION, WIDTH
+from fretfe.report.theme import BLUE, CYCLE, DOUBLE, GREEN, GREY, SINGLE, VERMILLION, WIDTH
 
 INTRO = (
     "Means around each node. Dotted: pressure p; dashed, with shading between: friction bound ±f "
@@ -69,8 +74,8 @@ def draw_tractions(case: Case, solution: Solution, contacts: tuple[Contact, ...]
     """Draw p, f p and q along every contact at the two load extremes, one panel per contact."""
     columns = min(2, len(contacts))
     rows = -(-len(contacts) // columns)
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH * columns, SINGLE * rows), layout="constrained")
+
+    def draw(figure: Figure) -> None:
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
         for panel, history, summary in zip(panels, solution.contacts, contacts, strict=False):
             _draw_contact(panel, case, solution, history, summary)
@@ -78,7 +83,8 @@ def draw_tractions(case: Case, solution: Solution, contacts: tuple[Contact, ...]
             panel.set_title(title, loc="left", pad=TITLE_PAD)
         for panel in panels[len(contacts) :]:
             panel.set_axis_off()
-    return figure
+
+    return make_figure(WIDTH * columns, SINGLE * rows, draw)
 
 
 def _draw_contact(

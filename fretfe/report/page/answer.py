@@ -8,7 +8,8 @@ from collections import Counter
 from dataclasses import dataclass
 
 from fretfe.evaluate.contacts import Contact, SlipZone, Station
-from fretfe.evaluate.verdicts import AGREES, NO_ZONE, judge, last_verdict
+from fretfe.evaluate.verdicts import AGREES, judge
+from fretfe.report.page.tables import count_verdicts
 from fretfe.report.texts import marked, number, with_error
 from fretfe.results.model import Result
 
@@ -97,34 +98,34 @@ def _solid_text(run: Result) -> str:
     if not fronts:
         return "No boundary of a contact area could be found: there are no edge factors."
     stations = [station for front in fronts for station in front.stations]
-    words = Counter(last_verdict(station).word for station in stations)
-    del words[NO_ZONE]
+    words = count_verdicts(stations)
     text = f"{len(fronts)} contact front{'' if len(fronts) == 1 else 's'} with {len(stations)} "
     if not words:
         return f"{text}stations, no slip zones."
-    agreeing, all_words = words.pop(AGREES, 0), words.total()
-    others = ", ".join(f"{count} {word}" for word, count in words.items())
     return (
-        f"{text}stations. At {agreeing} of {agreeing + all_words} the last slip zone found "
-        "agrees with the one predicted by the edge factors"
-        f"{f' ({others})' if others else ''}."
+        f"{text}stations. At {words[AGREES]} of {words.total()} the last slip zone found "
+        f"{_agreement(words)}"
     )
 
 
 def _zone_text(answers: tuple[EdgeAnswer, ...], irregular: bool) -> str:
     words = Counter(zone.verdict for answer in answers for zone in answer.zones)
-    agreeing, zones = words.pop(AGREES, 0), words.total()
-    if not agreeing + zones:
+    if not words:
         return f"{len(answers)} contact edges, no slip zones."
-    others = ", ".join(f"{count} {word}" for word, count in words.items())
-    which = f"last {agreeing + zones} half cycles"
+    which = f"last {words.total()} half cycles"
     if irregular:
-        which = f"{agreeing + zones} half cycles of the worst counted cycles"
+        which = f"{words.total()} half cycles of the worst counted cycles"
     return (
-        f"{len(answers)} contact edges. In {agreeing} of the {which} "
-        "the slip zone found agrees with the one predicted by the edge factors"
-        f"{f' ({others})' if others else ''}."
+        f"{len(answers)} contact edges. In {words[AGREES]} of the {which} the slip zone found "
+        f"{_agreement(words)}"
     )
+
+
+def _agreement(words: Counter[str]) -> str:
+    """End of a sentence on slip zones, with the numbers of those that do not agree."""
+    others = ", ".join(f"{count} {word}" for word, count in words.items() if word != AGREES)
+    told = f" ({others})" if others else ""
+    return f"agrees with the one predicted by the edge factors{told}."
 
 
 def _step_text(run: Result) -> str:

@@ -285,22 +285,17 @@ def _certificate_rows(run: Result) -> list[tuple[str, str, str]]:
     solution, units = run.solution, run.case.units
     if solution is None or not _solved(solution):
         return []
-    labels = {
-        "length": units.length,
-        "stress": units.stress,
-        "force": force_unit(run),
-    }
     parts = solution.certificates
-    scales = {
-        "length": parts["gap_scale"],
-        "stress": parts["pressure_scale"],
-        "force": parts["force_scale"],
+    kinds = {
+        "length": (units.length, parts["gap_scale"].max()),
+        "stress": (units.stress, parts["pressure_scale"].max()),
+        "force": (force_unit(run), parts["force_scale"].max()),
     }
     rows = []
     for name, (text, kind) in CERTIFICATE.items():
-        scale = scales[kind].max()
+        unit, scale = kinds[kind]
         relative = parts[name].max() / scale if scale > 0 else math.nan
-        value = f"{number(float(parts[name].max()), 2)} {labels[kind]}"
+        value = f"{number(float(parts[name].max()), 2)} {unit}"
         rows.append((text, value, number(float(relative), 2)))
     return rows
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from rich.table import Table
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import Contact, SlipZone, Station
+from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.refinement import Refinement, StationValues, changes_by_kind
 from fretfe.evaluate.verdicts import NO_ZONE, last_verdict
 from fretfe.report.page.listings import plain_table
@@ -55,7 +55,11 @@ def _edge_table(run: Result) -> Table:
 
 def _edge_cells(edge: Station) -> list[str]:
     zones = edge.slip_zones[-2:]
-    measured = [_zone_length(zone) for zone in zones]
+    # ~ marks a length that is not resolved, or known to a tenth at best.
+    measured = [
+        "gross" if zone.gross else marked(number(zone.reported_length, 3), zone.uncertain)
+        for zone in zones
+    ]
     return [
         number(edge.position[edge.last]),
         marked(number(edge.reported_k_n), edge.uncertain),
@@ -63,13 +67,6 @@ def _edge_cells(edge: Station) -> list[str]:
         " / ".join(measured) or MISSING,
         " / ".join(number(zone.prediction, 3) for zone in zones) or MISSING,
     ]
-
-
-def _zone_length(zone: SlipZone) -> str:
-    """Length of a slip zone; ~ marks one that is not resolved, or known to a tenth at best."""
-    if zone.gross:
-        return "gross"
-    return marked(number(zone.reported_length, 3), zone.uncertain)
 
 
 def contact_table(run: Result) -> Table:
@@ -216,7 +213,7 @@ def _front_table(run: Result) -> Table:
                 table.add_row("  all too near an end")
                 continue
             table.add_row(f"{contact.name} {front.name}", *_along(judged))
-            for word, count in _verdicts(judged).items():
+            for word, count in count_verdicts(judged).items():
                 table.add_row(f"  {count} {word}")
             worst = front.worst
             if worst is not None:
@@ -224,7 +221,7 @@ def _front_table(run: Result) -> Table:
     return table
 
 
-def _verdicts(stations: tuple[Station, ...]) -> Counter[str]:
+def count_verdicts(stations: Iterable[Station]) -> Counter[str]:
     """Numbers of the last slip zones by verdict; those that are not known are counted."""
     words = Counter(last_verdict(each).word for each in stations)
     del words[NO_ZONE]
