@@ -59,17 +59,15 @@ class Benchmark:
     Attributes:
         name: of the benchmark.
         source: where the known values come from.
-        case: what a backend solves; None if there is none, for the reason in `left_out`.
+        case: what a backend solves.
         quantities: what is compared.
-        left_out: why it is not run at all; empty if it is.
         control: whether something was spoilt on purpose, so that every comparison has to fail.
     """
 
     name: str
     source: str
-    case: Case | None
+    case: Case
     quantities: tuple[Quantity, ...]
-    left_out: str = ""
     control: bool = False
 
 

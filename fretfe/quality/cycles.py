@@ -356,7 +356,7 @@ def sheared_sphere() -> Benchmark:
             Quantity(
                 "ΔK", shear_range, shear_range, {"fem": 0.015}, measures.front_mean("k_range")
             ),
-            Quantity("d", slip, 1.0, {"fem": 0.015}, measures.front_slip_length),
+            Quantity("d", slip, 1.0, {"fem": 0.015}, measures.mean_slip_length),
         ),
     )
 

@@ -65,7 +65,7 @@ def predicted_length(side: int) -> Measure:
 
 
 def mean_slip_length(result: Result) -> float:
-    """Length of the last slip zones, mean of both edges."""
+    """Length of the last slip zones, mean of all stations: in the plane those of both edges."""
     return float(np.mean([_last_zone(station, "length") for station in _contact(result).stations]))
 
 
@@ -116,34 +116,21 @@ def force_ratio(numerator: str, denominator: str) -> Measure:
 
 
 def front_mean(attribute: str) -> Measure:
-    """A number of the stations of the only front of a solid contact, mean of them."""
-
-    def measure(result: Result) -> float:
-        fronts = _contact(result).fronts
-        return float(fronts[0].along(attribute).mean()) if fronts else np.nan
-
-    return measure
+    """A number of the stations of a solid contact, mean of them."""
+    return lambda result: float(
+        np.mean([getattr(station, attribute) for station in _contact(result).stations])
+    )
 
 
 def front_k_n(result: Result) -> float:
-    """K_N, mean of the stations of the only front."""
-    return float(np.mean([station.last_k_n[0] for station in _front_stations(result)]))
+    """K_N at the end of the cycle, mean of all stations of a solid contact."""
+    return float(np.mean([station.last_k_n[0] for station in _contact(result).stations]))
 
 
 def front_radius(result: Result) -> float:
     """Radius of a round contact about the origin, mean of the stations."""
     radii = [
         float(np.linalg.norm(station.point[[0, 2]]) - station.position[station.last])
-        for station in _front_stations(result)
+        for station in _contact(result).stations
     ]
     return float(np.mean(radii))
-
-
-def front_slip_length(result: Result) -> float:
-    """Length of the last slip zones, mean of the stations."""
-    return float(np.mean([_last_zone(station, "length") for station in _front_stations(result)]))
-
-
-def _front_stations(result: Result) -> tuple[Station, ...]:
-    fronts = _contact(result).fronts
-    return fronts[0].stations if fronts else ()

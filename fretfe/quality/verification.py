@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 
 from fretfe.backends import (
     SILENT,
-    Backend,
     Installed,
     Observer,
     OneProcess,
@@ -200,10 +199,20 @@ def run_benchmark(
     several = isinstance(backend, ParallelBackend) and not _alone()
     expected = FretfeError if several else Exception
     try:
-        reason = _why_not(benchmark, installed)
-        if reason or backend is None:
-            return (remark(benchmark.name, installed.name, "skipped", reason),)
-        return _comparisons(benchmark, installed.name, backend, processes)
+        if backend is None:
+            return (remark(benchmark.name, installed.name, "skipped", installed.reason),)
+        if reasons := backend.supports(benchmark.case):
+            return (remark(benchmark.name, installed.name, "skipped", "; ".join(reasons)),)
+        result = backend.solve(benchmark.case)
+        if result.failure is not None:
+            raise result.failure
+        rows = processes.on_root(
+            lambda: tuple(
+                compare(benchmark.name, quantity, installed.name, result)
+                for quantity in benchmark.quantities
+            )
+        )
+        return (judge(rows),) if benchmark.control else rows
     except expected as error:
         return (_failure(benchmark, installed.name, error),)
 
@@ -212,30 +221,6 @@ def _alone() -> bool:
     """True if MPI is in use and this is its only process; a parallel backend has loaded it."""
     mpi = sys.modules.get("mpi4py.MPI")
     return mpi is not None and mpi.COMM_WORLD.size == 1
-
-
-def _why_not(benchmark: Benchmark, installed: Installed) -> str:
-    """Reason why a benchmark is not run; empty if it is."""
-    if benchmark.case is None:
-        return benchmark.left_out
-    if installed.backend is None:
-        return installed.reason
-    return "; ".join(installed.backend.supports(benchmark.case))
-
-
-def _comparisons(
-    benchmark: Benchmark, name: str, backend: Backend, processes: Processes
-) -> tuple[Row, ...]:
-    assert benchmark.case is not None
-    result = backend.solve(benchmark.case)
-    if result.failure is not None:
-        raise result.failure
-    rows = processes.on_root(
-        lambda: tuple(
-            compare(benchmark.name, quantity, name, result) for quantity in benchmark.quantities
-        )
-    )
-    return (judge(rows),) if benchmark.control else rows
 
 
 def _failure(benchmark: Benchmark, name: str, error: Exception) -> Row:

@@ -94,12 +94,6 @@ def test_case_that_is_not_supported_is_skipped() -> None:
     assert (row.verdict, row.reason) == ("skipped", "no tension; no shear")
 
 
-def test_benchmark_without_a_case_is_skipped() -> None:
-    without = replace(benchmark(), case=None, left_out="three-dimensional")
-    (row,) = run_benchmark(without, Installed("stub", "", Stub()), Alone())
-    assert (row.verdict, row.reason) == ("skipped", "three-dimensional")
-
-
 ERRORS = [
     (ModelError("nothing holds the pad"), "nothing holds the pad"),
     (ZeroDivisionError("by zero"), "ZeroDivisionError: by zero"),
