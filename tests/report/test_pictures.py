@@ -111,7 +111,7 @@ def test_colours_are_where_the_stress_is(drawn: Path) -> None:
     image = imread(drawn / "pictures" / "stress.png")[..., :3]
     source = open_fields(drawn)
     look = find_look(source, [7, 9])
-    (view,) = look.views
+    view = look.views[0]
     assert isinstance(view, View)
     figure = draw_bodies(source, [7, 9], look, Blank())  # type: ignore[arg-type]
     assert np.floor(figure.bbox.size).tolist() == [image.shape[1], image.shape[0]]
