@@ -31,6 +31,7 @@ MARGIN = 0.05
 ROW, AROUND = 0.32, 1.3
 SCHEMA = {"name": "fretfe-comparison", "version": 1}
 COMPARISON = "comparison.json"
+HISTORY_KEYS = ("contact", "edge", "quantity", "unit", "common", "difference")
 
 
 def plot_tractions(comparison: Comparison) -> Figure:
@@ -217,16 +218,7 @@ def comparison_numbers(comparison: Comparison) -> dict[str, Any]:
             for each in comparison.tractions
         ],
         "histories": [
-            _plain(
-                {
-                    "contact": each.contact,
-                    "edge": each.edge,
-                    "quantity": each.quantity,
-                    "unit": each.unit,
-                    "common": each.common,
-                    "difference": each.difference,
-                }
-            )
+            _plain({name: getattr(each, name) for name in HISTORY_KEYS})
             for each in comparison.histories
         ],
         "notes": list(comparison.notes),
@@ -264,8 +256,8 @@ def write_comparison(comparison: Comparison, folder: Path) -> tuple[Path, ...]:
 
 
 def _plain(record: dict[str, Any]) -> dict[str, Any]:
-    return {name: _number(value) for name, value in record.items()}
-
-
-def _number(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    """A record with null for numbers that are not known."""
+    return {
+        name: None if isinstance(value, float) and not math.isfinite(value) else value
+        for name, value in record.items()
+    }

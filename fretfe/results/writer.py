@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from fretfe._typing import Array, Indices
 from fretfe.environment import versions
 from fretfe.errors import CaseError, OutputError
-from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
+from fretfe.evaluate.contacts import Contact, SlipZone
 from fretfe.evaluate.refinement import Refinement
 from fretfe.evaluate.resultants import load_extremes, station_extremes
 from fretfe.evaluate.slip import cycle_states
@@ -254,36 +254,16 @@ def _refinement_numbers(refinement: Refinement) -> dict[str, Any]:
 
 
 def _contact_numbers(contact: Contact) -> dict[str, Any]:
-    """A contact's histories and its fronts, without its name."""
-    numbers = _by_field(contact)
-    del numbers["name"]
-    return {**numbers, "fronts": [_front_numbers(front) for front in contact.fronts]}
-
-
-def _front_numbers(front: Front) -> dict[str, Any]:
-    stations = [_station_numbers(station) for station in front.stations]
-    return {**_by_field(front), "stations": stations}
-
-
-def _station_numbers(station: Station) -> dict[str, Any]:
-    """A station; many slip zones are one table of lists."""
-    numbers = _by_field(station)
-    zones = station.slip_zones
-    if len(zones) > LONG:
-        names = [field.name for field in fields(SlipZone)]
-        numbers["slip_zones"] = {
-            name: np.array([getattr(zone, name) for zone in zones]) for name in names
-        }
-    return numbers
-
-
-def _by_field(owner: Any) -> dict[str, Any]:
-    return {field.name: getattr(owner, field.name) for field in fields(owner)}
+    """A contact without its name, which is its key."""
+    names = [each.name for each in fields(contact) if each.name != "name"]
+    return {name: getattr(contact, name) for name in names}
 
 
 @dataclass(frozen=True)
 class _Plain:
     """Makes plain Python types: arrays are lists, NaN and infinity None, keys strings.
+
+    Many slip zones are one table of lists.
 
     Attributes:
         lists: gets arrays of more than `LONG` rows; a text says where they are.
@@ -295,6 +275,9 @@ class _Plain:
         """Return the value in plain types; `place` is its name, with those around it."""
         if is_dataclass(value):
             value = {field.name: getattr(value, field.name) for field in fields(value)}
+        elif isinstance(value, tuple) and len(value) > LONG and isinstance(value[0], SlipZone):
+            names = [field.name for field in fields(SlipZone)]
+            value = {name: np.array([getattr(zone, name) for zone in value]) for name in names}
         if isinstance(value, Mapping):
             return {str(key): self(item, f"{place}/{key}") for key, item in value.items()}
         if isinstance(value, np.ndarray) and len(value) > LONG:
