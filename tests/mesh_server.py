@@ -123,8 +123,8 @@ if __name__ == "__main__":
     import gmsh  # noqa: F401
     import h5py  # noqa: F401
 
-    import fretfe.mesh.child
+    import fretfe.mesh.contained
     import fretfe.mesh.load
 
     with closing(socket.socket(fileno=int(sys.argv[1]))) as asked:
-        serve(asked, fretfe.mesh.child.main)
+        serve(asked, fretfe.mesh.contained.main)

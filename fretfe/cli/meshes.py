@@ -103,7 +103,7 @@ def _write(case: Case, mesh: Mesh, target: Path) -> None:
     from rich.console import Console
 
     from fretfe.cli.mesh_report import print_mesh
-    from fretfe.mesh.writer import write_mesh
+    from fretfe.mesh.make import write_mesh
     from fretfe.report.pictures.mesh import write_mesh_picture
 
     console = Console()

@@ -29,7 +29,7 @@ from scipy.linalg import qr
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
-from fretfe.bodies.body import Constraint, DistributedLoad
+from fretfe.bodies.definition import Constraint, DistributedLoad
 from fretfe.bodies.rigid_modes import rigid_motions
 from fretfe.fem._compat import PETSc
 from fretfe.fem.bordered import BorderedFactor

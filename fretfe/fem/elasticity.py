@@ -21,7 +21,7 @@ from dolfinx.jit import get_options
 from dolfinx.mesh import meshtags_from_entities
 
 from fretfe._typing import Array, Indices
-from fretfe.bodies.body import DistributedLoad, Material
+from fretfe.bodies.definition import DistributedLoad, Material
 from fretfe.fem._compat import (
     MPI,
     PETSc,

@@ -15,7 +15,7 @@ from dolfinx import fem
 from scipy import sparse
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.bodies.body import Material
+from fretfe.bodies.definition import Material
 from fretfe.errors import OutputError
 from fretfe.fem._compat import cells_around
 from fretfe.fem.elasticity import COMPONENTS, ElasticBody

@@ -26,9 +26,8 @@ from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import StateArray, blocks
 from fretfe.idealise.bodies import SIMILAR, dissimilarity
 from fretfe.surface.checks import INTERPENETRATION_PER_FACET
-from fretfe.surface.curvature import curvatures, deviations, mean_curvature
 from fretfe.surface.reference import reference_nodes, shape_values
-from fretfe.surface.surface import Surface, normal_vectors
+from fretfe.surface.surface import Surface, curvatures, deviations, mean_curvature, normal_vectors
 
 # Forces or moments on a body that do not add up to zero, over the largest of them, from which a
 # solution means nothing. Meshes up to 330 000 unknowns give 1e-12; what is lost grows with the

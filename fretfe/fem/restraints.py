@@ -15,7 +15,7 @@ from dolfinx import fem
 from scipy import sparse
 
 from fretfe._typing import Array, Indices
-from fretfe.bodies.body import Constraint
+from fretfe.bodies.definition import Constraint
 from fretfe.fem._compat import PETSc
 from fretfe.fem.elasticity import ElasticBody
 

@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -20,7 +21,13 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.environment import NO_ROOM, address_room, without_launcher
+from fretfe.environment import (
+    NO_ROOM,
+    address_room,
+    machine_memory,
+    memory_shortage,
+    without_launcher,
+)
 from fretfe.errors import CaseError, DependencyError, FretfeError, MemoryShortError, MeshError
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
 
@@ -104,7 +111,7 @@ def raw_mesh_of(work: Work, path: Path, reading: float | None = None) -> RawMesh
 @contextlib.contextmanager
 def _process(folder: Path) -> Iterator[subprocess.Popen[bytes]]:
     """The other process. It ends by itself when its standard input does, as this process ends."""
-    command = [sys.executable, "-P", "-m", "fretfe.mesh.child", str(folder)]
+    command = [sys.executable, "-P", "-m", "fretfe.mesh.contained", str(folder)]
     with (folder / MESSAGES).open("wb") as messages:
         process = subprocess.Popen(
             command,
@@ -170,3 +177,45 @@ def _ended(path: Path, code: int, messages: str) -> FretfeError:
         f"{path}: the library that reads it crashed ({name}): the file is damaged, or there is not "
         "enough memory"
     )
+
+
+def main(folder: Path) -> None:
+    """Do the work in a folder and leave the mesh, or the error, there.
+
+    This is what the other process does: `python -m fretfe.mesh.contained FOLDER`.
+    """
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    _limit_memory()
+    try:
+        # Written by the process that started this one, into a folder that is its own.
+        work: Work = pickle.loads((folder / WORK).read_bytes())
+        write_raw(folder / MESH, work((folder / OPENED).touch))
+    except FretfeError as error:
+        (folder / ERROR).write_text(f"{type(error).__name__}\n{error}", encoding="utf-8")
+    except Exception as error:
+        if not memory_shortage(error):
+            raise
+        (folder / ERROR).write_text(f"{MemoryError.__name__}\n", encoding="utf-8")
+
+
+def _end_with_parent() -> None:
+    os.read(0, 1)  # nothing is written there
+    os._exit(1)
+
+
+def _limit_memory() -> None:
+    """No more memory than the machine has: a damaged count must not make others suffer."""
+    memory = machine_memory()
+    if memory is None:
+        return
+    try:
+        import resource  # not on Windows
+    except ImportError:
+        return
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    limit = int(memory) if hard == resource.RLIM_INFINITY else min(int(memory), hard)
+    resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

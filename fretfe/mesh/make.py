@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""From a Gmsh model or a mesh file to one mesh per body, checked, and its expected size."""
+"""From a Gmsh model or a mesh file to one mesh per body, checked, and back; its expected size."""
 
 from __future__ import annotations
 
@@ -10,14 +10,18 @@ from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
 from types import ModuleType
+from typing import Any
+
+import numpy as np
 
 from fretfe.environment import machine_memory
-from fretfe.errors import MeshError
-from fretfe.files import require_file
+from fretfe.errors import MeshError, OutputError
+from fretfe.files import cut_off, disk_reason, replacing, require_file
 from fretfe.mesh.contained import MESHING, raw_mesh_of
 from fretfe.mesh.cost import least_memory
+from fretfe.mesh.elements import FACET_SHAPES, NUMBERS
 from fretfe.mesh.gmsh import RawMesh, gmsh_model, raw_mesh, script_model
-from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.mesh.split import mesh_from_raw
 from fretfe.mesh.templates import Template
 
@@ -33,6 +37,8 @@ ALONG_CURVES, ENOUGH = 2000, 5000
 # Equilateral triangles on the square of their side.
 PER_SQUARE = 4 / math.sqrt(3)
 FACTOR = "Mesh.MeshSizeFactor"
+# End of a file of Gmsh.
+LAST = b"$EndElements\n"
 # Sets the element sizes of the current Gmsh model.
 SetSizes = Callable[[ModuleType], None]
 # Growth of the element size per distance from fine curves, where no other one is known.
@@ -228,3 +234,61 @@ def _require_gmsh_file(path: Path) -> None:
             f"{path}: expected a Gmsh mesh file (.msh) that starts with $MeshFormat,"
             f" found {start[:20]!r}"
         )
+
+
+def write_mesh(mesh: Mesh, path: Path) -> None:
+    """Write a `.msh` file that `read_mesh` reads back.
+
+    Raises:
+        OutputError: if the file does not end in .msh or cannot be written.
+    """
+    if path.suffix != ".msh":
+        raise OutputError(f"{path}: expected a mesh file that ends in .msh, found {path.suffix!r}")
+    try:
+        with replacing(path, path.suffix) as new:
+            _write(mesh, new)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot write the mesh: {disk_reason(error)}") from error
+
+
+def _write(mesh: Mesh, new: Path) -> None:
+    """Write a file.
+
+    Raises:
+        OSError: if it cannot be written, of which Gmsh says nothing.
+    """
+    with gmsh_model(new) as gmsh:
+        first_node = 1
+        facet_dimension, boundary = mesh.dimension - 1, 1
+        for entity, body in enumerate(mesh.bodies.values(), start=1):
+            _add_body(gmsh, body, entity, first_node)
+            for name, facets in body.boundaries.items():
+                gmsh.model.addDiscreteEntity(facet_dimension, boundary, [])
+                gmsh.model.mesh.addElementsByType(
+                    boundary,
+                    NUMBERS[FACET_SHAPES[body.cell], body.order],
+                    [],
+                    (facets + first_node).ravel(),
+                )
+                gmsh.model.addPhysicalGroup(facet_dimension, [boundary], name=name)
+                boundary += 1
+            first_node += len(body.points)
+        gmsh.write(str(new))
+        with new.open("rb") as file:
+            file.seek(max(new.stat().st_size - len(LAST), 0))
+            if file.read() != LAST:
+                raise cut_off(new)
+
+
+def _add_body(gmsh: Any, body: BodyMesh, entity: int, first_node: int) -> None:
+    """Nodes and cells of one body as a discrete surface or volume with its name."""
+    dimension = body.points.shape[1]
+    gmsh.model.addDiscreteEntity(dimension, entity, [])
+    points = np.zeros((len(body.points), 3))
+    points[:, :dimension] = body.points
+    tags = np.arange(first_node, first_node + len(points))
+    gmsh.model.mesh.addNodes(dimension, entity, tags, points.ravel())
+    number = NUMBERS[body.cell, body.order]
+    cells = (body.cells + first_node).ravel()
+    gmsh.model.mesh.addElementsByType(entity, number, [], cells)
+    gmsh.model.addPhysicalGroup(dimension, [entity], name=body.name)

@@ -15,10 +15,9 @@ from fretfe.mesh.body_overlap import BodyOverlap, body_overlaps
 from fretfe.mesh.load import grouped_mesh, naming_case
 from fretfe.mesh.make import SetSizes
 from fretfe.mesh.mesh import Mesh
-from fretfe.surface.curvature import deviations
 from fretfe.surface.overlap import overlap_points, search_reach
 from fretfe.surface.reference import shape_values
-from fretfe.surface.surface import Surface, build_surface
+from fretfe.surface.surface import Surface, build_surface, deviations
 
 # An interpenetration of this fraction of a facet is not resolved by the mesh and does no harm.
 INTERPENETRATION_PER_FACET = 0.01

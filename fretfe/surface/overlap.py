@@ -10,9 +10,8 @@ from scipy.spatial import cKDTree
 
 from fretfe._core import _kernels
 from fretfe._typing import Array, Bools, Indices, Positions
-from fretfe.surface.curvature import mean_curvature
 from fretfe.surface.reference import BULGE, MIDDLES, quadrature, seven_points
-from fretfe.surface.surface import Surface
+from fretfe.surface.surface import Surface, mean_curvature
 
 # Spheres are larger by this fraction: points just beyond the end of a facet count as on it.
 MARGIN = 1e-6

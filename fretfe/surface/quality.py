@@ -12,8 +12,7 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.mesh.groups import BodySummary
 from fretfe.surface.checks import InitialGap
-from fretfe.surface.curvature import curvatures, deviations
-from fretfe.surface.surface import Surface
+from fretfe.surface.surface import Surface, curvatures, deviations
 
 # Degrees. Tetrahedra that are long along a straight edge are flat but good; slivers are flatter.
 SMALLEST_ANGLES = {"triangle": 15.0, "quadrilateral": 15.0, "tetrahedron": 0.3, "hexahedron": 15.0}

@@ -21,7 +21,7 @@ from fretfe.backends import RunOptions
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import parse_case
 from fretfe.loads import build_history
-from fretfe.mesh.writer import write_mesh
+from fretfe.mesh.make import write_mesh
 from fretfe.results.writer import write_results
 from fretfe.surface.checks import load_mesh
 

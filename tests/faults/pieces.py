@@ -20,8 +20,8 @@ from faults.results_of import with_runs
 from pieces_of_cells import KINDS, Cells
 
 from fretfe.mesh.elements import FACET_SHAPES, directed_facets, exterior_facets
+from fretfe.mesh.make import write_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh
-from fretfe.mesh.writer import write_mesh
 
 RESUME = (*HALFPLANE, "--resume")
 STEEL = {"young": 210e3, "poisson": 0.3}

@@ -13,7 +13,7 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
-from fretfe.bodies.body import Constraint, DistributedLoad, Material
+from fretfe.bodies.definition import Constraint, DistributedLoad, Material
 from fretfe.bodies.rigid_modes import rigid_motions
 from fretfe.fem._compat import MPI
 from fretfe.fem.condensation import Body, CondensedBody

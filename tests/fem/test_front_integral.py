@@ -15,7 +15,7 @@ from bonded import Fields, bonded
 from contact_runs import ramp
 
 from fretfe._typing import Array, Bools
-from fretfe.bodies.body import Material
+from fretfe.bodies.definition import Material
 from fretfe.case import Solid, parse_case
 from fretfe.evaluate.space.fronts import AREAS, OUTSIDE
 from fretfe.fem._compat import MPI

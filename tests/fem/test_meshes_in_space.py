@@ -17,7 +17,7 @@ from pad_cases import BASE, pad, press
 from tiny_meshes import TinyMesh
 
 from fretfe._typing import Array
-from fretfe.bodies.body import Material
+from fretfe.bodies.definition import Material
 from fretfe.case import Solid, parse_case
 from fretfe.errors import CaseError, MeshError
 from fretfe.fem._compat import MPI
@@ -27,9 +27,8 @@ from fretfe.mesh.extrude import extrude
 from fretfe.mesh.gmsh import gmsh_model
 from fretfe.mesh.groups import body_unknowns, mesh_summary
 from fretfe.mesh.load import grouped_mesh
-from fretfe.mesh.make import read_mesh
+from fretfe.mesh.make import read_mesh, write_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh
-from fretfe.mesh.writer import write_mesh
 from fretfe.surface.reference import KINDS, quadrature, shape_slopes, shape_values
 
 CELLS = pytest.mark.parametrize(

@@ -18,10 +18,9 @@ from fretfe.case import Solid
 from fretfe.mesh.elements import directed_facets, exterior_facets, jacobian_determinants
 from fretfe.mesh.extrude import extrude
 from fretfe.mesh.gmsh import gmsh_model
-from fretfe.mesh.make import mesh_template
+from fretfe.mesh.make import mesh_template, write_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.mesh.templates import find_template
-from fretfe.mesh.writer import write_mesh
 
 COARSE: dict[str, dict[str, float]] = {
     "cylinder": {"size": 0.2, "growth": 0.5},

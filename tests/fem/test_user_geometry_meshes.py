@@ -21,8 +21,8 @@ from user_geometry import cad_geometry, case_of, write_cad
 from fretfe.case import parse_case
 from fretfe.errors import CaseError, MeshError
 from fretfe.fem.backend import BACKEND
+from fretfe.mesh.make import write_mesh
 from fretfe.mesh.mesh import Mesh
-from fretfe.mesh.writer import write_mesh
 from fretfe.surface.checks import load_mesh
 
 TAGS = {

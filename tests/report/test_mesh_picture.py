@@ -19,8 +19,8 @@ from small_files import small_files
 from fretfe._typing import Array
 from fretfe.case import Case, parse_case
 from fretfe.errors import OutputError
+from fretfe.mesh.make import write_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh
-from fretfe.mesh.writer import write_mesh
 from fretfe.report.pictures.mesh import (
     CURVE_PIECES,
     boundary_curves,
