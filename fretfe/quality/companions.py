@@ -28,9 +28,13 @@ OVERLOAD = 0.15
 COARSER = 1.5
 CYCLES = 2
 EXCURSION_STEPS = 6
-STEADY_REASONS = {
-    MEAN: "the mean of K_T does not count in a steady cycle",
-    START: "the steady cycle forgets how it was reached, unless the whole contact slid",
+# Why the steady slip zone is the same, and the verdict if it is not.
+STEADY: dict[str, tuple[str, Verdict]] = {
+    MEAN: ("the mean of K_T does not count in a steady cycle", "FAIL"),
+    START: (
+        "the steady cycle forgets how it was reached, unless the whole contact slid",
+        "depends",
+    ),
 }
 # Halving the elements would change a first-order quantity by this many times the difference.
 EXTRAPOLATION = 1 / (COARSER - 1)
@@ -194,12 +198,9 @@ def _edge_rows(name: str, contact: Contact, station: Station, other: Station) ->
     """Rows of the only station of a plane front."""
     at, length, reference = Place(contact.name, station.front), _length(station), _length(other)
     if name != MESH:
-        # The same steady slip zone, whatever the mean and the way to it.
         share = BORDER_FRACTION * (length if length > 0 else 0.0)
         tolerance = BORDER_ELEMENTS * station.size + share
-        yield at.compared(
-            f"d {name}", length, reference, tolerance, STEADY_REASONS[name], _otherwise(name)
-        )
+        yield at.compared(f"d {name}", length, reference, tolerance, *STEADY[name])
         return
     # Extrapolated error of each number, first order.
     reason = f"elements {COARSER:g} times as large: the error of the case is about twice the change"
@@ -223,10 +224,6 @@ def _length(station: Station) -> float:
     return station.slip_zones[-1].length if station.slip_zones else math.nan
 
 
-def _otherwise(name: str) -> Verdict:
-    return "depends" if name == START else "FAIL"
-
-
 def _front_rows(name: str, contact: Contact, front: Front, twin: Front | None) -> Iterator[Row]:
     """Rows of a front of solids, against the nearest one of the companion."""
     at, stations = Place(contact.name, front.name), front.judged
@@ -237,21 +234,16 @@ def _front_rows(name: str, contact: Contact, front: Front, twin: Front | None) -
         return
     places = np.array([station.point for station in stations])
     if name != MESH:
-        # The same steady slip zone, whatever the mean and the way to it.
         values, (references,) = numbers(stations, reported_d), at_places(twin, places, [reported_d])
         sizes = numbers(stations, lambda each: each.size)
         pairs = Pairs(values, references, BORDER_ELEMENTS * sizes + BORDER_FRACTION * values)
-        yield at.over_stations(f"d {name}", pairs, STEADY_REASONS[name], _otherwise(name))
+        yield at.over_stations(f"d {name}", pairs, *STEADY[name])
         return
     reason = (
         f"elements {COARSER:g} times as large: the error bars of both meshes, that of a factor of "
         f"the case {LARGEST_BAR:.0%} at most"
     )
-    for quantity, measure, bar in (
-        ("K_N", lambda each: each.reported_k_n, lambda each: each.last_k_n[1]),
-        ("ΔK", lambda each: each.reported_range, lambda each: each.k_range_spread),
-        ("d", reported_d, _d_bar),
-    ):
+    for quantity, measure, bar in MESH_QUANTITIES:
         values, bars = numbers(stations, measure), numbers(stations, bar)
         references, other = at_places(twin, places, [measure, bar])
         # Slip zones of a fraction of their front need not be known to a tenth of themselves.
@@ -274,6 +266,14 @@ def _d_bar(station: Station) -> float:
 def _resolved_zone(station: Station) -> SlipZone | None:
     zone = station.slip_zones[-1] if station.slip_zones else None
     return None if zone is None or zone.gross or not zone.resolved else zone
+
+
+# Numbers of a station and their error bars.
+MESH_QUANTITIES: tuple[tuple[str, Measure, Measure], ...] = (
+    ("K_N", lambda each: each.reported_k_n, lambda each: each.last_k_n[1]),
+    ("ΔK", lambda each: each.reported_range, lambda each: each.k_range_spread),
+    ("d", reported_d, _d_bar),
+)
 
 
 def nearest_front(front: Front, others: Sequence[Front]) -> Front | None:
