@@ -78,6 +78,23 @@ def loading(run: Result, state: int) -> str:
     return ", ".join(f"{name} = {value:.5g}" for name, value in pairs)
 
 
+def state_title(run: Result, state: int) -> str:
+    """The time of a state, and the values of the loads if they are not too many."""
+    return ": ".join(filter(None, [when(run, state), loading(run, state)]))
+
+
+def times_text(run: Result, states: Sequence[int]) -> str:
+    """The times of some states in a sentence."""
+    return " and ".join(when(run, state) for state in states)
+
+
+def cycle_states(run: Result) -> range:
+    """States of an animation of the evaluated cycle, or of everything without one."""
+    first, last = run.loads.evaluated
+    # The last state of a cycle looks like the first one; nothing is loaded at the first of all.
+    return range(first, last) if run.loads.cycle else range(1, last + 1)
+
+
 @dataclass(frozen=True)
 class Shown:
     """A contact to be drawn.

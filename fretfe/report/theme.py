@@ -34,6 +34,8 @@ HALO: Any = [withStroke(linewidth=2.4, foreground="white")]
 
 # Inches. A plot of the page, of which two stand side by side (96 pixels an inch), and a picture.
 WIDTH, PICTURE_WIDTH, PICTURE_HEIGHT = 5.6, 10.4, 8.4
+# Of an animation: its width in inches, and how long a cycle takes in milliseconds.
+FRAME_WIDTH, DURATION = 6.4, 4000
 # Height of a plot with little in it, of one panel, of each load, of two and of three panels.
 LOW, SINGLE, LOAD, DOUBLE, TRIPLE = 2.8, 3.6, 1.5, 5.4, 7.0
 # Dots per inch of maps within plots, of pictures, and of figures that are files of their own.

@@ -26,7 +26,7 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case
 from fretfe.errors import OutputError
 from fretfe.files import disk_reason, replacing
-from fretfe.report.pictures.panels import few_ticks, name_axes, panel_inches
+from fretfe.report.pictures.panels import few_ticks, name_axes, panel_inches, plural
 from fretfe.report.theme import BOUNDARY, ELEMENTS, FILE_DPI, FRAMED, HEADING, SURFACES, TINTS
 from fretfe.results.model import BodyArrays
 
@@ -149,13 +149,9 @@ def _draw(axes: Axes, case: Case, bodies: Mapping[str, BodyArrays]) -> None:
             style = styles.get(name, BOUNDARY)
             # Wide lines first: narrow ones are seen upon them.
             order = 4 - style["linewidth"] / 4
-            lines = LineCollection(boundary_curves(body, name), capstyle="butt", **_plural(style))
+            lines = LineCollection(boundary_curves(body, name), capstyle="butt", **plural(style))
             axes.add_collection(lines, autolim=False)
             lines.set_zorder(order)
-
-
-def _plural(style: dict[str, Any]) -> dict[str, Any]:
-    return {f"{key}s": value for key, value in style.items()}
 
 
 def _draw_cells(axes: Axes, body: BodyArrays, tint: str, limits: Array) -> None:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -213,6 +213,11 @@ def draw_lines(axes: Axes, lines: Sequence[Array], **style: Any) -> None:
     """Lines (n, k, 2), several arrays of them."""
     for each in lines:
         axes.add_collection(LineCollection(list(each), **style), autolim=False)
+
+
+def plural(style: Mapping[str, Any]) -> dict[str, Any]:
+    """The style of a line as arguments of a collection of lines."""
+    return {f"{key}s": value for key, value in style.items()}
 
 
 def save_png(figure: Figure, path: Path, colours: str | None = None) -> tuple[int, int]:

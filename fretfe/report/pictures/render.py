@@ -23,13 +23,10 @@ from fretfe.report.pictures.looks import Look, find_look
 from fretfe.report.pictures.panels import pixels, save_png
 from fretfe.report.pictures.plan import Wanted, plan_pictures
 from fretfe.report.pictures.stress import bodies_caption, draw_bodies, draw_edges
-from fretfe.report.source import extremes, folder_of, when
-from fretfe.report.theme import COLOURS
+from fretfe.report.source import cycle_states, extremes, folder_of, when
+from fretfe.report.theme import COLOURS, DURATION, FRAME_WIDTH
 from fretfe.results.field_files import FIELDS
 from fretfe.results.writer import PICTURES
-
-# Of an animation: its width in inches, and how long a cycle takes in milliseconds.
-FRAME_WIDTH, DURATION = 6.4, 4000
 
 
 def draw_pictures(directory: Path, files: list[str]) -> None:
@@ -94,9 +91,7 @@ def draw_animation(directory: Path, files: list[str]) -> None:
         files: the one to write.
     """
     source = open_fields(directory)
-    first, last = source.run.loads.evaluated
-    # The last state of a cycle looks like the first one; nothing is loaded at the first of all.
-    states = range(first, last) if source.run.loads.cycle else range(1, last + 1)
+    states = cycle_states(source.run)
     found = len(source.available(states))
     if found < len(states):
         reason = (

@@ -16,8 +16,8 @@ from matplotlib.lines import Line2D
 
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
 from fretfe.report.pictures.mesh import cell_outlines
-from fretfe.report.pictures.panels import View, name_axes, panels, set_limits, settle
-from fretfe.report.source import loading, when
+from fretfe.report.pictures.panels import View, name_axes, panels, plural, set_limits, settle
+from fretfe.report.source import state_title, times_text
 from fretfe.report.theme import BLUE, FRAMED, GREY, ORANGE, PALE
 from fretfe.results.model import BodyArrays, Result
 
@@ -53,15 +53,14 @@ def draw_status(run: Result, contacts: Sequence[str], states: Sequence[int]) -> 
             _draw_bodies(panel, run.bodies.values(), view)
             _draw_contact(panel, contact, state, view)
             name_axes(panel, "along x", "along y", run.case.units.length)
-            title = ": ".join(filter(None, [when(run, state), loading(run, state)]))
-            panel.set_title(f"{contact.name}, {title}\n{shares_text(contact, state)}")
+            title = f"{contact.name}, {state_title(run, state)}"
+            panel.set_title(f"{title}\n{shares_text(contact, state)}")
     settle(figure, axes, ASPECT, "Where the contacts stick and slip")
-    times = " and ".join(when(run, state) for state in states)
     return figure, (
-        f"Status of the contacts in the steps that end at {times}, drawn on the bodies before "
-        "deformation: wide and light where they slip, narrow and dark where they stick, dotted "
-        "where they are open. Each panel is turned into the frame of its contact, with body 2 "
-        "below."
+        f"Status of the contacts in the steps that end at {times_text(run, states)}, drawn on "
+        "the bodies before deformation: wide and light where they slip, narrow and dark where "
+        "they stick, dotted where they are open. Each panel is turned into the frame of its "
+        "contact, with body 2 below."
     )
 
 
@@ -134,7 +133,5 @@ def _draw_contact(panel: Axes, contact: ContactHistory, state: int, view: View) 
             for run in np.split(np.arange(len(points)), np.flatnonzero(np.diff(chosen)) + 1)
             if chosen[run[0]]
         ]
-        lines = LineCollection(
-            pieces, capstyle="butt", zorder=2 + order, **{f"{k}s": v for k, v in style.items()}
-        )
+        lines = LineCollection(pieces, capstyle="butt", zorder=2 + order, **plural(style))
         panel.add_collection(lines, autolim=False)

@@ -38,7 +38,7 @@ from fretfe.report.pictures.panels import (
     show_image,
 )
 from fretfe.report.pictures.plan import EdgePlace
-from fretfe.report.source import loading, when
+from fretfe.report.source import loading, state_title, times_text, when
 from fretfe.report.texts import direction_text, number, rounded
 from fretfe.report.theme import COLOURS, ELEMENTS, FRAMED, HALO, OUTLINE, PICTURE_WIDTH, UNDEFORMED
 
@@ -66,9 +66,9 @@ def draw_bodies(
         else:
             panel.set_xticks([])
             panel.set_yticks([])
-            texts = [when(run, state), loading(run, state)] if view.cut is None else []
+            title = state_title(run, state) if view.cut is None else ""
             size = f"panel {rounded(2 * float(view.half_size[0]))} {units.length} wide"
-            panel.set_title("\n".join(filter(None, [": ".join(filter(None, texts)), size])))
+            panel.set_title("\n".join(filter(None, [title, size])))
     _add_bar(figure, axes, look.limit, units.stress)
     settle(figure, axes, aspect, f"Von Mises stress, displacements × {look.scale:g}")
     for panel, (view, state) in zip(axes, shown, strict=True):
@@ -86,7 +86,7 @@ def draw_bodies(
 
 def bodies_caption(source: Fields, states: Sequence[int], look: Look) -> str:
     """Caption of the picture of `draw_bodies`."""
-    times = " and ".join(when(source.run, state) for state in states)
+    times = times_text(source.run, states)
     drawn = f"enlarged {look.scale:g} times" if look.scale > 1 else "in true size"
     text = f"Von Mises equivalent stress of the bodies at {times}; displacements {drawn}"
     limits = look.limit, look.largest, BODIES_PERCENTAGE

@@ -37,9 +37,9 @@ from fretfe.report.pictures.panels import (
 )
 from fretfe.report.pictures.status import NAMES, STATUS, shares_text, visible_status
 from fretfe.report.pictures.unroll import Unrolled, unroll
-from fretfe.report.source import loading, when
+from fretfe.report.source import cycle_states, state_title, times_text
 from fretfe.report.texts import direction_text, number, rounded
-from fretfe.report.theme import COLOURS, FRAMED, HALO, PALE, VERMILLION
+from fretfe.report.theme import COLOURS, DURATION, FRAME_WIDTH, FRAMED, HALO, PALE, VERMILLION
 from fretfe.results.field_files import in_space
 from fretfe.results.model import Result
 
@@ -69,9 +69,8 @@ LINES: dict[str, dict[str, Any]] = {
     "edge of stick": {"colors": "black", "linewidths": 1.2, "linestyles": "--"},
 }
 FILLS = {SLIP: STATUS[SLIP]["color"], STICK: STATUS[STICK]["color"], OPEN: PALE}
-# Width in inches and dots per inch of a frame; frames and bytes at most; milliseconds of a cycle.
-FRAME_WIDTH, FRAME_DPI = 6.4, 100
-MOST_FRAMES, MOST_BYTES, DURATION = 60, 2_000_000, 4000
+# Dots per inch of a frame; frames and bytes at most.
+FRAME_DPI, MOST_FRAMES, MOST_BYTES = 100, 60, 2_000_000
 
 
 def front_handles(fronts: Sequence[Front]) -> list[Line2D]:
@@ -236,19 +235,19 @@ def draw_surface(run: Result, name: str, states: Sequence[int]) -> tuple[Figure,
         _draw_status(lower, sheet, state)
         for panel in (upper, lower):
             draw_fronts(panel, sheet.contact, sheet.plane, fronts, state)
-    times = " and ".join(when(run, state) for state in states)
     return (
         figure,
-        f"Pressure and shear, and below stick and slip, at {times}. {reading(sheet)}"
+        f"Pressure and shear, and below stick and slip, at {times_text(run, states)}. "
+        + reading(sheet)
         + fronts_reading(fronts),
     )
 
 
 def frame_title(sheet: Sheet, state: int) -> str:
     """Time, loads and largest pressure of a state."""
-    loads = ": ".join(filter(None, [when(sheet.run, state), loading(sheet.run, state)]))
     largest = float(sheet.contact.mean_traction[state][:, 0].max())
-    return f"{loads}\nlargest pressure {rounded(largest)} {sheet.run.case.units.stress}"
+    pressure = f"largest pressure {rounded(largest)} {sheet.run.case.units.stress}"
+    return f"{state_title(sheet.run, state)}\n{pressure}"
 
 
 def frame(panel: Axes, sheet: Sheet) -> None:
@@ -362,19 +361,17 @@ def reading(sheet: Sheet) -> str:
 
 def cycle_frames(run: Result) -> list[int]:
     """States of the evaluated cycle, or of everything, to be drawn; none if some are not kept."""
-    first, last = run.loads.evaluated
-    # The last state of a cycle looks like the first one; nothing is loaded at the first of all.
-    states = np.arange(first, last) if run.loads.cycle else np.arange(1, last + 1)
+    states = cycle_states(run)
     assert run.solution is not None
-    if not run.solution.keeps(int(states[0]), int(states[-1])):
+    if not run.solution.keeps(states[0], states[-1]):
         return []
-    return _thinned(states.tolist(), MOST_FRAMES)
+    return _thinned(states, MOST_FRAMES)
 
 
-def _thinned(states: list[int], most: int) -> list[int]:
+def _thinned(states: Sequence[int], most: int) -> list[int]:
     """As many of the states at most, evenly."""
     if len(states) <= most:
-        return states
+        return list(states)
     return [states[round(place)] for place in np.linspace(0, len(states) - 1, most)]
 
 
@@ -387,7 +384,7 @@ def draw_cycle(run: Result, name: str) -> tuple[bytes, str]:
     data = _encoded(images)
     # Frames take about the same room each.
     while len(data) > MOST_BYTES and len(images) > 2:
-        images = [images[i] for i in _thinned(list(range(len(images))), len(images) // 2)]
+        images = [images[i] for i in _thinned(range(len(images)), len(images) // 2)]
         data = _encoded(images)
     what = "the evaluated cycle" if run.loads.cycle else "the whole history"
     return data, f"Pressure and shear in {what}, {len(images)} states. {reading(sheet)}"

@@ -91,13 +91,12 @@ def unroll(contact: ContactHistory) -> Unrolled:
     else:
         places = offsets @ directions.T
         axes = np.broadcast_to(directions, (len(places), 2, 3))
-        how = "as it lies, nearly flat" if flattest >= FLAT else _projected(flattest)
+        how = "as it lies, nearly flat"
+        if flattest < FLAT:
+            shorter = "much" if flattest < STEEPEST else f"up to {1 - flattest:.0%}"
+            how = "curved in two directions and projected: on its slopes lengths appear "
+            how += f"{shorter} shorter"
     return Unrolled(places, axes, ("t₁", "t₂"), directions, middle, how)
-
-
-def _projected(flattest: float) -> str:
-    shorter = "much" if flattest < STEEPEST else f"up to {1 - flattest:.0%}"
-    return f"curved in two directions and projected: on its slopes lengths appear {shorter} shorter"
 
 
 def _axis(normals: Array, shares: Array) -> tuple[Array, float]:
