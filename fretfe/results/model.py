@@ -146,11 +146,7 @@ class Result:
         return {
             "time": loads.times,
             **{f"loads.{name}": loads.values[:, n] for n, name in enumerate(loads.channels)},
-            "k_n": one.k_n,
-            "k_t": one.k_t,
-            "k_s": one.k_s,
-            "k_i": one.k_i,
-            "position": one.position,
+            **{name: getattr(one, name) for name in ("k_n", "k_t", "k_s", "k_i", "position")},
         }
 
     def contact_history(self, contact: str) -> ContactHistory:
