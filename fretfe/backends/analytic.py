@@ -19,7 +19,7 @@ from fretfe.analytic.rocking import TiltedContact
 from fretfe.backends.halfplane import size_limit, with_size_errors
 from fretfe.backends.protocol import DEFAULTS, RunOptions, field_obstacles
 from fretfe.case import Case
-from fretfe.contact.division import LARGEST_MOVE, TOLERATED
+from fretfe.contact.march import LARGEST_MOVE, TOLERATED
 from fretfe.evaluate.contacts import (
     Contact,
     CountedCycles,

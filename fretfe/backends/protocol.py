@@ -13,7 +13,7 @@ from typing import Protocol, TypeVar, runtime_checkable
 from fretfe.case import Case
 from fretfe.environment import rank_from_environment
 from fretfe.errors import StoppedError
-from fretfe.history.checkpoint import Storage
+from fretfe.history.stream import Storage
 from fretfe.loads import History
 from fretfe.results.model import Result
 

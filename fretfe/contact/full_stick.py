@@ -10,9 +10,9 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface, unresisted_motions
+from fretfe.contact.linear_operator import Conditions, FactoredOperator
 from fretfe.contact.march import March
 from fretfe.contact.newton import NotConverged
-from fretfe.contact.operator import Conditions, InterfaceOperator
 from fretfe.contact.state import OPEN, STICK, ContactState, StepLoads
 
 # The loads are raised and lowered by this fraction: edges move by some elements (2.5 % of a Hertz
@@ -88,7 +88,7 @@ class FullStickSolver:
         drivers: loads that have an increment.
     """
 
-    def __init__(self, operator: InterfaceOperator, drivers: Drivers) -> None:
+    def __init__(self, operator: FactoredOperator, drivers: Drivers) -> None:
         interface = operator.interface
         self._operator = operator
         # Boundaries driven by displacement are driven by their force here.

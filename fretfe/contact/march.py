@@ -1,22 +1,37 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""One contact solution per step of a load history: step cutting, the slow method, certificates."""
+"""One contact solution per step of a load history: step cutting, the slow method, division.
+
+Steps within which an edge moves far or loads turn are divided into parts. Slip, friction work and
+the edge factors follow the way of the loads: a shear force that acts on a contact while it grows is
+not the same as one that acts on the grown contact, and loads out of phase do not have all their
+extremes at the ends of steps. Where edges move by more than a small part of the half-width within a
+step, or loads turn, and friction acts, loads in between are solved too.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from fretfe._typing import Array, Bools
-from fretfe.contact.admm import status_by_fixed_point
-from fretfe.contact.certificate import Certificate, certify, dissipation
-from fretfe.contact.factored import FactoredOperator
-from fretfe.contact.interface import Interface
-from fretfe.contact.newton import NO_RESISTANCE, Newton, NotConverged
-from fretfe.contact.operator import InterfaceOperator
-from fretfe.contact.state import OPEN, STICK, ContactState, StepLoads
+from fretfe._typing import Array, Bools, Indices
+from fretfe.contact.interface import Interface, Place
+from fretfe.contact.linear_operator import FactoredOperator
+from fretfe.contact.newton import NO_RESISTANCE, Newton, NotConverged, status_by_fixed_point
+from fretfe.contact.state import (
+    OPEN,
+    STICK,
+    Certificate,
+    ContactState,
+    StepLoads,
+    StepTable,
+    certify,
+    dissipation,
+)
 from fretfe.errors import ConvergenceError
+from fretfe.surface.reference import edges_once
 
 # A step is halved at most this often before the run gives up.
 MAX_CUTS = 6
@@ -75,7 +90,7 @@ class March:
 
     def __init__(self, interface: Interface) -> None:
         self.interface = interface
-        self.operator: InterfaceOperator = FactoredOperator(interface)
+        self.operator = FactoredOperator(interface)
         self._newton = Newton(self.operator)
 
     def advance(
@@ -158,3 +173,207 @@ class March:
             count = max(FIRST_TOUCH_NODES, int(FIRST_TOUCH_FRACTION * (nodes.stop - nodes.start)))
             closed[nodes.start + np.argsort(gap[nodes], kind="stable")[:count]] = True
         return closed
+
+
+# Mean movement of the edges within a part, over the half-width, that is aimed at: increments by the
+# mean of both ends are right to a few 1e-4 then.
+LARGEST_MOVE = 0.05
+# A part that exceeds it by this factor is solved again in smaller ones.
+TOLERATED = 1.4
+# Distance of the loads from the straight line between the ends of a part, over their ranges: more
+# than that of two loads with 20 steps a cycle. With 10 slip zones out of phase are 10 % too short.
+LARGEST_BEND = 0.009
+# Friction does little where the shear is less than this part of what friction can take up: .03 are
+# what a sphere on a block has that is pressed on alone, as bodies are no half-spaces.
+LEAST_SHEAR = 0.05
+# Parts of one step.
+MOST_PARTS = 64
+# Parts grow and shrink by this factor at most from one to the next.
+FASTEST = 3.0
+
+
+@dataclass(frozen=True)
+class Part:
+    """A solved part of a step.
+
+    Attributes:
+        share: of the step, in (0, 1], at its end.
+        result: the state there, and what it took.
+    """
+
+    share: float
+    result: StepResult
+
+
+def summary(parts: Sequence[Part]) -> str:
+    """Iterations, parts and largest violation of a step, in words."""
+    results = [each.result for each in parts]
+    worst = max((each.certificate for each in results), key=lambda certificate: certificate.worst)
+    together = replace(
+        results[-1],
+        iterations=sum(each.iterations for each in results),
+        parts=sum(each.parts for each in results),
+        certificate=worst,
+    )
+    return together.summary
+
+
+class Division:
+    """Solves steps, in parts where edges move far.
+
+    Args:
+        march: advances the states.
+        steps: loads at the end of each step.
+        places: the contacts.
+    """
+
+    def __init__(self, march: March, steps: StepTable, places: Sequence[Place]) -> None:
+        self._march, self._steps = march, steps
+        self._edges = {place.name: neighbouring_nodes(place) for place in places}
+        self._turns = _parts_by_turning(steps)
+
+    def solve(self, number: int, state: ContactState) -> list[Part]:
+        """Solve a step from the state before it; its end is that of the last part.
+
+        Raises:
+            ConvergenceError: if it has no solution.
+        """
+        try:
+            return self._solve(number, state)
+        except NotConverged as failure:
+            raise not_converged(number, len(self._steps) - 1, failure) from None
+
+    def _solve(self, number: int, state: ContactState) -> list[Part]:
+        begin, end = self._steps[number - 1], self._steps[number]
+        whole = self._march.advance(state, begin, end)
+        turns = self._turns[number] if end.friction.any() else 1
+        moved = self._moved(state, whole.state, end)
+        if moved <= TOLERATED and turns == 1:
+            return [Part(1.0, whole)]
+        try:
+            return list(self._parts(number, state, 1 / max(moved, turns), 1 / turns))
+        except NotConverged:
+            # Loads on the way find no solution, as where the contact would slide as a whole.
+            return [Part(1.0, whole)]
+
+    def _parts(
+        self, number: int, state: ContactState, size: float, largest: float
+    ) -> Iterator[Part]:
+        """The parts of a step, as shares of it none larger than the largest.
+
+        Args:
+            number: of the step.
+            state: before it.
+            size: of the first one to be tried.
+            largest: of all parts.
+        """
+        begin, end = self._steps[number - 1], self._steps[number]
+        done, count = 0.0, 0
+        while done < 1.0:
+            # The first parts, next to no contact at all, may be smaller than there are parts.
+            least = min(1.0, 0.25 + count / MOST_PARTS) * (1.0 - done) / (MOST_PARTS - count)
+            share = _reached(done, min(max(size, least), largest))
+            loads = self._loads(number, share)
+            result = self._march.advance(state, begin, loads)
+            moved = self._moved(state, result.state, end)
+            size = (share - done) / float(np.clip(moved, 1 / FASTEST, FASTEST))
+            if moved > TOLERATED and share - done > 1.01 * least:
+                continue
+            yield Part(share, result)
+            state, begin, done, count = result.state, loads, share, count + 1
+
+    def _loads(self, number: int, share: float) -> StepLoads:
+        if share == 1.0:
+            return self._steps[number]
+        return self._steps.divided(np.array([number]), np.array([share]))[0]
+
+    def _moved(self, before: ContactState, after: ContactState, loads: StepLoads) -> float:
+        """Movement of edges over `LARGEST_MOVE`, of the contact with friction where it is largest.
+
+        Less than one if they move by no more than an element: more parts would tell nothing new.
+        """
+        interface, largest = self._march.interface, 0.0
+        for name, nodes in interface.contacts.items():
+            if not _sheared(interface, (before, after), loads, nodes):
+                continue
+            closed = before.closed[nodes], after.closed[nodes]
+            share = _movement(interface.roots[nodes] ** 2, *closed)
+            elements = _elements(self._edges[name], *closed)
+            largest = max(largest, min(share / LARGEST_MOVE, elements))
+        return largest
+
+
+def _parts_by_turning(steps: StepTable) -> Indices:
+    """(T,) parts of each step within which the loads are next to straight lines.
+
+    Loads that go up and down together follow one line, whose ends are ends of steps.
+    """
+    parts = np.ones(len(steps), dtype=np.int64)
+    if steps.within is None or len(steps) < 2:
+        return parts
+    numbers = np.arange(1, len(steps))
+    middle = steps.divided(numbers, np.full(len(numbers), 0.5))
+    loads, between = (np.column_stack([each.amplitudes, each.values]) for each in (steps, middle))
+    ranges = np.ptp(loads, axis=0)
+    scale = np.where(ranges > 0, ranges, np.inf)
+    chord = np.diff(loads, axis=0) / scale
+    bulge = (between - (loads[1:] + loads[:-1]) / 2) / scale
+    length = np.linalg.norm(chord, axis=1)
+    unit = chord / np.where(length > 0, length, 1.0)[:, None]
+    across = bulge - np.sum(bulge * unit, axis=1, keepdims=True) * unit
+    bend = np.linalg.norm(across, axis=1)
+    parts[1:] = np.clip(np.ceil(np.sqrt(bend / LARGEST_BEND) - 1e-9), 1, MOST_PARTS)
+    return parts
+
+
+def _sheared(
+    interface: Interface, states: Sequence[ContactState], loads: StepLoads, nodes: slice
+) -> bool:
+    """True if friction does something in one of some states."""
+    friction, roots = loads.friction[nodes], interface.roots[nodes]
+    for state in states:
+        pressure, shear = state.traction[nodes, 0], state.traction[nodes, 1:]
+        bound = friction @ (roots * pressure)
+        if bound > 0 and roots @ np.linalg.norm(shear, axis=1) > LEAST_SHEAR * bound:
+            return True
+    return False
+
+
+def _reached(done: float, size: float) -> float:
+    """Share at the end of the next part; a last one is not left much smaller than the others."""
+    return 1.0 if done + 1.2 * size >= 1.0 else done + size
+
+
+def _movement(weights: Array, before: Bools, after: Bools) -> float:
+    """Part of the mean area of a contact that opens or closes between two states.
+
+    In the plane the mean movement of its edges over the half-width: 2 da of 2 a. Of a circle twice
+    that of the radius, with whose power 3/2 factors fall, and not 1/2.
+    """
+    area = (weights[before].sum() + weights[after].sum()) / 2
+    return float(weights[before ^ after].sum() / area) if area > 0 else 0.0
+
+
+def _elements(edges: Indices, before: Bools, after: Bools) -> float:
+    """Mean movement of the edges in elements: nodes that open or close over those on the rim."""
+    rim = max(_rim(edges, before), _rim(edges, after), 1)
+    return float(np.count_nonzero(before ^ after)) / rim
+
+
+def _rim(edges: Indices, closed: Bools) -> int:
+    """Number of nodes in contact that have a neighbour which is not.
+
+    Args:
+        edges: (E, 2) neighbouring nodes.
+        closed: (N,) nodes in contact.
+    """
+    ends = closed[edges]
+    return len(np.unique(edges[ends & ~ends[:, ::-1]]))
+
+
+def neighbouring_nodes(place: Place) -> Indices:
+    """(E, 2) neighbouring nodes of a contact: one after the other, or along the sides of facets."""
+    if place.facets is None:
+        nodes = np.arange(len(place.nodes.weights))
+        return np.column_stack([nodes[:-1], nodes[1:]])
+    return edges_once(place.facets)

@@ -14,16 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.contact.certificate import Certificate
-from fretfe.contact.division import Part
 from fretfe.contact.full_stick import FullStickSolver, Increments, find_drivers
 from fretfe.contact.interface import Interface, Place, digest_of
-from fretfe.contact.march import March
-from fretfe.contact.state import ContactState, StepLoads, StepTable, unloaded
-from fretfe.history.checkpoint import UNSEEN, Checkpoint, Storage, write_checkpoint
+from fretfe.contact.march import March, Part
+from fretfe.contact.state import Certificate, ContactState, StepLoads, StepTable, unloaded
 from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.history.state_array import StateArray, blocks, mapped, part
-from fretfe.history.stream import StateStream
+from fretfe.history.stream import UNSEEN, Checkpoint, StateStream, Storage, write_checkpoint
 from fretfe.loads import History
 
 # Tractions and gaps below this fraction of what the motion of the bodies would cause are round-off.

@@ -9,8 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.contact.division import Division, summary
-from fretfe.contact.march import March
+from fretfe.contact.march import Division, March, summary
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState, StepTable
 from fretfe.errors import ConvergenceError

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.contact.division import LARGEST_MOVE, MOST_PARTS
+from fretfe.contact.march import LARGEST_MOVE, MOST_PARTS
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.history.state_array import picked, summed

@@ -24,8 +24,8 @@ from fretfe.evaluate.factors import UnitFactors, full_stick_units, half_plane_un
 from fretfe.evaluate.plane.full_stick_fit import GALERKIN_OVERHANG
 from fretfe.evaluate.slip import cycle_states
 from fretfe.halfplane.compliance import EdgeRange, HatFunctions, graded_grid
-from fretfe.history.checkpoint import UNSEEN, Storage
 from fretfe.history.solution import ContactHistory, Factor, NearbyLoads, Solution
+from fretfe.history.stream import UNSEEN, Storage
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.idealise.problem import contact_edges, governing_length
 

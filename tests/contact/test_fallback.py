@@ -13,13 +13,11 @@ from halfplane_interface import Flank
 from halfspace import SphereOnFlat
 from marching import march_through
 
-from fretfe.contact.admm import status_by_fixed_point
-from fretfe.contact.certificate import certify
-from fretfe.contact.factored import FactoredOperator
 from fretfe.contact.interface import Interface
+from fretfe.contact.linear_operator import FactoredOperator
 from fretfe.contact.march import MAX_CUTS, March, StepResult
-from fretfe.contact.newton import Newton, NotConverged
-from fretfe.contact.state import ContactState, StepLoads, unloaded
+from fretfe.contact.newton import Newton, NotConverged, status_by_fixed_point
+from fretfe.contact.state import ContactState, StepLoads, certify, unloaded
 from fretfe.errors import ConvergenceError
 
 Solve = Callable[..., tuple[ContactState, int]]

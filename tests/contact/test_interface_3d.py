@@ -17,12 +17,10 @@ from numpy.typing import NDArray
 
 from fretfe._typing import Array
 from fretfe.contact import march as march_module
-from fretfe.contact.admm import status_by_fixed_point
-from fretfe.contact.certificate import certify
-from fretfe.contact.factored import FactoredOperator
 from fretfe.contact.interface import DenseCompliance, Interface
+from fretfe.contact.linear_operator import FactoredOperator
 from fretfe.contact.march import March, StepResult
-from fretfe.contact.newton import LoadedStep, Newton
+from fretfe.contact.newton import LoadedStep, Newton, status_by_fixed_point
 from fretfe.contact.state import (
     OPEN,
     SLIP,
@@ -32,6 +30,7 @@ from fretfe.contact.state import (
     Status,
     StatusRules,
     StepLoads,
+    certify,
 )
 from fretfe.errors import ConvergenceError
 

@@ -15,10 +15,9 @@ from halfplane_interface import Flank
 from marching import march_through
 
 from fretfe._typing import Array
-from fretfe.contact.certificate import certify
 from fretfe.contact.interface import Interface
 from fretfe.contact.march import March, StepResult
-from fretfe.contact.state import OPEN, SLIP, STICK, ContactState, StepLoads, unloaded
+from fretfe.contact.state import OPEN, SLIP, STICK, ContactState, StepLoads, certify, unloaded
 from fretfe.errors import ConvergenceError
 
 # Hertz with E* = R = 1: a = 1 and p0 = 1/2 at P = pi/4.

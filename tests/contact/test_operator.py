@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from fretfe._typing import Array, Bools
-from fretfe.contact import factored
-from fretfe.contact.factored import FactoredOperator, unknown_tractions
+from fretfe.contact import linear_operator
 from fretfe.contact.interface import Coordinate, DenseCompliance, Interface
-from fretfe.contact.operator import Conditions, InterfaceOperator, Response
+from fretfe.contact.linear_operator import Conditions, FactoredOperator, Response, unknown_tractions
 from fretfe.contact.state import OPEN, SLIP, STICK
 
 NODES = 40
@@ -117,7 +116,7 @@ def loads(interface: Interface) -> tuple[Array, Array]:
 )
 def test_release_meets_the_conditions(make: type[FactoredOperator], d: int, known: Bools) -> None:
     interface = problem(d)
-    operator: InterfaceOperator = make(interface)
+    operator = make(interface)
     wanted = conditions(interface, np.array(known))
     free, forces = loads(interface)
     area = operator.area(wanted.status != OPEN, free[:, 0, 0])
@@ -203,7 +202,7 @@ def test_nodes_that_are_not_factorised_come_into_contact(
     make: type[FactoredOperator], d: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Areas that grow, move away and come back meet the conditions as one that is solved alone."""
-    monkeypatch.setattr(factored, "FEWEST", 4)
+    monkeypatch.setattr(linear_operator, "FEWEST", 4)
     interface = problem(d)
     operator = make(interface)
     wanted = conditions(interface, np.array([False, True, True, True]))

@@ -8,7 +8,7 @@ import pytest
 from scipy import linalg
 
 from fretfe._typing import Array
-from fretfe.contact.linear import FEWEST, SimilarSystems
+from fretfe.contact.nested_inverse import FEWEST, SimilarSystems
 
 SIZE = FEWEST + 20
 UNKNOWNS = np.arange(SIZE)

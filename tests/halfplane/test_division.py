@@ -12,14 +12,14 @@ import pytest
 from halfplane_problems import FRICTION, LIMIT, LOAD, problem
 
 from fretfe.backends.analytic import divide, solve_closed_form
-from fretfe.contact.division import LARGEST_MOVE, LEAST_SHEAR, MOST_PARTS, TOLERATED
+from fretfe.contact.march import LARGEST_MOVE, LEAST_SHEAR, MOST_PARTS, TOLERATED
 from fretfe.errors import ConvergenceError
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.step_ends import at_step_ends, division_notes
 from fretfe.halfplane import solve_half_planes
 from fretfe.halfplane.solver import HalfPlaneOutcome
-from fretfe.history.checkpoint import Storage
+from fretfe.history.stream import Storage
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.loads.history import PARTS, within_steps
 
@@ -125,7 +125,7 @@ def test_closed_forms_take_the_same_way() -> None:
 
 
 def test_a_bar_holds_what_undivided_steps_miss(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fretfe.contact.division.LARGEST_MOVE", 1e9)
+    monkeypatch.setattr("fretfe.contact.march.LARGEST_MOVE", 1e9)
     outcome = solve_half_planes(ramps(1), 120)
     assert outcome.solution.step is None
     (contact,) = evaluate(outcome.solution, outcome.unit_factors)

@@ -1,9 +1,18 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The interface operator by one factorisation for many contact areas."""
+"""The linear algebra of contact as named operations, by one factorisation for many areas.
+
+Newton's method, its fallback and the full-stick increments state conditions on nodes and
+coordinates. `FactoredOperator` decides how the linear systems behind them are factorised and
+solved, and what is kept from one contact area to the next.
+
+Right-hand sides and solutions have a last axis of J cases that are solved at once. N, d and m are
+those of `fretfe.contact.interface`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -13,10 +22,60 @@ from scipy import linalg
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface, coordinate_scale
-from fretfe.contact.linear import InverseRows, NestedInverse, SimilarSystems
-from fretfe.contact.operator import Conditions, Response
-from fretfe.contact.state import OPEN, SLIP, STICK
+from fretfe.contact.nested_inverse import InverseRows, NestedInverse, SimilarSystems
+from fretfe.contact.state import OPEN, SLIP, STICK, Status
 from fretfe.errors import ModelError
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Linear conditions that take the place of full stick.
+
+    A node with pressure p, shear q, gap g and increment Δ is
+
+    * open: p = 0, q = 0;
+    * stuck: g = 0, Δ = 0;
+    * slipping: g = 0, q = p `pull` + `turning` (q − r Δ).
+
+    Attributes:
+        status: (N,) OPEN, STICK or SLIP.
+        pull: (N, d-1) friction coefficient times direction of the shear; read at slipping nodes.
+        turning: (N, d-1, d-1) derivative of the direction times the friction bound; read at
+            slipping nodes, in three dimensions only: in the plane a direction cannot turn.
+        penalty: (N,) r.
+        known: (m,) coordinates of known amplitude; on the others the force is known.
+        amplitudes: (k, J) the known amplitudes.
+        floating: True if bodies can move without any resistance. The loads must then be in
+            equilibrium, and the solution is one of many that differ in such motions only.
+    """
+
+    status: Status
+    pull: Array
+    turning: Array
+    penalty: Array
+    known: Bools
+    amplitudes: Array
+    floating: bool = False
+
+
+@dataclass(frozen=True)
+class Response:
+    """Solution of linear contact conditions.
+
+    Attributes:
+        traction: (N, d, J) y.
+        relative: (N, d, J) gap and increment Δ; where they are released or stuck as the conditions
+            have it, not as the bodies' displacements give it.
+        coordinates: (m, J) c.
+        residual: what is left of the right-hand sides, relative to them, if bodies can move without
+            any resistance: zero but for round-off if the loads are in equilibrium.
+    """
+
+    traction: Array
+    relative: Array
+    coordinates: Array
+    residual: float = 0.0
+
 
 # Leading blocks end at multiples of this fraction of all nodes: most changes of the contact area
 # leave the block as it is.
@@ -31,7 +90,9 @@ UNRESISTED = 1e-10
 
 
 class RegularisedFactor:
-    """The interface problem with an elastic layer between the bodies, factorised.
+    """The bodies with an elastic layer between them, every node sticking to it, factorised.
+
+    Prescribed coordinates do not move; the layer's compliance is the penalty.
 
     Args:
         interface: the interface problem; its prescribed coordinates are left out.
@@ -52,7 +113,12 @@ class RegularisedFactor:
         self._flexibility = linalg.pinvh(stiffness + self._motion.T @ self._response)
 
     def tractions(self, displacement: Array, forces: Array) -> Array:
-        """(N*d,) tractions that give a displacement; see `Regularised`."""
+        """(N*d,) tractions that give a displacement.
+
+        Args:
+            displacement: (N*d,) w − w0 of bodies and layer together.
+            forces: (k,) forces on the k coordinates that are not prescribed, −(R + H a).
+        """
         held = self._inverse.solve(len(displacement), displacement)
         moved = self._flexibility @ (self._motion.T @ held - forces * self._scale)
         return np.asarray(held - self._response @ moved)
@@ -68,7 +134,7 @@ def unknown_tractions(conditions: Conditions) -> int:
 def solve_directly(
     interface: Interface, conditions: Conditions, free: Array, forces: Array
 ) -> Response:
-    """Solve linear contact conditions of a plane problem; see `StuckContact.release`.
+    """Solve linear contact conditions of a plane problem; see `StuckSolution.release`.
 
     Args:
         interface: the interface problem, d = 2.
@@ -116,7 +182,7 @@ def solve_directly(
 
 
 class FactoredOperator:
-    """Interface operator that factorises the compliance in the order of contact.
+    """Solves linear systems of an interface problem, factorised in the order of contact.
 
     Args:
         interface: the interface problem.
@@ -129,7 +195,12 @@ class FactoredOperator:
         self._met = np.zeros(interface.size, dtype=np.int64)  # how often a node was in contact
 
     def area(self, closed: Bools, gap: Array) -> NestedArea:
-        """Leading block that includes a contact area; see `InterfaceOperator`."""
+        """Leading block that includes a contact area; the same object while it serves this one too.
+
+        Args:
+            closed: (N,) nodes in contact.
+            gap: (N,) tells which of the other nodes are likely to close next.
+        """
         self._met += closed
         if self._order is None or self._order.is_worn(closed):
             keys = gap / self.interface.roots, -self._met, ~closed  # the last one counts most
@@ -139,7 +210,7 @@ class FactoredOperator:
         return self._order.area(closed)
 
     def memory(self) -> dict[str, NDArray[Any]]:
-        """Numbers on which the order of the next factorisation depends; see `recall`."""
+        """Numbers by name on which the next order, and so the round-off, depends; see `recall`."""
         found = {"operator_count": np.array(self._count), "operator_met": self._met}
         if self._order is None:
             return found
@@ -147,7 +218,7 @@ class FactoredOperator:
         return {**found, **order, **self._order.rows.memory()}
 
     def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
-        """Go on as the operator that `memory` is of: with the same round-off."""
+        """Go on as the operator, of the same interface, that `memory` is of: with its round-off."""
         self._count, self._met = int(memory["operator_count"]), memory["operator_met"]
         if "operator_order" in memory:
             self._order = ContactOrder(self.interface, memory["operator_order"])
@@ -155,7 +226,11 @@ class FactoredOperator:
             self._order.rows.recall(memory)
 
     def regularised(self, penalty: float) -> RegularisedFactor:
-        """Bodies with an elastic layer between them; see `InterfaceOperator`."""
+        """Bodies with an elastic layer between them.
+
+        Args:
+            penalty: compliance of the layer, in the unit of A.
+        """
         return RegularisedFactor(self.interface, penalty)
 
 
@@ -250,7 +325,13 @@ class NestedArea:
         self.size = count * order.interface.components
 
     def stuck(self, free: Array, forces: Array) -> StuckSolution:
-        """Full stick of the area under loads; see `ContactArea`."""
+        """Full stick of the area under loads.
+
+        Args:
+            free: (N, d, J) gap and increment without tractions and coordinates.
+            forces: (m, J) forces on the coordinates, R + H a; where the amplitude is known they
+                make no difference.
+        """
         return StuckSolution(self, free, forces)
 
 
@@ -283,7 +364,7 @@ class StuckSolution:
 
     @property
     def coordinates(self) -> Array:
-        """(m, J) coordinates on which forces act, the prescribed ones at rest."""
+        """(m, J) c with the prescribed ones at rest; of many solutions the smallest."""
         order, size = self._area.order, self._area.size
         moving = np.flatnonzero(~order.interface.prescribed)
         resistance = order.stiffness + order.rows.vectors(size) @ order.motion[:size]
@@ -294,7 +375,15 @@ class StuckSolution:
         return found * order.scale[:, None]
 
     def release(self, conditions: Conditions) -> Response:
-        """Let go of what is open, slipping or without known amplitude; see `StuckContact`."""
+        """Let go of what is open, slipping or without known amplitude.
+
+        Args:
+            conditions: stick or slip within the contact area only.
+
+        Raises:
+            numpy.linalg.LinAlgError: if the conditions leave a motion without any resistance. Where
+                round-off resists it, it is out of all proportion to that in full stick.
+        """
         area, order = self._area, self._area.order
         released = _Released(area, conditions)
         count = len(released.all)
