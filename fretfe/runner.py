@@ -262,14 +262,8 @@ class Runner:
 
     def _known(self, work: Work) -> Result | None:
         """The numbers in a folder; on other processes than the first without arrays."""
-        found: list[Result | None] = []
-
-        def read() -> Result | None:
-            found.append(work.before())
-            return found[0] and replace(found[0], solution=None, bodies={})
-
-        shared = self.processes.on_root(read)
-        return found[0] if found else shared
+        shared = self.processes.on_root(work.read_known)
+        return work.known or shared
 
     def write(self, work: Callable[[], T]) -> T | None:
         """Do `work` on the first process; a backend that runs on one runs on each of them."""

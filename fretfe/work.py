@@ -11,11 +11,13 @@ import signal
 import time
 import tomllib
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from fretfe.backends import Observer
 from fretfe.case import Case, as_written, case_text
+from fretfe.case.overrides import by_key
 from fretfe.environment import versions
 from fretfe.errors import OutputError, StoppedError
 from fretfe.files import disk_reason, replace_text, sync_path
@@ -49,6 +51,10 @@ class Work:
         backend: its name.
         case: to be solved.
         varied: what a sweep varies.
+
+    Attributes:
+        directory: of the run.
+        known: the numbers that were found in it, on the process that has read them.
     """
 
     def __init__(
@@ -60,6 +66,7 @@ class Work:
         varied: Mapping[str, Any] | None = None,
     ) -> None:
         self.directory = directory
+        self.known: Result | None = None
         self._case = case
         # What tells the result that was written last from another one of this run.
         self._written: object = None
@@ -169,12 +176,16 @@ class Work:
         complete = result.failure is None
         self.finish(complete=complete, resumable=isinstance(result.failure, StoppedError))
 
-    def before(self) -> Result | None:
-        """The numbers that the run has written so far, None if it has not written all of them."""
+    def read_known(self) -> Result | None:
+        """Read what the run has written so far into `known`; for other processes, without arrays.
+
+        None if it has not written all of its numbers.
+        """
         try:
-            return read_result(self.directory)
+            self.known = read_result(self.directory)
         except OutputError:
             return None
+        return replace(self.known, solution=None, bodies={})
 
     def finish(self, *, complete: bool, resumable: bool = False) -> None:
         """Say that all is written, once it is on the disk.
@@ -256,21 +267,8 @@ def _changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]
     """Differences of two runs that matter, in words."""
     for key in ("command", "backend", "versions", "varied", "case"):
         start = "" if key == "case" else key
-        one, other = (dict(_flat(each.get(key), start)) for each in (before, now))
+        one, other = (by_key(each.get(key), start) for each in (before, now))
         for name in {**one, **other}:
             if name.split(".")[0] in FREE_KEYS or one.get(name) == other.get(name):
                 continue
             yield f"{name} was {one.get(name, 'not given')}, is {other.get(name, 'not given')}"
-
-
-def _flat(value: Any, name: str) -> Iterator[tuple[str, Any]]:
-    """Single values with their names, as ``contacts.main.friction``."""
-    items: Any = ()
-    if isinstance(value, Mapping):
-        items = value.items()
-    elif isinstance(value, list | tuple):
-        items = enumerate(value, start=1)
-    else:
-        yield name, value
-    for key, item in items:
-        yield from _flat(item, f"{name}.{key}" if name else str(key))

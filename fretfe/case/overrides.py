@@ -197,3 +197,17 @@ def _keys(segment: dict[str, Any]) -> set[str]:
     """Keys that a segment may have."""
     kind = (segment_kind(segment) or "").removeprefix(TAG)
     return set(KINDS[kind].model_fields) if kind else set(segment)
+
+
+def by_key(value: Any, key: str = "") -> dict[str, Any]:
+    """Single values by keys with dots; items of lists are numbered from 1, as with --set."""
+    if isinstance(value, Mapping):
+        items: Iterable[tuple[Any, Any]] = value.items()
+    elif isinstance(value, list | tuple):
+        items = enumerate(value, start=1)
+    else:
+        return {key: value}
+    found: dict[str, Any] = {}
+    for name, item in items:
+        found |= by_key(item, f"{key}.{name}" if key else str(name))
+    return found

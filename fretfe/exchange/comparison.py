@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from fretfe.case.overrides import by_key
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, SlipZone, Station, quantities
 from fretfe.evaluate.refinement import StationValues, front_means
@@ -308,7 +309,7 @@ def _case_differences(first: Result, second: Result) -> list[str]:
     notes = []
     if first.backend != second.backend:
         notes.append(f"solved by {first.backend} and by {second.backend}")
-    one, two = (_flat(each.case.model_dump(exclude_unset=True)) for each in (first, second))
+    one, two = (by_key(each.case.model_dump(exclude_unset=True)) for each in (first, second))
     keys = [key for key in {**one, **two} if key.split(".")[0] not in NOT_COMPARED]
     texts = [
         f"{key}: {_told(one, key)} and {_told(two, key)}"
@@ -322,17 +323,3 @@ def _case_differences(first: Result, second: Result) -> list[str]:
 
 def _told(values: Mapping[str, Any], key: str) -> str:
     return f"{values[key]}" if key in values else "not set"
-
-
-def _flat(table: Any, key: str = "") -> dict[str, Any]:
-    """Values by keys with dots; items of lists are numbered from 1, as with --set."""
-    if isinstance(table, Mapping):
-        items: Sequence[tuple[Any, Any]] = list(table.items())
-    elif isinstance(table, list | tuple):
-        items = list(enumerate(table, start=1))
-    else:
-        return {key: table}
-    found: dict[str, Any] = {}
-    for name, value in items:
-        found |= _flat(value, f"{key}.{name}" if key else str(name))
-    return found
