@@ -9,7 +9,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case, unit_vector
-from fretfe.case.channels import DisplacementLoad, PlatenLoad, RotationLoad, TiltLoad, TractionLoad
+from fretfe.case.loads import DisplacementLoad, PlatenLoad, RotationLoad, TiltLoad, TractionLoad
 from fretfe.contact.interface import Coordinate
 from fretfe.errors import ModelError
 from fretfe.mesh.mesh import Mesh

@@ -4,20 +4,31 @@
 from __future__ import annotations
 
 from fretfe.case.base import unit_vector
-from fretfe.case.channels import (
+from fretfe.case.loads import (
+    CsvPoints,
     DisplacementLoad,
+    Hold,
     Load,
     PlatenLoad,
+    Points,
+    Ramp,
     RotationLoad,
+    Segment,
     TiltLoad,
     TractionLoad,
+    Wave,
 )
-from fretfe.case.dimension import check_dimension
-from fretfe.case.histories import CsvPoints, Hold, Points, Ramp, Segment, Wave
 from fretfe.case.messages import complaint
 from fretfe.case.model import Case, case_schema
 from fretfe.case.overrides import parse_assignments
-from fretfe.case.reading import as_written, case_text, changed, load_case, parse_case
+from fretfe.case.reading import (
+    as_written,
+    case_text,
+    changed,
+    check_dimension,
+    load_case,
+    parse_case,
+)
 from fretfe.case.selectors import BoundarySelector, Selector, file_kind
 from fretfe.case.tables import (
     Body,

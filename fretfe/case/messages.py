@@ -15,10 +15,8 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from fretfe.case.base import TAG, Table
-from fretfe.case.channels import LOADS
-from fretfe.case.checks import Key, Problem
-from fretfe.case.histories import KINDS
-from fretfe.case.model import Case, Contradiction
+from fretfe.case.loads import KINDS, LOADS
+from fretfe.case.model import Case, Contradiction, Key, Problem
 from fretfe.case.selectors import BoundarySelector, Selector
 from fretfe.case.tables import (
     Body,

@@ -1,17 +1,176 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The case as a whole, and its JSON schema."""
+"""The case as a whole, checks of its tables against each other, and its JSON schema."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+from itertools import combinations
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 from pydantic import Field, PrivateAttr, model_validator
 
-from fretfe.case.base import Name, Table
-from fretfe.case.channels import AnyLoad
-from fretfe.case.checks import Problem, cross_problems
+from fretfe.case.base import Name, Table, unit_vector
+from fretfe.case.loads import AnyLoad, DisplacementLoad, Load, PlatenLoad, RotationLoad, TiltLoad
 from fretfe.case.tables import Body, Contact, Cycle, Edges, Geometry, Model, Output, Support, Units
+
+Key = tuple[str | int, ...]
+
+# Sine of the angle by which two platen directions may miss a right angle: vectors typed with six
+# digits pass, a slip of a degree does not.
+ORTHOGONALITY = 1e-5
+
+
+class Problem(NamedTuple):
+    """One thing that is wrong with a case: the key in the file and a text for the user."""
+
+    key: Key
+    text: str
+
+
+def cross_problems(
+    bodies: Mapping[str, Body],
+    contacts: Mapping[str, Contact],
+    supports: Mapping[str, Support],
+    loads: Mapping[str, Load],
+) -> list[Problem]:
+    """Contradictions between the tables given, which may be only a part of a case."""
+    return [
+        *_surface_problems(contacts),
+        *_held_surface_problems(contacts, supports, loads),
+        *_platen_problems(contacts, supports, loads),
+        *_platen_direction_problems(loads),
+        *_displacement_problems(supports, loads),
+        *_rotation_problems(bodies, loads),
+    ]
+
+
+def _surface_problems(contacts: Mapping[str, Contact]) -> Iterator[Problem]:
+    used: dict[str, str] = {}
+    for name, contact in contacts.items():
+        for side in ("surface1", "surface2"):
+            surface = getattr(contact, side)
+            if surface in used:
+                yield Problem(
+                    ("contacts", name, side),
+                    f"expected a surface of its own, found {surface!r}, which is already "
+                    f"{used[surface]}",
+                )
+            used.setdefault(surface, f"contacts.{name}.{side}")
+
+
+def _held_surface_problems(
+    contacts: Mapping[str, Contact], supports: Mapping[str, Support], loads: Mapping[str, Load]
+) -> Iterator[Problem]:
+    """Contact surfaces that are held or moved: only contact may hold them."""
+    used = {
+        getattr(contact, side): f"contacts.{name}.{side}"
+        for name, contact in contacts.items()
+        for side in ("surface1", "surface2")
+    }
+    held = [("supports", name, each.boundary) for name, each in supports.items()]
+    held += [
+        ("loads", name, load.boundary)
+        for name, load in loads.items()
+        if isinstance(load, DisplacementLoad)
+    ]
+    for table, name, boundary in held:
+        if boundary in used:
+            yield Problem(
+                (table, name, "boundary"),
+                f"expected a boundary that is no contact surface, found {boundary!r}, which is "
+                f"{used[boundary]}",
+            )
+
+
+def _platens(loads: Mapping[str, Load]) -> dict[str, str]:
+    """Platen boundaries and the first load of each."""
+    platens: dict[str, str] = {}
+    for name, load in loads.items():
+        if isinstance(load, PlatenLoad | TiltLoad):
+            platens.setdefault(load.boundary, name)
+    return platens
+
+
+def _platen_problems(
+    contacts: Mapping[str, Contact], supports: Mapping[str, Support], loads: Mapping[str, Load]
+) -> Iterator[Problem]:
+    uses: list[tuple[Key, str]] = []
+    for name, contact in contacts.items():
+        uses.append((("contacts", name, "surface1"), contact.surface1))
+        uses.append((("contacts", name, "surface2"), contact.surface2))
+    uses += [(("supports", name, "boundary"), each.boundary) for name, each in supports.items()]
+    uses += [
+        (("loads", name, "boundary"), load.boundary)
+        for name, load in loads.items()
+        if isinstance(load, DisplacementLoad)
+    ]
+    platens = _platens(loads)
+    for key, boundary in uses:
+        if boundary in platens:
+            yield Problem(
+                key,
+                f"expected a boundary that is not a platen, found {boundary!r}, the platen of "
+                f"loads.{platens[boundary]} (a platen is rigid and held in every direction "
+                "without a load)",
+            )
+
+
+def _platen_direction_problems(loads: Mapping[str, Load]) -> Iterator[Problem]:
+    """Directions, or axes, of loads on one platen that are not at right angles."""
+    for kind, key in ((PlatenLoad, "direction"), (TiltLoad, "axis")):
+        own = [(name, load) for name, load in loads.items() if isinstance(load, kind)]
+        for (name1, load1), (name2, load2) in combinations(own, 2):
+            if load1.boundary != load2.boundary:
+                continue
+            found1, found2 = getattr(load1, key), getattr(load2, key)
+            vectors = (unit_vector(each, 3) for each in (found1, found2))
+            cosine = sum(a * b for a, b in zip(*vectors, strict=True))
+            if abs(cosine) > ORTHOGONALITY:
+                yield Problem(
+                    ("loads", name2, key),
+                    f"expected {'an' if key == 'axis' else 'a'} {key} at right angles to that of "
+                    f"loads.{name1} on the same platen {load1.boundary!r}, found {_shown(found2)} "
+                    f"and {_shown(found1)}",
+                )
+
+
+def _shown(direction: str | tuple[float, ...]) -> str:
+    if isinstance(direction, str):
+        return repr(direction)
+    return "[" + ", ".join(f"{component:.6g}" for component in direction) + "]"
+
+
+def _displacement_problems(
+    supports: Mapping[str, Support], loads: Mapping[str, Load]
+) -> Iterator[Problem]:
+    """Components of a boundary that are prescribed twice."""
+    used = {
+        (support.boundary, axis): f"supports.{name}"
+        for name, support in supports.items()
+        for axis in support.fix
+    }
+    for name, load in loads.items():
+        if not isinstance(load, DisplacementLoad):
+            continue
+        component = (load.boundary, load.direction)
+        if component in used:
+            yield Problem(
+                ("loads", name, "direction"),
+                f"expected a free component, found {load.direction!r} of {load.boundary!r}, which "
+                f"{used[component]} prescribes already",
+            )
+        used.setdefault(component, f"loads.{name}")
+
+
+def _rotation_problems(bodies: Mapping[str, Body], loads: Mapping[str, Load]) -> Iterator[Problem]:
+    missing = [f"bodies.{name}.density" for name, body in bodies.items() if body.density is None]
+    for name, load in loads.items():
+        if isinstance(load, RotationLoad) and missing:
+            yield Problem(
+                ("loads", name),
+                f"a rotation needs the density of every body, missing: {', '.join(missing)}",
+            )
 
 
 class Contradiction(ValueError):

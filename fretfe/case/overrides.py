@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from fretfe.case.base import TAG
-from fretfe.case.channels import LOADS
-from fretfe.case.histories import KINDS, segment_kind
+from fretfe.case.loads import KINDS, LOADS, segment_kind
 from fretfe.case.model import Case
 from fretfe.errors import CaseError
 

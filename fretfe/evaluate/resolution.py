@@ -17,7 +17,7 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.case import Case, contact_modulus, unit_vector
 from fretfe.case import Contact as ContactTable
-from fretfe.case.channels import DisplacementLoad, PlatenLoad, RotationLoad, TractionLoad
+from fretfe.case.loads import DisplacementLoad, PlatenLoad, RotationLoad, TractionLoad
 from fretfe.errors import MeshError
 from fretfe.evaluate.contacts import Contact, SlipZone, Station
 from fretfe.evaluate.factors import WANTED_NODES

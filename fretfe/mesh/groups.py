@@ -11,7 +11,7 @@ import numpy as np
 
 from fretfe._typing import Indices
 from fretfe.case import Case
-from fretfe.case.channels import DisplacementLoad, PlatenLoad, TiltLoad
+from fretfe.case.loads import DisplacementLoad, PlatenLoad, TiltLoad
 from fretfe.errors import MeshError
 from fretfe.mesh.elements import (
     CORNERS,
