@@ -20,8 +20,8 @@ from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.resultants import shear_direction
 from fretfe.evaluate.space.fronts import follow_fronts
 from fretfe.report.figures.solids import area_plot, force_plot
-from fretfe.report.page.answer import summary
 from fretfe.report.page.html import draw_plots, render
+from fretfe.report.page.tables import summary
 from fretfe.report.source import extremes
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result

@@ -26,15 +26,16 @@ from fretfe.evaluate.contacts import Contact
 from fretfe.files import disk_reason, replace_text
 from fretfe.history.solution import Solution
 from fretfe.quality.rows import own_rows
-from fretfe.report.figures import edges, history, slip, solids, solver, tractions
+from fretfe.report.figures import edges, history, solids, solver, tractions
 from fretfe.report.figures.plot import Plot
-from fretfe.report.page.answer import edge_answers, summary
 from fretfe.report.page.tables import (
     contact_table,
     cycle_table,
+    edge_answers,
     limit_table,
     mesh_table,
     station_table,
+    summary,
     timing_table,
 )
 from fretfe.report.pictures.folder import read_pictures
@@ -147,13 +148,13 @@ def _sections(run: Result) -> tuple[Section, ...]:
     loops = (*map(history.slip_loop_plot, shown), *history.work_loop_plots(run))
     counted = (edges.cycle_plot(each, edge) for each in shown for edge in each.summary.stations)
     irregular = any(edge.cycles.irregular for each in run.contacts for edge in each.stations)
-    slip_intro = slip.INTRO + (slip.ENVELOPE_INTRO if irregular else "")
+    slip_intro = tractions.SLIP_INTRO + (tractions.ENVELOPE_INTRO if irregular else "")
     sections = (
         _section(
             "tractions", "Along the contacts", tractions.INTRO, map(tractions.traction_plot, shown)
         ),
         _section("edges", "Next to the edges", edges.INTRO, asymptotes),
-        _section("slip", "Stick and slip", slip_intro, map(slip.slip_plot, shown)),
+        _section("slip", "Stick and slip", slip_intro, map(tractions.slip_plot, shown)),
         _section("cycles", "Counted cycles", edges.CYCLES_INTRO, counted),
         _section(
             "local", "Local parameters", tractions.LOCAL_INTRO, map(tractions.local_plot, shown)
