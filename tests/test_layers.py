@@ -50,7 +50,6 @@ LAYERS = (
     "fretfe.exchange.*",
     "fretfe.strength.*",
     "fretfe.sweeps.*",
-    "fretfe.work",
     "fretfe.runner",
     "fretfe.checked",
     "fretfe.submodel.*",
