@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """A slow twin of the mortar kernel in space in plain Python: the same definition.
 
-Feet and hits come from SciPy's hybrid method, interpolation from `fretfe.surface.reference`; all
+Feet and hits come from SciPy's hybrid method, interpolation from `fretfe.mesh.elements`; all
 pairs of facets are tried.
 """
 
@@ -16,8 +16,8 @@ import numpy as np
 from scipy.optimize import root
 
 from fretfe._typing import Array
+from fretfe.mesh.elements import KINDS, reference_nodes, shape_slopes, shape_values
 from fretfe.surface.overlap import OverlapPoints, Rule
-from fretfe.surface.reference import CORNERS, KINDS, Shape, shape_slopes, shape_values
 
 # Definitions that the twin shares with the kernel.
 FARTHEST_FOOT, FARTHEST_HIT = 1.0, 0.1
@@ -31,12 +31,12 @@ class Facet:
     normals: Array
 
     @cached_property
-    def kind(self) -> tuple[Shape, int]:
+    def kind(self) -> tuple[str, int]:
         return KINDS[3, len(self.nodes)]
 
     @property
     def corners(self) -> Array:
-        return CORNERS[self.kind[0]]
+        return reference_nodes(self.kind[0], 1)
 
     @property
     def size(self) -> float:

@@ -31,7 +31,7 @@ from fretfe.contact.state import (
     dissipation,
 )
 from fretfe.errors import ConvergenceError
-from fretfe.surface.reference import edges_once
+from fretfe.surface.surface import edges_once
 
 # A step is halved at most this often before the run gives up.
 MAX_CUTS = 6

@@ -28,7 +28,7 @@ from fretfe._typing import Array, Indices
 from fretfe.case import Body, plane_modulus
 from fretfe.case.tables import Plane
 from fretfe.history.solution import OPEN, SLIP, ContactHistory
-from fretfe.surface.reference import quadrature, shape_slopes, shape_values
+from fretfe.mesh.elements import quadrature, shape_slopes, shape_values
 from fretfe.surface.surface import Surface
 
 # Elements next to the edge, and next to the border of the stick zone, that fits leave out:

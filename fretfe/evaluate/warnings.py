@@ -21,7 +21,7 @@ from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.verdicts import withheld
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
-from fretfe.surface.reference import rim_nodes
+from fretfe.surface.surface import rim_nodes
 
 # Part of the range of K_T that may lie between the steps without a warning.
 LARGEST_STEPS = 0.02

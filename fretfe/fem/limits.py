@@ -25,8 +25,8 @@ from fretfe.fem.model import Model, Reduction
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import StateArray, blocks
 from fretfe.idealise.bodies import SIMILAR, dissimilarity
+from fretfe.mesh.elements import reference_nodes, shape_values
 from fretfe.surface.checks import INTERPENETRATION_PER_FACET
-from fretfe.surface.reference import reference_nodes, shape_values
 from fretfe.surface.surface import Surface, curvatures, deviations, mean_curvature, normal_vectors
 
 # Forces or moments on a body that do not add up to zero, over the largest of them, from which a

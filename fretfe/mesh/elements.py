@@ -1,27 +1,30 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Cells of Gmsh: types and shapes, node orders of other programs, orientation, facets, angles."""
+"""Elements: shapes, node orders of Gmsh and others, shape functions, quadrature, facets.
+
+Reference coordinates lie in [0, 1]; simplices have their corners at the origin and at 1 along each
+axis. Nodes are in Gmsh order.
+"""
 
 from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from itertools import product
 from types import MappingProxyType
 
 import numpy as np
 
-from fretfe._typing import Array, Bools, Indices
+from fretfe._typing import Array, Bools, Indices, Positions
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
 
 # Reference coordinates of the corners.
-_SQUARE = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+_SQUARE = ((0, 0), (1, 0), (1, 1), (0, 1))
 _PLACES: dict[str, tuple[tuple[int, ...], ...]] = {
-    "line": ((-1,), (1,)),
+    "line": ((0,), (1,)),
     "triangle": ((0, 0), (1, 0), (0, 1)),
     "quadrilateral": _SQUARE,
     "tetrahedron": ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    "hexahedron": tuple((x, y, z) for z in (-1, 1) for x, y in _SQUARE),
+    "hexahedron": tuple((x, y, z) for z in (0, 1) for x, y in _SQUARE),
 }
 CORNERS = {cell: len(places) for cell, places in _PLACES.items()}
 PLURALS = {
@@ -30,7 +33,7 @@ PLURALS = {
     "tetrahedron": "tetrahedra",
     "hexahedron": "hexahedra",
 }
-SIMPLICES = ("line", "triangle", "tetrahedron")
+SIMPLICES = ("triangle", "tetrahedron")
 # The corners around each node that order 2 adds.
 MIDDLES: dict[str, tuple[tuple[int, ...], ...]] = {
     "line": ((0, 1),),
@@ -57,6 +60,17 @@ FACET_SHAPES = {
     "tetrahedron": "triangle",
     "hexahedron": "quadrilateral",
 }
+# Shape and order of a facet by the dimension of space and its number of nodes.
+KINDS = {
+    (2, 2): ("line", 1),
+    (2, 3): ("line", 2),
+    (3, 3): ("triangle", 1),
+    (3, 6): ("triangle", 2),
+    (3, 4): ("quadrilateral", 1),
+    (3, 9): ("quadrilateral", 2),
+}
+# Largest sum of the absolute values of the functions of order 2 that do not belong to corners.
+BULGE = {"line": 1.0, "triangle": 4 / 3, "quadrilateral": 1.3844}
 # Gauss points along each direction of a facet for its length or area.
 GAUSS_POINTS = 3
 # Steps to the nearest place of a curved facet.
@@ -123,7 +137,7 @@ def reference_nodes(cell: str, order: int) -> Array:
 
 def jacobian_determinants(points: Array, cells: Indices, cell: str, order: int) -> Array:
     """Determinant of the map from the reference cell at each node of each cell: (m, k)."""
-    slopes = _slopes(cell, order, reference_nodes(cell, order))
+    slopes = shape_slopes(cell, order, reference_nodes(cell, order))
     jacobian = np.einsum("qak,mkd->mqad", slopes, points[cells], optimize=True)
     xi, eta = jacobian[..., 0, :], jacobian[..., 1, :]
     if jacobian.shape[2] == 2:
@@ -131,31 +145,97 @@ def jacobian_determinants(points: Array, cells: Indices, cell: str, order: int) 
     return np.sum(np.cross(xi, eta) * jacobian[..., 2, :], axis=-1)
 
 
-def _slopes(cell: str, order: int, at: Array) -> Array:
-    """Gradients (q, d, k) of the k Lagrange functions at places (q, d), from monomials."""
-    powers = _powers(cell, order)
-    columns = [
-        powers[:, axis] * _monomials(at, np.maximum(powers - np.eye(at.shape[1])[axis], 0))
-        for axis in range(at.shape[1])
+def shape_values(shape: str, order: int, at: Array) -> Array:
+    """(n, k) Lagrange functions of an order, 1 or 2, at reference coordinates (n, d)."""
+    if shape in SIMPLICES:
+        area = np.column_stack([1 - at.sum(axis=1), at])
+        if order == 1:
+            return area
+        first, second = np.array(MIDDLES[shape]).T
+        return np.hstack([area * (2 * area - 1), 4 * area[:, first] * area[:, second]])
+    along = [_line_values(order, t) for t in at.T]
+    factors = [
+        values[:, node] for values, node in zip(along, _grid_nodes(shape, order), strict=True)
     ]
-    return np.stack([column @ _coefficients(cell, order) for column in columns], axis=1)
+    return np.asarray(np.prod(factors, axis=0))
+
+
+def shape_slopes(shape: str, order: int, at: Array) -> Array:
+    """(n, d, k) derivatives of `shape_values` along the reference coordinates."""
+    count, dimension = at.shape
+    if shape in SIMPLICES:
+        slope = np.column_stack([-np.ones(dimension), np.eye(dimension)])
+        if order == 1:
+            return np.broadcast_to(slope, (count, dimension, dimension + 1))
+        area = shape_values(shape, 1, at)[:, None]
+        first, second = np.array(MIDDLES[shape]).T
+        along_edges = area[..., first] * slope[:, second] + area[..., second] * slope[:, first]
+        return np.concatenate([(4 * area - 1) * slope, 4 * along_edges], axis=2)
+    nodes = _grid_nodes(shape, order)
+    values = [_line_values(order, t)[:, node] for t, node in zip(at.T, nodes, strict=True)]
+    slopes = [_line_slopes(order, t)[:, node] for t, node in zip(at.T, nodes, strict=True)]
+    products = [
+        np.prod([*values[:axis], slopes[axis], *values[axis + 1 :]], axis=0)
+        for axis in range(dimension)
+    ]
+    return np.stack(products, axis=1)
+
+
+def _line_values(order: int, t: Array) -> Array:
+    """(n, k) functions of a line, of the nodes at 0, 1 and, of order 2, 1/2."""
+    if order == 1:
+        return np.stack([1 - t, t], axis=1)
+    return np.stack([(1 - t) * (1 - 2 * t), t * (2 * t - 1), 4 * t * (1 - t)], axis=1)
+
+
+def _line_slopes(order: int, t: Array) -> Array:
+    if order == 1:
+        return np.broadcast_to(np.array([-1.0, 1.0]), (len(t), 2))
+    return np.stack([4 * t - 3, 4 * t - 1, 4 - 8 * t], axis=1)
 
 
 @functools.cache
-def _coefficients(cell: str, order: int) -> Array:
-    """(k, k) coefficients of the Lagrange functions (columns) of the monomials (rows)."""
-    return np.linalg.inv(_monomials(reference_nodes(cell, order), _powers(cell, order)))
+def _grid_nodes(shape: str, order: int) -> Positions:
+    """(d, k) nodes of the lines, at 0, 1 and 1/2, whose products are the functions of a cell."""
+    nodes = reference_nodes(shape, order)
+    return np.where(nodes == 0.5, 2, nodes).astype(np.intp).T
 
 
-def _powers(cell: str, order: int) -> Array:
-    """(k, d) powers of the reference coordinates in the monomials of a cell."""
-    powers = np.array(list(product(range(order + 1), repeat=len(_PLACES[cell][0]))), dtype=float)
-    return powers[powers.sum(axis=1) <= order] if cell in SIMPLICES else powers
+def lattice(shape: str, count: int) -> Array:
+    """(n, d - 1) evenly spaced reference coordinates, `count` along each edge."""
+    points = _grid(shape, np.linspace(0.0, 1.0, count))
+    return points[points.sum(axis=1) <= 1.0 + 1e-9] if shape == "triangle" else points
 
 
-def _monomials(at: Array, powers: Array) -> Array:
-    """(q, k) monomials at places (q, d)."""
-    return np.prod(at[:, None] ** powers, axis=2)
+def quadrature(shape: str, count: int) -> tuple[Array, Array]:
+    """Gauss points (n, d - 1) and weights (n,), exact for polynomials of degree 2 * count - 2.
+
+    The rule of the triangle is that of the square, folded along one of its sides.
+    """
+    places, line_weights = np.polynomial.legendre.leggauss(count)
+    at = _grid(shape, (places + 1) / 2)
+    weights = np.prod(_grid(shape, line_weights / 2), axis=1)
+    if shape == "triangle":
+        height = 1 - at[:, 0]
+        return np.stack([at[:, 0], at[:, 1] * height], axis=1), weights * height
+    return at, weights
+
+
+def seven_points() -> tuple[Array, Array]:
+    """Points (7, 2) and weights (7,) in a triangle, exact for polynomials of degree 5 (Radon)."""
+    root = np.sqrt(15)
+    shares = (6 + np.array([-root, root])) / 21
+    corners = reference_nodes("triangle", 1)
+    centre = corners.mean(axis=0)
+    orbits = [centre + (1 - 3 * share) * (corners - centre) for share in shares]
+    weights = np.repeat([9 / 40, *(155 + np.array([-root, root])) / 1200], [1, 3, 3]) / 2
+    return np.vstack([centre, *orbits]), weights
+
+
+def _grid(shape: str, line: Array) -> Array:
+    """(n, d - 1) tensor product of the values on a line with themselves."""
+    axes = np.meshgrid(*[line] * SHAPE_DIMENSIONS[shape], indexing="ij")
+    return np.stack([axis.ravel() for axis in axes], axis=1)
 
 
 def positive_cells(points: Array, cells: Indices, cell: str, order: int) -> tuple[Indices, Indices]:
@@ -286,22 +366,13 @@ def facet_measures(points: Array, facets: Indices) -> Array:
     Curved ones by three Gauss points along each direction: the error of a length is below 1e-6 for
     an arc of 30 degrees.
     """
-    shape, order = facet_kind(points.shape[1], facets.shape[1])
-    at, weights = _quadrature(shape)
-    tangents = np.einsum("qak,fkd->fqad", _slopes(shape, order, at), points[facets])
+    shape, order = KINDS[points.shape[1], facets.shape[1]]
+    at, weights = quadrature(shape, GAUSS_POINTS)
+    tangents = np.einsum("qak,fkd->fqad", shape_slopes(shape, order, at), points[facets])
     if shape == "line":
         return np.linalg.norm(tangents[:, :, 0], axis=2) @ weights
     normals = np.cross(tangents[:, :, 0], tangents[:, :, 1])
     return np.linalg.norm(normals, axis=2) @ weights
-
-
-def facet_kind(dimension: int, count: int) -> tuple[str, int]:
-    """Shape and order of the facets with a number of nodes, in the plane or in space."""
-    if dimension == 2:
-        return "line", count - 1
-    return {3: ("triangle", 1), 6: ("triangle", 2), 4: ("quadrilateral", 1)}.get(
-        count, ("quadrilateral", 2)
-    )
 
 
 def facet_feet(points: Array, facets: Indices, targets: Array) -> tuple[Array, Array]:
@@ -309,49 +380,25 @@ def facet_feet(points: Array, facets: Indices, targets: Array) -> tuple[Array, A
 
     Both are (f, d). Curved facets by a few Gauss-Newton steps from their centres.
     """
-    shape, order = facet_kind(points.shape[1], facets.shape[1])
+    shape, order = KINDS[points.shape[1], facets.shape[1]]
     nodes = points[facets]
-    lowest, highest = (0.0, 1.0) if shape == "triangle" else (-1.0, 1.0)
-    at = np.full((len(facets), points.shape[1] - 1), 1 / 3 if shape == "triangle" else 0.0)
+    at = np.full((len(facets), points.shape[1] - 1), 1 / 3 if shape == "triangle" else 0.5)
     for _ in range(NEWTON_STEPS):
-        tangents = np.einsum("fak,fkd->fad", _slopes(shape, order, at), nodes)
-        off = targets - _places(shape, order, at, nodes)
+        tangents = np.einsum("fak,fkd->fad", shape_slopes(shape, order, at), nodes)
+        off = targets - np.einsum("fk,fkd->fd", shape_values(shape, order, at), nodes)
         gram = np.einsum("fad,fbd->fab", tangents, tangents)
         step = np.linalg.solve(gram, np.einsum("fad,fd->fa", tangents, off)[..., None])[..., 0]
-        at = np.clip(at + step, lowest, highest)
+        at = np.clip(at + step, 0.0, 1.0)
         if shape == "triangle":
             at /= np.maximum(at.sum(axis=1), 1.0)[:, None]
-    tangents = np.einsum("fak,fkd->fad", _slopes(shape, order, at), nodes)
+    tangents = np.einsum("fak,fkd->fad", shape_slopes(shape, order, at), nodes)
     if shape == "line":
         normals = np.stack([tangents[:, 0, 1], -tangents[:, 0, 0]], axis=1)
     else:
         normals = np.cross(tangents[:, 0], tangents[:, 1])
     normals /= np.linalg.norm(normals, axis=1)[:, None]
-    return _places(shape, order, at, nodes), normals
-
-
-def _places(shape: str, order: int, at: Array, nodes: Array) -> Array:
-    """(f, d) places of reference coordinates (f, a) on facets with nodes (f, k, d)."""
-    values = _monomials(at, _powers(shape, order)) @ _coefficients(shape, order)
-    return np.asarray(np.einsum("fk,fkd->fd", values, nodes))
-
-
-@functools.cache
-def _quadrature(shape: str) -> tuple[Array, Array]:
-    """Gauss points (q, d) and weights (q,) on a reference facet.
-
-    The rule of the triangle is that of the square, folded along one of its sides.
-    """
-    places, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
-    if shape == "line":
-        return places[:, None], weights
-    at = np.array(list(product(places, repeat=2)))
-    products = np.outer(weights, weights).ravel()
-    if shape == "quadrilateral":
-        return at, products
-    at = (at + 1) / 2
-    height = 1 - at[:, 0]
-    return np.stack([at[:, 0], at[:, 1] * height], axis=1), products / 4 * height
+    feet = np.einsum("fk,fkd->fd", shape_values(shape, order, at), nodes)
+    return feet, normals
 
 
 def in_gmsh_order(gmsh_type: int, nodes: Indices) -> Indices:

@@ -92,7 +92,7 @@ class _Bricks:
         below = reference_nodes(shape, order)
         nodes = reference_nodes(_SWEPT[shape], order)
         places = np.linalg.norm(nodes[:, None, :-1] - below, axis=2).argmin(axis=1)
-        levels = np.rint((nodes[:, -1] + 1) * order / 2).astype(np.int64)
+        levels = np.rint(nodes[:, -1] * order).astype(np.int64)
         one_layer = plane[:, places] + levels * count
         return np.concatenate([one_layer + order * n * count for n in range(self._layers)])
 

@@ -12,11 +12,11 @@ from fretfe._typing import Array, Indices
 from fretfe.case import Case
 from fretfe.errors import MeshError
 from fretfe.mesh.body_overlap import BodyOverlap, body_overlaps
+from fretfe.mesh.elements import shape_values
 from fretfe.mesh.load import grouped_mesh, naming_case
 from fretfe.mesh.make import SetSizes
 from fretfe.mesh.mesh import Mesh
 from fretfe.surface.overlap import overlap_points, search_reach
-from fretfe.surface.reference import shape_values
 from fretfe.surface.surface import Surface, build_surface, deviations
 
 # An interpenetration of this fraction of a facet is not resolved by the mesh and does no harm.

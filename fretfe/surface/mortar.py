@@ -19,8 +19,8 @@ from scipy import sparse
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import ModelError
+from fretfe.mesh.elements import shape_values
 from fretfe.surface.overlap import OverlapPoints, overlap_points
-from fretfe.surface.reference import shape_values
 from fretfe.surface.surface import Chain, Surface, tangent_frames
 
 # Hats with less than this fraction of their support inside the overlap carry no multiplier.

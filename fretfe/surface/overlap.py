@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from fretfe._core import _kernels
 from fretfe._typing import Array, Bools, Indices, Positions
-from fretfe.surface.reference import BULGE, MIDDLES, quadrature, seven_points
+from fretfe.mesh.elements import BULGE, MIDDLES, quadrature, seven_points
 from fretfe.surface.surface import Surface, mean_curvature
 
 # Spheres are larger by this fraction: points just beyond the end of a facet count as on it.
@@ -174,7 +174,7 @@ def overlap_points(surface1: Surface, surface2: Surface) -> OverlapPoints:
         return project_in_space(
             surface2, normals, surface1, square, _triangle_rule(surface1, surface2)
         )
-    at, weights = quadrature("interval", GAUSS_POINTS)
+    at, weights = quadrature("line", GAUSS_POINTS)
     return project(surface2, normals, surface1, (at[:, 0], weights))
 
 

@@ -9,29 +9,26 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fretfe._typing import Array, Indices, Positions
+from fretfe._typing import Array, Bools, Indices, Positions
 from fretfe.errors import MeshError, ModelError
-from fretfe.mesh.mesh import BodyMesh
-from fretfe.surface.reference import (
+from fretfe.mesh.elements import (
     CORNERS,
     KINDS,
     MIDDLES,
-    Shape,
-    facet_edges,
     lattice,
     quadrature,
     reference_nodes,
-    rim_nodes,
     shape_slopes,
     shape_values,
 )
+from fretfe.mesh.mesh import BodyMesh
 
 # Facets whose normal turns by less than this angle (radians) are straight.
 STRAIGHT = 1e-9
 # Gauss points along each direction of a facet for its measure.
 GAUSS_POINTS = 4
 # Places along each edge of a facet at which the nearest one is looked up.
-SAMPLES: dict[Shape, int] = {"interval": 17, "triangle": 9, "quadrilateral": 17}
+SAMPLES: dict[str, int] = {"line": 17, "triangle": 9, "quadrilateral": 17}
 # Corners at the ends of the sides along each reference direction.
 SIDES = {
     "triangle": (((0, 1),), ((0, 2),)),
@@ -93,7 +90,7 @@ class Chain:
 
     def _inside(self) -> Array:
         nodes = self.surface.nodes
-        slopes = shape_slopes("interval", 2, np.array([[0.0], [0.5], [1.0]]))[:, 0]
+        slopes = shape_slopes("line", 2, np.array([[0.0], [0.5], [1.0]]))[:, 0]
         first = np.einsum("qk,fkd->fqd", slopes, nodes)
         second = 4 * (nodes[:, :1] + nodes[:, 1:2] - 2 * nodes[:, 2:])
         return (np.abs(_cross(first, second)) / np.linalg.norm(first, axis=2) ** 3).max(axis=1)
@@ -173,7 +170,7 @@ class Surface:
     body: str
     points: Array
     facets: Indices
-    shape: Shape
+    shape: str
     degree: int
     normals: Array
 
@@ -190,7 +187,7 @@ class Surface:
     @property
     def corners(self) -> Indices:
         """(f, c) numbers of each facet's corners."""
-        return self.facets[:, : len(CORNERS[self.shape])]
+        return self.facets[:, : CORNERS[self.shape]]
 
     @property
     def vertices(self) -> Array:
@@ -292,12 +289,12 @@ def build_surface(mesh: BodyMesh, name: str) -> Surface:
     facets = mesh.boundaries[name]  # each with the body on its left
     shape, degree = KINDS[mesh.points.shape[1], facets.shape[1]]
     where = f"surface {name!r} of body {mesh.name!r}"
-    if shape == "interval":
+    if shape == "line":
         facets = facets[chain_order(facets, where)]
     else:
-        _require_orientation(facets[:, : len(CORNERS[shape])], where)
+        _require_orientation(facets[:, : CORNERS[shape]], where)
     nodes = mesh.points[facets]
-    numbers, facets = _renumbered(facets, len(CORNERS[shape]))
+    numbers, facets = _renumbered(facets, CORNERS[shape])
     normals = _nodal_normals(nodes, facets, shape, degree)
     return Surface(name, mesh.name, mesh.points[numbers], facets, shape, degree, normals)
 
@@ -326,7 +323,7 @@ def _first_seen(values: Indices) -> Indices:
     return found[np.argsort(first)]
 
 
-def _with_middles(corners: Indices, shape: Shape) -> Indices:
+def _with_middles(corners: Indices, shape: str) -> Indices:
     """(f, k) numbers of the nodes of degree 2 of facets with corners (f, c); neighbours share."""
     # each middle is known by the corners around it, -1 where it has fewer than others
     keys = np.full((len(corners), len(MIDDLES[shape]), max(map(len, MIDDLES[shape]))), -1)
@@ -337,13 +334,13 @@ def _with_middles(corners: Indices, shape: Shape) -> Indices:
     return np.concatenate([corners, corners.max() + 1 + middles], axis=1)
 
 
-def normal_vectors(nodes: Array, shape: Shape, degree: int, at: Array) -> Array:
+def normal_vectors(nodes: Array, shape: str, degree: int, at: Array) -> Array:
     """(f, q, d) outward normals at coordinates (q, d - 1), as long as the facet is stretched."""
     slopes = shape_slopes(shape, degree, at)
     return perpendicular(np.einsum("qak,fkd->fqad", slopes, nodes))
 
 
-def _nodal_normals(nodes: Array, facets: Indices, shape: Shape, degree: int) -> Array:
+def _nodal_normals(nodes: Array, facets: Indices, shape: str, degree: int) -> Array:
     """(f, k, d) outward unit normals at the nodes, averaged where facets meet."""
     own = normal_vectors(nodes, shape, degree, reference_nodes(shape, degree))
     own /= np.linalg.norm(own, axis=2, keepdims=True)
@@ -440,3 +437,22 @@ def _turns(before: Array, after: Array) -> Array:
 
 def _dot(first: Array, second: Array) -> Array:
     return np.asarray(np.sum(first * second, axis=-1))
+
+
+def facet_edges(corners: Indices) -> Indices:
+    """(F * c, 2) ends of the edges of facets with corners (F, c), in the sense of each facet."""
+    return np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
+
+
+def edges_once(corners: Indices) -> Indices:
+    """(E, 2) ends of the edges of facets with corners (F, c), each edge once."""
+    return np.unique(np.sort(facet_edges(corners), axis=1), axis=0)
+
+
+def rim_nodes(corners: Indices, count: int) -> Bools:
+    """(count,) nodes at the ends of edges that only one of the facets with corners (F, c) has."""
+    edges = np.sort(facet_edges(corners), axis=1)
+    found, facets = np.unique(edges, axis=0, return_counts=True)
+    rim = np.zeros(count, dtype=bool)
+    rim[found[facets == 1]] = True
+    return rim

@@ -22,14 +22,21 @@ from fretfe.case import Solid, parse_case
 from fretfe.errors import CaseError, MeshError
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
-from fretfe.mesh.elements import facet_measures, jacobian_determinants, reversal
+from fretfe.mesh.elements import (
+    KINDS,
+    facet_measures,
+    jacobian_determinants,
+    quadrature,
+    reversal,
+    shape_slopes,
+    shape_values,
+)
 from fretfe.mesh.extrude import extrude
 from fretfe.mesh.gmsh import gmsh_model
 from fretfe.mesh.groups import body_unknowns, mesh_summary
 from fretfe.mesh.load import grouped_mesh
 from fretfe.mesh.make import read_mesh, write_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh
-from fretfe.surface.reference import KINDS, quadrature, shape_slopes, shape_values
 
 CELLS = pytest.mark.parametrize(
     ("cell", "order"), [(cell, order) for cell in ("tetrahedron", "hexahedron") for order in (1, 2)]

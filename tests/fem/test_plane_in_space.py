@@ -22,12 +22,12 @@ from fretfe.case import Case, Solid, parse_case
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.history.solution import OPEN, ContactHistory
+from fretfe.mesh.elements import reference_nodes, shape_values
 from fretfe.mesh.extrude import extrude
 from fretfe.mesh.make import mesh_template
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.mesh.templates import find_template
 from fretfe.results.model import Result
-from fretfe.surface.reference import reference_nodes, shape_values
 
 LENGTH = 0.7
 
@@ -192,7 +192,7 @@ def _parted(body: BodyMesh) -> BodyMesh:
     square = shape_values("quadrilateral", 1, reference_nodes("quadrilateral", 2))
     at = np.concatenate([square @ np.array(part) for part in PARTS])
     corners = np.einsum("qk,mkd->mqd", shape_values("triangle", 2, at), body.points[body.cells])
-    halves = shape_values("interval", 2, np.array([[0.0], [0.5], [0.25], [0.5], [1.0], [0.75]]))
+    halves = shape_values("line", 2, np.array([[0.0], [0.5], [0.25], [0.5], [1.0], [0.75]]))
     lines = {
         group: np.einsum("qk,fkd->fqd", halves, body.points[facets])
         for group, facets in body.boundaries.items()

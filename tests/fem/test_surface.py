@@ -11,8 +11,8 @@ import pytest
 
 from fretfe._typing import Array
 from fretfe.errors import MeshError
+from fretfe.mesh.elements import reference_nodes, shape_values
 from fretfe.mesh.mesh import BodyMesh
-from fretfe.surface.reference import reference_nodes, shape_values
 from fretfe.surface.surface import Chain, build_surface
 
 ORDERS = pytest.mark.parametrize("order", [1, 2])
@@ -87,7 +87,7 @@ def test_arc_is_measured_from_the_middle() -> None:
 def test_displacement_points_lie_on_the_surface(degree: int, order: int) -> None:
     surface = build_surface(sector(order), "b_top")
     points, facets = surface.displacement_points(degree), surface.displacement_facets(degree)
-    values = shape_values("interval", order, reference_nodes("interval", degree))
+    values = shape_values("line", order, reference_nodes("line", degree))
     expected = np.einsum("qk,fkd->fqd", values, surface.nodes)
     np.testing.assert_allclose(points[facets], expected, rtol=0, atol=1e-15)
     assert len(points) == len(np.unique(facets))

@@ -10,9 +10,9 @@ from blocks import block
 
 from fretfe._core import _kernels
 from fretfe._typing import Array, Indices
+from fretfe.mesh.elements import quadrature, shape_values
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.surface.overlap import contact_normals, opposite_candidates, project, search_reach
-from fretfe.surface.reference import quadrature, shape_values
 from fretfe.surface.surface import Surface, build_surface
 
 CURVED = pytest.mark.parametrize("curved", [False, True], ids=["straight", "curved"])
@@ -41,7 +41,7 @@ def wavy_pair(
 def test_same_points_as_with_all_pairs(seed: int, height: float, curved: bool) -> None:
     """The same bits, in the same order."""
     far, near = wavy_pair(seed, (37, 50), curved, height)
-    at, weights = quadrature("interval", 5)
+    at, weights = quadrature("line", 5)
     normals = contact_normals(far, near)
     every = len(near.facets), len(far.facets)
     facet2, facet1, xi, eta, *rest = _kernels.overlap_points(

@@ -15,7 +15,7 @@ from scipy.interpolate import BSpline, make_lsq_spline
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.surface.reference import edges_once
+from fretfe.surface.surface import edges_once
 
 CUBIC = 3
 # Nodes whose normals are averaged at a station.
