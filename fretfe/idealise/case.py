@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The idealisation step."""
+"""The idealisation step, with P, Q, M and sigma0 of the loads and supports of a case."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.case import Case
+from fretfe.case import Case, PlatenLoad, TractionLoad, plane_modulus, unit_vector
 from fretfe.errors import ModelError
 from fretfe.idealise.bodies import (
     LOWER,
@@ -19,10 +19,159 @@ from fretfe.idealise.bodies import (
     geometry_obstacles,
     read_block,
 )
-from fretfe.idealise.loading import guided, loading_obstacles, one_sided, read_loading
 from fretfe.idealise.problem import HalfPlaneProblem, contact_edges
 from fretfe.loads import History, build_history
 from fretfe.mesh.templates import check_parameters, find_template
+
+TOP, BOTTOM = "upper_top", "lower_bottom"
+# Direction of the outward normal of the sides of the lower body, along x.
+SIDES = {"lower_left": -1.0, "lower_right": 1.0}
+OTHER_SIDE = {"lower_left": "lower_right", "lower_right": "lower_left"}
+COMPONENTS = 2
+
+
+@dataclass(frozen=True)
+class Loading:
+    """(T,) P, Q, M and sigma0 at every state, per unit thickness."""
+
+    normal_force: Array
+    shear_force: Array
+    moment: Array
+    bulk_tension: Array
+
+
+def loading_obstacles(case: Case) -> Iterator[str]:
+    """Reasons why the loads and supports of a case are not those of half-planes."""
+    yield from _load_obstacles(case)
+    fixed = _fixed(case)
+    unknown = sorted(set(fixed) - {BOTTOM, *SIDES})
+    if unknown:
+        yield f"supports: expected them on the lower body only, found {', '.join(unknown)}"
+    if "y" not in fixed.get(BOTTOM, set()):
+        yield f"supports: expected {BOTTOM!r} to be fixed in y, so that the block does not bend"
+    sides = {load.boundary for load in _side_loads(case).values()}
+    if sides and "x" in fixed.get(BOTTOM, set()):
+        yield (
+            f"supports: expected {BOTTOM!r} to be free in x under a bulk tension, found it fixed: "
+            "the tension would not reach the contact"
+        )
+    held = [side for side in SIDES if "x" in fixed.get(side, set())]
+    if len(sides) > 1 or any(OTHER_SIDE[side] not in held for side in sides):
+        yield "loads: expected bulk tension on one side of the block and the other side fixed in x"
+    if sides and not _has_shear_load(case):
+        yield (
+            f"loads: expected a force on {TOP!r} in x as well as the bulk tension (0 will do): "
+            "without one the shear force is an unknown reaction"
+        )
+
+
+def _load_obstacles(case: Case) -> Iterator[str]:
+    """Loads that have no counterpart."""
+    for name, load in case.loads.items():
+        key = f"loads.{name}"
+        if isinstance(load, PlatenLoad) and load.boundary == TOP:
+            if load.control != "force":
+                yield f"{key}: expected control = 'force', found {load.control!r} (the approach "
+                "of half-planes is not determined)"
+        elif isinstance(load, TractionLoad) and load.boundary in SIDES:
+            if not _along_x(load):
+                yield f"{key}: expected a bulk tension along x, found {load.direction!r}"
+        elif not (isinstance(load, TractionLoad) and load.boundary == TOP):
+            where = getattr(load, "boundary", "everywhere")
+            yield (
+                f"{key}: expected a platen force or a traction on {TOP!r}, or a tension on a side "
+                f"of the block, found a {load.type} ({where})"
+            )
+
+
+def _along_x(load: TractionLoad) -> bool:
+    if load.direction == "normal":
+        return True
+    return abs(unit_vector(load.direction, COMPONENTS)[1]) < 1e-9
+
+
+def _fixed(case: Case) -> dict[str, set[str]]:
+    """Components held on each supported boundary."""
+    fixed: dict[str, set[str]] = {}
+    for support in case.supports.values():
+        fixed.setdefault(support.boundary, set()).update(support.fix)
+    return fixed
+
+
+def _held_side(case: Case) -> str:
+    """The side of the block that is fixed in x."""
+    return next(side for side, components in _fixed(case).items() if "x" in components)
+
+
+def _side_loads(case: Case) -> dict[str, TractionLoad]:
+    return {
+        name: load
+        for name, load in case.loads.items()
+        if isinstance(load, TractionLoad) and load.boundary in SIDES
+    }
+
+
+def _top_loads(case: Case) -> dict[str, PlatenLoad | TractionLoad]:
+    return {
+        name: load
+        for name, load in case.loads.items()
+        if isinstance(load, PlatenLoad | TractionLoad) and load.boundary == TOP
+    }
+
+
+def _has_shear_load(case: Case) -> bool:
+    """True if the force along x is given: by a load, or because a traction lets the top move."""
+    platens = [load for load in _top_loads(case).values() if isinstance(load, PlatenLoad)]
+    along_x = any(abs(_direction(load)[0]) > 1e-9 for load in platens)
+    return along_x or not platens
+
+
+def guided(case: Case) -> bool:
+    """True if the top of the upper body is a platen, which does not turn."""
+    return any(isinstance(load, PlatenLoad) for load in _top_loads(case).values())
+
+
+def one_sided(case: Case) -> bool:
+    """True if one side of the block carries the whole shear force."""
+    return bool(_side_loads(case))
+
+
+def read_loading(case: Case, history: History, block: Block) -> Loading:
+    """P, Q, M and sigma0 of a case without obstacles.
+
+    The resultant of the loads on the upper body passes through the contact; a platen takes up its
+    moment, so that M = 0, and so is the tilt of the profile. Different bodies stretch differently:
+    sigma0 = 2 E* x (strain of the lower body). Half-planes carry Q away half to either side; a
+    block that is held on one side carries all of it there, which is the same but for a uniform
+    tension of Q/2 over its height.
+    """
+    values = dict(zip(history.channels, history.values.T, strict=True))
+    force = np.zeros((COMPONENTS, len(history.times)))
+    for name, load in _top_loads(case).items():
+        # A traction acts on the whole top, a platen force is for the whole thickness.
+        platen = isinstance(load, PlatenLoad)
+        per_unit = 1 / case.model.thickness if platen else block.top_width
+        force += np.outer(_direction(load), values[name]) * per_unit
+    tension = np.zeros(len(history.times))
+    for name, side in _side_loads(case).items():
+        along = 1.0 if side.direction == "normal" else _direction(side)[0] * SIDES[side.boundary]
+        tension += along * values[name]
+    if one_sided(case):
+        tension -= SIDES[_held_side(case)] * force[0] / (2 * block.heights[1])
+    modulus = plane_modulus(case.bodies[LOWER], case.model.plane)
+    return Loading(
+        normal_force=-force[1],
+        shear_force=force[0],
+        moment=np.zeros(len(history.times)) if guided(case) else block.heights[0] * force[0],
+        bulk_tension=2 * block.profile.e_star * tension / modulus,
+    )
+
+
+def _direction(load: PlatenLoad | TractionLoad) -> tuple[float, ...]:
+    if load.direction == "normal":  # outward at the top
+        return (0.0, 1.0)
+    return unit_vector(load.direction, COMPONENTS)
+
 
 # Bodies smaller than this many half-widths are no half-planes at all.
 SMALLEST_BODY = 2.0
