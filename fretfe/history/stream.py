@@ -354,13 +354,14 @@ def write_checkpoint(directory: Path, checkpoint: Checkpoint) -> None:
     kinds = {name: asdict(kind) for name, kind in checkpoint.kinds.items()}
     text = json.dumps({"identity": dict(checkpoint.identity), "kinds": kinds})
     arrays: dict[str, Any] = {**checkpoint.arrays, TEXT: np.array(text)}
-    data = BytesIO()
-    np.savez(data, **arrays)
-    data.write(sha256(data.getbuffer()).digest())
+    file = BytesIO()
+    np.savez(file, **arrays)
+    # A copy: collecting a view of its buffer, which an error may keep, has crashed Python 3.12.
+    data = file.getvalue()
     last = directory / CHECKPOINT
     try:
         with replacing(last) as new:
-            new.write_bytes(data.getbuffer())
+            new.write_bytes(data + sha256(data).digest())
             if last.exists():
                 last.replace(directory / BEFORE)
     except OSError as error:
