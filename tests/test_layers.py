@@ -31,6 +31,7 @@ LAYERS = (
     "fretfe.mesh.*",
     "fretfe.surface.*",
     "fretfe.idealise.*",
+    "fretfe.local.*",
     "fretfe.results.hdf5_file",
     "fretfe.history.*",
     "fretfe.contact.*",

@@ -42,6 +42,7 @@ from fretfe.case.tables import (
     Solid,
     Support,
     Units,
+    antiplane_ratio,
     contact_modulus,
     plane_modulus,
 )
@@ -73,6 +74,7 @@ __all__ = [
     "TractionLoad",
     "Units",
     "Wave",
+    "antiplane_ratio",
     "as_written",
     "case_schema",
     "case_text",

@@ -164,6 +164,15 @@ def contact_modulus(body1: Body, body2: Body, plane: Plane) -> float:
     return 1 / (1 / plane_modulus(body1, plane) + 1 / plane_modulus(body2, plane))
 
 
+def antiplane_ratio(body1: Body, body2: Body) -> float:
+    """Antiplane compliance of two half-planes over that in the plane, (1/G1 + 1/G2) E*/2.
+
+    In plane strain; 1/(1 - ν) for two bodies of one material.
+    """
+    shear = sum((1 + each.poisson) / each.young for each in (body1, body2))
+    return shear * contact_modulus(body1, body2, "strain")
+
+
 class Contact(Table):
     """Two surfaces that may touch, with Coulomb friction between them."""
 
@@ -213,6 +222,11 @@ class Edges(Table):
         ge=8,
         le=1000,
         description="Number of stations, evenly spaced, on each contact front of solids.",
+    )
+    local: bool = Field(
+        default=True,
+        description="Whether the plane problem next to every station of solids is solved, which "
+        "gives its slip zones where the elements of the bodies do not resolve them.",
     )
 
 

@@ -17,6 +17,7 @@ from typing import Annotated, get_origin, get_type_hints
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.local.problem import Tractions
 
 # Error bar of K_N or of the range of K_T, relative to it, from which it is marked as uncertain.
 LARGEST_SPREAD = 0.05
@@ -100,6 +101,11 @@ class SlipZone:
             behind the predicted zone and when the half cycle begins; NaN in the plane.
         flank: mean shear along that direction over that of f p, farther behind and at `end`, where
             the mesh does not resolve the zone; NaN elsewhere.
+        missed: length by which the zone is longer, as predicted, since it ends between two steps.
+        local: between solids the length by the plane problem next to the station, whose pressure
+            and shear follow from its factors; NaN where that is not solved.
+        local_spread: its error bar: by those of K_N and of the range, by the shape of the contact
+            behind the edge, and by the elements of the plane problem.
     """
 
     start: int
@@ -113,6 +119,9 @@ class SlipZone:
     predicted_loop: float
     across: float = field(default=math.nan, kw_only=True)
     flank: float = field(default=math.nan, kw_only=True)
+    missed: float = field(default=0.0, kw_only=True)
+    local: float = field(default=math.nan, kw_only=True)
+    local_spread: float = field(default=math.nan, kw_only=True)
 
     @property
     def reported_length(self) -> float:
@@ -121,6 +130,11 @@ class SlipZone:
         No slip is told as 0, with its bar.
         """
         return 0.0 if self.length == 0 else reported(self.length, self.spread)
+
+    @property
+    def reported_local(self) -> float:
+        """The length by the plane problem, unless its bar is more than half of it: then NaN."""
+        return 0.0 if self.local == 0 else reported(self.local, self.local_spread)
 
     @property
     def uncertain(self) -> bool:
@@ -247,6 +261,35 @@ class RangeSpread:
         return math.hypot(self.extraction, self.discretisation, self.steps)
 
 
+@dataclass(frozen=True)
+class LocalProblem:
+    """The plane problem next to a station, with three displacement components.
+
+    Attributes:
+        half_width: of the contact of half-planes that stands for the edge; NaN without a solution.
+        power: of the gap of its bodies, |x|^power.
+        slip: largest slip of the last half cycle, at the edge.
+        work: friction work in the evaluated cycle, or in all steps without one, per unit length of
+            the front.
+        change: of the shear over the last cycle, over the swing of the force.
+        tractions: next to the edge, at the two ends of the last half cycle.
+        reason: why there is no solution, in words; empty if there is.
+    """
+
+    half_width: float
+    power: float
+    slip: float
+    work: float
+    change: float
+    tractions: tuple[Tractions, ...]
+    reason: str
+
+
+def no_local_problem(reason: str) -> LocalProblem:
+    """A plane problem that is not solved, and why."""
+    return LocalProblem(math.nan, math.nan, math.nan, math.nan, math.nan, (), reason)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Station(StationHistory):
     """A point of a contact front, evaluated.
@@ -324,6 +367,7 @@ class Station(StationHistory):
     dissipation: Annotated[float, Quantity("work", "friction work at the edge in the cycle")] = (
         math.nan
     )
+    local: LocalProblem = field(default_factory=lambda: no_local_problem("only between solids"))
 
     @property
     def reported_range(self) -> float:

@@ -137,6 +137,7 @@ def slip_zones(
             gross=border.gross,
             predicted=cyclic,
             predicted_loop=loop,
+            missed=missed,
         )
         zones.append(_doubted(zone, border.spread))
     return tuple(zones)

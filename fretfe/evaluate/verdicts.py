@@ -119,10 +119,15 @@ def judge(station: Station, zone: SlipZone) -> Verdict:
 
     The tolerance is the sum of the error that the formula is expected to have, of the error bars of
     K_N, of the range and of the length, as if they were independent, and of what an element hides.
+
+    At a station of solids whose plane problem is solved the length is that of the plane problem;
+    the slip of the solids' elements, where they resolve it, must be the same.
     """
     word, reason = _excuse(station, zone)
     if word:
         return Verdict(word, reason)
+    if math.isfinite(zone.reported_local):
+        return _judge_local(station, zone)
     # An edge that moves is described over the longer of the two zones, which ends where it was.
     lengths = [each.length for each in station.slip_zones[-2:] if not each.gross]
     error = expected_error(station, max([*lengths, zone.length]))
@@ -158,6 +163,43 @@ def judge(station: Station, zone: SlipZone) -> Verdict:
         reason += ". Long against the edge's own length: use the computed length"
         return Verdict(OUTSIDE, reason, tolerance)
     return Verdict(DIFFERS, reason, tolerance)
+
+
+def _judge_local(station: Station, zone: SlipZone) -> Verdict:
+    """Compare the length by the plane problem with the slip of the nodes and (11) or (8)."""
+    found = f"{zone.local:.3g} ± {zone.local_spread:.2g} by the plane problem next to the front"
+    if zone.resolved:
+        open_between = math.hypot(zone.spread, zone.local_spread) + BORDER_ELEMENTS * station.size
+        if abs(zone.length - zone.local) > open_between:
+            return Verdict(
+                DIFFERS,
+                f"nodes slip over {zone.length:.3g} ± {zone.spread:.2g}, but {found}: K_N, K_T and "
+                "K_S do not describe what happens there",
+                open_between,
+            )
+    without = _no_formula(station, zone)
+    if without:
+        seen = "which the slip of the nodes confirms" if zone.resolved else "by that alone"
+        return Verdict(AGREES if zone.resolved else NO_VERDICT, f"{without}; {found}, {seen}")
+    error = expected_error(station, zone.local)
+    within = math.hypot(zone.local_spread, BORDER_FRACTION * zone.local)
+    tolerance = ESTIMATE_FACTOR * min(error, LARGEST_ERROR) * zone.local + within
+    reason = f"{found}; the asymptote's own error there is about {error:.1%}"
+    if abs(zone.local - zone.prediction) <= tolerance:
+        return Verdict(AGREES, reason, tolerance)
+    if error > LARGEST_ERROR:
+        reason += ". Long against the edge's own length: use the computed length"
+        return Verdict(OUTSIDE, reason, tolerance)
+    return Verdict(DIFFERS, reason, tolerance)
+
+
+def _no_formula(station: Station, zone: SlipZone) -> str:
+    """Reason why there is no formula for a slip zone, in words; empty if there is."""
+    if station.turning > LARGEST_TURNING:
+        return "the direction of K_T and K_S turns: there is no formula"
+    if math.isnan(zone.prediction):
+        return "there is no prediction outside the evaluated cycle"
+    return ""
 
 
 def _unresolved(station: Station, zone: SlipZone) -> str:
@@ -196,12 +238,13 @@ def _excuse(station: Station, zone: SlipZone) -> tuple[str, str]:
             "as where the contact has slid as a whole: the formulas are for shear that is far "
             "below f p there",
         )
-    if not zone.resolved or (math.isnan(zone.reported_length) and zone.length > 0):
+    local = math.isfinite(zone.reported_local)
+    if not local and (not zone.resolved or (math.isnan(zone.reported_length) and zone.length > 0)):
         return NOT_RESOLVED, _unresolved(station, zone)
-    if math.isnan(zone.prediction):
+    if math.isnan(zone.prediction) and not local:
         lost = withheld(station)
         if not lost and math.isfinite(station.k_n[zone.end]):
-            return NO_VERDICT, "no prediction outside the evaluated cycle"
+            return NO_VERDICT, _no_formula(station, zone)
         return UNKNOWN, lost or "K_N is not known at the end of the half cycle"
     k_n, spread = station.last_k_n
     if not spread <= LARGEST_SPREAD * k_n:
@@ -211,6 +254,12 @@ def _excuse(station: Station, zone: SlipZone) -> tuple[str, str]:
     ranges = math.isfinite(station.k_range)
     if ranges and not station.k_range_spread <= LOOSEST_RANGE * station.k_range:
         return UNKNOWN, withheld(station)
-    if station.turning > LARGEST_TURNING:
-        return NO_VERDICT, "the direction of K_T and K_S turns: there is no formula"
+    if local and zone.local_spread > LOOSE * zone.local:
+        return (
+            UNKNOWN,
+            f"the plane problem next to the front gives {zone.local:.3g} ± "
+            f"{zone.local_spread:.2g}: its error bar leaves more than {LOOSE:.0%} open",
+        )
+    if station.turning > LARGEST_TURNING and not local:
+        return NO_VERDICT, _no_formula(station, zone)
     return "", ""

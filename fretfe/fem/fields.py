@@ -23,6 +23,7 @@ from fretfe.fem.model import Model, Request, Share
 from fretfe.fem.parallel import Lead
 from fretfe.fem.probes import Probe, measure
 from fretfe.files import disk_reason
+from fretfe.local.problem import Batch, EdgeSlip
 from fretfe.results.field_files import FieldWriter
 
 # Of a plane body: xx, yy, zz, xy, which is what `ElasticBody.element_stresses` has.
@@ -66,6 +67,10 @@ class FieldSource:
     def states_at_once(self) -> int:
         """Number of displacement fields that may be held together."""
         return self._lead.ask(Recovery.states_at_once)
+
+    def edge_slip(self, batches: Sequence[Batch]) -> list[list[EdgeSlip]]:
+        """Solutions of batches of plane problems, shared out among the ranks."""
+        return self._lead.ask(partial(Recovery.edge_slip, batches=batches))
 
     def stress(
         self, places: Places, requests: Sequence[Request]
@@ -117,6 +122,13 @@ class Recovery:
         sizes = [body.elastic.space.dofmap.index_map.size_global for body in model.bodies.values()]
         largest = max(model.comm.allgather(sum(sizes) * model.dimension * 8))
         return int(np.clip(MOST_BYTES // largest, 1, 64))
+
+    def edge_slip(self, batches: Sequence[Batch]) -> list[list[EdgeSlip]]:
+        """Solutions of batches of plane problems, of which each rank takes its share."""
+        comm = self._model.comm
+        own = {n: batches[n].solve() for n in range(comm.rank, len(batches), comm.size)}
+        found = dict(ChainMap(*(comm.gather(own) or [])))
+        return [found[number] for number in range(len(batches)) if found]
 
     def stress(
         self, places: Places, shares: Sequence[Share]

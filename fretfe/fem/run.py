@@ -11,7 +11,7 @@ from typing import Any
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.definition import Pair
-from fretfe.case import Case
+from fretfe.case import Case, antiplane_ratio, contact_modulus
 from fretfe.contact.interface import Place
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import solve_history
@@ -156,6 +156,10 @@ class _Run:
             contacts = evaluate(solution, tracks=tracks)
             limits = model_limits(model, recorder, solution, contacts, depths)
             contacts = with_limit_warnings(contacts, limits)
+        if tracks is not None and case.edges.local:
+            with clock("local problems"):
+                contacts = self._local_problems(solution, contacts)
+        with clock("evaluation"):
             failure = marched.failure or imbalance(solution)
         divided = division_notes(solution.ends)
         if ends := step_ends(solution):
@@ -175,6 +179,20 @@ class _Run:
             seconds=clock.seconds,
             ranks=model.comm.size,
         )
+
+    def _local_problems(
+        self, solution: Solution, contacts: tuple[Contact, ...]
+    ) -> tuple[Contact, ...]:
+        """Contacts of solids with the plane problems of their stations."""
+        # Imported where it is needed: SciPy's interpolation takes a second.
+        from fretfe.evaluate.space.local import EdgeBodies, add_local_problems
+
+        bodies = {}
+        for each in solution.contacts:
+            pair = self._case.bodies[each.body1], self._case.bodies[each.body2]
+            modulus = contact_modulus(*pair, "strain")
+            bodies[each.name] = EdgeBodies(modulus, antiplane_ratio(*pair))
+        return add_local_problems(solution, contacts, bodies, self._fields.edge_slip)
 
     def write(self) -> tuple[str, ...]:
         """Write what the case asks for of the fields.

@@ -23,11 +23,11 @@ from fretfe.errors import ConvergenceError
 from fretfe.evaluate.factors import UnitFactors, full_stick_units, half_plane_units
 from fretfe.evaluate.plane.full_stick_fit import GALERKIN_OVERHANG
 from fretfe.evaluate.slip import cycle_states
-from fretfe.halfplane.compliance import EdgeRange, HatFunctions, graded_grid
 from fretfe.history.solution import ContactHistory, Factor, NearbyLoads, Solution
 from fretfe.history.stream import UNSEEN, Storage
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.idealise.problem import contact_edges, governing_length
+from fretfe.local.hat_functions import EdgeRange, HatFunctions, graded_grid
 
 ELEMENTS = 300
 # Distance of the reference point of the displacements, in widths of the grid: only a rigid motion.

@@ -42,7 +42,7 @@ from fretfe.results.run_folder import MARK, with_digest
 from fretfe.results.stress_file import STRESSES
 from fretfe.results.tables import CYCLES_FILE, STATIONS_FILE, write_cycles, write_stations
 
-SCHEMA = {"name": "fretfe-results", "version": 6}
+SCHEMA = {"name": "fretfe-results", "version": 7}
 NUMBERS, ARRAYS, REPORT = "results.json", "results.h5", "report.html"
 # Of a sweep: table, picture, and the variants as they are solved.
 TABLE, FIGURE, VARIANTS = SWEEP_FILES = "sweep.csv", "sweep.png", "variants.jsonl"

@@ -12,7 +12,7 @@ from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import FlatRounded, Profile, Wedge, edge_factor_k_n
 from fretfe.analytic.rocking import tilted_contact
 from fretfe.halfplane import contact_grid, solve_half_planes
-from fretfe.halfplane.compliance import HatFunctions
+from fretfe.local.hat_functions import HatFunctions
 
 PROFILES: dict[str, Profile] = {
     "Hertz": HERTZ,

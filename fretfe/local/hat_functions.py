@@ -35,16 +35,16 @@ class HatFunctions:
         self.grid = grid
         lengths = np.diff(grid)
         middle = (grid[1:] + grid[:-1]) / 2
-        self._points = (middle[:, None] + lengths[:, None] / 2 * POINTS).ravel()
+        self.points = (middle[:, None] + lengths[:, None] / 2 * POINTS).ravel()
         weights = lengths[:, None] / 2 * WEIGHTS
         rising = weights * (1 + POINTS) / 2
         falling = weights - rising
-        self._tests = np.zeros((len(grid), self._points.size))
+        self.tests = np.zeros((len(grid), self.points.size))
         for k in range(len(POINTS)):
             columns = np.arange(len(lengths)) * len(POINTS) + k
-            self._tests[np.arange(len(lengths)), columns] = falling[:, k]
-            self._tests[np.arange(1, len(grid)), columns] = rising[:, k]
-        self._tests = self._tests[1:-1]
+            self.tests[np.arange(len(lengths)), columns] = falling[:, k]
+            self.tests[np.arange(1, len(grid)), columns] = rising[:, k]
+        self.tests = self.tests[1:-1]
 
     @property
     def nodes(self) -> Array:
@@ -58,7 +58,7 @@ class HatFunctions:
 
     def integrate(self, function: Callable[[Array], Array]) -> Array:
         """(n,) integrals of the hats with a function of x that is smooth within the elements."""
-        return np.asarray(self._tests @ function(self._points))
+        return np.asarray(self.tests @ function(self.points))
 
     def averaging(self) -> Array:
         """(n, n) means of a piecewise-linear field around each node, from its nodal values."""
@@ -84,9 +84,9 @@ class HatFunctions:
 
     def _by_points(self, distance: float) -> Array:
         """(n, n) integrals of -ln(|x - y|/L), wrong where hats share an element."""
-        r = np.abs(self._points[:, None] - self._points)
+        r = np.abs(self.points[:, None] - self.points)
         np.fill_diagonal(r, distance)
-        return np.asarray(-self._tests @ np.log(r / distance) @ self._tests.T)
+        return np.asarray(-self.tests @ np.log(r / distance) @ self.tests.T)
 
     def _closed_form(self) -> Array:
         """(n, n) integrals of -ln|x - y|: fourth differences of a fourth integral."""

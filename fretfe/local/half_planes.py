@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Half-planes under tractions that are the same at both edges of a contact, on one half of it.
+
+Places are distances s from the outermost place of an edge inward, in units of the half-width there:
+the middle of the contact is at s = 1. Next to the edge elements are as fine as wanted over all of
+the distance that the edge travels; from there on they grow with the distance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.local.friction import Stiffness
+from fretfe.local.hat_functions import HatFunctions
+
+# Elements grow by this fraction of their distance from where the edge is, up to a largest size.
+# With 20 elements over a slip zone its length is found to half a per cent.
+GROWTH, COARSEST = 0.08, 0.1
+# Of the reference point of displacements, in half-widths; only a rigid motion depends on it.
+FAR = 100.0
+# Samples of the shape of the pressure, and Gauss points for each.
+SAMPLES = 401
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(24)
+
+
+@lru_cache(maxsize=16)
+def half_planes(finest: float, travel: float) -> HalfPlanes:
+    """Half-planes on a grid for edges that travel some way, with elements as fine as wanted."""
+    places = [0.0]
+    while places[-1] < 1.0:
+        size = max(finest, GROWTH * (places[-1] - travel))
+        places.append(places[-1] + min(size, COARSEST))
+    s = np.array(places) / places[-1]
+    return HalfPlanes(np.concatenate([s - 1, (1 - s)[-2::-1]]))
+
+
+class HalfPlanes:
+    """Two half-planes, E* = 1 and half-width 1, and hat functions on one half of their contact.
+
+    Args:
+        grid: (2 n + 1,) nodes from -1 to 1, symmetric.
+
+    Attributes:
+        s: (n,) places of the nodes.
+        weights: (n,) lengths that belong to them.
+        sizes: (n,) of the elements behind them.
+    """
+
+    def __init__(self, grid: Array) -> None:
+        hats = HatFunctions(grid)
+        count = (len(hats.nodes) + 1) // 2
+        self.s = 1 + hats.nodes[:count]
+        self.sizes = np.diff(grid)[1 : count + 1]
+        self.weights = hats.weights[:count].copy()
+        self.weights[-1] /= 2
+        whole = hats.compliance(FAR)
+        folded = whole[:count, :count] + whole[:count, ::-1][:, :count]
+        folded[-1] /= 2
+        folded[:, -1] /= 2
+        inverse = np.linalg.inv(folded)
+        moved = inverse @ self.weights
+        self._stuck = moved / (self.weights @ moved)
+        self._change = inverse - np.outer(moved, self._stuck)
+        half = hats.points.size // 2
+        self._points, self._tests = np.abs(hats.points[:half]), hats.tests[:count, :half]
+
+    def stiffness(self, antiplane: float) -> Stiffness:
+        """Change of the shear by slip, along x and across the plane.
+
+        Args:
+            antiplane: antiplane compliance over that in the plane.
+        """
+        return Stiffness(np.array([self._change, self._change / antiplane]), self._stuck)
+
+    def pressure(self, shapes: Array, half_width: Array) -> Array:
+        """(S, n) mean pressures around the nodes, of contacts of some half-widths (S,).
+
+        Args:
+            shapes: (S, SAMPLES) as of `pressure_shapes`.
+            half_width: up to 1.
+        """
+        x = np.minimum(self._points / half_width[:, None], 1.0)
+        place = x * (SAMPLES - 1)
+        below = np.minimum(place.astype(np.int64), SAMPLES - 2)
+        rest, rows = place - below, np.arange(len(shapes))[:, None]
+        smooth = shapes[rows, below] * (1 - rest) + shapes[rows, below + 1] * rest
+        return np.asarray((np.sqrt(1 - x**2) * smooth) @ self._tests.T / self.weights)
+
+
+def pressure_shapes(powers: Array) -> Array:
+    """(S, SAMPLES) pressure of contacts of half-width 1, over √(1 - x^2), at x from 0 to 1.
+
+    The gap of the bodies grows with |x|^n. By superposed flat punches (A0 of the theory guide)
+    p = (1/π) ∫ (dP/da) da/√(a² - x²) from |x| to 1, with dP/da = a^(n-1) here, times π: n = 2 gives
+    Hertz' 1.
+
+    Args:
+        powers: (S,) n >= 1.
+    """
+    distinct, which = np.unique(powers, return_inverse=True)
+    x, w = np.linspace(0.0, 1.0, SAMPLES) ** 2, ((POINTS + 1) / 2) ** 2
+    squares = x[:, None] + (1 - x[:, None]) * w
+    return np.array([squares ** (n / 2 - 1) @ (WEIGHTS / 2) for n in distinct])[which]
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """S symmetric contacts of half-planes whose left edges have some factors in a reference state.
+
+    Attributes:
+        half_width: (S,) in the reference state.
+        k_n: (S,) there.
+        power: (S,) n of the gap |x|^n: 2 of a cylinder, whose slip zones grow as at a straight
+            front, 3 as at the front of a circle.
+    """
+
+    half_width: Array
+    k_n: Array
+    power: Array
+
+    def widths(self, k_i: Array) -> Array:
+        """(S, ...) half-widths where K_I is (S, ...), counted from the reference state.
+
+        K_N = 2 dK_I/da and K_N grows with the root of a, at the front of a cylinder and of a sphere
+        alike. NaN where the contact would open.
+        """
+        extra = (1,) * (k_i.ndim - 1)
+        b, k_n = (each.reshape(-1, *extra) for each in (self.half_width, self.k_n))
+        power = 1 + 3 * k_i / (k_n * b)
+        return np.asarray(b * np.where(power > 0, power, np.nan) ** (2 / 3))
+
+    def forces(self, widths: Array) -> Array:
+        """(S,) shear force for a unit of K_T or K_S, while the contact has some half-widths (S,).
+
+        By K_T = Q/(π √(2a)), times what the front of a circle shortens by: with it the contacts
+        answer P and Q out of phase as a sphere does.
+        """
+        shorter = (widths / self.half_width) ** (self.power - 2)
+        return np.asarray(np.pi * np.sqrt(2 * widths) * shorter)
+
+    def work_share(self, depth: Array) -> Array:
+        """(S,) friction work at fronts of these contacts over that in the plane.
+
+        A stick zone that shrinks from a to c makes the bodies more compliant by ln(a/c) of what the
+        edge of a plane punch does, by a/c - 1 at the front of a circle, with the same first order.
+        The loop of a steady cycle (Masing) has the area ∫ P' D (P(a) + P(c) - 2 P) dx from c to a,
+        with D that of x, P = x^n. Between straight and round fronts in proportion.
+
+        Args:
+            depth: (S,) longest slip zone over the half-width, below 1.
+        """
+        c = 1 - np.maximum(depth, 1e-6)[:, None]
+        x, n = (1 + c) / 2 + (1 - c) / 2 * POINTS, self.power[:, None]
+        weights = WEIGHTS * x ** (n - 1) * (1 + c**n - 2 * x**n)
+        share = np.sum(weights * (1 / x - 1), axis=1) / -np.sum(weights * np.log(x), axis=1)
+        return np.asarray(1 + np.clip(self.power - 2, 0.0, 1.0) * (share - 1))
+
+    def level(self, widths: Array) -> Array:
+        """(S,) factor of the shape of the pressure at some half-widths (S,)."""
+        now = (widths / self.half_width) ** (self.power - 1)
+        return np.asarray(self.k_n * np.sqrt(self.half_width / 2) * now)

@@ -1,0 +1,363 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Slip zones next to many edges from the histories of their edge factors.
+
+The stations of a front feel each other only through their edge factors. Next to each of them the
+fields are those of a plane contact with three displacement components: relative displacements of
+half-planes by pressure and shear in the plane, and by shear across it, whose compliance is
+1/(1 - ν) of that in the plane for bodies of one material. Pressure and friction bound are known in
+closed form from K_N and K_I; K_T and K_S load the contact, and friction is one bound on the vector.
+
+All stations have the same operators once lengths are in units of the half-width: those that want
+elements of about the same size are marched together.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fretfe._typing import Array, Bools, Indices
+from fretfe.local.friction import Stiffness, partial_slip
+from fretfe.local.half_planes import Contacts, HalfPlanes, half_planes, pressure_shapes
+
+# Elements over the smallest zone that is to be resolved, and the finest and coarsest over the
+# half-width.
+PER_ZONE, FINEST, COARSEST = 20, 2e-4, 0.03
+# Edges travel at most so many of the finest elements.
+TRAVEL = 40
+# Movement of the edge within a part of a step, over the half-width and over the smallest zone.
+LARGEST_MOVE, ZONE_MOVE = 0.01, 0.25
+MOST_PARTS = 64
+# Error of the shear over the largest f p.
+TOLERANCE = 1e-9
+# Change of the shear over a steady cycle, added up over the nodes, over the swing of the force.
+# What remains of it sits in a few nodes at the border of slip, where shear across the line of
+# (K_T, K_S) dies out slowly.
+STEADY, MOST_CYCLES = 2e-3, 12
+# Friction bound of edges that are given up.
+UNBOUNDED = 1e200
+# Edges that are marched together at most: more are shared out among ranks, and need more memory.
+TOGETHER = 20
+
+
+@dataclass(frozen=True)
+class EdgeHistories:
+    """Histories of S edges between the same bodies through T states, and what is wanted of them.
+
+    Lengths, stresses and forces in one system of units, forces per unit length of the edge.
+
+    Attributes:
+        contacts: symmetric contacts of half-planes that stand for the edges.
+        k: (S, T, 2) K_T and K_S; zero up to the first state that counts.
+        k_i: (S, T) K_I, counted from the reference state; constant up to that state.
+        direction: (S, 2) unit vectors along which slip is told forward from backward.
+        zone: (S,) length of the smallest slip zone that is to be resolved.
+        halves: (S,) half cycles of each edge, as their first and last states in time order.
+        counted: (S, T) whether slip in the step to each state counts for the half cycles.
+        friction: coefficient.
+        modulus: E*.
+        antiplane: compliance across the plane over that in it.
+        cycle: first and last state of the cycle that repeats itself, or None.
+    """
+
+    contacts: Contacts
+    k: Array
+    k_i: Array
+    direction: Array
+    zone: Array
+    halves: tuple[tuple[tuple[int, int], ...], ...]
+    counted: Bools
+    friction: float
+    modulus: float
+    antiplane: float
+    cycle: tuple[int, int] | None
+
+    def of(self, edges: Indices) -> EdgeHistories:
+        """The same for some edges."""
+        contacts = self.contacts
+        return replace(
+            self,
+            contacts=Contacts(
+                contacts.half_width[edges], contacts.k_n[edges], contacts.power[edges]
+            ),
+            k=self.k[edges],
+            k_i=self.k_i[edges],
+            direction=self.direction[edges],
+            zone=self.zone[edges],
+            halves=tuple(self.halves[edge] for edge in edges),
+            counted=self.counted[edges],
+        )
+
+
+@dataclass(frozen=True)
+class Tractions:
+    """Tractions next to an edge in one state, (m,) each.
+
+    Attributes:
+        s: distance from the edge inward.
+        pressure: p.
+        shear: (m, 2) along `inward` and `along` of the station, on body 2.
+    """
+
+    s: Array
+    pressure: Array
+    shear: Array
+
+
+@dataclass(frozen=True)
+class SlipProfile:
+    """Slip that a half cycle leaves behind next to an edge, (m,) each.
+
+    Attributes:
+        s: distance from the edge at the end of the half cycle inward, as far as the middle.
+        slip: in the direction in which it is largest.
+    """
+
+    s: Array
+    slip: Array
+
+
+@dataclass(frozen=True)
+class EdgeSlip:
+    """The solution next to an edge.
+
+    Attributes:
+        profiles: of the half cycles.
+        tractions: at the two ends of the last half cycle; none without.
+        work: friction work in the cycle that repeats itself, or in all steps, per unit length.
+        change: of the shear over the last cycle, over the swing of the force; NaN without one.
+        reason: why there is no solution, in words; empty if there is.
+    """
+
+    profiles: tuple[SlipProfile, ...]
+    tractions: tuple[Tractions, ...]
+    work: float
+    change: float
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Edges that are marched together: what one rank does at a time.
+
+    Attributes:
+        edges: (k,) their numbers.
+        histories: theirs.
+        finest: element size over the half-width.
+        travel: of the edges over the half-width.
+    """
+
+    edges: Indices
+    histories: EdgeHistories
+    finest: float
+    travel: float
+
+    def solve(self) -> list[EdgeSlip]:
+        """The solutions, in the order of the edges."""
+        return _March(self.histories, half_planes(self.finest, self.travel)).solve()
+
+
+# Does some batches, on one rank or on many, and gives their results in the same order.
+Share = Callable[[Sequence[Batch]], "list[list[EdgeSlip]]"]
+
+
+def solve_batches(batches: Sequence[Batch]) -> list[list[EdgeSlip]]:
+    """Solve batches one after the other."""
+    return [batch.solve() for batch in batches]
+
+
+def solve_edges(histories: EdgeHistories, share: Share = solve_batches) -> list[EdgeSlip]:
+    """Solve the plane problems of all edges.
+
+    Args:
+        histories: theirs.
+        share: has the parts solved.
+    """
+    batches = _batches(histories)
+    found: dict[int, EdgeSlip] = {}
+    for batch, solved in zip(batches, share(batches), strict=True):
+        found.update(zip(batch.edges.tolist(), solved, strict=True))
+    return [found[edge] for edge in range(len(histories.k))]
+
+
+def _batches(histories: EdgeHistories) -> list[Batch]:
+    """Edges that want about the same grid, in groups."""
+    widths = histories.contacts.widths(histories.k_i)
+    outermost, states = widths.max(axis=1), slice(*(histories.cycle or (0, widths.shape[1])))
+    travel = (outermost - widths[:, states].min(axis=1)) / outermost
+    wanted = np.clip(histories.zone / outermost / PER_ZONE, FINEST, COARSEST)
+    wanted = np.maximum(wanted, travel / TRAVEL)
+    finest = 2.0 ** np.floor(np.log2(wanted))
+    travel = finest * 2.0 ** np.ceil(np.log2(np.maximum(travel / finest, 1.0)))
+    keys, which = np.unique(np.column_stack([finest, travel]), axis=0, return_inverse=True)
+    batches = []
+    for number, (size, way) in enumerate(keys.tolist()):
+        edges = np.flatnonzero(which.ravel() == number)
+        for part in np.array_split(edges, math.ceil(len(edges) / TOGETHER)):
+            batches.append(Batch(part, histories.of(part), size, way))
+    return batches
+
+
+class _March:
+    """Goes through the histories of S edges; lengths over the outermost half-width, E* = 1."""
+
+    def __init__(self, histories: EdgeHistories, bodies: HalfPlanes) -> None:
+        contacts = histories.contacts
+        self._given, self._bodies = histories, bodies
+        self._stiffness: Stiffness = bodies.stiffness(histories.antiplane)
+        self._shapes = pressure_shapes(contacts.power)
+        self._outermost = contacts.widths(histories.k_i).max(axis=1)
+        edges, nodes = len(histories.k), len(bodies.s)
+        self._shear = np.zeros((edges, nodes, 2))
+        self._bound = np.zeros((edges, nodes))
+        self._slip = np.zeros((2, edges, nodes))  # forward and backward in the half cycle
+        self._work = np.zeros(edges)
+        self._lost = np.zeros(edges, dtype=bool)
+        self._drift, self._swing = self._drifts()
+        self._profiles: list[dict[int, SlipProfile]] = [{} for _ in histories.halves]
+        self._tractions: list[dict[int, Tractions]] = [{} for _ in histories.halves]
+
+    def solve(self) -> list[EdgeSlip]:
+        """March through all states, and again through the cycle until it is steady."""
+        given, states = self._given, self._given.k.shape[1]
+        first, last = given.cycle or (0, states - 1)
+        change = np.full(len(given.k), np.nan)
+        for state in range(1, last + 1):
+            if state == first + 1:
+                before, self._work[:] = self._shear.copy(), 0.0
+            self._step(state, period=0)
+        if given.cycle is not None:
+            change = self._changed(before)
+            for _ in range(MOST_CYCLES):
+                if not (change[~self._lost] > STEADY).any():
+                    break
+                before, self._work[:] = self._shear.copy(), 0.0
+                for state in range(first + 1, last + 1):
+                    self._step(state, period=last - first)
+                change = self._changed(before)
+        return [self._solution(edge, change[edge]) for edge in range(len(given.k))]
+
+    def _drifts(self) -> tuple[Array, Array]:
+        """(S, 2) force that the loads of a cycle leave, over all their changes, and (S,) its swing.
+
+        Factors that are added up along a loop of P and Q out of phase need not come back to where
+        they began, as the forces do: without it repeated cycles would move the contact on.
+        """
+        if self._given.cycle is None:
+            return np.zeros((len(self._given.k), 2)), np.full(len(self._given.k), np.nan)
+        first, last = self._given.cycle
+        loads = np.array([self._load(state, 0.0, 1.0) for state in range(first + 1, last + 1)])
+        size = np.abs(loads).sum(axis=0)
+        drift = loads.sum(axis=0) / np.where(size > 0, size, 1.0)
+        return drift, np.hypot(*size.T) / 2
+
+    def _widths(self, state: int, share: float) -> Array:
+        """(S,) half-widths at a share of the step to a state."""
+        k_i = self._given.k_i
+        return self._given.contacts.widths((1 - share) * k_i[:, state - 1] + share * k_i[:, state])
+
+    def _load(self, state: int, begin: float, end: float) -> Array:
+        """(S, 2) shear force that a part of a step adds, with E* = 1 and half-width 1."""
+        contacts, middle = self._given.contacts, self._widths(state, (begin + end) / 2)
+        added = (end - begin) * (self._given.k[:, state] - self._given.k[:, state - 1])
+        scale = contacts.forces(middle) / (self._given.modulus * self._outermost)
+        return np.asarray(scale[:, None] * added)
+
+    def _step(self, state: int, period: int) -> None:
+        """One step of the histories; of a repeated cycle if that has a period."""
+        halves = [
+            (edge, number, begin, end)
+            for edge, own in enumerate(self._given.halves)
+            for number, (begin, end) in enumerate(own)
+            if not period or self._repeats(own, begin)
+        ]
+        for edge, _, begin, _ in halves:
+            if state - 1 in (begin, begin + period):
+                self._slip[:, edge] = 0.0
+        moved = np.abs(self._widths(state, 1.0) - self._widths(state, 0.0))
+        scale = np.minimum(LARGEST_MOVE * self._outermost, ZONE_MOVE * self._given.zone)
+        parts = int(np.clip(np.ceil(np.max(moved / scale) - 1e-9), 1, MOST_PARTS))
+        for part in range(parts):
+            self._part(state, part / parts, (part + 1) / parts)
+        for edge, number, begin, end in halves:
+            if end == state:
+                self._profiles[edge][number] = self._profile(edge, state)
+            if state in (begin, end) and number == len(self._given.halves[edge]) - 1:
+                self._tractions[edge][state] = self._now(edge, state)
+
+    def _repeats(self, halves: Sequence[tuple[int, int]], begin: int) -> bool:
+        """True if a half cycle comes again in each cycle, and is not that of first loading."""
+        assert self._given.cycle is not None
+        first, last = self._given.cycle
+        return begin >= first or begin + last - first in (end for _, end in halves)
+
+    def _part(self, state: int, begin: float, end: float) -> None:
+        given, contacts, bodies = self._given, self._given.contacts, self._bodies
+        width = self._widths(state, end)
+        level = contacts.level(width) / given.modulus
+        bound = bodies.pressure(self._shapes, width / self._outermost)
+        bound *= given.friction * level[:, None]
+        bound[self._lost] = UNBOUNDED  # nothing slips, and nothing is told of them
+        load = self._load(state, begin, end)
+        if given.cycle is not None and state > given.cycle[0]:
+            load = load - self._drift * np.abs(load)
+        stuck = self._shear + self._stiffness.stuck[:, None] * load[:, None] / 2
+        if self._lost.all():
+            return
+        tolerance = TOLERANCE * float(bound[~self._lost].max())
+        solved = partial_slip(self._stiffness, bound, stuck, tolerance)
+        self._lost[solved.unsolved] = True
+        slip = np.where((bound > tolerance)[..., None], solved.slip, 0.0)
+        direction = _unit(solved.shear)
+        amount = np.maximum(-np.sum(slip * direction, axis=-1), 0.0)
+        self._work += np.sum(amount * (bound + self._bound) / 2, axis=1)
+        along = np.sum(slip * given.direction[:, None], axis=-1)
+        counted = given.counted[:, state, None] * amount
+        # Slip of body 2 against the shear: forward shear makes backward slip.
+        self._slip += counted * np.array([along < 0, along >= 0])
+        self._shear, self._bound = solved.shear, bound
+
+    def _changed(self, before: Array) -> Array:
+        change = np.hypot(*np.moveaxis(self._shear - before, -1, 0)) @ self._bodies.weights
+        return np.asarray(2 * change / np.where(self._swing > 0, self._swing, np.inf))
+
+    def _profile(self, edge: int, state: int) -> SlipProfile:
+        """Slip of a half cycle that ends in a state."""
+        both, size = self._slip[:, edge] / self._bodies.weights, self._outermost[edge]
+        s = size * self._bodies.s - self._inside(edge, state)
+        slip = both[np.argmax(both.max(axis=1))] * size
+        return SlipProfile(s[s > 0], slip[s > 0])
+
+    def _inside(self, edge: int, state: int) -> float:
+        """Distance of an edge from its outermost place."""
+        return float(self._outermost[edge] - self._widths(state, 1.0)[edge])
+
+    def _now(self, edge: int, state: int) -> Tractions:
+        """Tractions next to an edge, of the front of a circle as there."""
+        contacts, width = self._given.contacts, self._widths(state, 1.0)
+        s = self._outermost[edge] * self._bodies.s - self._inside(edge, state)
+        longer = (contacts.half_width / width) ** (contacts.power - 2)
+        stress = self._given.modulus * longer[edge]
+        touching = s > 0
+        pressure = self._bound[edge, touching] / self._given.friction
+        return Tractions(s[touching], stress * pressure, stress * self._shear[edge, touching])
+
+    def _solution(self, edge: int, change: float) -> EdgeSlip:
+        if self._lost[edge]:
+            reason = (
+                "in the plane problem next to the front all of the contact would slide: K_T and "
+                "K_S are too large for its friction"
+            )
+            return EdgeSlip((), (), math.nan, math.nan, reason)
+        tractions = tuple(self._tractions[edge][state] for state in sorted(self._tractions[edge]))
+        work = float(self._work[edge]) * self._given.modulus * float(self._outermost[edge]) ** 2
+        profiles = tuple(self._profiles[edge][number] for number in sorted(self._profiles[edge]))
+        return EdgeSlip(profiles, tractions, work, float(change))
+
+
+def _unit(vectors: Array) -> Array:
+    length = np.hypot(vectors[..., 0], vectors[..., 1])[..., None]
+    return np.asarray(vectors / np.where(length > 0, length, 1.0))
