@@ -54,8 +54,8 @@ def edge_nodes(
     """The nodes next to a station.
 
     In the plane those of the contact. Between solids those nearer to the station than to the next
-    ones, at least as wide as an element. The shear that counts is that along the direction in which
-    (K_T, K_S) varies most; in the plane inward.
+    ones, and an element to either side at least. The shear that counts is that along the direction
+    in which (K_T, K_S) varies most; in the plane inward.
 
     Args:
         contact: of the station.
@@ -74,7 +74,10 @@ def edge_nodes(
         )
     s, along, across = coordinates(contact.points, _frames(front, station), 0)
     half = max(front.length / len(front.stations) / 2, station.size)
-    near = (np.abs(along) <= half) & (np.abs(across) <= station.depth)
+    # Around a bent front sectors become narrower than an element inward.
+    beside = np.abs((contact.points - station.point) @ station.frame.along) <= station.size
+    beside &= np.abs(along * station.curvature) < np.pi / 2
+    near = ((np.abs(along) <= half) | beside) & (np.abs(across) <= station.depth)
     s = np.where(near, s - position, np.nan)
     nodes = _from_front(s, reach)
     angle = np.radians(station.k_angle)
