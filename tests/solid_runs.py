@@ -7,8 +7,10 @@ is flat, or bent about the z axis with a radius, or about two axes.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +20,10 @@ from pad_cases import pad, press, shear
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case, parse_case
+from fretfe.evaluate.contacts import Station
 from fretfe.evaluate.evaluate import evaluate
+from fretfe.evaluate.space.evaluate import evaluate_fronts
+from fretfe.evaluate.space.fronts import follow_fronts
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits, Solution
 from fretfe.loads import build_history
 from fretfe.results.field_files import FIELDS, FieldWriter
@@ -32,6 +37,9 @@ NORMAL = 2 * np.pi * RADIUS**2 * PEAK / 3
 PRESSING, STEPS = 4, 16
 # Largest slip at the edge of the contact.
 SLIDE = 2e-3
+# Of the circle, with a = 1; K of it where it is bonded under Q = f P, f P = 2 π f p0/3.
+K_N = PEAK * np.sqrt(2)
+LIMIT = FRICTION * PEAK * 2 / 3 / (2 * np.sqrt(2))
 CERTIFICATE = (
     "penetration", "adhesion", "open_traction", "closed_gap", "cone", "stuck_drift",
     "slip_with_traction", "dissipation", "worst", "force_imbalance",
@@ -190,6 +198,47 @@ def solid_result(shapes: dict[str, Surface] | None = None, **output: object) -> 
     return Result(
         case=case, loads=loads, contacts=evaluate(solution), backend="fem",
         solution=solution, bodies=bodies(),
+    )  # fmt: skip
+
+
+@cache
+def stationed_sphere() -> Result:
+    """The contact on a flat surface with twelve stations, whose factors nobody has computed."""
+    result = solid_result({"main": surface()})
+    assert result.solution is not None
+    (contact,) = result.solution.contacts
+    tracks = follow_fronts(result.solution, contact, 12)
+    (area,) = result.contacts
+    fronts = evaluate_fronts(result.solution, contact, tracks)
+    return replace(result, contacts=(replace(area, fronts=fronts),))
+
+
+def with_stations(result: Result, change: Callable[[Station], Station]) -> Result:
+    """Results of one contact with other stations."""
+    (contact,) = result.contacts
+    fronts = tuple(
+        replace(front, stations=tuple(change(each) for each in front.stations))
+        for front in contact.fronts
+    )
+    return replace(result, contacts=(replace(contact, fronts=fronts),))
+
+
+def exact_station(station: Station, load: Array, angle: float) -> Station:
+    """A station with K_N and K_I of the circle, and (K_T, K_S) of a bonded one.
+
+    Args:
+        station: one of a circle of radius 1.
+        load: (T,) Q/(f P).
+        angle: of the shear from inward towards along, degrees, between -90 and 90.
+    """
+    k = load * LIMIT
+    pressed = np.minimum(np.arange(len(k)) / PRESSING, 1.0) ** (1 / 3)
+    return replace(
+        station, depth=1.0, length=1.0, curvature=1.0, k_angle=angle, turning=0.0, stiffening=2.0,
+        k_n=np.full(len(k), K_N), k_n_spread=np.full(len(k), 0.03 * K_N),
+        k_range=float(np.ptp(k)), k_range_spread=0.04 * float(np.ptp(k)), k_i_range=0.0,
+        k_t=np.cos(np.radians(angle)) * k, k_s=np.sin(np.radians(angle)) * k,
+        k_i=K_N / 3 * pressed**1.5,
     )  # fmt: skip
 
 

@@ -13,7 +13,18 @@ import numpy as np
 import pytest
 from launch import fretfe as command
 from pad_cases import cylinder, pad, press, shear
-from solid_runs import solid_result, surface
+from solid_runs import (
+    FRICTION,
+    SHEAR,
+    Surface,
+    exact_station,
+    hertz,
+    mindlin,
+    solid_result,
+    stationed_sphere,
+    surface,
+    with_stations,
+)
 from stored_runs import solved, write_run
 
 import fretfe
@@ -136,6 +147,82 @@ def test_contacts_without_partner_are_said() -> None:
     assert numbers(comparison)["", "P"].difference == 0
     with pytest.raises(CaseError, match="found main, second and other"):
         fretfe.compare(result, solid_result({"other": surface()}))
+
+
+def moved(shape: Surface, x: float) -> Surface:
+    return replace(shape, points=shape.points + np.array([x, 0.0, 0.0]))
+
+
+def test_tractions_of_solids_on_other_meshes() -> None:
+    """Against integrals of the difference of two Hertz pressures and shears, 0.2 apart."""
+    first = solid_result({"main": surface()})
+    near = solid_result({"main": moved(surface(corners=4, count=45), 0.2)})
+    comparison = fretfe.compare(first, near)
+    assert [each.extreme for each in comparison.tractions] == ["largest Q", "smallest Q"]
+    line = np.linspace(-1.5, 1.5, 601)
+    x, z = np.meshgrid(line, line)
+    radii = np.hypot(x, z), np.hypot(x - 0.2, z)
+    p, other_p = (hertz(each, 1.0) for each in radii)
+    q, other_q = (mindlin(each, SHEAR)[0] for each in radii)
+    size = math.sqrt((p**2).sum())
+    for pair in comparison.tractions:
+        # Linear between nodes 1/12 and 1/15 apart.
+        expected = math.sqrt(((other_p - p) ** 2).sum()) / size
+        assert pair.pressure_difference == pytest.approx(expected, rel=0.03)
+        expected = math.sqrt(((other_q - q) ** 2).sum()) / (FRICTION * size)
+        assert pair.shear_difference == pytest.approx(expected, rel=0.06)
+        sign = 1.0 if pair.extreme.startswith("largest") else -1.0
+        for curve, x_middle in ((pair.first, 0.0), (pair.second, 0.2)):
+            radius = np.abs(curve.x - x_middle)
+            inner = radius < 0.85
+            np.testing.assert_allclose(curve.pressure[inner], hertz(radius, 1.0)[inner], rtol=0.03)
+            expected_q = sign * mindlin(radius, SHEAR)[0]
+            np.testing.assert_allclose(curve.shear, expected_q, atol=0.2 * np.abs(expected_q).max())
+    assert len(fretfe.plot_comparison(comparison).axes) == 2
+
+
+@pytest.mark.parametrize("bend", [0.0, 0.3])
+def test_solids_agree_with_themselves_and_with_a_finer_mesh(bend: float) -> None:
+    first = solid_result({"main": surface(bend)})
+    finer = solid_result({"main": surface(bend, count=54)})
+    # Chords of an element h miss roots at the front and at the border of stick, c of the radius:
+    # the integral of (√s - s/√h)² is h²/30.
+    chords = math.sqrt(4 / 15 * (1 + (1 - SHEAR) ** (2 / 3))) * 3.0 / 54
+    for other, most in ((first, 1e-12), (finer, chords)):
+        comparison = fretfe.compare(first, other)
+        assert len(comparison.tractions) == 2
+        for pair in comparison.tractions:
+            assert max(pair.pressure_difference, pair.shear_difference) < most
+        found = {(each.quantity, each.edge): each.difference for each in comparison.histories}
+        assert set(found) == {(name, "") for name in ("P", "Q", "area")}
+        assert max(found.values()) < max(most, 1e-12)
+
+
+def test_solids_whose_tractions_cannot_be_subtracted() -> None:
+    first = solid_result({"main": surface()})
+    away = fretfe.compare(first, solid_result({"main": moved(surface(), 5.0)}))
+    assert "contact main has other places in the two: p and q are not subtracted" in away.notes
+    assert all(math.isnan(each.shear_difference) for each in away.tractions)
+    round_one = solid_result({"main": surface(bend=1.2)})
+    comparison = fretfe.compare(round_one, round_one)
+    assert comparison.tractions == ()
+    assert any("expected a surface within 90° of its mean" in note for note in comparison.notes)
+
+
+def test_histories_of_the_worst_stations_of_solids() -> None:
+    """A station's K beside that of the nearest one, along the direction of the first."""
+    result = stationed_sphere()
+    load = SHEAR * np.sin(result.loads.times)
+    first = with_stations(result, lambda each: exact_station(each, load, 89.0))
+    second = with_stations(result, lambda each: exact_station(each, -0.9 * load, -89.0))
+    (pair,) = (each for each in fretfe.compare(first, second).histories if each.quantity == "K")
+    assert pair.edge == "front 1"
+    # The directions differ by 2 degrees the other way round.
+    assert pair.difference == pytest.approx(1 - 0.9 * math.cos(math.radians(2)))
+    far = with_stations(second, lambda each: replace(each, point=each.point + 1.0))
+    unknown = with_stations(first, lambda each: replace(each, k_range_spread=math.nan))
+    for comparison in (fretfe.compare(first, far), fretfe.compare(unknown, second)):
+        assert {each.quantity for each in comparison.histories} == {"P", "Q", "area"}
 
 
 def test_extremes_of_other_kinds_are_said() -> None:

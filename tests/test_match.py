@@ -16,6 +16,16 @@ import tomli_w
 from pad_cases import PAD, wave
 from scipy.integrate import quad
 from scipy.optimize import brentq
+from solid_runs import (
+    FRICTION,
+    K_N,
+    LIMIT,
+    PEAK,
+    SHEAR,
+    exact_station,
+    stationed_sphere,
+    with_stations,
+)
 from typer.testing import CliRunner
 
 import fretfe
@@ -31,9 +41,10 @@ from fretfe.analytic.profiles import (
 from fretfe.case import changed, parse_case
 from fretfe.cli.app import app
 from fretfe.errors import CaseError, FretfeError, ModelError
+from fretfe.evaluate.contacts import Station
 from fretfe.matching.agreement import compare_edges
 from fretfe.matching.casefile import case_tables
-from fretfe.matching.files import match_numbers
+from fretfe.matching.files import match_numbers, write_match
 from fretfe.matching.match import Match, compare_tests, corrected, match_test
 from fretfe.matching.pads import Factors, PadTest, closed_form, pad_test
 from fretfe.matching.rig import parse_rig
@@ -290,8 +301,9 @@ def test_what_is_not_known_is_not_matched(exact: Result) -> None:
     ):
         with pytest.raises(ModelError, match=text):
             read_target(with_station(exact, **values), "main.left")
-    with pytest.raises(CaseError, match=r"one of the edges main.left, main.right, found 'main'"):
-        read_target(exact, "main")
+    with pytest.raises(CaseError, match=r"one of the edges main.left, main.right, found 'mai'"):
+        read_target(exact, "mai")
+    assert read_target(exact, "main").name == "main.left"
 
 
 def test_other_friction_or_units_are_refused(exact: Result) -> None:
@@ -415,3 +427,119 @@ def test_a_rig_that_can_do_nothing_is_an_error(solved: Result, tmp_path: Path) -
     assert isinstance(done.exception, FretfeError)
     assert "largest normal force: the rig allows at most 20" in str(done.exception)
     assert not (tmp_path / "tests").exists()
+
+
+@pytest.fixture(scope="module")
+def sphere() -> Result:
+    """Twelve stations around a sphere under Q along x, with exact factors; a = 1."""
+    result = stationed_sphere()
+    shear = result.loads.values[:, 1]
+    load = SHEAR * shear / np.abs(shear).max()
+
+    def exact(station: Station) -> Station:
+        inward, along = station.frame.inward[0], station.frame.along[0]
+        sign = 1.0 if inward > 0 else -1.0
+        angle = math.degrees(math.atan2(sign * along, sign * inward))
+        return exact_station(station, sign * load, angle)
+
+    return with_stations(result, exact)
+
+
+def at_station(result: Result, number: int, **values: Any) -> Result:
+    def change(station: Station) -> Station:
+        return replace(station, **values) if station.number == number else station
+
+    return with_stations(result, change)
+
+
+def test_a_station_of_solids_is_read(sphere: Result) -> None:
+    target = read_target(sphere, "main.1.1")
+    station = sphere.contacts[0].stations[1]
+    assert target.name == "main.1.1"
+    assert [target.k_n, target.k_t_range] == pytest.approx([K_N, 2 * SHEAR * LIMIT])
+    assert [target.half_width, target.stiffening] == [1.0, 2.0]
+    assert target.k_angle == station.k_angle and abs(target.k_angle) == pytest.approx(50, abs=1)
+    assert f"varies most, {station.k_angle:.0f}° from inward; that of a test is inward" in " ".join(
+        target.warnings
+    )
+    assert "turns" not in " ".join(target.warnings)
+    turned = read_target(at_station(sphere, 1, turning=0.3), "main.1.1")
+    assert any("range across that direction is 30%" in text for text in turned.warnings)
+
+
+@pytest.mark.parametrize("number", range(12))
+def test_tractions_next_to_a_station(sphere: Result, number: int) -> None:
+    """Hertz, and twice Cattaneo and Mindlin for half of the change of Q, in means over rows."""
+    profile = read_target(sphere, f"main.1.{number}").profile
+    assert profile is not None
+    radius = 1 - profile.s
+    hertz = PEAK * np.sqrt(1 - radius**2)
+    inner = PEAK * np.sqrt(np.clip((1 - SHEAR) ** (2 / 3) - radius**2, 0, None))
+    change = 2 * FRICTION * (hertz - inner)
+    # Rows are an element of about 1/12 wide; pressures bend in the first of them.
+    np.testing.assert_allclose(profile.pressure, hertz, rtol=0.02)
+    np.testing.assert_allclose(profile.limit, 2 * FRICTION * profile.pressure)
+    np.testing.assert_allclose(profile.shear_change, change, atol=0.04 * change.max())
+
+
+def test_a_contact_or_front_stands_for_its_worst_station(sphere: Result) -> None:
+    (front,) = sphere.contacts[0].fronts
+    size = front.stations[0].k_range
+    worse = at_station(sphere, 7, k_range=1.1 * size)
+    assert read_target(worse, "main").name == read_target(worse, "main.1").name == "main.1.7"
+    # Not by the range alone, and not near an end.
+    stiffer = at_station(worse, 7, k_n=1.2 * front.stations[7].k_n)
+    assert read_target(stiffer, "main.1").name == "main.1.0"
+    assert read_target(at_station(worse, 7, end=True), "main").name == "main.1.0"
+    unknown = with_stations(sphere, lambda each: replace(each, k_range_spread=math.nan))
+    with pytest.raises(ModelError, match="edge main: expected K_N and the range of K_T to be"):
+        read_target(unknown, "main")
+
+
+def test_stations_that_are_not_matched(sphere: Result, solved: Result) -> None:
+    for values, text in (
+        ({"end": True}, "a station .* found one within a local length of a free end"),
+        (
+            {"k_n": np.full(len(sphere.loads.times), np.nan)},
+            "K_N to be known, found that it is not",
+        ),
+        ({"k_range_spread": math.nan}, "the range of K_T .* found no error bar"),
+        ({"k_range_spread": 100.0}, "less than half of it, found 33.94 ± 1e\\+02"),
+    ):
+        with pytest.raises(ModelError, match=f"edge main.1.5: expected .*{text}"):
+            read_target(at_station(sphere, 5, **values), "main.1.5")
+    for name in ("main.2", "main.1.12", "main.left"):
+        with pytest.raises(
+            CaseError, match=f"one of the edges main.1.0 to main.1.11, found '{name}'"
+        ):
+            read_target(sphere, name)
+    with pytest.raises(CaseError, match="test: expected a test of plane bodies, found solids"):
+        compare_tests(match_test(solved, "main.left", rig()), [("test", sphere)])
+
+
+def test_how_far_a_cylinder_agrees_with_a_sphere(sphere: Result, tmp_path: Path) -> None:
+    """The same p = K_N sqrt(s (1 - s/2)) where both are as wide; slip is 1 - (1 - Q/(f P))^n."""
+    size = E_STAR * math.sqrt(2) / (2 * K_N)
+    match = match_test(sphere, "main.1.5", rig(pad={"radius": [size, size]}))
+    test = only(match)
+    assert test.half_width == pytest.approx(1.0)
+    # ΔK = 2 Q/(π sqrt(2 a)): two thirds of Q/(f P) of the sphere.
+    assert test.shear_ratio == pytest.approx(2 * SHEAR / 3)
+    tables = {
+        "geometry.parameters.upper_radius": size,
+        "loads.press.history": [{"ramp": -test.normal_force, "until": 1, "steps": 4}],
+        "loads.shear.history": [{"hold": True, "until": 1}, wave(test.shear_amplitude)],
+    }
+    solved = fretfe.run(changed(case(), tables), backend="halfplane")
+    comparison = compare_tests(match, [("cylinder", solved)])
+    (found,) = comparison.agreements
+    assert found.test.k_t_range == pytest.approx(match.target.k_t_range, rel=1e-3)
+    assert [each.whole for each in found.pressure_reach] == [True, True]
+    # Behind its slip zone q falls like a root, within a row of an element of 1/12.
+    slip = 1 - math.sqrt(1 - 2 * SHEAR / 3)
+    assert found.shear_reach[0].length == pytest.approx(slip, abs=1 / 12)
+    write_match(match, comparison, tmp_path)
+    numbers = json.loads((tmp_path / "match.json").read_text())
+    assert numbers["component"]["edge"] == "main.1.5"
+    assert numbers["component"]["k_angle"] == pytest.approx(match.target.k_angle)
+    assert (tmp_path / "match.png").stat().st_size > 10_000

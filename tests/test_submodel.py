@@ -8,27 +8,32 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from solid_runs import FRICTION, PEAK, PRESSING, SHEAR, solid_result, surface
+from solid_runs import (
+    FRICTION,
+    K_N,
+    LIMIT,
+    PEAK,
+    SHEAR,
+    exact_station,
+    stationed_sphere,
+    with_stations,
+)
 from typer.testing import CliRunner
 
 from fretfe.analytic.profiles import Hertz, edge_factor_k_n
 from fretfe.cli.app import app
 from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
-from fretfe.evaluate.contacts import SlipZone, Station
-from fretfe.evaluate.space.evaluate import evaluate_fronts
-from fretfe.evaluate.space.fronts import follow_fronts
+from fretfe.evaluate.contacts import SlipZone
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import write_results
 from fretfe.submodel.comparison import StationModel
 from fretfe.submodel.run import run_station
 
-K_N = PEAK * np.sqrt(2)
-# K of a bonded circle under Q = f P, f P = 2 π f p0/3.
-LIMIT = FRICTION * PEAK * 2 / 3 / (2 * np.sqrt(2))
 # The load is ±SHEAR f P: the slip annulus of Cattaneo and Mindlin.
 WIDTH = 1 - (1 - 0.5 * SHEAR) ** (1 / 3)
 ANGLE = 30.0
@@ -37,28 +42,10 @@ ANGLE = 30.0
 @pytest.fixture(scope="module")
 def solid() -> Result:
     """Twelve stations with exact K_N, K_T, K_S and K_I for half of the shear, across each other."""
-    result = solid_result({"main": surface()})
-    assert result.solution is not None
-    (contact,) = result.solution.contacts
-    (front,) = evaluate_fronts(
-        result.solution, contact, follow_fronts(result.solution, contact, 12)
-    )
-    stations = tuple(exact(result, station) for station in front.stations)
-    (area,) = result.contacts
-    return replace(result, contacts=(replace(area, fronts=(replace(front, stations=stations),)),))
-
-
-def exact(result: Result, station: Station) -> Station:
-    loads = result.loads.values
-    q = 0.5 * SHEAR * loads[:, 1] / np.abs(loads[:, 1]).max() * LIMIT
-    pressed = np.minimum(np.arange(len(q)) / PRESSING, 1.0) ** (1 / 3)
-    angle = np.radians(ANGLE)
-    return replace(
-        station, depth=1.0, length=1.0, curvature=1.0, k_angle=ANGLE, turning=0.0,
-        k_n=np.full(len(q), K_N), k_n_spread=np.full(len(q), 0.03 * K_N),
-        k_range=float(np.ptp(q)), k_range_spread=0.04 * float(np.ptp(q)),
-        k_t=np.cos(angle) * q, k_s=np.sin(angle) * q, k_i=K_N / 3 * pressed**1.5,
-    )  # fmt: skip
+    result = stationed_sphere()
+    shear = result.loads.values[:, 1]
+    load = 0.5 * SHEAR * shear / np.abs(shear).max()
+    return with_stations(result, lambda station: exact_station(station, load, ANGLE))
 
 
 @pytest.fixture(scope="module")
@@ -66,11 +53,8 @@ def model(solid: Result) -> StationModel:
     return run_station(solid, "main", 1, 5, None)
 
 
-def changed(solid: Result, **values: object) -> Result:
-    (area,) = solid.contacts
-    (front,) = area.fronts
-    stations = tuple(replace(each, **values) for each in front.stations)  # type: ignore[arg-type]
-    return replace(solid, contacts=(replace(area, fronts=(replace(front, stations=stations),)),))
+def changed(solid: Result, **values: Any) -> Result:
+    return with_stations(solid, lambda station: replace(station, **values))
 
 
 def test_cylinder_has_the_factors_of_the_station(model: StationModel) -> None:

@@ -27,7 +27,11 @@ MATCH_EXAMPLES = examples(
 def match(
     directory: Results,
     edge: Annotated[
-        str, typer.Option(help="Edge of the component: CONTACT.left or CONTACT.right.")
+        str,
+        typer.Option(
+            help="Edge of the component: CONTACT.left or CONTACT.right, of solids "
+            "CONTACT.FRONT.STATION; CONTACT or CONTACT.FRONT for the worst one there."
+        ),
     ],
     rig: Annotated[Path, typer.Option(help="Rig file (TOML): what the laboratory can do.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for cases and numbers.")],

@@ -370,6 +370,12 @@ class Station(StationHistory):
     local: LocalProblem = field(default_factory=lambda: no_local_problem("only between solids"))
 
     @property
+    def k_along(self) -> Array:
+        """(T,) the vector (K_T, K_S) along `k_angle`; K_T in the plane."""
+        angle = math.radians(self.k_angle)
+        return np.asarray(math.cos(angle) * self.k_t + math.sin(angle) * self.k_s)
+
+    @property
     def reported_range(self) -> float:
         """The range of (K_T, K_S); NaN if its error bar is unknown or more than half of it."""
         return reported(self.k_range, self.k_range_spread)

@@ -194,8 +194,8 @@ class Comparison:
         results: the two.
         contacts: names of the contacts that belong together, in the first and the second result.
         quantities: numbers of edges and contacts with their bars.
-        tractions: along contacts in the plane, at the two load extremes; empty where one result
-            has no tractions.
+        tractions: along contacts, at the two load extremes; empty where one result has no
+            tractions.
         histories: of contacts and edges over time.
         notes: what differs between the cases, what has no partner, what is not compared and why.
     """

@@ -50,7 +50,7 @@ def plot_tractions(comparison: Comparison) -> Figure:
 
 
 def plot_histories(comparison: Comparison) -> Figure:
-    """P, Q and K_T over time, of solids P and the contact area; one row per contact."""
+    """P, Q and K_T over time, of solids also the contact area; one row per contact."""
     quantities = list(dict.fromkeys(each.quantity for each in comparison.histories))
     contacts = [first for first, _ in comparison.contacts]
     with mpl.rc_context(STYLE):
@@ -62,7 +62,10 @@ def plot_histories(comparison: Comparison) -> Figure:
                     for each in comparison.histories
                     if (each.contact, each.quantity) == (contact, quantity)
                 ]
-                _draw_histories(panel, comparison, own)
+                if own:
+                    _draw_histories(panel, comparison, own)
+                else:
+                    panel.set_axis_off()
         _name_results(figure, comparison.labels)
     return figure
 
@@ -142,7 +145,9 @@ def _draw_tractions(panel: Axes, comparison: Comparison, pair: TractionPair) -> 
     times = (pair.first.time, pair.second.time)
     same = f"t = {times[0]:g}" if times[0] == times[1] else f"t = {times[0]:g} and {times[1]:g}"
     panel.set_title(f"{pair.contact}, {pair.extreme}, {same} {units.time}", loc="left")
-    panel.set_xlabel(f"x along the contact [{units.length}]")
+    of_solids = "from the centre of pressure along Q"
+    place = of_solids if comparison.results[0].solid else "x along the contact"
+    panel.set_xlabel(f"{place} [{units.length}]")
     panel.set_ylabel(f"p, q [{units.stress}]")
     panel.legend(loc="best")
 
@@ -166,7 +171,8 @@ def _draw_histories(panel: Axes, comparison: Comparison, pairs: Sequence[History
             shown = envelope(values)
             panel.plot(times[shown], values[shown], color=colour, **style)
         if pair.edge:
-            panel.plot([], [], color=colour, label=f"{pair.edge} edge")
+            label = pair.edge if comparison.results[0].solid else f"{pair.edge} edge"
+            panel.plot([], [], color=colour, label=label)
     panel.axhline(0, color=GREY, lw=0.6)
     panel.set_title(pairs[0].contact, loc="left")
     panel.set_xlabel(f"time [{comparison.results[0].case.units.time}]")

@@ -5,16 +5,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.integrate import trapezoid
+from scipy.interpolate import LinearNDInterpolator
 
 from fretfe._typing import Array, Indices
-from fretfe.errors import OutputError
-from fretfe.evaluate.contacts import Contact
-from fretfe.evaluate.resultants import load_extremes
+from fretfe.errors import ModelError, OutputError
+from fretfe.evaluate.contacts import Contact, Station
+from fretfe.evaluate.resultants import SMALLEST_SHEAR, load_extremes, shear_direction
+from fretfe.history.solution import ContactHistory
+from fretfe.report.pictures.unroll import unroll
 from fretfe.results.model import Result
 from fretfe.results.tables import unit
 
@@ -22,17 +25,28 @@ Pairs = Sequence[tuple[Contact, Contact]]
 # Times that differ by less than this fraction of the clock are the same.
 SAME_TIME = 1e-9
 LAST = "last state"
+# Points of a line through a contact of solids, and how far it goes on beside it, over its width.
+POINTS, BEYOND = 401, 0.1
+# Share of Q that lies in the plane of the surface, if there is any.
+IN_PLANE = 0.1
+Results = tuple[Result, Result]
+Contacts = tuple[Contact, Contact]
+States = tuple[int, int]
 
 
 @dataclass(frozen=True)
 class Curve:
     """Tractions of one result along a contact in one state; n nodes.
 
+    Of solids they are those along a line on the surface of the first result, through its centre of
+    pressure in the direction in which its Q varies most; n points.
+
     Attributes:
         time: of the state.
         friction: coefficient in the step to the state.
-        x: (n,) place along the contact.
-        pressure, shear: (n,) means around the nodes.
+        x: (n,) place along the contact; of solids from the centre of pressure.
+        pressure, shear: (n,) means around the nodes, of solids linear between them; their shear is
+            that along the line.
     """
 
     time: float
@@ -51,8 +65,9 @@ class TractionPair:
         extreme: which one, in words.
         first, second: the two.
         pressure_difference: root of the integral of the squared difference of p, over that of p of
-            the first one; NaN where the two do not overlap.
-        shear_difference: the same of q, over that of f p of the first one; NaN without friction.
+            the first one; of solids over the surface. NaN where the two do not overlap.
+        shear_difference: the same of q, of solids a vector, over that of f p of the first one; NaN
+            without friction.
     """
 
     contact: str
@@ -110,11 +125,6 @@ def traction_pairs(
     first: Result, second: Result, pairs: Pairs
 ) -> tuple[tuple[TractionPair, ...], list[str]]:
     """Tractions at the two load extremes of each result, and why there are none."""
-    if first.solid:
-        return (), [
-            "tractions of solids are not compared: their nodes have no common places; "
-            "fretfe export writes them"
-        ]
     for result in (first, second):
         if result.solution is None:
             return (), [f"no tractions are compared: backend {result.backend!r} has none"]
@@ -126,13 +136,13 @@ def traction_pairs(
             if not compared:
                 notes.append(
                     f"tractions of contact {one.name} are not compared: its load extremes are of "
-                    "other kinds in the two (K_T, K_I, or a constant load)"
+                    "other kinds in the two (K_T, K_I, of solids Q, P, or a constant load)"
                 )
             found += compared
-        except OutputError as error:  # not all states are kept
+        except (ModelError, OutputError) as error:  # not all states are kept
             notes.append(f"tractions of contact {one.name} are not compared: {error}")
     notes += [
-        f"contact {each.contact} has other places x in the two: p and q are not subtracted"
+        f"contact {each.contact} has other places in the two: p and q are not subtracted"
         for each in found[::2]
         if math.isnan(each.pressure_difference)
     ]
@@ -145,31 +155,50 @@ def _contact_tractions(
     states = [_extremes(result, each) for result, each in ((first, one), (second, two))]
     for extreme in states[0]:
         if extreme in states[1]:
-            curves = [
-                _curve(result, each.name, chosen[extreme])
-                for result, each, chosen in zip((first, second), (one, two), states, strict=True)
-            ]
-            yield TractionPair(one.name, extreme, curves[0], curves[1], *_differences(*curves))
+            chosen = states[0][extreme], states[1][extreme]
+            lay = _solid_curves if one.solid else _plane_curves
+            yield TractionPair(one.name, extreme, *lay((first, second), (one, two), chosen))
 
 
 def _extremes(result: Result, contact: Contact) -> dict[str, int]:
     """States of largest and smallest load of a contact by what they are, and the last state.
 
-    Extremes are told apart by K_T, not by time: equal loads come back, and which of the states is
-    the extreme one is a matter of round-off.
+    Extremes are told apart by K_T, of solids by Q, not by time: equal loads come back, and which of
+    the states is the extreme one is a matter of round-off.
     """
-    edges = contact.stations
     found = load_extremes([contact], result.loads.cycle)
     last = len(result.loads.times) - 1
     if len(found) < 2:
         return {LAST: found[0]}
-    left = edges[0]
-    load = left.k_t if np.ptp(left.k_t[found]) > 0 else left.k_i
+    if contact.solid:
+        shear, normal = contact.shear_force @ _line(result, contact), contact.normal_force
+        sheared = np.ptp(shear[found]) > SMALLEST_SHEAR * np.abs(normal).max()
+        load, name = (shear, "Q") if sheared else (normal, "P")
+    else:
+        left = contact.stations[0]
+        sheared = np.ptp(left.k_t[found]) > 0
+        load = left.k_t if sheared else left.k_i
+        name = f"{'K_T' if sheared else 'K_I'} at the left edge"
     if not np.isfinite(load[found]).all():
         return {LAST: last}
     low, high = sorted(found, key=lambda state: float(load[state]))
-    name = "K_T" if load is left.k_t else "K_I"
-    return {f"largest {name} at the left edge": high, f"smallest {name} at the left edge": low}
+    return {f"largest {name}": high, f"smallest {name}": low}
+
+
+def _line(result: Result, contact: Contact) -> Array:
+    """(3,) direction in which Q of solids varies most."""
+    first, last = result.loads.evaluated
+    return shear_direction(contact.shear_force[first : last + 1])
+
+
+def _plane_curves(
+    results: Results, contacts: Contacts, states: States
+) -> tuple[Curve, Curve, float, float]:
+    first, second = (
+        _curve(result, each.name, state)
+        for result, each, state in zip(results, contacts, states, strict=True)
+    )
+    return first, second, *_differences(first, second)
 
 
 def _curve(result: Result, name: str, state: int) -> Curve:
@@ -203,6 +232,78 @@ def _differences(first: Curve, second: Curve) -> tuple[float, float]:
     )
 
 
+class _Field:
+    """Tractions of a contact of solids in one state, linear between the nodes.
+
+    Args:
+        result: of the contact.
+        contact: its tractions.
+        state: one in which they are kept.
+        places: (N, 2) of the nodes in the plane of a surface.
+    """
+
+    def __init__(self, result: Result, contact: ContactHistory, state: int, places: Array) -> None:
+        mean = contact.mean_traction[state]
+        shear = np.einsum("nt,ntd->nd", mean[:, 1:], contact.frames[:, 1:])
+        self.values = np.column_stack([mean[:, 0], shear])
+        self.time = float(result.loads.times[state])
+        self.friction = float(contact.friction[state])
+        self.pressed = places[mean[:, 0] > 0]
+        self._between = LinearNDInterpolator(places, self.values, fill_value=0.0)
+
+    def at(self, places: Array) -> Array:
+        """(n, 4) p and q, zero beyond the ends of the surface."""
+        return np.asarray(self._between(places))
+
+    def along(self, x: Array, places: Array, direction: Array) -> Curve:
+        """The curve at places (n, 2), with the shear along a direction (3,)."""
+        values = self.at(places)
+        return Curve(self.time, self.friction, x, values[:, 0], values[:, 1:] @ direction)
+
+
+def _solid_curves(
+    results: Results, contacts: Contacts, states: States
+) -> tuple[Curve, Curve, float, float]:
+    """Tractions of solids in the plane into which the first surface is laid, and differences.
+
+    Raises:
+        ModelError: if there is no such plane.
+    """
+    one, two = (
+        result.contact_history(each.name) for result, each in zip(results, contacts, strict=True)
+    )
+    if (one.frames[:, 0] @ (one.weights @ one.frames[:, 0]) <= 0).any():
+        raise ModelError("expected a surface within 90° of its mean direction, found more")
+    plane = unroll(one)
+    first = _Field(results[0], one, states[0], plane.places)
+    second = _Field(results[1], two, states[1], plane.at(one, two.points))
+    centre = contacts[0].centre[states[0]]
+    # Where nothing presses in the first result there is no centre.
+    middle = plane.at(one, centre[None])[0] if np.isfinite(centre).all() else np.zeros(2)
+    line = plane.directions @ _line(results[0], contacts[0])
+    # Without shear the direction is any, across the surface too.
+    line = line / np.linalg.norm(line) if np.linalg.norm(line) > IN_PLANE else np.array([1.0, 0.0])
+    ends = np.concatenate([[0.0], *((each.pressed - middle) @ line for each in (first, second))])
+    margin = BEYOND * np.ptp(ends)
+    x = np.linspace(ends.min() - margin, ends.max() + margin, POINTS)
+    places, direction = middle + x[:, None] * line, line @ plane.directions
+    curves = first.along(x, places, direction), second.along(x, places, direction)
+    return *curves, *_surface_differences(one.weights, first, second.at(plane.places))
+
+
+def _surface_differences(weights: Array, first: _Field, other: Array) -> tuple[float, float]:
+    """Of pressure and shear, as of `TractionPair`, by the other tractions at the same nodes."""
+    own, change = first.values, other - first.values
+    if not ((own[:, 0] > 0) & (other[:, 0] > 0)).any():
+        return math.nan, math.nan
+    pressure, of_p, of_q = (
+        math.sqrt(weights @ (each**2).sum(axis=1))
+        for each in (own[:, :1], change[:, :1], change[:, 1:])
+    )
+    bound = first.friction * pressure
+    return of_p / pressure, of_q / bound if bound > 0 else math.nan
+
+
 def _between(x: Array, curve: Curve, name: str) -> Array:
     """(n,) values at places x: linear between nodes, zero beyond the ends of the surface."""
     return np.asarray(np.interp(x, curve.x, getattr(curve, name), left=0.0, right=0.0))
@@ -214,7 +315,10 @@ def _norm(x: Array, values: Array) -> float:
 
 
 def history_pairs(first: Result, second: Result, pairs: Pairs) -> Iterator[HistoryPair]:
-    """Histories of all contacts that belong together."""
+    """Histories of all contacts that belong together.
+
+    Q of solids is that along the direction in which it varies most in the first result.
+    """
     force, area, factor = (
         unit(kind, first.case.units, solid=first.solid) for kind in ("force", "area", "k_t")
     )
@@ -223,12 +327,41 @@ def history_pairs(first: Result, second: Result, pairs: Pairs) -> Iterator[Histo
         name, loads = one.name, (one.normal_force, two.normal_force)
         yield HistoryPair(name, "", "P", force, *times, *loads)
         if one.solid:
+            line = _line(first, one)
+            shears = one.shear_force @ line, two.shear_force @ line
             areas = one.contact_area, two.contact_area
+            yield HistoryPair(name, "", "Q", force, *times, *shears)
             yield HistoryPair(name, "", "area", area, *times, *areas)
+        else:
+            yield HistoryPair(name, "", "Q", force, *times, one.shear_force, two.shear_force)
+        for station, partner in station_pairs(one, two):
+            along = station.k_along, replace(partner, k_angle=station.k_angle).k_along
+            label = "K" if one.solid else "K_T"
+            yield HistoryPair(name, station.front, label, factor, *times, *along)
+
+
+def station_pairs(one: Contact, two: Contact) -> Iterator[tuple[Station, Station]]:
+    """Stations that belong together: edges, of solids the worst of a front and the nearest to it.
+
+    That of the other result lies within half of the distance between its stations.
+    """
+    if not one.solid:
+        yield from zip(one.stations, two.stations, strict=True)
+        return
+    for front in one.fronts:
+        if (worst := front.worst) is None:
             continue
-        yield HistoryPair(name, "", "Q", force, *times, one.shear_force, two.shear_force)
-        for edge, partner in zip(one.stations, two.stations, strict=True):
-            yield HistoryPair(name, edge.front, "K_T", factor, *times, edge.k_t, partner.k_t)
+        point = worst.point
+        others = [
+            (float(np.linalg.norm(each.point - point)), each, other.length / len(other.stations))
+            for other in two.fronts
+            for each in other.stations
+        ]
+        distance, nearest, spacing = min(
+            others, key=lambda each: each[0], default=(1.0, worst, 0.0)
+        )
+        if distance <= spacing:
+            yield worst, nearest
 
 
 def _equal_times(first: Array, second: Array) -> tuple[Indices, Indices]:

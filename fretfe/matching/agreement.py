@@ -71,15 +71,17 @@ def compare_edges(target: Target, result: Result, name: str) -> Agreement:
     matches ranges does not match it.
 
     Args:
-        target: edge of the component.
+        target: edge or station of the component.
         result: of the test, with one contact.
         name: of the test.
 
     Raises:
-        CaseError: if the test has several contacts.
+        CaseError: if the test is of solids, or has several contacts.
         ModelError: if one of the two has no tractions, or the factors of the test are not known.
         OutputError: if the test is not complete.
     """
+    if result.solid:
+        raise CaseError(f"{name}: expected a test of plane bodies, found solids")
     if len(result.contacts) > 1:
         known = ", ".join(contact.name for contact in result.contacts)
         raise CaseError(f"{name}: expected a test with one contact, found {known}")
@@ -119,10 +121,11 @@ def better(agreements: list[Agreement]) -> Agreement:
 
 
 def _profile(target: Target, name: str) -> Profile:
-    if target.profile is None or not len(target.profile.s):
+    if target.profile is None:
         raise ModelError(
             f"{name}, edge {target.name}: expected tractions through the cycle to compare, found "
-            "none: the backend has none, or they were not kept ([output] tractions)"
+            "none: the backend has none, they were not kept ([output] tractions), or there are too "
+            "few nodes next to the edge"
         )
     return target.profile
 

@@ -109,7 +109,7 @@ def match_test(result: Result, edge: str, rig: Rig) -> Match:
 
     Args:
         result: of the component.
-        edge: "CONTACT.left" or "CONTACT.right".
+        edge: as of `read_target`.
         rig: bounds of the laboratory.
 
     Raises:

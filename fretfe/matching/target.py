@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The edge of a component that a test is to match, or the reason why it cannot be matched."""
+"""The edge or station that a test is to match, or the reason why it cannot be matched."""
 
 from __future__ import annotations
 
@@ -10,15 +10,21 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.errors import CaseError, ModelError, OutputError
-from fretfe.evaluate.contacts import Contact, Station
+from fretfe.evaluate.contacts import NO_NUMBER, Contact, Front, Station
+from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.results.model import Result
 
 # Correlation of K_T and K_I below which they do not vary in step.
 IN_STEP = 0.99
 # Range of f K_I over that of K_T from which it changes slip zones.
 NORMAL_COUNTS = 0.02
-# Nodes next to an edge whose tractions alternate about the field.
+# Range of (K_T, K_S) across the direction in which it varies most, over the one along it, and sine
+# of that direction, from which they are told.
+TURNS = 0.05
+# Nodes next to an edge, of solids rows of nodes, whose tractions alternate about the field.
 FIRST_NODES = 3
+# Nodes behind them between which tractions can be compared.
+FEWEST_NODES = 2
 
 
 @dataclass(frozen=True)
@@ -28,7 +34,8 @@ class Profile:
     Attributes:
         s: increasing, from the third node on.
         pressure: p in the last state of the cycle.
-        shear_change: change of q between the states of largest and smallest K_T, inward positive.
+        shear_change: change of q between the states of largest and smallest K_T, inward positive;
+            of solids along the direction in which (K_T, K_S) varies most.
         limit: f (p + p') of these two states: how much q can change.
         peak: distance of the largest pressure from the edge, up to the centre of the contact.
     """
@@ -42,10 +49,12 @@ class Profile:
 
 @dataclass(frozen=True)
 class Target:
-    """Edge factors of a cycle, per unit thickness, with error bars of 95 %.
+    """Edge factors of a cycle, with error bars of 95 %.
+
+    At a station of solids K_T is (K_T, K_S) along the direction in which it varies most.
 
     Attributes:
-        contact, edge: which it is.
+        contact, edge: which it is; of solids number of the front, from 1, and of the station.
         k_n, k_n_spread: in the last state of the cycle.
         k_t_range, k_t_range_spread: of the evaluated cycle, or of the worst counted one.
         k_i_range: between the same states.
@@ -53,11 +62,13 @@ class Target:
         friction: coefficient.
         slip: (2,) found lengths of the last two slip zones, NaN where not known.
         slip_spread: (2,) error bars.
-        half_width: of the contact.
+        half_width: of the contact; of solids inward from the station.
         stiffening: relative growth of dP/da with the half-width; half of it times the slip length
             is the relative error to expect of the formula. NaN where not known.
-        profile: tractions; None if the backend has none.
+        profile: tractions; None if the backend has none, or the mesh has too few nodes.
         warnings: in words.
+        k_angle: direction of K_T from inward towards along, degrees; 0 in the plane.
+        turning: range of (K_T, K_S) across that direction over `k_t_range`.
     """
 
     contact: str
@@ -75,6 +86,8 @@ class Target:
     stiffening: float
     profile: Profile | None
     warnings: tuple[str, ...]
+    k_angle: float
+    turning: float
 
     @property
     def name(self) -> str:
@@ -90,32 +103,36 @@ class Target:
 
 
 def read_target(result: Result, edge: str) -> Target:
-    """Read the factors of an edge.
+    """Read the factors of an edge, or of a station of solids.
 
     Args:
-        result: a complete run of plane bodies.
-        edge: "CONTACT.left" or "CONTACT.right".
+        result: a complete run.
+        edge: "CONTACT.left" or "CONTACT.right"; of solids "CONTACT.FRONT.STATION", fronts counted
+            from 1 and stations from 0. A contact or a front alone stands for the largest
+            |ΔK|/(f K_N) there.
 
     Raises:
         CaseError: if there is no such edge.
         OutputError: if the run is not complete.
         ModelError: if its factors are not known well enough to match them, with the reason.
     """
-    contact, station = _find(result, edge)
-    begin, end = _cycle(result, station, edge)
+    contact, front, station = _find(result, edge)
+    name = _name(contact, station)
+    begin, end = _cycle(result, station, name)
     k_t_range, spread, k_i_range = _ranges(result, station, begin, end)
     k_n, k_n_spread = float(station.k_n[end]), float(station.k_n_spread[end])
-    _require_known(edge, "K_N", k_n, k_n_spread)
-    _require_known(edge, "the range of K_T", k_t_range, spread)
-    _require_partial(edge, station)
+    _require_known(name, "K_N", k_n, k_n_spread)
+    _require_known(name, "the range of K_T", k_t_range, spread)
+    _require_partial(name, station)
     zones = station.slip_zones[-2:]
     lengths = [zone.reported_length for zone in zones] + [math.nan] * (2 - len(zones))
     spreads = [float(zone.spread) for zone in zones] + [math.nan] * (2 - len(zones))
     friction = result.case.contacts[contact.pair].friction
     in_step = _in_step(station, begin, end)
+    half_width = station.depth if contact.solid else float(contact.half_width[end])
     return Target(
         contact=contact.name,
-        edge=station.front,
+        edge=name.removeprefix(f"{contact.name}."),
         k_n=k_n,
         k_n_spread=k_n_spread,
         k_t_range=k_t_range,
@@ -125,27 +142,59 @@ def read_target(result: Result, edge: str) -> Target:
         friction=friction,
         slip=(lengths[0], lengths[1]),
         slip_spread=(spreads[0], spreads[1]),
-        half_width=float(contact.half_width[end]),
+        half_width=half_width,
         stiffening=float(station.stiffening),
-        profile=_profile(result, contact, station, (begin, end)),
+        profile=_profile(result, front, station, (begin, end), half_width, contact.name),
         warnings=_warnings(contact, station, in_step, k_i_range * friction / k_t_range),
+        k_angle=station.k_angle,
+        turning=station.turning,
     )
 
 
-def _find(result: Result, edge: str) -> tuple[Contact, Station]:
+def _name(contact: Contact, station: Station) -> str:
+    """Name of an edge or a station, as given on the command line."""
+    if not contact.solid:
+        return f"{contact.name}.{station.front}"
+    return f"{contact.name}.{station.front.removeprefix('front ')}.{station.number}"
+
+
+def _find(result: Result, edge: str) -> tuple[Contact, Front, Station]:
+    """The edge or station of a name, or the worst one of a contact or front."""
     where = result.directory or result.case.source
-    if result.solid:
-        raise CaseError(
-            f"{where}: expected results of plane bodies, found solids; `fretfe station` makes the "
-            "plane problem of one of their stations"
-        )
     if result.failure is not None:
         raise OutputError(f"{where}: expected complete results, found: {result.failure}")
-    edges = {f"{one.name}.{each.front}": (one, each) for one in result.contacts
-             for each in one.stations}  # fmt: skip
-    if edge not in edges:
-        raise CaseError(f"{where}: expected one of the edges {', '.join(edges)}, found {edge!r}")
-    return edges[edge]
+    fronts = [(contact, front) for contact in result.contacts for front in contact.fronts]
+    meant = [
+        (contact, front, station)
+        for contact, front in fronts
+        for station in front.stations
+        if f"{_name(contact, station)}.".startswith(f"{edge}.")
+    ]
+    if not meant:
+        ends = (
+            (_name(one, each.stations[0]), _name(one, each.stations[-1])) for one, each in fronts
+        )
+        known = ", ".join(" to ".join(dict.fromkeys(pair)) for pair in ends)
+        raise CaseError(f"{where}: expected one of the edges {known or '(none)'}, found {edge!r}")
+    if len(meant) > 1:
+        meant = [each for each in meant if not each[2].end and _sliding(each[2]) > 0]
+        if not meant:
+            raise ModelError(
+                f"edge {edge}: expected K_N and the range of K_T to be known somewhere along it, "
+                "each with an error bar of less than half of it, found that they are not"
+            )
+    contact, front, station = max(meant, key=lambda each: _sliding(each[2]))
+    if station.end:
+        raise ModelError(
+            f"edge {edge}: expected a station with the fields of an edge, found one within a local "
+            "length of a free end"
+        )
+    return contact, front, station
+
+
+def _sliding(station: Station) -> float:
+    """|ΔK|/K_N, which along a contact is in proportion to its slip zones; NaN if not known."""
+    return station.reported_range / (station.reported_k_n or math.nan)
 
 
 def _cycle(result: Result, station: Station, edge: str) -> tuple[int, int]:
@@ -164,17 +213,17 @@ def _cycle(result: Result, station: Station, edge: str) -> tuple[int, int]:
 def _ranges(result: Result, station: Station, begin: int, end: int) -> tuple[float, float, float]:
     """Ranges of K_T, its error bar, and of K_I."""
     if (begin, end) == result.loads.cycle:
-        return station.k_t_range, station.k_range_spread, station.k_i_range
-    k_t, k_i = station.k_t[[begin, end]], station.k_i[[begin, end]]
+        return station.k_range, station.k_range_spread, station.k_i_range
+    k_t, k_i = station.k_along[[begin, end]], station.k_i[[begin, end]]
     size = float(np.ptp(k_t))
-    relative = station.k_range_spread / station.k_t_range if station.k_t_range > 0 else math.nan
+    relative = station.k_range_spread / station.k_range if station.k_range > 0 else math.nan
     return size, relative * size, float(np.ptp(k_i))
 
 
 def _require_known(edge: str, what: str, value: float, spread: float) -> None:
     if not math.isfinite(value):
         raise ModelError(f"edge {edge}: expected {what} to be known, found that it is not")
-    if not spread <= 0.5 * value:
+    if not spread <= NO_NUMBER * value:
         found = f"{value:.4g} ± {spread:.2g}" if math.isfinite(spread) else "no error bar"
         raise ModelError(
             f"edge {edge}: expected {what} with an error bar of less than half of it, found {found}"
@@ -190,7 +239,7 @@ def _require_partial(edge: str, station: Station) -> None:
 
 
 def _in_step(station: Station, begin: int, end: int) -> int:
-    k_t, k_i = station.k_t[begin : end + 1], station.k_i[begin : end + 1]
+    k_t, k_i = station.k_along[begin : end + 1], station.k_i[begin : end + 1]
     if not np.ptp(k_t) > 0 or not np.ptp(k_i) > 1e-6 * np.ptp(k_t):
         return 1
     correlation = float(np.corrcoef(k_t, k_i)[0, 1])
@@ -205,29 +254,44 @@ def _warnings(contact: Contact, station: Station, in_step: int, normal: float) -
         found.append("K_N or the range of K_T is known to less than a twentieth")
     if in_step == 0 and normal > NORMAL_COUNTS:
         found.append("K_I does not vary in step with K_T; no test here follows that")
+    if abs(math.sin(math.radians(station.k_angle))) > TURNS:
+        found.append(
+            f"K_T stands for (K_T, K_S) along the direction in which it varies most, "
+            f"{station.k_angle:.0f}° from inward; that of a test is inward"
+        )
+    if station.turning > TURNS:
+        found.append(
+            f"(K_T, K_S) turns: its range across that direction is {station.turning:.0%} of the "
+            "one along it; no test here follows that"
+        )
     return tuple(found)
 
 
 def _profile(
-    result: Result, contact: Contact, station: Station, cycle: tuple[int, int]
+    result: Result, front: Front, station: Station, cycle: tuple[int, int], width: float, name: str
 ) -> Profile | None:
-    """Tractions next to an edge, up to the centre of the contact."""
+    """Tractions next to an edge of the contact `name`, up to its centre."""
     begin, end = cycle
     if result.solution is None or not result.solution.keeps(begin, end):
         return None
-    history = result.contact_history(contact.name)
-    k_t = station.k_t[begin : end + 1]
+    history = result.contact_history(name)
+    k_t = station.k_along[begin : end + 1]
     high, low = begin + int(np.nanargmax(k_t)), begin + int(np.nanargmin(k_t))
-    sign = 1.0 if station.front == "left" else -1.0
-    s = sign * (history.arc - station.position[end])
-    inside = np.flatnonzero((s > 0) & (s <= contact.half_width[end]))
-    inside = inside[np.argsort(s[inside])][FIRST_NODES - 1 :]
-    p, p_high, p_low = (history.mean_traction[state][inside, 0] for state in (end, high, low))
-    change = history.mean_traction[high][inside, 1] - history.mean_traction[low][inside, 1]
+    nodes = edge_nodes(history, front, station, end, (0.0, width))
+    s, *columns = (
+        nodes.by_rows(each)[FIRST_NODES - 1 :]
+        for each in (
+            nodes.s,
+            *(each for state in (end, high, low) for each in nodes.tractions(state)),
+        )
+    )
+    if len(s) < FEWEST_NODES:
+        return None
+    p, _, p_high, q_high, p_low, q_low = columns
     return Profile(
-        s=s[inside],
+        s=s,
         pressure=p,
-        shear_change=sign * change,
+        shear_change=q_high - q_low,
         limit=float(history.friction[end]) * (p_high + p_low),
-        peak=float(s[inside][int(np.argmax(p))]),
+        peak=float(s[int(np.argmax(p))]),
     )

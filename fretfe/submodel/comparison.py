@@ -9,17 +9,14 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.errors import OutputError
-from fretfe.evaluate.contacts import (
-    Front,
-    Station,
-)
-from fretfe.evaluate.space.sectors import Frames, coordinates
-from fretfe.history.solution import ContactHistory
+from fretfe.evaluate.contacts import Front, Station
+from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.results.model import Result
 from fretfe.submodel.equivalent import Equivalent
 
-# Nodes are taken from half of the way to the next stations, and half-widths deep.
-DEPTH = 1.0
+# Half-widths from the front inward within which tractions are shown, in the plane a little outside
+# it too.
+DEPTH, NEXT_TO = 1.0, 0.02
 
 
 @dataclass(frozen=True)
@@ -110,7 +107,8 @@ def compare(
     name: str,
 ) -> StationModel:  # fmt: skip
     """Compare a station of the contact `name` with its plane problem."""
-    edge = plane.contacts[0].stations[0]
+    left = plane.contacts[0].fronts[0]
+    (edge,), depth = left.stations, DEPTH * given.half_width
     here, there = given.states, given.plane_states
     k, plane_k = (each - each[-1] for each in (given.k, edge.k_t[there]))
     k_i, plane_k_i = (each - each[-1] for each in (given.k_i, edge.k_i[there]))
@@ -139,8 +137,10 @@ def compare(
         plane_k=plane_k,
         zones=_zones(solid, station, edge, given),
         time=float(solid.loads.times[last]),
-        solid_tractions=_solid_tractions(solid, name, front, station, given),
-        plane_tractions=_plane_tractions(plane.contact_history(name), edge, int(there[-1]), given),
+        solid_tractions=_tractions(solid, name, front, station, last, (-station.size, depth)),
+        plane_tractions=_tractions(
+            plane, name, left, edge, int(there[-1]), (-NEXT_TO * given.half_width, depth)
+        ),
         plane=plane,
     )
 
@@ -172,47 +172,13 @@ def _zones(
     )
 
 
-def _solid_tractions(
-    solid: Result, name: str, front: Front, station: Station, given: Equivalent
-) -> Tractions:
-    """Means around the nodes next to a station in the last state."""
-    contact, state = solid.contact_history(name), int(given.states[-1])
-    s, along, across = coordinates(contact.points, _frames(front, station), 0)
-    s = s - station.position[state]
-    spacing = front.length / len(front.stations)
-    near = (np.abs(along) <= max(spacing / 2, station.size)) & (np.abs(across) <= station.depth)
-    near &= (s > -station.size) & (s <= DEPTH * given.half_width)
+def _tractions(
+    result: Result, contact: str, front: Front, station: Station, state: int,
+    reach: tuple[float, float],
+) -> Tractions:  # fmt: skip
+    """Means around the nodes next to a station; none if those of the state are not kept."""
+    nodes = edge_nodes(result.contact_history(contact), front, station, state, reach)
     try:
-        traction = contact.mean_traction[state][near]
-    except OutputError:  # only some states are kept
+        return Tractions(nodes.s, *nodes.tractions(state))
+    except OutputError:
         return Tractions(*np.empty((3, 0)))
-    angle = np.radians(station.k_angle)
-    direction = np.cos(angle) * station.frame.inward + np.sin(angle) * station.frame.along
-    shear = np.einsum("nt,ntd,d->n", traction[:, 1:], contact.frames[near, 1:], direction)
-    order = np.argsort(s[near])
-    return Tractions(s[near][order], traction[order, 0], shear[order])
-
-
-def _frames(front: Front, station: Station) -> Frames:
-    """The frame of a station as that of a front."""
-    frame = station.frame
-    return Frames(
-        points=station.point[None],
-        inward=frame.inward[None],
-        along=frame.along[None],
-        across=frame.across[None],
-        curvature=np.array([station.curvature]),
-        arc=np.array([station.arc]),
-        length=front.length,
-        closed=front.closed,
-    )
-
-
-def _plane_tractions(
-    contact: ContactHistory, edge: Station, state: int, given: Equivalent
-) -> Tractions:
-    """Next to the left edge."""
-    s = contact.arc - edge.position[state]
-    near = (s > -0.02 * given.half_width) & (s <= DEPTH * given.half_width)
-    pressure, shear = contact.mean_traction[state][near].T
-    return Tractions(s[near], pressure, shear)

@@ -136,7 +136,7 @@ def equivalent(result: Result, contact: ContactHistory, station: Station) -> Equ
     e_star = _modulus(result.case, contact)
     half_width = _half_width(station)
     radius = e_star * np.sqrt(2 * half_width) / (2 * k_n)
-    k = along_direction(station)
+    k = station.k_along
     # K_I = E*/(3 sqrt(2) R) a^(3/2) of a cylinder.
     powers = half_width**1.5 + 3 * np.sqrt(2) * radius / e_star * (station.k_i - station.k_i[last])
     usable = np.isfinite(k) & (powers >= (NARROWEST * half_width) ** 1.5)
@@ -174,18 +174,12 @@ def _states(result: Result, contact: ContactHistory, station: Station, usable: B
             f"found K_T, K_S or K_I unknown, or a contact that nearly opens, up to state "
             f"{first - 1} of {last}"
         )
-    k = along_direction(station)[first:]
+    k = station.k_along[first:]
     if not (contact.friction[last] > 0 and np.ptp(k[1 : last + 1 - first]) > 0):
         raise ModelError(
             f"{_name(station)}: expected friction, and K_T or K_S that vary, found none of it"
         )
     return np.arange(first, last + 1)
-
-
-def along_direction(station: Station) -> Array:
-    """(T,) the vector (K_T, K_S) along the direction in which it varies most in the cycle."""
-    angle = np.radians(station.k_angle)
-    return np.asarray(np.cos(angle) * station.k_t + np.sin(angle) * station.k_s)
 
 
 def _name(station: Station) -> str:

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Tractions next to a station, over the distance from its front inward, in any dimension."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fretfe._typing import Array, Indices
+from fretfe.evaluate.contacts import Front, Station
+from fretfe.evaluate.plane.section import plane_front
+from fretfe.evaluate.space.sectors import Frames, coordinates
+from fretfe.history.solution import ContactHistory
+
+
+@dataclass(frozen=True)
+class EdgeNodes:
+    """Nodes of a contact next to a station, m of them, from its front inward.
+
+    Attributes:
+        contact: whose nodes they are.
+        nodes: (m,) numbers.
+        s: (m,) distances from the front.
+        direction: (m, d - 1) of the shear that counts, in the tangents of the nodes.
+        row: (m,) number of the row of elements along the front, from 0; in the plane each node is
+            one.
+    """
+
+    contact: ContactHistory
+    nodes: Indices
+    s: Array
+    direction: Array
+    row: Indices
+
+    def tractions(self, state: int) -> tuple[Array, Array]:
+        """(m,) pressure and (m,) shear in the direction that counts, means around the nodes.
+
+        Raises:
+            OutputError: if those of the state are not kept.
+        """
+        mean = self.contact.mean_traction[state][self.nodes]
+        return mean[:, 0], np.einsum("nt,nt->n", mean[:, 1:], self.direction)
+
+    def by_rows(self, values: Array) -> Array:
+        """(k,) means over the rows of values (m,) of the nodes."""
+        area = self.contact.weights[self.nodes]
+        return np.asarray(np.bincount(self.row, area * values) / np.bincount(self.row, area))
+
+
+def edge_nodes(
+    contact: ContactHistory, front: Front, station: Station, state: int, reach: tuple[float, float]
+) -> EdgeNodes:
+    """The nodes next to a station.
+
+    In the plane those of the contact. Between solids those nearer to the station than to the next
+    ones, and an element to either side at least. The shear that counts is that along the direction
+    in which (K_T, K_S) varies most; in the plane inward.
+
+    Args:
+        contact: of the station.
+        front: of the station.
+        station: one of its stations.
+        state: from whose place of the front distances count.
+        reach: distances from the front that the nodes are between, the first one left out.
+    """
+    position = float(station.position[state])
+    if contact.facets is None:
+        inward = float(plane_front(station.front).inward)
+        s = inward * (contact.arc - position)
+        nodes = _from_front(s, reach)
+        return EdgeNodes(
+            contact, nodes, s[nodes], np.full((len(nodes), 1), inward), np.arange(len(nodes))
+        )
+    s, along, across = coordinates(contact.points, _frames(front, station), 0)
+    half = max(front.length / len(front.stations) / 2, station.size)
+    # Around a bent front sectors become narrower than an element inward.
+    beside = np.abs((contact.points - station.point) @ station.frame.along) <= station.size
+    beside &= np.abs(along * station.curvature) < np.pi / 2
+    near = ((np.abs(along) <= half) | beside) & (np.abs(across) <= station.depth)
+    s = np.where(near, s - position, np.nan)
+    nodes = _from_front(s, reach)
+    angle = np.radians(station.k_angle)
+    line = np.cos(angle) * station.frame.inward + np.sin(angle) * station.frame.along
+    rows = np.floor(s[nodes] / station.size)
+    return EdgeNodes(
+        contact,
+        nodes,
+        s[nodes],
+        contact.frames[nodes, 1:] @ line,
+        np.unique(rows, return_inverse=True)[1],
+    )
+
+
+def _from_front(s: Array, reach: tuple[float, float]) -> Indices:
+    """(m,) places of distances (N,) within a reach, in their order; NaN is outside."""
+    nodes = np.flatnonzero((s > reach[0]) & (s <= reach[1]))
+    return nodes[np.argsort(s[nodes], kind="stable")]
+
+
+def _frames(front: Front, station: Station) -> Frames:
+    """The frame of a station as that of a front."""
+    frame = station.frame
+    return Frames(
+        points=station.point[None],
+        inward=frame.inward[None],
+        along=frame.along[None],
+        across=frame.across[None],
+        curvature=np.array([station.curvature]),
+        arc=np.array([station.arc]),
+        length=front.length,
+        closed=front.closed,
+    )
