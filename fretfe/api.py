@@ -32,7 +32,7 @@ from fretfe.sweeps import Sweep
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from fretfe.submodel.comparison import StationModel
+    from fretfe.station import StationModel
 
 __all__ = [
     "Checked",
@@ -127,10 +127,10 @@ def sweep(
 def run_station(
     result: Result, contact: str, station: int, front: int = 1, output: Path | str | None = None
 ) -> StationModel:
-    """Solve the plane problem that has the edge factors of a station of solids.
+    """Take the plane problem next to a station out of the results of solids.
 
-    A cylinder on a half-plane, solved by the backend `halfplane`: a quick check of the slip zones
-    and tractions that a mesh of solids can hardly resolve. On process 0 only.
+    It has the slip zones and tractions that a mesh of solids can hardly resolve, beside those of
+    the nodes around the station. On process 0 only.
 
     Args:
         result: of solids, with all of its steps.
@@ -142,14 +142,9 @@ def run_station(
     Raises:
         FretfeError: if there is no such station, or no plane problem for it.
     """
-    from fretfe.submodel.run import run_station as run_plane
+    from fretfe.station import run_station as of_station
 
-    folder = _folder(output)
-    model = run_plane(result, contact, front, station, folder)
-    if folder is not None:
-        for problem in draw_report(folder).problems:
-            warnings.warn(problem, stacklevel=2)
-    return model
+    return of_station(result, contact, front, station, _folder(output))
 
 
 def export(

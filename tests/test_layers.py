@@ -53,7 +53,7 @@ LAYERS = (
     "fretfe.sweeps.*",
     "fretfe.runner",
     "fretfe.checked",
-    "fretfe.submodel.*",
+    "fretfe.station",
     "fretfe.matching.*",
     "fretfe.api",
     "fretfe.cli.*",

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from fretfe.case import Units
-    from fretfe.submodel.comparison import StationModel
+    from fretfe.station import StationModel
 
 EXAMPLES = examples(
     "fretfe station sphere main --station 12 -o sphere_12",
@@ -38,9 +38,10 @@ def station(
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the results.")],
 ) -> None:
-    """Solve the plane problem of a station of solids.
+    """Show the plane problem of a station of solids.
 
-    It has the edge factors of the station; slip zones and tractions are compared.
+    It has the edge factors of the station; its slip zones and tractions stand beside those of the
+    nodes around the station.
     """
     if rank_from_environment() > 0:
         return
@@ -54,15 +55,13 @@ def station(
     model = run_station(result, name, number, front, output)
     console = Console()
     console.print(_table(result.case.units, model))
+    units = result.case.units
     console.print(
-        f"Station: K_N {with_error(model.k_n, model.k_n_spread)}, ΔK "
+        f"K_N {with_error(model.k_n, model.k_n_spread)}, ΔK "
         f"{with_error(model.k_range, model.k_range_spread)}\n"
-        f"Cylinder of radius {with_error(model.radius, model.radius_spread)} on a half-plane, "
-        f"half-width {model.half_width:.4g} and P "
-        f"{with_error(model.normal_force, model.normal_force_spread)} at the end; "
-        "K_N and the histories of K and K_I are met to "
-        f"{abs(model.plane_k_n / model.k_n - 1):.1g}, {model.k_mismatch:.1g} and "
-        f"{model.k_i_mismatch:.1g}\nResults in {output}",
+        f"Plane problem: half-width {model.half_width:.4g}, gap as |x|^{model.power:.3g}; largest "
+        f"slip {model.slip:.3g} {units.length}, friction work {model.work:.3g} "
+        f"{units.force}·{units.length}/{units.length} in the cycle\nFiles in {output}",
         highlight=False,
         soft_wrap=True,
     )
@@ -76,18 +75,18 @@ def _front(text: str) -> tuple[str, int]:
 
 def _table(units: Units, model: StationModel) -> Table:
     from fretfe.report.page.listings import plain_table
-    from fretfe.report.texts import with_error
+    from fretfe.report.texts import number, with_error
 
     title = (
         f"Slip zones at station {model.station} of {model.front} of contact {model.contact}, "
         f"lengths in {units.length}"
     )
-    table = plain_table(title, ("half cycle", "in solids", "predicted", "in the plane"), text=1)
+    table = plain_table(title, ("half cycle", "by nodes", "predicted", "plane problem"), text=1)
     for zone in model.zones:
         table.add_row(
             f"{zone.start:g} to {zone.end:g}",
             with_error(zone.solid, zone.solid_spread),
-            with_error(zone.predicted, zone.predicted_spread),
+            number(zone.predicted, 3),
             with_error(zone.plane, zone.plane_spread),
         )
     return table

@@ -367,7 +367,7 @@ class Station(StationHistory):
     dissipation: Annotated[float, Quantity("work", "friction work at the edge in the cycle")] = (
         math.nan
     )
-    local: LocalProblem = field(default_factory=lambda: no_local_problem("only between solids"))
+    local: LocalProblem = field(default_factory=lambda: no_local_problem("it was not solved"))
 
     @property
     def k_along(self) -> Array:

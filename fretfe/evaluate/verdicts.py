@@ -181,7 +181,8 @@ def _judge_local(station: Station, zone: SlipZone) -> Verdict:
     if without:
         seen = "which the slip of the nodes confirms" if zone.resolved else "by that alone"
         return Verdict(AGREES if zone.resolved else NO_VERDICT, f"{without}; {found}, {seen}")
-    error = expected_error(station, zone.local)
+    lengths = [each.local for each in station.slip_zones[-2:] if math.isfinite(each.local)]
+    error = expected_error(station, max([*lengths, zone.local]))
     within = math.hypot(zone.local_spread, BORDER_FRACTION * zone.local)
     tolerance = ESTIMATE_FACTOR * min(error, LARGEST_ERROR) * zone.local + within
     reason = f"{found}; the asymptote's own error there is about {error:.1%}"
@@ -247,7 +248,7 @@ def _excuse(station: Station, zone: SlipZone) -> tuple[str, str]:
             return NO_VERDICT, _no_formula(station, zone)
         return UNKNOWN, lost or "K_N is not known at the end of the half cycle"
     k_n, spread = station.last_k_n
-    if not spread <= LARGEST_SPREAD * k_n:
+    if not spread <= LARGEST_SPREAD * k_n and not local:
         large = f"K_N has an error bar of {spread / k_n:.0%}, more than {LARGEST_SPREAD:.0%}"
         return UNKNOWN, withheld(station) or large
     # Without a cycle there is no range, but a prediction of first loading.

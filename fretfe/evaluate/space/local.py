@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +21,7 @@ from fretfe.evaluate.contacts import (
     reported,
 )
 from fretfe.evaluate.cycles import worst_cycle
-from fretfe.evaluate.plane.slip import slip_border
+from fretfe.evaluate.plane.slip import INTERVAL, slip_border
 from fretfe.evaluate.slip import cycle_states
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.local.half_planes import Contacts
@@ -36,8 +36,10 @@ LEAST_POWER = 1.5
 # Nodes whose slip in a half cycle is below this fraction of the largest have not slipped: before a
 # cycle is quite steady a mean shear creeps by about as much behind the zone.
 FAINT = 3e-3
-# Stations on either side of which the pressure behind a front is looked at.
-AROUND = 2
+# Radii of curvature along a bent front over which its stations are alike.
+LEAST_BEND = 0.5
+# Of stations next to each other so many have fits that do not see the same nodes.
+INDEPENDENT = 3
 # A pressure that falls behind a front over nearly all of the half-width is that of Hertz, over all.
 HERTZIAN = 0.85
 # Share of what the shape of the contact adds to the first order of a slip zone that is left open.
@@ -100,14 +102,15 @@ def _fronts(
         for front in fronts
         for station in front.stations
     ]
-    posed = [edge for edge in edges if not edge.reason]
-    if not posed:
-        solved: Iterator[EdgeSlip] = iter(())
-    else:
-        solved = iter(solve_edges(_histories(solution, contact, posed, kept, bodies), share))
-    stations = iter(
-        [edge.unsolved() if edge.reason else edge.solved(next(solved)) for edge in edges]
-    )
+    found: dict[_Edge, EdgeSlip] = {}
+    # Where the contact slides before the cycle, that is begun without any shear.
+    for late in (False, True):
+        posed = [edge for edge in edges if edge not in found and edge.begins(late)]
+        if posed:
+            given = _histories(solution, contact, posed, kept, bodies)
+            solved = zip(posed, solve_edges(given, share), strict=True)
+            found.update({edge: slip for edge, slip in solved if late or not slip.reason})
+    stations = iter([edge.station(found.get(edge)) for edge in edges])
     return tuple(
         replace(front, stations=tuple(next(stations) for _ in front.stations)) for front in fronts
     )
@@ -182,8 +185,8 @@ class _Edge:
         if self.reason:
             return
         last, angle = int(kept[-1]), math.radians(station.k_angle)
-        self.k_n = float(station.k_n[last])
-        length = _length_around(front, station)
+        self.k_n, self._k_n_bar = _k_n_around(front, station, last)
+        length, self._shape_bar = _length_around(front, station)
         self.half_width = station.depth if length > HERTZIAN * station.depth else length
         bend = station.curvature * self.half_width
         self._locally = STRAIGHT + float(np.clip(bend, LEAST_POWER - STRAIGHT, 1.0))
@@ -193,68 +196,69 @@ class _Edge:
         along = replace(station, k_t=self._along(station))
         worst = worst_cycle(station.cycles, cycle, contact.friction, along)
         counted = worst.outer if worst else np.ones(len(station.k_t), dtype=bool)
-        self.counted: Bools = counted[kept]
-        self._begin(station, contact, kept, solution.cycle)
-        places = {state: number for number, state in enumerate(kept.tolist())}
-        self._spans = [self._span(zone, places) for zone in station.slip_zones]
-        self.halves = tuple(sorted({span for span in self._spans if span is not None}))
+        self._outer: Bools = counted[kept]
+        self._kept, self._cycle = kept, solution.cycle
+        self._earliest = int(np.argmax(contact.friction[kept] > 0)) - 1
         predicted = [zone.prediction for zone in station.slip_zones]
         clear = [each for each in predicted if each > 0]
         self.smallest = min(clear, default=station.k_range / (self._friction * self.k_n))
-        if not self.reason and not self.halves:
-            self.reason = "no half cycle can be followed"
 
     def _along(self, station: StationHistory) -> Array:
         return np.column_stack([station.k_t, station.k_s]) @ self.direction
 
-    def _begin(
-        self,
-        station: Station,
-        contact: ContactHistory,
-        kept: Indices,
-        cycle: tuple[int, int] | None,
-    ) -> None:
-        """Histories from the state on from which they can be followed.
+    def begins(self, late: bool) -> bool:
+        """Choose where the history begins to be followed; False if it cannot be.
 
-        Nothing acts before: what K_T and K_S have reached there is a first step.
+        Nothing acts before: what K_T and K_S have reached there is a first step. The end of a
+        steady cycle depends on that little.
+
+        Args:
+            late: begin with the evaluated cycle, K_T and K_S counted from the middle of their
+                ranges; else as early as possible.
         """
+        if self.reason or (late and self._cycle is None):
+            return False
+        station, kept = self._station, self._kept
         k = np.column_stack([station.k_t, station.k_s])[kept]
         k_i = station.k_i[kept] - station.k_i[kept[-1]]
         grown = 1 + 3 * k_i / (self.k_n * self.half_width)
-        known = np.isfinite(k).all(axis=1) & (grown > NARROWEST**1.5)
-        lost = np.flatnonzero(~known)
-        begin = int(lost[-1]) + 1 if len(lost) else 0
-        friction = int(np.argmax(contact.friction[kept] > 0))
-        self._first = max(begin, friction - 1, 0)
-        if self._first >= len(kept) - 1 or (cycle and kept[self._first] > cycle[0]):
-            state = int(kept[min(self._first, len(kept) - 1)])
+        lost = np.flatnonzero(~(np.isfinite(k).all(axis=1) & (grown > NARROWEST**1.5)))
+        self._first = max(int(lost[-1]) + 1 if len(lost) else 0, self._earliest, 0)
+        start = int(np.searchsorted(kept, self._cycle[0])) if self._cycle else len(kept) - 2
+        if self._first > start:
             self.reason = (
                 "K_T, K_S or K_I are unknown, or the contact nearly opens, as late as in state "
-                f"{state - 1}"
+                f"{int(kept[self._first - 1])}"
             )
-            return
-        # K of a first state comes in the step to it, at the width that the edge has there.
-        first = max(self._first, 1)
-        self.k = np.where(np.arange(len(kept))[:, None] < first, 0.0, k)
-        self.k_i = np.where(np.arange(len(kept)) < self._first, k_i[self._first], k_i)
+            return False
+        if late:
+            self._first, cycle = start, k[start:]
+            k = k - (cycle.max(axis=0) + cycle.min(axis=0)) / 2
+        states = np.arange(len(kept))
+        self.k = np.where(states[:, None] < max(self._first, 1), 0.0, k)
+        self.k_i = np.where(states < self._first, k_i[self._first], k_i)
+        self.counted = self._outer & (states > self._first)
+        places = {state: number for number, state in enumerate(kept.tolist())}
+        self._spans = [self._span(zone, places) for zone in station.slip_zones]
+        self.halves = tuple(sorted({span for span in self._spans if span is not None}))
+        if not self.halves:
+            self.reason = "no half cycle can be followed"
+        return not self.reason
 
     def _span(self, zone: SlipZone, places: Mapping[int, int]) -> tuple[int, int] | None:
         """A half cycle by the states that are gone through; None if it is not among them."""
-        if self.reason or zone.gross:
+        if zone.gross:
             return None
         for start, end in ((zone.start, zone.end), self._source[[zone.start, zone.end]].tolist()):
             if start in places and end in places and places[end] > self._first:
-                return max(places[start], self._first), places[end]
+                return places[start], places[end]
         return None
 
-    def unsolved(self) -> Station:
-        """The station, with the reason."""
-        return replace(self._station, local=no_local_problem(self.reason))
-
-    def solved(self, found: EdgeSlip) -> Station:
-        """The station with what was found."""
-        if found.reason:
-            return replace(self._station, local=no_local_problem(found.reason))
+    def station(self, found: EdgeSlip | None) -> Station:
+        """The station with what was found, or with the reason why nothing was."""
+        reason = found.reason if found else self.reason
+        if found is None or reason:
+            return replace(self._station, local=no_local_problem(reason))
         zones = [
             zone if span is None else self._zone(zone, found.profiles[self.halves.index(span)])
             for zone, span in zip(self._station.slip_zones, self._spans, strict=True)
@@ -296,27 +300,66 @@ class _Edge:
         reached = 1 - (1 - depth) ** n
         growth = reached / (n * depth * (1 - depth) ** (n - 1)) if depth > 0 else 1.0
         first_order = b * reached / n
-        k_n = float(station.k_n_spread[zone.end] / station.k_n[zone.end])
         shear = zone.predicted if math.isfinite(zone.predicted) else length
         relative = station.k_range_spread / station.k_range if station.k_range > 0 else 0.0
         bent = abs(n - self._locally) * first_order**2 / (4 * b)
         return math.hypot(
-            growth * k_n * length,
+            growth * self._k_n_bar * length,
             growth * relative * max(shear, length),
-            SHAPE * (length - first_order),
+            math.hypot(SHAPE, self._shape_bar) * (length - first_order),
             bent,
         )
 
 
-def _length_around(front: Front, station: Station) -> float:
-    """Median of `length` around a station, which a single fit of the pressure has to some per cent.
+def _around(front: Front, station: Station) -> Indices:
+    """Numbers of the stations within a half-width of one, or less where the front is bent.
 
-    Of the stations next to it, and those next to them; of an open front of those that there are.
+    Single fits of the pressure scatter by some per cent, and what they are for varies slowly.
     """
-    near = station.number + np.arange(-AROUND, AROUND + 1)
-    count = len(front.stations)
-    near = near % count if front.closed else near[(near >= 0) & (near < count)]
-    return float(np.nanmedian(front.along("length")[np.unique(near)]))
+    s = _along(front, station, front.along("arc"))
+    reach = min(station.depth, LEAST_BEND / max(abs(station.curvature), 1e-300))
+    return np.flatnonzero(np.abs(s) <= max(reach, float(np.sort(np.abs(s))[min(2, len(s) - 1)])))
+
+
+def _along(front: Front, station: Station, arc: Array) -> Array:
+    """Distances along a front from a station, the shorter way round if it is closed."""
+    s = arc - station.arc
+    return s - front.length * np.round(s / front.length) if front.closed else s
+
+
+def _length_around(front: Front, station: Station) -> tuple[float, float]:
+    """Median of `length` around a station, and its error bar over it by their scatter."""
+    lengths = front.along("length")[_around(front, station)]
+    middle = float(np.nanmedian(lengths))
+    scatter = INTERVAL * float(np.nanstd(lengths)) / math.sqrt(len(lengths))
+    return middle, scatter / middle
+
+
+def _k_n_around(front: Front, station: Station, state: int) -> tuple[float, float]:
+    """K_N of a state by a straight line through those around a station, and its relative bar.
+
+    The bar is that of fits as good as those, of which `INDEPENDENT` do not see the same nodes, and
+    by their scatter about the line.
+    """
+    stations = [front.stations[number] for number in _around(front, station)]
+    told = [each for each in stations if math.isfinite(reported(*_k_n(each, state)))]
+    k_n, bars = np.array([_k_n(each, state) for each in told]).T
+    s = _along(front, station, np.array([each.arc for each in told]))
+    order = 1 if len(told) > INDEPENDENT else 0
+    weights = 1 / np.maximum(bars, 1e-3 * k_n)
+    line = np.polynomial.Polynomial.fit(s, k_n, order, w=weights) if order else _mean(k_n)
+    rest = INTERVAL * float(np.std(k_n - line(s))) / math.sqrt(len(told))
+    own = float(np.median(bars)) / math.sqrt(min(len(told), INDEPENDENT))
+    middle = float(line(0.0))
+    return middle, math.hypot(own, rest) / middle
+
+
+def _mean(values: Array) -> np.polynomial.Polynomial:
+    return np.polynomial.Polynomial([float(values.mean())])
+
+
+def _k_n(station: Station, state: int) -> tuple[float, float]:
+    return float(station.k_n[state]), float(station.k_n_spread[state])
 
 
 def _unposed(station: Station, friction: float) -> str:

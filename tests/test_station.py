@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Plane problems of stations, from exact factors of a sphere: Cattaneo and Mindlin, a = 1."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from solid_runs import (
+    FRICTION,
+    K_N,
+    LIMIT,
+    PEAK,
+    SHEAR,
+    exact_station,
+    stationed_sphere,
+    with_stations,
+)
+from typer.testing import CliRunner
+
+from fretfe.case import antiplane_ratio, contact_modulus
+from fretfe.cli.app import app
+from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
+from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.slip import SlipBorder, cycle_states, slip_zones
+from fretfe.evaluate.space.local import EdgeBodies, add_local_problems
+from fretfe.evaluate.verdicts import judge
+from fretfe.local.problem import solve_batches
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result
+from fretfe.results.writer import write_results
+from fretfe.station import StationModel, run_station
+
+# The load is ±SHEAR/2 f P: the slip annulus of Cattaneo and Mindlin.
+WIDTH = 1 - (1 - 0.5 * SHEAR) ** (1 / 3)
+ANGLE = 30.0
+
+
+def changed(result: Result, **values: Any) -> Result:
+    return with_stations(result, lambda station: replace(station, **values))
+
+
+def solved(result: Result, antiplane: float | None = None) -> Result:
+    """The same with the plane problems of all stations."""
+    upper, lower = (result.case.bodies[name] for name in ("upper", "lower"))
+    ratio = antiplane_ratio(upper, lower) if antiplane is None else antiplane
+    bodies = {"main": EdgeBodies(contact_modulus(upper, lower, "strain"), ratio)}
+    assert result.solution is not None
+    contacts = add_local_problems(result.solution, result.contacts, bodies, solve_batches)
+    return replace(result, contacts=contacts)
+
+
+def posed(angle: float) -> Result:
+    """Twelve stations with exact K_N, K_T, K_S and K_I for half of the shear, across each other."""
+    result = stationed_sphere()
+    shear = result.loads.values[:, 1]
+    load = 0.5 * SHEAR * shear / np.abs(shear).max()
+    assert result.solution is not None
+    (contact,), cycle = result.solution.contacts, cycle_states(result.loads.cycle)
+
+    def exact(station: Station) -> Station:
+        known = exact_station(station, load, angle)
+        # The nodes tell nothing of their slip.
+        blind = SlipBorder(math.nan, resolved=False, gross=False, spread=math.inf)
+        along = replace(known, k_t=load * LIMIT)
+        zones = slip_zones(
+            cycle, contact.friction, along, lambda *_: blind, place=lambda at, s: at + s
+        )
+        return replace(known, slip_zones=zones)
+
+    return with_stations(result, exact)
+
+
+@pytest.fixture(scope="module")
+def bare() -> Result:
+    return posed(ANGLE)
+
+
+@pytest.fixture(scope="module")
+def solid(bare: Result) -> Result:
+    return solved(bare, antiplane=1.0)
+
+
+@pytest.fixture(scope="module")
+def model(solid: Result) -> StationModel:
+    return run_station(solid, "main", 1, 5, None)
+
+
+def stations(result: Result) -> tuple[Station, ...]:
+    return result.contacts[0].stations
+
+
+def test_slip_zones_are_those_of_the_sphere_at_all_stations(solid: Result) -> None:
+    """The first order alone is 10 % short."""
+    found = [[zone.local for zone in each.slip_zones[-2:]] for each in stations(solid)]
+    np.testing.assert_allclose(found, WIDTH, rtol=0.012)
+    assert SHEAR * LIMIT / (FRICTION * K_N) / WIDTH == pytest.approx(0.9, abs=0.02)
+
+
+def test_bars_hold_those_of_the_factors_and_more(solid: Result) -> None:
+    for station in stations(solid):
+        for zone in station.slip_zones[-2:]:
+            assert 0.05 < zone.local_spread / WIDTH < 0.08
+            assert zone.reported_local == zone.local
+
+
+def test_loose_factors_make_loose_zones_that_are_not_told(bare: Result) -> None:
+    loose = solved(changed(bare, k_range_spread=0.5 * SHEAR * LIMIT))
+    (zone,) = stations(loose)[3].slip_zones[-1:]
+    assert math.isnan(zone.reported_local)
+
+
+def test_verdict_compares_the_plane_problem_with_formula_and_nodes(solid: Result) -> None:
+    station = stations(solid)[2]
+    zone = station.slip_zones[-1]
+    unresolved = replace(zone, resolved=False, spread=np.inf)
+    assert judge(station, unresolved).word == "agrees"
+    assert "by the plane problem" in judge(station, unresolved).reason
+    astray = replace(zone, resolved=True, length=1.5 * WIDTH, spread=0.02)
+    verdict = judge(station, astray)
+    assert verdict.word == "differs" and "do not describe" in verdict.reason
+    wrong = replace(unresolved, predicted=0.5 * WIDTH, predicted_loop=0.5 * WIDTH)
+    assert judge(station, wrong).word == "outside"
+
+
+def test_loads_that_turn_have_a_length_without_a_formula(solid: Result) -> None:
+    station = replace(stations(solid)[2], turning=0.4)
+    alone = judge(station, replace(station.slip_zones[-1], resolved=False, spread=np.inf))
+    assert alone.word == "no verdict" and "by the plane problem" in alone.reason
+    seen = judge(station, replace(station.slip_zones[-1], length=WIDTH, resolved=True, spread=0.03))
+    assert seen.word == "agrees" and "confirms" in seen.reason
+
+
+def test_shear_along_the_front_slips_as_far_as_that_across_it_whatever_nu() -> None:
+    (across, along) = (solved(posed(angle), antiplane=1 / 0.7) for angle in (0.0, 90.0))
+    first, second = (stations(each)[0].slip_zones[-1].local for each in (across, along))
+    assert first == pytest.approx(WIDTH, rel=0.012) and second == pytest.approx(first, rel=1e-6)
+
+
+def test_work_of_all_stations_is_that_of_mindlin_and_deresiewicz(solid: Result) -> None:
+    share, force = 0.5 * SHEAR, 2 * np.pi * PEAK / 3
+    upper, lower = (solid.case.bodies[name] for name in ("upper", "lower"))
+    compliance = 4 / contact_modulus(upper, lower, "strain")  # as for ν = 0
+    loop = 1 - (1 - share) ** (5 / 3) - 5 * share / 6 * (1 + (1 - share) ** (2 / 3))
+    work = 9 * (FRICTION * force) ** 2 / 10 * compliance * loop
+    mean = np.mean([each.local.work for each in stations(solid)])
+    assert mean * 2 * np.pi == pytest.approx(work, rel=0.02)
+
+
+def test_tractions_next_to_the_edge(model: StationModel) -> None:
+    found = model.plane_tractions[-1]
+    near = (found.s > 0.002) & (found.s < 0.03)
+    ratio = found.pressure[near] / (K_N * np.sqrt(found.s[near]))
+    assert np.abs(ratio - 1).max() < 0.03
+    np.testing.assert_allclose(
+        np.hypot(*found.shear[near].T), FRICTION * found.pressure[near], rtol=1e-6
+    )
+    solids = model.solid_tractions[-1]
+    assert len(solids.s) > 10 and np.all(np.diff(solids.s) >= 0)
+    inside = solids.s > 0.1
+    s = solids.s[inside]
+    np.testing.assert_allclose(solids.pressure[inside], PEAK * np.sqrt(s * (2 - s)), rtol=0.03)
+
+
+def test_normal_load_that_varies_moves_the_edge(bare: Result) -> None:
+    """K_I in step with K_T: f d = ΔK_T ± f ΔK_I over K_N to first order, at small d."""
+    k_t = stations(bare)[0].k_t
+    small = with_stations(
+        bare,
+        lambda each: replace(
+            each, k_t=0.1 * k_t, k_s=0 * k_t, k_i=each.k_i + 0.05 * k_t, k_angle=0.0,
+            slip_zones=tuple(
+                replace(zone, predicted_loop=np.nan, predicted=0.01) for zone in each.slip_zones
+            ),
+        ),
+    )  # fmt: skip
+    station = stations(solved(small))[0]
+    span = float(np.ptp(k_t[-16:]))
+    expected = [(0.1 + sign * 0.05 * FRICTION) * span / (FRICTION * K_N) for sign in (1, -1)]
+    found = sorted((zone.local for zone in station.slip_zones[-2:]), reverse=True)
+    assert found == pytest.approx(expected, rel=0.06)
+
+
+@pytest.mark.parametrize(
+    ("values", "reason"),
+    [
+        ({"end": True}, "within a local length of a free end"),
+        ({"k_n": np.full(100, np.nan)}, "K_N is not known"),
+        ({"slip_zones": ()}, "K_T and K_S are unknown, or do not vary"),
+        ({"depth": math.nan}, "the width of the contact is not known"),
+        ({"depth": 0.1}, "all of the contact would slide"),
+    ],
+)
+def test_stations_without_a_plane_problem_say_why(
+    bare: Result, values: dict[str, Any], reason: str
+) -> None:
+    count = len(bare.loads.times)
+    values = {key: value[:count] if key == "k_n" else value for key, value in values.items()}
+    result = solved(changed(bare, **values))
+    assert reason in stations(result)[0].local.reason
+    with pytest.raises(ModelError, match="station 0 of front 1: expected its plane problem"):
+        run_station(result, "main", 1, 0, None)
+
+
+def test_unknown_factors_in_the_cycle_are_told_with_their_state(bare: Result) -> None:
+    count = len(bare.loads.times)
+    unknown = stations(bare)[0].k_t.copy()
+    unknown[count - 3] = np.nan
+    result = solved(changed(bare, k_t=unknown))
+    assert f"as late as in state {count - 3}" in stations(result)[0].local.reason
+
+
+def test_what_is_refused(solid: Result, tmp_path: Path) -> None:
+    with pytest.raises(CaseError, match="expected one of the contacts main, found 'none'"):
+        run_station(solid, "none", 1, 0, None)
+    with pytest.raises(CaseError, match="expected a front from 1 to 1, found 2"):
+        run_station(solid, "main", 2, 0, None)
+    with pytest.raises(CaseError, match="expected a station from 0 to 11, found 12"):
+        run_station(solid, "main", 1, 12, None)
+    failed = replace(solid, failure=ConvergenceError("step 9 did not converge"))
+    with pytest.raises(OutputError, match="complete results, found: step 9"):
+        run_station(failed, "main", 1, 0, None)
+    write_results(tmp_path, solid)
+    with pytest.raises(CaseError, match="without results of a run"):
+        run_station(solid, "main", 1, 0, tmp_path)
+
+
+def test_command(solid: Result, tmp_path: Path) -> None:
+    folder, output = tmp_path / "solid", tmp_path / "station"
+    folder.mkdir()
+    write_results(folder, solid)
+    again = load_result(folder)
+    assert [each.local.work for each in stations(again)] == [
+        each.local.work for each in stations(solid)
+    ]
+    done = CliRunner().invoke(
+        app, ["station", str(folder), "main:1", "--station", "5", "-o", str(output)]
+    )
+    assert done.exit_code == 0, done.exception
+    assert "plane problem" in done.output and f"Files in {output}" in done.output.replace("\n", "")
+    assert re.search(r"K_N \S+ ± \S+, ΔK \S+ ± \S+", done.output)
+    numbers = json.loads((output / "station.json").read_text("utf-8"))
+    assert numbers["station"] == 5 and numbers["power"] == 3.0
+    assert {path.name for path in output.iterdir()} == {"station.png", "station.json"}
