@@ -126,7 +126,11 @@ def test_wheel_has_the_package_and_no_more(wheel_files: set[str]) -> None:
     assert package == python | templates | {extension, glossary}
     # The report and a check read these files when they run.
     assert {"fretfe/report/page/report.css", "fretfe/report/page/report.html.j2"} < package
-    assert {"fretfe/meshes/dovetail.geo", "fretfe/quality/sliding_wedge.msh"} < package
+    assert {
+        "fretfe/meshes/dovetail.geo",
+        "fretfe/quality/sliding_wedge.msh",
+        "fretfe/quality/pad.msh",
+    } < package
 
 
 def test_wheel_is_for_all_pythons_from_3_12_on(wheel: Path) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 from rich import box
@@ -38,6 +38,7 @@ class Quantity:
             named here is held to the widest of them.
         measure: finds the number in the results of a backend.
         needs_tractions: whether that takes tractions, which not every backend has.
+        of_twin: finds the known value in the results of the benchmark's twin; it is the scale too.
     """
 
     name: str
@@ -46,6 +47,14 @@ class Quantity:
     tolerances: Mapping[str, float]
     measure: Measure
     needs_tractions: bool = False
+    of_twin: Measure | None = None
+
+    def against(self, twin: Result | None) -> Quantity:
+        """The quantity with its known value, if that is one of the twin's."""
+        if twin is None or self.of_twin is None:
+            return self
+        known = self.of_twin(twin)
+        return replace(self, reference=known, scale=abs(known))
 
     def tolerance(self, backend: str) -> float:
         """Largest difference that a backend may have, as a fraction of the scale."""
@@ -62,6 +71,8 @@ class Benchmark:
         case: what a backend solves.
         quantities: what is compared.
         control: whether something was spoilt on purpose, so that every comparison has to fail.
+        twin: a case with the same answer, which the backend solves too; its numbers are then what
+            is known.
     """
 
     name: str
@@ -69,6 +80,7 @@ class Benchmark:
     case: Case
     quantities: tuple[Quantity, ...]
     control: bool = False
+    twin: Case | None = None
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Exact steady cycles of shear force and bulk tension, at constant and at varying normal load.
-
-In the plane, and of a sphere on a flat.
-"""
+"""Exact steady cycles of shear force and bulk tension, at constant and at varying normal load."""
 
 from __future__ import annotations
 
@@ -12,10 +9,10 @@ from dataclasses import dataclass, replace
 
 from fretfe.analytic.partial_slip import hertz_dissipation
 from fretfe.analytic.profiles import Hertz
-from fretfe.case import Case, parse_case
+from fretfe.case import Case
 from fretfe.quality import measures, pads
 from fretfe.quality.comparison import Benchmark, Measure, Quantity
-from fretfe.quality.pads import FACES, HOLD, Pad, pad_case, press, ramp, rocking_case, wave
+from fretfe.quality.pads import HOLD, Pad, pad_case, press, ramp, rocking_case, wave
 
 HALF_WIDTH, RADIUS, E_STAR, FRICTION, PEAK_PRESSURE = 1.0, 50.0, 100.0, 0.5, 1.0
 POISSON = 0.3
@@ -26,11 +23,6 @@ NORMAL_FORCE = pads.hertz_load(HALF_WIDTH, RADIUS, E_STAR)
 STEPS = 72
 ANGLE, PUNCH_RADIUS, FLAT = 0.5, 100.0, 0.5
 STICK = 0.85
-# A contact of radius 1 on a sphere: two bodies, no Poisson's ratio, E* = E/2.
-SPHERE_YOUNG = 2e5
-SPHERE_FORCE = 2 * SPHERE_YOUNG / (3 * RADIUS)
-# Q over f P, elements over the radius of the contact, and steps from one extreme to the other.
-SPHERE_SHARE, SPHERE_ELEMENTS, SPHERE_STEPS = 0.5, 8, 6
 BODIES = {"upper_width": 30.0, "upper_height": 30.0, "lower_width": 60.0, "lower_height": 60.0}
 
 
@@ -330,57 +322,3 @@ def _rocking_case(shift: float) -> Case:
     pressure = NORMAL_FORCE / (2 * pad.parameters["upper_width"])
     shear = pressure * shift / pad.parameters["upper_height"]
     return rocking_case(pad, pressure=[press(pressure)], shear=[HOLD, ramp(shear, 4)])
-
-
-def sheared_sphere() -> Benchmark:
-    """A sphere on a flat under a cycle of shear force: solids, which only finite elements solve.
-
-    A bonded circle of radius a carries Q/(2π a²)/√(1 - r²/a²) (Mindlin 1949), so that the factor of
-    shear along Q is Q/(2π a² √(2/a)) all around; its singularity and the Hertzian K_N = p0 √(2/a)
-    are those of the front. In the steady cycle slip reaches inward to a (1 - Q/(f P))^(1/3), with Q
-    the amplitude: exact where Poisson's ratio is 0.
-    """
-    amplitude = SPHERE_SHARE * FRICTION * SPHERE_FORCE
-    shear_range = 2 * amplitude / (2 * math.pi * math.sqrt(2))
-    peak = 3 * SPHERE_FORCE / (2 * math.pi)
-    slip, k_n = 1 - (1 - SPHERE_SHARE) ** (1 / 3), peak * math.sqrt(2)
-    return Benchmark(
-        name="sphere, cyclic shear",
-        source="Hertz 1882; Cattaneo 1938; Mindlin 1949; Mindlin and Deresiewicz 1953",
-        case=_sphere_case(amplitude),
-        # Elements of a/8 and bodies 20 a high.
-        quantities=(
-            Quantity("a", 1.0, 1.0, {"fem": 0.005}, measures.front_radius),
-            Quantity("p0", peak, peak, {"fem": 0.01}, measures.peak_pressure, needs_tractions=True),
-            Quantity("K_N", k_n, k_n, {"fem": 0.015}, measures.front_k_n),
-            Quantity(
-                "ΔK", shear_range, shear_range, {"fem": 0.015}, measures.front_mean("k_range")
-            ),
-            Quantity("d", slip, 1.0, {"fem": 0.015}, measures.mean_slip_length),
-        ),
-    )
-
-
-def _sphere_case(amplitude: float) -> Case:
-    platen = {"type": "platen", "boundary": "upper_top", "control": "force"}
-    turns = [
-        {"ramp": (-1) ** k * amplitude, "until": 2.0 + k, "steps": SPHERE_STEPS} for k in (1, 2)
-    ]
-    shear = [HOLD, ramp(amplitude, SPHERE_STEPS // 2), *turns]
-    parameters = {"radius_x": RADIUS, "contact_x": 1.0, "size": 1 / SPHERE_ELEMENTS}
-    body = {"young": SPHERE_YOUNG, "poisson": 0.0}
-    return parse_case(
-        {
-            "geometry": {"template": "sphere", "parameters": parameters},
-            "bodies": {"upper": body, "lower": body},
-            "contacts": {"main": {**FACES, "friction": FRICTION, "friction_from": 1.0}},
-            "supports": {"base": {"boundary": "lower_bottom", "fix": ["x", "y", "z"]}},
-            "loads": {
-                "press": {**platen, "direction": "y", "history": [press(-SPHERE_FORCE, 2)]},
-                "shear": {**platen, "direction": "x", "history": shear},
-            },
-            "edges": {"stations": 12},
-            "cycle": {"start": 2.0, "end": 4.0},
-            "output": {"fields": "none"},
-        }
-    )

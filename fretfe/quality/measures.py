@@ -116,15 +116,19 @@ def force_ratio(numerator: str, denominator: str) -> Measure:
 
 
 def front_mean(attribute: str) -> Measure:
-    """A number of the stations of a solid contact, mean of them."""
+    """A number of the stations, mean of those that are not too near an end of their front."""
+    return lambda result: float(np.mean([getattr(each, attribute) for each in _judged(result)]))
+
+
+def front_last(attribute: str) -> Measure:
+    """A history of the stations at the end of the cycle, mean of the same."""
     return lambda result: float(
-        np.mean([getattr(station, attribute) for station in _contact(result).stations])
+        np.mean([getattr(each, attribute)[each.last] for each in _judged(result)])
     )
 
 
-def front_k_n(result: Result) -> float:
-    """K_N at the end of the cycle, mean of all stations of a solid contact."""
-    return float(np.mean([station.last_k_n[0] for station in _contact(result).stations]))
+def _judged(result: Result) -> list[Station]:
+    return [station for station in _contact(result).stations if not station.end]
 
 
 def front_radius(result: Result) -> float:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 from fretfe.backends import (
     SILENT,
+    Backend,
     Installed,
     Observer,
     OneProcess,
@@ -40,7 +41,6 @@ from fretfe.quality.cycles import (
     loop_benchmarks,
     loop_case,
     rocking,
-    sheared_sphere,
     slip_lengths,
     varying_normal_load,
 )
@@ -50,6 +50,7 @@ from fretfe.quality.loading import (
     sliding_wedge,
     two_cylinders,
 )
+from fretfe.quality.solids import solid_benchmarks
 from fretfe.results.model import Result
 
 # Called with each benchmark and its rows.
@@ -116,7 +117,7 @@ def benchmarks() -> tuple[Benchmark, ...]:
         *varying_normal_load(),
         rocking(),
         sliding_wedge(),
-        sheared_sphere(),
+        *solid_benchmarks(),
     )
 
 
@@ -203,18 +204,25 @@ def run_benchmark(
             return (remark(benchmark.name, installed.name, "skipped", installed.reason),)
         if reasons := backend.supports(benchmark.case):
             return (remark(benchmark.name, installed.name, "skipped", "; ".join(reasons)),)
-        result = backend.solve(benchmark.case)
-        if result.failure is not None:
-            raise result.failure
+        twin = None if benchmark.twin is None else _solve(backend, benchmark.twin)
+        result = _solve(backend, benchmark.case)
         rows = processes.on_root(
             lambda: tuple(
-                compare(benchmark.name, quantity, installed.name, result)
+                compare(benchmark.name, quantity.against(twin), installed.name, result)
                 for quantity in benchmark.quantities
             )
         )
         return (judge(rows),) if benchmark.control else rows
     except expected as error:
         return (_failure(benchmark, installed.name, error),)
+
+
+def _solve(backend: Backend, case: Case) -> Result:
+    """The result of a backend; whatever failed is raised."""
+    result = backend.solve(case)
+    if result.failure is not None:
+        raise result.failure
+    return result
 
 
 def _alone() -> bool:

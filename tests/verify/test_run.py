@@ -117,6 +117,27 @@ def test_refusal_on_several_processes_is_a_failed_row() -> None:
     assert row.verdict == "fail"
 
 
+def test_known_values_of_a_twin() -> None:
+    """The twin is solved first, and its numbers are what is known."""
+
+    @dataclass
+    class Numbered(Stub):
+        """Takes the friction of the case for a result."""
+
+        def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
+            return replace(RESULT, case=case)
+
+    def friction(result: Result) -> float:
+        return float(result.case.contacts["main"].friction)
+
+    case, twin = loop_case(TENSION_ONLY, friction=0.303), loop_case(TENSION_ONLY, friction=0.3)
+    same = Quantity("friction", np.nan, np.nan, {"stub": 0.02}, friction, of_twin=friction)
+    given = Benchmark("name", "source", case, (same,), twin=twin)
+    (row,) = run_benchmark(given, Installed("stub", "package 1.0", Numbered()), Alone())
+    assert (row.computed, row.reference, row.verdict) == (0.303, 0.3, "pass")
+    assert row.difference == pytest.approx(0.01)
+
+
 def mpi(size: int) -> SimpleNamespace:
     return SimpleNamespace(COMM_WORLD=SimpleNamespace(size=size))
 
