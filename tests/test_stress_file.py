@@ -13,7 +13,7 @@ from pad_cases import pad
 from stored_runs import solved
 
 from fretfe._typing import Array
-from fretfe.analytic.half_plane_stress import elliptical_stress
+from fretfe.analytic.partial_slip import elliptical_stress
 from fretfe.case import parse_case
 from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.evaluate.surface_stress import edge_stress
