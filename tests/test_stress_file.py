@@ -18,7 +18,7 @@ from fretfe.case import parse_case
 from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.evaluate.surface_stress import edge_stress
 from fretfe.history.solution import ContactHistory
-from fretfe.results.stress_file import STRESSES, StressSite, StressWriter, read_stress
+from fretfe.results.hdf5_file import STRESSES, StressSite, StressWriter, read_stress
 from fretfe.runner import Runner
 
 NODES, DEPTHS = 5, np.array([0.0, 0.1])

@@ -19,9 +19,8 @@ if TYPE_CHECKING:
 
     from fretfe.case import Case
     from fretfe.checked import Checked
-    from fretfe.mesh.groups import BodySummary
-    from fretfe.mesh.mesh import Mesh
-    from fretfe.surface.quality import ContactQuality, SurfaceQuality
+    from fretfe.mesh.mesh import BodySummary, Mesh
+    from fretfe.surface.checks import ContactQuality, SurfaceQuality
 
 CHECK_EXAMPLES = examples(
     "fretfe check pad.toml", "fretfe check pad.toml --set geometry.parameters.size=0.02"
@@ -125,9 +124,8 @@ def _write(case: Case, mesh: Mesh, target: Path) -> None:
 
 def _print_mesh(console: Console, case: Case, mesh: Mesh) -> None:
     """Print size and quality of the bodies and the contacts, and what may spoil the results."""
-    from fretfe.mesh.groups import mesh_summary
-    from fretfe.surface.checks import initial_gaps
-    from fretfe.surface.quality import contact_quality, mesh_warnings
+    from fretfe.mesh.mesh import mesh_summary
+    from fretfe.surface.checks import contact_quality, initial_gaps, mesh_warnings
 
     bodies = mesh_summary(mesh)
     unit = case.units.length

@@ -22,7 +22,7 @@ PAGES = {
     ),
     "strength": (
         "Strength of edges",
-        ("fretfe.strength.margins", "fretfe.strength.fit", "fretfe.strength.tests_file"),
+        ("fretfe.strength.margins", "fretfe.strength.fit", "fretfe.strength.fit"),
     ),
     "errors": ("Errors", ("fretfe.errors",)),
     "case": ("Case files", ("fretfe.case", "fretfe.loads")),

@@ -26,7 +26,7 @@ from fretfe.evaluate.contacts import Contact
 from fretfe.files import disk_reason, replace_text
 from fretfe.history.solution import Solution
 from fretfe.quality.rows import own_rows
-from fretfe.report.figures import edges, history, solids, solver, tractions
+from fretfe.report.figures import edges, history, solver, tractions
 from fretfe.report.figures.plot import Plot
 from fretfe.report.page.tables import (
     contact_table,
@@ -175,18 +175,18 @@ def _solid_sections(run: Result) -> tuple[Section, ...]:
     shown, keyed = shown_contacts(run), _keyed(run)
     loops = (*map(history.slip_loop_plot, shown), *history.work_loop_plots(run))
     fronts = (
-        solids.front_plot(run, contact, front, f"{key}-{row}")
+        edges.front_plot(run, contact, front, f"{key}-{row}")
         for key, contact in keyed
         for row, front in enumerate(contact.fronts)
     )
     areas = (
         draw(run, contact, key)
         for key, contact in keyed
-        for draw in (solids.force_plot, solids.area_plot)
+        for draw in (edges.force_plot, edges.area_plot)
     )
     sections = (
-        _section("fronts", "Along the fronts", solids.FRONTS_INTRO, fronts),
-        _section("areas", "Contacts over time", solids.AREAS_INTRO, areas),
+        _section("fronts", "Along the fronts", edges.FRONTS_INTRO, fronts),
+        _section("areas", "Contacts over time", edges.AREAS_INTRO, areas),
         _section("loads", "Loads", "Shaded: the evaluated cycle.", [history.load_plot(run)]),
         _section("loops", "Hysteresis", history.SOLID_LOOPS_INTRO, loops),
     )

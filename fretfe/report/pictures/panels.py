@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Panels that show a part of the plane, laid out by Matplotlib and set to whole pixels."""
+"""Panels that show a part of the plane, laid out by Matplotlib and set to whole pixels.
+
+Contact surfaces of solids are laid into a plane. A surface that is bent about one direction only,
+such as a flank, is unrolled: lengths and angles stay. One that is flat, or bent about two
+directions, is projected onto its plane.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +23,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from PIL import Image as Pillow
+from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools
+from fretfe.history.solution import ContactHistory
+from fretfe.report.texts import direction_text
 from fretfe.report.theme import PICTURE_DPI, PICTURE_HEIGHT, PICTURE_WIDTH
 
 Pixels = npt.NDArray[np.uint8]
@@ -34,6 +42,11 @@ PASSES = 3
 BAR_ASPECT = 28
 # Tones of a colour map and of grey in a file: finer ones are not seen, and it is much smaller.
 TONES, GREYS = 216, 40
+# Cosine of the angle that the normals of a surface may have to their mean if it is called flat.
+FLAT = 0.99
+# Of a surface that can be unrolled: that cosine at least; tilt of the normals out of the plane in
+# which they turn, over their turning, at most.
+STEEPEST, TWIST = 0.15, 0.15
 
 
 @dataclass(frozen=True)
@@ -252,3 +265,113 @@ def _palette(colours: str) -> Pillow.Image:
     palette = Pillow.new("P", (1, 1))
     palette.putpalette(np.round(255 * np.concatenate([tones, greys])).astype(int).ravel().tolist())
     return palette
+
+
+@dataclass(frozen=True)
+class Unrolled:
+    """A surface in a plane, seen from outside body 2.
+
+    Attributes:
+        places: (N, 2) of the nodes, from the middle of the surface.
+        axes: (N, 2, 3) unit vectors along the surface that lie along the axes of the plane.
+        names: of the axes, after the tangents of the contact.
+        directions: (2, 3) of the axes in the middle.
+        middle: (3,) centre of the surface.
+        how: it came into the plane, in words.
+    """
+
+    places: Array
+    axes: Array
+    names: tuple[str, str]
+    directions: Array
+    middle: Array
+    how: str
+
+    def at(self, contact: ContactHistory, points: Array) -> Array:
+        """(n, 2) where points (n, 3) on the surface, or close to it, lie in the plane.
+
+        NaN where they are. Measured from the nearest node of the contact, along the surface there.
+        """
+        places = np.full((len(points), 2), np.nan)
+        known = np.isfinite(points).all(axis=1)
+        nearest = cKDTree(contact.points).query(points[known])[1]
+        offsets = points[known] - contact.points[nearest]
+        moved = np.einsum("nad,nd->na", self.axes[nearest], offsets)
+        places[known] = self.places[nearest] + moved
+        return places
+
+    def turned(self) -> Unrolled:
+        """The same, turned by a quarter so that the second axis points to the right."""
+        return replace(
+            self,
+            places=_quarter(self.places, 1),
+            axes=_quarter(self.axes, 1),
+            names=(self.names[1], f"−{self.names[0]}"),
+            directions=_quarter(self.directions, 0),
+        )
+
+
+def _quarter(values: Array, axis: int) -> Array:
+    """The second of two components first, then the negative of the first one."""
+    first, second = np.moveaxis(values, axis, 0)
+    return np.stack([second, -first], axis=axis)
+
+
+def unroll(contact: ContactHistory) -> Unrolled:
+    """Lay the surface of a contact of solids into a plane, its first tangent to the right."""
+    shares = contact.weights / contact.weights.sum()
+    normals = contact.frames[:, 0]
+    middle = shares @ contact.points
+    normal = _unit(shares @ normals)
+    first = shares @ contact.frames[:, 1]
+    first = _unit(first - (first @ normal) * normal)
+    directions = np.stack([first, np.cross(normal, first)])
+    offsets = contact.points - middle
+    flattest = float((normals @ normal).min())
+    axis, twist = _axis(normals, shares)
+    if flattest < FLAT and flattest > STEEPEST and twist < TWIST:
+        places, axes = _along_arc(offsets, normals, normal, axis, directions)
+        how = f"unrolled along the arc about {direction_text(axis)}"
+    else:
+        places = offsets @ directions.T
+        axes = np.broadcast_to(directions, (len(places), 2, 3))
+        how = "as it lies, nearly flat"
+        if flattest < FLAT:
+            shorter = "much" if flattest < STEEPEST else f"up to {1 - flattest:.0%}"
+            how = "curved in two directions and projected: on its slopes lengths appear "
+            how += f"{shorter} shorter"
+    return Unrolled(places, axes, ("t₁", "t₂"), directions, middle, how)
+
+
+def _axis(normals: Array, shares: Array) -> tuple[Array, float]:
+    """The direction that the normals turn about, and how far they leave the plane across it."""
+    squares, vectors = np.linalg.eigh((normals * shares[:, None]).T @ normals)
+    return vectors[:, 0], float(np.sqrt(max(squares[0], 0.0) / max(squares[1], 1e-300)))
+
+
+def _along_arc(
+    offsets: Array, normals: Array, normal: Array, axis: Array, directions: Array
+) -> tuple[Array, Array]:
+    """Places (N, 2) and axes (N, 2, 3) of a surface that is bent about an axis."""
+    upright = _unit(normal - (normal @ axis) * axis)
+    across = np.cross(axis, upright)
+    flat = normals - (normals @ axis)[:, None] * axis
+    flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+    distance, slope = offsets @ across, np.arctan2(flat @ across, flat @ upright)
+    order = np.argsort(distance, kind="stable")
+    sorted_distance, sorted_slope = distance[order], slope[order]
+    # Circles between the nodes: their arc over the distance across.
+    middle, half = (sorted_slope[1:] + sorted_slope[:-1]) / 2, np.diff(sorted_slope) / 2
+    steps = np.diff(sorted_distance) / (np.cos(middle) * np.sinc(half / np.pi))
+    arc = np.concatenate([[0.0], np.cumsum(steps)])
+    arc -= np.interp(0.0, sorted_distance, arc)
+    places = np.empty((len(offsets), 2))
+    places[order, 0] = arc
+    places[:, 1] = offsets @ axis
+    turn = directions @ np.stack([across, axis], axis=1)
+    local = np.stack([np.cross(axis, flat), np.broadcast_to(axis, flat.shape)], axis=1)
+    return places @ turn.T, np.einsum("ij,njd->nid", turn, local)
+
+
+def _unit(vector: Array) -> Array:
+    return np.asarray(vector / np.linalg.norm(vector))

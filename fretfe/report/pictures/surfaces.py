@@ -29,14 +29,15 @@ from fretfe.evaluate.contacts import Front, Station
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
 from fretfe.report.pictures.panels import (
     BAR_ASPECT,
+    Unrolled,
     name_axes,
     panel_inches,
     panels,
     pixels,
     settle,
+    unroll,
 )
 from fretfe.report.pictures.status import NAMES, STATUS, shares_text, visible_status
-from fretfe.report.pictures.unroll import Unrolled, unroll
 from fretfe.report.source import cycle_states, state_title, times_text
 from fretfe.report.texts import direction_text, number, rounded
 from fretfe.report.theme import COLOURS, DURATION, FRAME_WIDTH, FRAMED, HALO, PALE, VERMILLION
