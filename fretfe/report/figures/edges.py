@@ -23,10 +23,25 @@ from fretfe.evaluate.contacts import Contact, CountedCycles, Front, HalfSpaceRat
 from fretfe.evaluate.resultants import station_extremes
 from fretfe.history.solution import Solution
 from fretfe.report.figures.history import time_panels
-from fretfe.report.figures.plot import Plot, envelope, legend_above, log_axis, make_plot, plain_axis
 from fretfe.report.source import Shown, edge_title, force_unit, inward, when, work_unit
 from fretfe.report.texts import number
-from fretfe.report.theme import BLUE, COLOURS, DOUBLE, GREEN, GREY, ORANGE, PALE, TRIPLE, VERMILLION
+from fretfe.report.theme import (
+    BLUE,
+    COLOURS,
+    DOUBLE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PALE,
+    TRIPLE,
+    VERMILLION,
+    Plot,
+    envelope,
+    legend_above,
+    log_axis,
+    make_plot,
+    plain_axis,
+)
 from fretfe.results.model import Result
 
 # Decades below the half-width that are shown at most.
