@@ -26,6 +26,7 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case
 from fretfe.errors import OutputError
 from fretfe.files import disk_reason, replacing
+from fretfe.mesh.elements import CORNERS, shape_values
 from fretfe.report.pictures.panels import few_ticks, name_axes, panel_inches, plural
 from fretfe.report.theme import BOUNDARY, ELEMENTS, FILE_DPI, FRAMED, HEADING, SURFACES, TINTS
 from fretfe.results.model import BodyArrays
@@ -43,7 +44,6 @@ SURROUNDINGS = 0.08
 # Of names, in inches: distance from the next one, from the frame, from their place up or down if
 # there is room; and room for the lines between a column and the bodies.
 SPACING, MARGIN, OFFSET, LEADERS = 0.2, 0.12, 0.18, 0.45
-CORNERS = {"triangle": 3, "quadrilateral": 4}
 # Straight pieces that a curved edge is drawn with.
 CURVE_PIECES = 6
 # Edges whose middle is off their chord by less than this fraction of it are drawn straight.
@@ -322,6 +322,5 @@ def _bulges(first: Array, last: Array, middle: Array) -> Bools:
 
 def _along(first: Array, last: Array, middle: Array) -> Array:
     """(..., CURVE_PIECES + 1, 2) places along quadratic edges (..., 2)."""
-    t = np.linspace(0.0, 1.0, CURVE_PIECES + 1)[:, None]
-    first, last, middle = (each[..., None, :] for each in (first, last, middle))
-    return first * (1 - t) * (1 - 2 * t) + last * t * (2 * t - 1) + middle * 4 * t * (1 - t)
+    values = shape_values("line", 2, np.linspace(0.0, 1.0, CURVE_PIECES + 1)[:, None])
+    return np.einsum("qk,k...d->...qd", values, np.stack([first, last, middle]))
