@@ -24,9 +24,8 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from fretfe.analytic.edges import tension_for_zero_factor
+from fretfe.analytic.edges import asymptote_error, tension_for_zero_factor
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge
-from fretfe.analytic.validity import asymptote_error
 from fretfe.environment import rank_from_environment
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.halfplane import solve_half_planes

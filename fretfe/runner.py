@@ -36,10 +36,10 @@ from fretfe.errors import FretfeError, ModelError, OutputError, StoppedError
 from fretfe.files import disk_reason, replace_text, sync_path
 from fretfe.history.stream import STATES
 from fretfe.results.field_files import FIELDS
+from fretfe.results.hdf5_file import STRESSES
 from fretfe.results.model import Result
 from fretfe.results.reader import read_result
 from fretfe.results.run_folder import FINISHED, MARK, locked, read_mark, write_mark
-from fretfe.results.stress_file import STRESSES
 from fretfe.results.writer import (
     SWEEP_FILES,
     prepare_directory,

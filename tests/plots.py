@@ -14,9 +14,9 @@ from contextlib import contextmanager
 import pytest
 from matplotlib.figure import Figure
 
-from fretfe.report.figures import plot
+from fretfe.report import theme
 
-WHOLE = plot._svg
+WHOLE = theme._svg
 
 
 def empty_svg(figure: Figure, key: str) -> str:
@@ -26,12 +26,12 @@ def empty_svg(figure: Figure, key: str) -> str:
 
 def leave_plots_empty() -> None:
     """From now on, in this process."""
-    plot._svg = empty_svg
+    theme._svg = empty_svg
 
 
 @contextmanager
 def whole_plots() -> Iterator[None]:
     """Plots as users get them."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plot, "_svg", WHOLE)
+        patch.setattr(theme, "_svg", WHOLE)
         yield

@@ -32,13 +32,11 @@ LAYERS = (
     "fretfe.surface.*",
     "fretfe.idealise.*",
     "fretfe.local.*",
-    "fretfe.results.hdf5_file",
     "fretfe.history.*",
     "fretfe.contact.*",
     "fretfe.evaluate.*",
-    "fretfe.results.stress_file",
+    "fretfe.results.hdf5_file",
     "fretfe.results.tables",
-    "fretfe.results.dataset",
     "fretfe.results.model",
     "fretfe.results.field_files",
     "fretfe.halfplane.*",
@@ -63,7 +61,7 @@ FEM_ONLY = {
     "basix", "dolfinx", "dolfinx_solver", "ffcx", "mpi4py", "petsc4py", "slepc4py", "ufl"
 }  # fmt: skip
 # They may grow only where a commit says what that buys and what it makes unnecessary.
-MOST_MODULES, MOST_LINES = 234, 29_358
+MOST_MODULES, MOST_LINES = 209, 29_941
 # A smaller module that one other imports belongs into that.
 FEWEST_LINES = 60
 ROOT = Path(fretfe.__file__).parent

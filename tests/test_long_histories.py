@@ -27,7 +27,7 @@ from fretfe.halfplane import solve_half_planes
 from fretfe.history.solution import Repeat, Solution
 from fretfe.history.state_array import MOST_STATES, StateArray, blocks, mapped, part
 from fretfe.history.stream import StateStream
-from fretfe.report.figures.plot import BINS, envelope
+from fretfe.report.theme import BINS, envelope
 from fretfe.results import writer
 from fretfe.results.reader import load_result
 from fretfe.results.run_folder import with_digest

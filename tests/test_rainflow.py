@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fretfe.analytic.rainflow import Rainflow, rainflow, reversals
+from fretfe.analytic.paths import Rainflow, rainflow, reversals
 
 # The points A to I of figures 6 and 7 of the standard.
 STANDARD = np.array([-2.0, 1.0, -3.0, 5.0, -1.0, 3.0, -4.0, 4.0, -2.0])

@@ -24,8 +24,7 @@ from fretfe.case import Units
 from fretfe.errors import CaseError, ConvergenceError
 from fretfe.evaluate.space.evaluate import evaluate_fronts
 from fretfe.evaluate.space.fronts import follow_fronts
-from fretfe.strength.fit import LifeFit, fit_life
-from fretfe.strength.tests_file import read_tests, same_unit
+from fretfe.strength.fit import LifeFit, fit_life, read_tests, same_unit
 
 HEADER = "k_n [MPa/mm^0.5],dk_t [MPa*mm^0.5],life,runout,friction,young [MPa],poisson"
 # log10 N = 11.8 - 4 log10 ΔK_T - 0.3 log10 (K_N/1000), and its scatter.

@@ -13,12 +13,12 @@ from pad_cases import pad
 from stored_runs import solved
 
 from fretfe._typing import Array
-from fretfe.analytic.half_plane_stress import elliptical_stress
+from fretfe.analytic.partial_slip import elliptical_stress
 from fretfe.case import parse_case
 from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.evaluate.surface_stress import edge_stress
 from fretfe.history.solution import ContactHistory
-from fretfe.results.stress_file import STRESSES, StressSite, StressWriter, read_stress
+from fretfe.results.hdf5_file import STRESSES, StressSite, StressWriter, read_stress
 from fretfe.runner import Runner
 
 NODES, DEPTHS = 5, np.array([0.0, 0.1])

@@ -14,11 +14,11 @@ import pytest
 from launch import fretfe
 
 from fretfe.case import parse_case
+from fretfe.cli.lists import parameter_rows
 from fretfe.errors import CaseError
 from fretfe.idealise import idealise
 from fretfe.mesh import templates
 from fretfe.mesh.templates import Parameter, check_parameters, find_template, template_names
-from fretfe.report.page.listings import parameter_rows
 
 NAMES = (
     "cylinder",

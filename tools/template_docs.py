@@ -16,11 +16,11 @@ from matplotlib.collections import LineCollection, PolyCollection
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from fretfe._typing import Indices
+from fretfe.cli.lists import parameter_rows
 from fretfe.mesh.elements import directed_facets, exterior_facets
 from fretfe.mesh.make import mesh_template
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.mesh.templates import Template, find_template, template_names
-from fretfe.report.page.listings import parameter_rows
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "templates.md"

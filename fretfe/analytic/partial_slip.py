@@ -1,16 +1,42 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Exact partial slip under constant normal load and shear force, for any symmetric profile.
+"""Exact partial slip under constant normal load, and the stress below its tractions.
 
-Elastically similar half-planes, no bulk tension. First loading: q = f [p(x; a) - p(x; c)], where
-``c`` is the contact half-width at the load P - |Q|/f (Cattaneo 1938, Mindlin 1949 for Hertz;
-Ciavarella 1998 and Jäger 1998 for any profile). A reversal superposes twice such a field of the
-opposite sign (Mindlin and Deresiewicz 1953). Signs as in ``fretfe.analytic.edges``; all quantities
-per unit thickness. ``x`` and the shear force may be arrays that broadcast.
+Elastically similar half-planes, no bulk tension, any symmetric profile: first loading is
+q = f [p(x; a) - p(x; c)], where ``c`` is the contact half-width at the load P - |Q|/f (Cattaneo
+1938, Mindlin 1949 for Hertz; Ciavarella 1998 and Jäger 1998 for any profile). A reversal superposes
+twice such a field of the opposite sign (Mindlin and Deresiewicz 1953). Signs as in
+``fretfe.analytic.edges``; all quantities per unit thickness. ``x`` and the shear force may be
+arrays that broadcast.
+
+Moderate bulk tension, a Hertz contact, Q and sigma0 in proportion (Nowell and Hills 1987): slip at
+both edges has the direction of Q, the tension only shifts the stick zone. In it the change of the
+traction must bring the two surfaces the strain difference of the tension,
+(1/pi) PV int q(t)/(t - x) dt = -sigma0/4. The bound |e| <= a - c on the centre e of the stick zone
+is that of the state that is asked for. On the way there from zero, in proportion, slip at both
+edges has one direction throughout if |sigma0| <= 4|Q|/(pi a), so that K_T of the two edges has
+opposite signs (or one vanishes). Between this and the wider bound, an edge has slipped the other
+way at first, and the solution is no longer exact.
+
+Stress in body 2, at its surface y = 0 and at a depth h > 0 below it: with Flamant's solution the
+traction (q, -p) dt at t gives the radial stress -(2/pi) F·r/r^2 (Johnson 1985, section 2.3), so
+that everything follows from the Cauchy integrals
+
+    I_g(z) = int g(t)/(z - t) dt,    z = x - i h,
+
+of g = p and q:
+
+    sigma_xx + sigma_yy = -(2/pi) [Re I_q + Im I_p]
+    sigma_yy            =  (1/pi) [-Im I_p + y Re I_p' - y Im I_q']
+    sigma_xy            =  (1/pi) [Im I_q + y Re I_q' + y Im I_p']
+
+An ellipse g = g0 sqrt(1 - t^2/b^2) has I_g = (pi g0/b)(z - sqrt(z^2 - b^2)): McEwen's solution
+(Johnson 1985, section 4.2) in one term. Partial slip is a sum of ellipses.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,9 +44,12 @@ from scipy.special import xlog1py
 
 from fretfe._typing import Array
 from fretfe.analytic._numerics import check_positive, check_range
+from fretfe.analytic.edges import tension_for_zero_factor
 from fretfe.analytic.profiles import Hertz, Profile
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(80)
+# Share of 4 f p0 by which round-off may take a tension beyond a bound: the bound itself is valid.
+ROUND_OFF = 1e-12
 
 
 @dataclass(frozen=True)
@@ -223,3 +252,136 @@ def hertz_dissipation(
     u = check_range("amplitude", amplitude, low=0.0, high=float(limit)) / limit
     shape = u * (2.0 - u) / 2.0 + xlog1py(1.0 - u, -u)
     return 4.0 * limit**2 / (np.pi * profile.e_star) * shape
+
+
+def stick_zone_moderate_tension(
+    contact: PartialSlip, shear_force: ArrayLike, bulk_tension: ArrayLike
+) -> tuple[Array, Array]:
+    """Return half-width c and centre e of the stick zone, first loading.
+
+    c as without tension, e = a sigma0/(4 f p0) sign(Q): towards the edge where |K_T| is smaller.
+    The slip zones are a - c + e long at the left and a - c - e at the right edge. For a steady
+    cycle pass half the ranges.
+
+    Raises:
+        ValueError: if the contact is not a Hertz contact, |Q| exceeds f P, or |e| > a - c: the
+            tension is then not moderate, slip at the edges has opposite signs.
+    """
+    a, scale = contact.half_width, _tension_scale(contact)
+    c = contact.stick_half_width(shear_force)
+    tension = np.asarray(bulk_tension, dtype=np.float64)
+    excess = np.abs(tension) / scale - (1.0 - c / a)
+    if np.any(excess > ROUND_OFF):
+        raise ValueError(
+            "bulk_tension must be moderate, else the stick zone reaches an edge and slip there has "
+            f"the other sign: |e| <= a - c, found |e| - (a - c) = {a * np.max(excess):g}"
+        )
+    return c, np.sign(shear_force) * a * tension / scale
+
+
+def shear_moderate_tension(
+    contact: PartialSlip, x: ArrayLike, shear_force: ArrayLike, bulk_tension: ArrayLike
+) -> Array:
+    """Return q(x) of the first loading, Q and sigma0 in proportion.
+
+    q = sign(Q) f [p(x; a) - p(x - e; c)], the second part that of a Hertz contact of half-width c
+    around e, peak pressure p0 c/a.
+
+    Raises:
+        ValueError: as ``stick_zone_moderate_tension``.
+    """
+    c, e = stick_zone_moderate_tension(contact, shear_force, bulk_tension)
+    full = contact.profile.pressure(x, contact.half_width)
+    inner = contact.profile.pressure(np.asarray(x) - e, c)
+    return np.sign(shear_force) * contact.friction * (full - inner)
+
+
+def cyclic_shear_moderate_tension(
+    contact: PartialSlip,
+    x: ArrayLike,
+    shear_force: ArrayLike,
+    *,
+    amplitude: float,
+    tension_amplitude: float,
+    rising: bool,
+) -> Array:
+    """Return q(x) in the steady cycle of Q between -Q1 and +Q1 and sigma0 = sigma1 Q/Q1.
+
+    To the state at the last reversal comes twice the field of half the changes since.
+
+    Args:
+        contact: Hertz contact.
+        x: positions.
+        shear_force: present Q, |Q| <= Q1, of any shape that broadcasts with ``x``.
+        amplitude: Q1 > 0.
+        tension_amplitude: sigma1, positive if in phase with Q, negative if in anti-phase.
+        rising: whether Q rises from -Q1 (else it falls from +Q1).
+
+    Raises:
+        ValueError: if the contact is not a Hertz contact, Q1 is outside (0, f P], Q outside
+            [-Q1, Q1], or |sigma1| > 4 Q1/(pi a): slip at one edge is then against that at the
+            other right after a reversal.
+    """
+    check_range("amplitude", amplitude, low=0.0, open_low=True)
+    check_range("shear_force", shear_force, low=-amplitude, high=amplitude)
+    limit = float(tension_for_zero_factor(amplitude, contact.half_width, "right"))
+    if abs(tension_amplitude) > limit + ROUND_OFF * _tension_scale(contact):
+        raise ValueError(
+            f"tension_amplitude must lie in [-{limit:g}, {limit:g}], else the edges slip in "
+            f"opposite directions after each reversal; found {tension_amplitude:g}"
+        )
+    extreme = -1.0 if rising else 1.0
+    share = (np.asarray(shear_force, dtype=np.float64) / amplitude - extreme) / 2.0
+    start = shear_moderate_tension(contact, x, extreme * amplitude, extreme * tension_amplitude)
+    return start + 2.0 * shear_moderate_tension(
+        contact, x, share * amplitude, share * tension_amplitude
+    )
+
+
+def _tension_scale(contact: PartialSlip) -> float:
+    """Return 4 f p0, the tension that shifts the stick zone by a."""
+    if not isinstance(contact.profile, Hertz):
+        raise ValueError(f"contact must have a Hertz profile, found {contact.profile!r}")
+    return 4.0 * contact.friction * float(contact.profile.peak_pressure(contact.half_width))
+
+
+def elliptical_stress(
+    x: ArrayLike, depth: ArrayLike, half_width: float, pressure: float, shear: float
+) -> Array:
+    """Return the stress in body 2 under p = p0 sqrt(1 - x^2/b^2) and q = q0 sqrt(1 - x^2/b^2).
+
+    Exact for a half-plane, in plane strain as in plane stress. Singular nowhere.
+
+    Args:
+        x: positions, any shape.
+        depth: distances below the surface, >= 0; broadcasts with x.
+        half_width: b of both ellipses.
+        pressure: p0, of either sign.
+        shear: q0 on body 2, positive in +x. On body 1, whose y axis points the other way, the
+            stress is that of q0 with the other sign.
+
+    Returns:
+        (..., 3) sigma_xx, sigma_yy, sigma_xy, in the unit of p0 and q0.
+
+    Raises:
+        ValueError: if a depth is negative or the half-width is not positive.
+    """
+    check_positive("half_width", half_width)
+    height = check_range("depth", depth, low=0.0)
+    place = np.asarray(x, dtype=np.float64) + 1j * height
+    # The ellipse is real: below the axis it is conjugate to what it is above, cut included.
+    root = np.sqrt(place - half_width) * np.sqrt(place + half_width)
+    unit = np.pi / half_width * np.conj(place - root)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = np.pi / half_width * np.conj(1 - place / root)
+    # y times the slope vanishes on the surface, at the ends of the ellipse too.
+    slope = np.where(height == 0, 0.0, -height * slope)
+    return _sum(pressure * unit, pressure * slope, shear * unit, shear * slope)
+
+
+def _sum(normal: Any, normal_slope: Any, shear: Any, shear_slope: Any) -> Array:
+    """(..., 3) stress from I_p, y I_p', I_q and y I_q'."""
+    trace = -2 / np.pi * (shear.real + normal.imag)
+    across = (-normal.imag + normal_slope.real - shear_slope.imag) / np.pi
+    sheared = (shear.imag + shear_slope.real + normal_slope.imag) / np.pi
+    return np.stack([trace - across, across, sheared], axis=-1)

@@ -6,6 +6,7 @@ from __future__ import annotations
 from fretfe.backends.protocol import (
     SILENT,
     Backend,
+    Installed,
     Observer,
     OneProcess,
     ParallelBackend,
@@ -13,13 +14,10 @@ from fretfe.backends.protocol import (
     RunOptions,
     Session,
     SharingBackend,
-    processes_of,
-)
-from fretfe.backends.registry import (
-    Installed,
     backend_names,
     find_backend,
     installed_backends,
+    processes_of,
 )
 
 __all__ = [

@@ -11,8 +11,7 @@ import numpy.typing as npt
 
 from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import dissipation_per_cycle, slip_length_cyclic
-from fretfe.analytic.moderate_tension import stick_zone_moderate_tension
-from fretfe.analytic.partial_slip import PartialSlip
+from fretfe.analytic.partial_slip import PartialSlip, stick_zone_moderate_tension
 from fretfe.analytic.paths import PolygonPath, permanent_stick_load
 from fretfe.analytic.profiles import Hertz
 from fretfe.analytic.rocking import TiltedContact

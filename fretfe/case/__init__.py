@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from fretfe.case.base import unit_vector
+from fretfe.case.base import BoundarySelector, Selector, file_kind, unit_vector
 from fretfe.case.loads import (
     CsvPoints,
     DisplacementLoad,
@@ -29,7 +29,6 @@ from fretfe.case.reading import (
     load_case,
     parse_case,
 )
-from fretfe.case.selectors import BoundarySelector, Selector, file_kind
 from fretfe.case.tables import (
     Body,
     Contact,

@@ -1,12 +1,24 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Shared by all tables of a case file: the base model, numbers, names and directions."""
+"""Shared by all tables of a case file: numbers, names, directions, and parts of geometry files."""
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import PurePath
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    StrictInt,
+    Tag,
+    model_validator,
+)
 
 # Tags mark which alternative of a table was read. The prefix cannot start a key of a case file that
 # passes, so that messages can tell tags from keys.
@@ -37,6 +49,7 @@ NotNegative = Annotated[Number, Field(ge=0)]
 Count = Annotated[int, Field(strict=True, ge=1, le=MOST_STEPS)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$", max_length=100)]
 Text = Annotated[str, Field(strict=True, min_length=1, max_length=1000)]
+Point = Annotated[tuple[Number, ...], Field(min_length=2, max_length=3)]
 Axis = Literal["x", "y", "z"]
 AXES: tuple[Axis, ...] = ("x", "y", "z")
 
@@ -85,3 +98,165 @@ def unit_vector(direction: str | tuple[float, ...], dimension: int) -> tuple[flo
     if isinstance(direction, str):
         return tuple(float(axis == direction) for axis in AXES[:dimension])
     return direction + (0.0,) * (dimension - len(direction))
+
+
+def _colour(value: str) -> str:
+    digits = value.removeprefix("#")
+    if len(value) != 7 or len(digits) != 6 or set(digits.lower()) - set("0123456789abcdef"):
+        raise ValueError(f"expected a colour as in '#ff0000', found {value!r}")
+    return value.lower()
+
+
+Colour = Annotated[Text, AfterValidator(_colour)]
+
+
+class Selector(Table):
+    """Parts of a geometry file that a name of the case stands for."""
+
+    point: Point | None = Field(
+        default=None,
+        description="A point in a face, or nearest to it or to a curve; in a volume, or nearest to "
+        "it or to a face, with three coordinates, of solid bodies.",
+    )
+    points: tuple[Point, ...] | None = Field(
+        default=None, min_length=1, description="Several such points: one part for each."
+    )
+    label: Text | None = Field(default=None, description="Name in the file.")
+    color: Colour | None = Field(default=None, description="Colour in the file, as '#ff0000'.")
+    tag: StrictInt | None = Field(default=None, description="Number of the group in the file.")
+    tags: tuple[StrictInt, ...] | None = Field(
+        default=None, min_length=1, description="Several such numbers."
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if len(self.ways) != 1:
+            found = " and ".join(map(repr, self.ways)) or "none"
+            raise ValueError(f"expected exactly one of {_listed(WAYS)}, found {found}")
+        return self
+
+    @property
+    def ways(self) -> tuple[str, ...]:
+        """The keys that choose something: one, in a selector that is valid."""
+        return tuple(way for way in WAYS if getattr(self, way) is not None)
+
+    @property
+    def all_points(self) -> tuple[tuple[float, ...], ...]:
+        """The points, however many; none with another way."""
+        return (self.point,) if self.point is not None else self.points or ()
+
+    @property
+    def all_tags(self) -> tuple[int, ...]:
+        """The numbers, however many; none with another way."""
+        return (self.tag,) if self.tag is not None else self.tags or ()
+
+
+class BoundarySelector(Selector):
+    """Parts of a geometry file that the name of a boundary stands for."""
+
+    body: Text | None = Field(
+        default=None,
+        description="Only curves or faces of this body: where bodies touch, a point is as near to "
+        "both.",
+    )
+
+
+WAYS = ("point", "points", "label", "color", "tag", "tags")
+
+
+@dataclass(frozen=True)
+class FileKind:
+    """A kind of geometry file.
+
+    Attributes:
+        text: what it is, for messages.
+        suffixes: how its name ends.
+        keys: of [geometry] that go with it.
+        ways: of choosing bodies and boundaries in it.
+        named: whether the bodies have to be chosen.
+    """
+
+    text: str
+    suffixes: tuple[str, ...]
+    keys: tuple[str, ...] = ()
+    ways: tuple[str, ...] = ()
+    named: bool = False
+
+
+GMSH_MESH = FileKind("Gmsh mesh", (".msh",), ("merge", "solid"))
+GMSH_SCRIPT = FileKind("Gmsh script", (".geo",), ("parameters", "order", "solid"))
+CAD = FileKind(
+    "CAD file",
+    (".step", ".stp", ".brep"),
+    ("size", "order", "bodies", "boundaries", "solid"),
+    ("point", "points", "label", "color"),
+    named=True,
+)
+XDMF = FileKind(
+    "XDMF mesh",
+    (".xdmf",),
+    ("facets", "merge", "bodies", "boundaries", "solid"),
+    ("tag", "tags"),
+    named=True,
+)
+ABAQUS = FileKind(
+    "Abaqus or CalculiX mesh",
+    (".inp",),
+    ("merge", "bodies", "boundaries", "solid"),
+    ("label",),
+)
+FILE_KINDS = (GMSH_MESH, GMSH_SCRIPT, CAD, XDMF, ABAQUS)
+
+
+def file_kind(file: str) -> FileKind:
+    """The kind of a geometry file, from how its name ends.
+
+    Raises:
+        ValueError: it ends like nothing that can be read.
+    """
+    suffix = PurePath(file).suffix.lower()
+    for kind in FILE_KINDS:
+        if suffix in kind.suffixes:
+            return kind
+    known = "; ".join(f"{kind.text}: {', '.join(kind.suffixes)}" for kind in FILE_KINDS)
+    raise ValueError(f"expected a file name that ends in one of ({known}), found {file!r}")
+
+
+def file_problem(
+    file: str,
+    keys: Iterable[str],
+    bodies: Mapping[str, Selector],
+    boundaries: Mapping[str, BoundarySelector],
+) -> str | None:
+    """Reason why tables of [geometry] do not fit the kind of its file, or None.
+
+    Args:
+        file: name of the file.
+        keys: given besides it.
+        bodies: selectors of [geometry.bodies].
+        boundaries: selectors of [geometry.boundaries].
+    """
+    kind = file_kind(file)
+    if wrong := sorted(set(keys) - set(kind.keys)):
+        return f"{_listed(wrong)} cannot be given with {file!r} ({kind.text})"
+    for table, selectors in (("bodies", bodies), ("boundaries", boundaries)):
+        for name, selector in selectors.items():
+            if selector.ways[0] not in kind.ways:
+                return (
+                    f"{table}.{name}: expected {_listed(kind.ways)} for {file!r} ({kind.text}), "
+                    f"found {selector.ways[0]!r}"
+                )
+    if kind is not CAD and (
+        named := [name for name, each in boundaries.items() if each.body is not None]
+    ):
+        return f"boundaries.{named[0]}: expected 'body' with a {CAD.text} only"
+    if kind.named and not bodies:
+        return (
+            f"expected a table [geometry.bodies] that names the bodies of {file!r} by "
+            f"{_listed(kind.ways)}, found none"
+        )
+    return None
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(map(repr, names))

@@ -14,10 +14,9 @@ from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from fretfe.case.base import TAG, Table
+from fretfe.case.base import TAG, BoundarySelector, Selector, Table
 from fretfe.case.loads import KINDS, LOADS
 from fretfe.case.model import Case, Contradiction, Key, Problem
-from fretfe.case.selectors import BoundarySelector, Selector
 from fretfe.case.tables import (
     Body,
     Contact,

@@ -11,16 +11,18 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from fretfe.case.base import (
     TAG,
     Axis,
+    BoundarySelector,
     Count,
     Name,
     NotNegative,
     Number,
     Positive,
+    Selector,
     Table,
     Text,
     Vector,
+    file_problem,
 )
-from fretfe.case.selectors import BoundarySelector, Selector, file_problem
 
 Plane = Literal["strain", "stress"]
 

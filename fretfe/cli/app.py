@@ -12,17 +12,7 @@ from collections.abc import Callable
 
 import typer
 
-from fretfe.cli import (
-    checks,
-    exchange,
-    laboratory,
-    lists,
-    meshes,
-    pictures,
-    run,
-    station,
-    sweep,
-)
+from fretfe.cli import exchange, laboratory, lists, meshes, pictures, run
 from fretfe.environment import memory_shortage, missing_package, rank_from_environment
 from fretfe.errors import DependencyError, FretfeError, MemoryShortError
 
@@ -57,14 +47,14 @@ app = typer.Typer(
 
 # In the order of the help.
 COMMANDS: tuple[tuple[Callable[..., None], str], ...] = (
-    (run.run, run.EXAMPLES),
+    (run.run, run.RUN_EXAMPLES),
     (pictures.report, pictures.REPORT_EXAMPLES),
-    (sweep.sweep, sweep.EXAMPLES),
+    (run.sweep, run.SWEEP_EXAMPLES),
     (lists.backends, lists.BACKENDS_EXAMPLES),
-    (checks.validate, checks.VALIDATE_EXAMPLES),
-    (station.station, station.EXAMPLES),
+    (run.validate, run.VALIDATE_EXAMPLES),
+    (laboratory.station, laboratory.STATION_EXAMPLES),
     (laboratory.match, laboratory.MATCH_EXAMPLES),
-    (checks.verify, checks.VERIFY_EXAMPLES),
+    (run.verify, run.VERIFY_EXAMPLES),
     (meshes.check, meshes.CHECK_EXAMPLES),
     (meshes.mesh, meshes.MESH_EXAMPLES),
     (lists.templates, lists.TEMPLATES_EXAMPLES),

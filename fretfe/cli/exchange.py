@@ -3,20 +3,50 @@
 
 from __future__ import annotations
 
+import json
+import math
+from dataclasses import asdict
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from fretfe.cli.options import AsJson, Results, examples
 from fretfe.environment import rank_from_environment
-from fretfe.exchange.sign import Sign
+from fretfe.report.texts import (
+    MISSING,
+    marked,
+    number,
+    percent,
+    plain_table,
+    print_whole,
+    with_error,
+)
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
+    from fretfe.evaluate import EdgeAnalysis, Estimate, TractionAnalysis
     from fretfe.exchange.comparison import Comparison
+    from fretfe.exchange.traction_file import TractionTable
+
+
+class Sign(StrEnum):
+    """Of a normal stress in compression."""
+
+    POSITIVE = "positive"
+    NEGATIVE = "negative"
+
+
+# What is found at an edge, by the name of its attribute.
+EDGE_ROWS = {
+    "position": "position",
+    "k_n": "K_N",
+    "slip_from_slip": "slip zone, from slip",
+    "slip_from_traction": "slip zone, from |q| = f p",
+}
 
 EDGES_EXAMPLES = examples(
     "fretfe edges tractions.csv --friction 0.6",
@@ -44,10 +74,99 @@ def edges(
 
     Columns are x, p, q and slip, or those that finite-element programs write.
     """
-    from fretfe.cli.edges_report import analyse_file
-    from fretfe.exchange.traction_file import Columns
+    from rich.console import Console
 
-    analyse_file(table, Columns(x, p, q, slip), friction, compression, as_json=as_json)
+    from fretfe.errors import CaseError
+    from fretfe.evaluate import analyse_tractions
+    from fretfe.exchange.traction_file import Columns, read_tractions
+
+    read = read_tractions(table, Columns(x, p, q, slip), compression)
+    try:
+        analysis = analyse_tractions(read.x, read.p, read.q, read.slip, friction)
+    except ValueError as error:
+        raise CaseError(f"{table}: {error}") from None
+    if as_json:
+        numbers = _edges_numbers(table, friction, read, analysis)
+        print(json.dumps(numbers, indent=1, allow_nan=False))
+        return
+    console = Console()
+    for note in read.notes:
+        console.print(f"Columns: {note}", highlight=False, markup=False)
+    console.print(_edge_table(analysis))
+    console.print(_resultant_text(analysis), highlight=False)
+    for remark in _remarks(analysis):
+        console.print(remark, highlight=False, markup=False)
+
+
+def _edge_table(analysis: TractionAnalysis) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(title="Edges", title_justify="left", box=box.SIMPLE, title_style="bold")
+    table.add_column("")
+    for edge in analysis.edges:
+        table.add_column(edge.side, justify="right", no_wrap=True)
+    for key, text in EDGE_ROWS.items():
+        table.add_row(text, *(_with_error(getattr(edge, key)) for edge in analysis.edges))
+    return table
+
+
+def _with_error(estimate: Estimate) -> str:
+    """Value and error; - if it is not known, ~ before it if there is a remark."""
+    text = with_error(estimate.value, estimate.spread)
+    return marked(text, bool(estimate.remark)) if estimate.known else MISSING
+
+
+def _resultant_text(analysis: TractionAnalysis) -> str:
+    forces = analysis.resultants
+    shear = "-" if math.isnan(forces.shear_force) else f"{forces.shear_force:.6g}"
+    return (
+        f"P = {forces.normal_force:.6g}, Q = {shear}, M = {forces.moment:.6g} about "
+        f"x = {analysis.centre:.6g}"
+    )
+
+
+def _remarks(analysis: TractionAnalysis) -> list[str]:
+    """One line for each thing that is not known or uncertain, then those on the contact."""
+    remarks: dict[str, list[str]] = {}
+    for key, text in EDGE_ROWS.items():
+        for edge in analysis.edges:
+            remark = getattr(edge, key).remark
+            if remark:
+                remarks.setdefault(f"{text}: {remark}", []).append(edge.side)
+    lines = [
+        f"Note: {text}" + ("" if len(sides) == 2 else f" ({sides[0]} edge)")
+        for text, sides in remarks.items()
+    ]
+    return lines + [f"Note: {remark}" for remark in analysis.remarks]
+
+
+def _edges_numbers(
+    path: Path, friction: float | None, table: TractionTable, analysis: TractionAnalysis
+) -> dict[str, Any]:
+    forces = {name: _number(value) for name, value in asdict(analysis.resultants).items()}
+    return {
+        "schema": {"name": "fretfe-edges", "version": 1},
+        "file": str(path),
+        "friction": friction,
+        "columns": table.columns,
+        **forces,
+        "centre": analysis.centre,
+        "edges": [_edge_numbers(edge) for edge in analysis.edges],
+        "remarks": [*table.notes, *analysis.remarks],
+    }
+
+
+def _edge_numbers(edge: EdgeAnalysis) -> dict[str, Any]:
+    def numbers(estimate: Estimate) -> dict[str, Any]:
+        value, spread = _number(estimate.value), _number(estimate.spread)
+        return {"value": value, "spread": spread, "remark": estimate.remark}
+
+    return {"side": edge.side} | {key: numbers(getattr(edge, key)) for key in EDGE_ROWS}
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
 
 
 COMPARE_EXAMPLES = examples(
@@ -75,8 +194,6 @@ def compare(
     """Compare two results: edges, tractions, histories."""
     if rank_from_environment() > 0:
         return
-    import json
-
     from rich.console import Console
 
     from fretfe import api
@@ -86,7 +203,7 @@ def compare(
     if as_json:
         print(json.dumps(comparison_numbers(comparison), indent=1, allow_nan=False))
     else:
-        _print(Console(), comparison)
+        _print_comparison(Console(), comparison)
     if output is not None:
         files = write_comparison(comparison, output)
         if not as_json:
@@ -94,11 +211,9 @@ def compare(
             Console().print(f"{names} in {output}", highlight=False, markup=False, soft_wrap=True)
 
 
-def _print(console: Console, comparison: Comparison) -> None:
-    from fretfe.report.page.listings import print_whole
-    from fretfe.report.texts import number, percent
+def _print_comparison(console: Console, comparison: Comparison) -> None:
 
-    print_whole(_numbers(comparison))
+    print_whole(_comparison_table(comparison))
     for each in comparison.tractions:
         console.print(
             f"{each.contact}, {each.extreme}: p differs by {percent(each.pressure_difference)}, "
@@ -125,11 +240,8 @@ def _print(console: Console, comparison: Comparison) -> None:
         console.print(f"Note: {note}", highlight=False, markup=False, soft_wrap=True)
 
 
-def _numbers(comparison: Comparison) -> Table:
+def _comparison_table(comparison: Comparison) -> Table:
     from rich.markup import escape
-
-    from fretfe.report.page.listings import plain_table
-    from fretfe.report.texts import percent, with_error
 
     labels = [escape(label) for label in comparison.labels]
     headers = ("", "", *labels, "difference", "within bars")

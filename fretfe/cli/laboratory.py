@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Commands about laboratory tests: `fretfe match` and `fretfe strength`."""
+"""Commands about edges and what tests them: `fretfe match`, `strength` and `station`."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,11 +12,21 @@ import typer
 
 from fretfe.cli.options import AsJson, Results, examples
 from fretfe.environment import rank_from_environment
+from fretfe.report.texts import MISSING, number, percent, plain_table, print_whole, with_error
 
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from fretfe.case import Units
+    from fretfe.matching.agreement import Agreement, Reach
+    from fretfe.matching.choose import Choice
+    from fretfe.matching.match import Comparison, Match
+    from fretfe.matching.target import Target
+    from fretfe.station import StationModel
     from fretfe.strength.margins import Margin, StrengthMap
+
+# Part of ΔK_T below which ΔK_I is none.
+SMALL = 0.01
 
 MATCH_EXAMPLES = examples(
     "fretfe match dovetail --edge left.right --rig rig.toml -o tests",
@@ -50,9 +61,172 @@ def match(
     """
     if rank_from_environment() > 0:
         return
-    from fretfe.cli.match_report import report_match
+    from rich.console import Console
 
-    report_match(directory, edge, rig, output, tuple(against or ()))
+    from fretfe.errors import CaseError, ModelError
+    from fretfe.matching.files import write_match
+    from fretfe.matching.match import compare_tests, match_test
+    from fretfe.matching.rig import load_rig
+    from fretfe.results.reader import load_result
+
+    for folder in (directory, *(against or ())):
+        if output.resolve() == folder.resolve():
+            raise CaseError(f"{output}: expected another folder than that of results")
+    found = match_test(load_result(directory), edge, load_rig(rig))
+    tests = [(str(folder), load_result(folder)) for folder in against or ()]
+    comparison = compare_tests(found, tests) if tests else None
+    console = Console()
+    for text in found.notes:
+        console.print(f"note: {text}", highlight=False, soft_wrap=True)
+    if comparison is None and not any(each.choices for each in found.shapes):
+        reasons = "\n".join(f"{each.shape}: {text}" for each in found.shapes
+                            for text in each.infeasible)  # fmt: skip
+        raise ModelError(f"{rig}: expected bounds that a test can meet, found none\n{reasons}")
+    cases = write_match(found, comparison, output)
+    console.print(_component(found.target), highlight=False, soft_wrap=True)
+    for table in (_comparison_tables if comparison else _choice_tables)(found, comparison):
+        print_whole(table)
+    for line in _match_remarks(found, comparison):
+        console.print(line, highlight=False, soft_wrap=True)
+    console.print(f"Cases {', '.join(map(str, cases))}", highlight=False, soft_wrap=True)
+
+
+def _component(target: Target) -> str:
+    return (
+        f"Edge {target.name}: K_N {with_error(target.k_n, target.k_n_spread)}, "
+        f"ΔK_T {with_error(target.k_t_range, target.k_t_range_spread)}, "
+        f"ΔK_I {number(target.k_i_range)}, f {target.friction:g}"
+    )
+
+
+def _choice_tables(match: Match, _: Comparison | None) -> Iterator[Table]:
+    """One table for each shape with choices, which are its columns."""
+    for each in match.shapes:
+        if not each.choices:
+            continue
+        places = range(1, len(each.choices) + 1)
+        headers = ["best" if n == each.best + 1 else str(n) for n in places]
+        name = f"{each.shape} for edge {match.target.name}"
+        table = plain_table(name, ("", *headers), text=1)
+        columns = [dict(_choice_numbers(choice, match)) for choice in each.choices]
+        for label in columns[0]:
+            table.add_row(label, *(column[label] for column in columns))
+        yield table
+
+
+def _choice_numbers(choice: Choice, match: Match) -> Iterator[tuple[str, str]]:
+    """Labels and numbers of a choice."""
+    from fretfe.matching.spreads import numbers_of
+
+    profile = choice.test.profile
+    found = {
+        name: _with_bar(value, choice.spreads[name])
+        for name, value in numbers_of(choice.test, match.rig).items()
+    }
+    length, force = match.rig.units.length, match.rig.units.force
+    if choice.shape == "wedge":
+        angle = math.degrees(math.atan(getattr(profile, "slope", math.nan)))
+        yield "angle, degrees", number(angle)
+    else:
+        yield f"radius, {length}", number(getattr(profile, "radius", math.nan))
+    if choice.shape == "flat_rounded":
+        yield f"half of the flat, {length}", number(profile.kinks[0])
+    yield f"half-width a, {length}", found["half_width"]
+    yield f"P, {force}/{length}", found["normal_force"]
+    yield "  amplitude of P", found["normal_amplitude"]
+    yield "Q, amplitude", found["shear_amplitude"]
+    yield "Q/(f P), largest", found["shear_ratio"]
+    yield f"d, {length}", found["slip_long"]
+    yield "d/(a - b)" if choice.shape == "flat_rounded" else "d/a", found["slip_over_length"]
+    yield "error of d by formula", percent(choice.test.asymptote_error, 0)
+    yield "a/thickness", found["over_thickness"]
+    yield f"largest p, {match.rig.units.stress}", found["peak_pressure"]
+    yield "p differs by up to", percent(choice.misfit, 1)
+    yield "d differs by about", percent(choice.slip_misfit, 0)
+
+
+def _with_bar(value: float, spread: float) -> str:
+    """A number with its error bar; four digits where there is none."""
+    known = math.isfinite(spread) and spread > 0
+    return with_error(value, spread) if known else number(value)
+
+
+def _comparison_tables(match: Match, comparison: Comparison | None) -> Iterator[Table]:
+    """Factors of component and tests, and how far their tractions agree."""
+    assert comparison is not None
+    names = tuple(Path(each.name).name for each in comparison.agreements)
+    table = plain_table(f"Edge {match.target.name} and tests", ("", "component", *names), text=1)
+    tests = [each.test for each in comparison.agreements]
+    rows = (("K_N", "k_n"), ("ΔK_T", "k_t_range"), ("ΔK_I", "k_i_range"))
+    for label, key in rows:
+        own = getattr(match.target, key)
+        # Beside ΔK_T it does nothing; its relative change is noise.
+        told = own if key != "k_i_range" or own > SMALL * match.target.k_t_range else 0.0
+        cells = (f"{_factor(test, key)} ({_change(getattr(test, key), told)})" for test in tests)
+        table.add_row(label, _factor(match.target, key), *cells)
+    for n, label in enumerate(("longer slip zone", "shorter slip zone")):
+        own, spread = _slip(match.target, n)
+        cells = (f"{with_error(*_slip(test, n))} ({_change(_slip(test, n)[0], own)})"
+                 for test in tests)  # fmt: skip
+        table.add_row(label, with_error(own, spread), *cells)
+    for label, name in (("p", "pressure_reach"), ("change of q", "shear_reach")):
+        for n in range(2):
+            reaches = [getattr(each, name)[n] for each in comparison.agreements]
+            table.add_row(
+                f"{label} agrees to {reaches[0].tolerance:.0%} up to", "",
+                *(_reach(reach, match.target.longest_slip) for reach in reaches),
+            )  # fmt: skip
+    yield table
+
+
+def _factor(target: Target, key: str) -> str:
+    """A factor with its error bar, if it has one."""
+    return _with_bar(getattr(target, key), getattr(target, f"{key}_spread", math.nan))
+
+
+def _slip(target: Target, place: int) -> tuple[float, float]:
+    """The longer or shorter one of the last two slip zones, and its error bar."""
+    zones = sorted(zip(target.slip, target.slip_spread, strict=True), reverse=True)
+    return zones[place] if all(math.isfinite(length) for length, _ in zones) else (
+        target.slip[place], target.slip_spread[place]
+    )  # fmt: skip
+
+
+def _change(value: float, own: float) -> str:
+    return f"{value / own - 1:+.1%}" if math.isfinite(value) and own else "-"
+
+
+def _reach(reach: Reach, slip: float) -> str:
+    whole = ", all compared" if reach.whole else ""
+    return f"{number(reach.length, 3)} = {reach.length / slip:.1f} d{whole}"
+
+
+def _match_remarks(match: Match, comparison: Comparison | None) -> Iterator[str]:
+    from fretfe.matching.agreement import better
+
+    if comparison is None:
+        for each in match.shapes:
+            yield from (f"{each.shape}: not possible, {text}" for text in each.infeasible)
+            yield from (
+                f"{each.shape}, a = {number(choice.test.half_width)}: bound by "
+                f"{' and '.join(choice.binding)}"
+                for choice in each.choices
+                if choice.binding
+            )
+        return
+    for agreement in comparison.agreements:
+        yield from _about(agreement)
+    if len(comparison.agreements) > 1:
+        yield f"Nearest to the component: {Path(better(list(comparison.agreements)).name).name}"
+    if match.rig.process_zone:
+        yield f"Process zone: {match.rig.process_zone:g}"
+
+
+def _about(agreement: Agreement) -> Iterator[str]:
+    name = Path(agreement.name).name
+    if agreement.remark:
+        yield f"{name}: {agreement.remark}"
+    yield from (f"{name}: {text}" for text in agreement.test.warnings)
 
 
 STRENGTH_EXAMPLES = examples(
@@ -87,7 +261,6 @@ def strength(
     from rich.console import Console
 
     from fretfe.api import load_result, strength_map
-    from fretfe.report.page.listings import print_whole
     from fretfe.strength.files import strength_numbers, write_map
 
     found = strength_map(tests, [load_result(each) for each in results], life)
@@ -95,8 +268,8 @@ def strength(
         print(json.dumps(strength_numbers(found), indent=1, allow_nan=False))
     else:
         console, shown = Console(), _shown(found)
-        print_whole(_table(found, shown))
-        for text in _texts(found, shown):
+        print_whole(_strength_table(found, shown))
+        for text in _strength_texts(found, shown):
             console.print(text, highlight=False, markup=False, soft_wrap=True)
     if output is not None:
         files = write_map(found, output)
@@ -116,11 +289,8 @@ def _shown(found: StrengthMap) -> list[Margin]:
     ]
 
 
-def _table(found: StrengthMap, shown: Sequence[Margin]) -> Table:
+def _strength_table(found: StrengthMap, shown: Sequence[Margin]) -> Table:
     from rich.markup import escape
-
-    from fretfe.report.page.listings import plain_table
-    from fretfe.report.texts import MISSING, number, with_error
 
     units = found.tests.units
     k_n, k_t = f"{units.stress}/√{units.length}", f"{units.stress}·√{units.length}"
@@ -142,7 +312,7 @@ def _table(found: StrengthMap, shown: Sequence[Margin]) -> Table:
     return table
 
 
-def _texts(found: StrengthMap, shown: Sequence[Margin]) -> list[str]:
+def _strength_texts(found: StrengthMap, shown: Sequence[Margin]) -> list[str]:
     """Fits, what is unknown and why, remarks; what several edges share once."""
     texts = []
     for fit in found.fits:
@@ -163,3 +333,74 @@ def _texts(found: StrengthMap, shown: Sequence[Margin]) -> list[str]:
     for result in found.without_edges:
         said.setdefault("the result has no edges whose factors are known", []).append(result)
     return texts + [f"Note: {', '.join(names)}: {text}" for text, names in said.items()]
+
+
+STATION_EXAMPLES = examples(
+    "fretfe station sphere main --station 12 -o sphere_12",
+    "fretfe station dovetail left:2 --station 20 -o left_20",
+)
+
+
+def station(
+    directory: Results,
+    contact: Annotated[
+        str,
+        typer.Argument(
+            metavar="CONTACT[:FRONT]",
+            help="Contact, and number of its front from 1.",
+            show_default=False,
+        ),
+    ],
+    number: Annotated[
+        int, typer.Option("--station", help="Number of the station along the front, from 0.")
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the results.")],
+) -> None:
+    """Show the plane problem of a station of solids.
+
+    It has the edge factors of the station; its slip zones and tractions stand beside those of the
+    nodes around the station.
+    """
+    if rank_from_environment() > 0:
+        return
+    from rich.console import Console
+
+    from fretfe.api import load_result, run_station
+
+    result = load_result(directory)
+    name, front = _front(contact)
+    model = run_station(result, name, number, front, output)
+    console = Console()
+    console.print(_station_table(result.case.units, model))
+    units = result.case.units
+    console.print(
+        f"K_N {with_error(model.k_n, model.k_n_spread)}, ΔK "
+        f"{with_error(model.k_range, model.k_range_spread)}\n"
+        f"Plane problem: half-width {model.half_width:.4g}, gap as |x|^{model.power:.3g}; largest "
+        f"slip {model.slip:.3g} {units.length}, friction work {model.work:.3g} "
+        f"{units.force}·{units.length}/{units.length} in the cycle\nFiles in {output}",
+        highlight=False,
+        soft_wrap=True,
+    )
+
+
+def _front(text: str) -> tuple[str, int]:
+    """The name of a contact and the number of its front."""
+    name, _, number = text.rpartition(":")
+    return (name, int(number)) if name and number.isdigit() else (text, 1)
+
+
+def _station_table(units: Units, model: StationModel) -> Table:
+    title = (
+        f"Slip zones at station {model.station} of {model.front} of contact {model.contact}, "
+        f"lengths in {units.length}"
+    )
+    table = plain_table(title, ("half cycle", "by nodes", "predicted", "plane problem"), text=1)
+    for zone in model.zones:
+        table.add_row(
+            f"{zone.start:g} to {zone.end:g}",
+            with_error(zone.solid, zone.solid_spread),
+            number(zone.predicted, 3),
+            with_error(zone.plane, zone.plane_spread),
+        )
+    return table

@@ -4,13 +4,22 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fretfe.cli.options import examples
 from fretfe.environment import rank_from_environment
+from fretfe.report.texts import plain_table
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from fretfe.backends import Installed
+    from fretfe.case import Case
+    from fretfe.mesh.templates import Parameter, Template
 
 BACKENDS_EXAMPLES = examples("fretfe backends", "fretfe backends pad.toml")
 
@@ -26,14 +35,38 @@ def backends(
 
     from fretfe.backends import installed_backends
     from fretfe.case import load_case
-    from fretfe.report.page.listings import backend_table
 
     # On every rank: a backend that starts MPI when it is imported waits for the others.
     installed = installed_backends()
     if rank_from_environment() > 0:
         return
     read = load_case(case) if case is not None else None
-    Console().print(backend_table(installed, read))
+    Console().print(_backend_table(installed, read))
+
+
+def _backend_table(backends: tuple[Installed, ...], case: Case | None) -> Table:
+    """One row per backend: what it solves, or why it cannot be used or cannot solve the case."""
+    from rich import box
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(title="Backends", title_justify="left", box=box.SIMPLE, title_style="bold")
+    for header in ("backend", "usable", "package", "what it solves, or why not"):
+        table.add_column(header, overflow="fold")
+    for installed in backends:
+        usable, text = _usable(installed, case)
+        table.add_row(installed.name, usable, installed.package, escape(text))
+    return table
+
+
+def _usable(installed: Installed, case: Case | None) -> tuple[str, str]:
+    if installed.backend is None:
+        return "no", installed.reason
+    try:
+        reasons = installed.backend.supports(case) if case is not None else ()
+    except Exception as error:  # one backend must not hide the others
+        reasons = (str(error),)
+    return ("no", "\n".join(reasons)) if reasons else ("yes", installed.backend.summary)
 
 
 TEMPLATES_EXAMPLES = examples("fretfe templates", "fretfe templates dovetail")
@@ -48,14 +81,55 @@ def templates(
     from rich.console import Console
 
     from fretfe.mesh.templates import find_template, template_names
-    from fretfe.report.page.listings import parameter_table, template_table
 
     if name is None:
-        table = template_table([find_template(each) for each in template_names()])
+        table = _template_table([find_template(each) for each in template_names()])
     else:
-        table = parameter_table(find_template(name, "NAME"))
+        table = _parameter_table(find_template(name, "NAME"))
     if rank_from_environment() == 0:
         Console().print(table)
+
+
+def _template_table(templates: Sequence[Template]) -> Table:
+    """One row per geometry template."""
+    from rich.markup import escape
+
+    table = plain_table("Templates", ("template",), text=1)
+    table.add_column("geometry")
+    for template in templates:
+        table.add_row(template.name, escape(template.summary))
+    return table
+
+
+def _parameter_table(template: Template) -> Table:
+    """One row per parameter of a template."""
+    from rich.markup import escape
+
+    title = f"Template {template.name}\n{escape(template.summary)}"
+    table = plain_table(title, ("parameter", "default", "range", "unit"), text=1)
+    table.add_column("meaning")
+    table.columns[3].justify = "left"
+    for each in template.parameters:
+        limits, unit = _range_and_unit(each)
+        table.add_row(each.name, f"{each.default:g}", limits, unit, escape(each.description))
+    return table
+
+
+def parameter_rows(template: Template) -> str:
+    """The parameters of a template as a table in Markdown."""
+    lines = ["| parameter | default | range | unit | meaning |", "|---|---|---|---|---|"]
+    for each in template.parameters:
+        limits, unit = _range_and_unit(each)
+        lines.append(
+            f"| `{each.name}` | {each.default:g} | {limits} | {unit} | {each.description} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def _range_and_unit(parameter: Parameter) -> tuple[str, str]:
+    limits = f"{parameter.minimum:g} … {parameter.maximum:g}"
+    unit = "" if parameter.unit == "-" else parameter.unit
+    return limits + (", whole" if parameter.whole else ""), unit
 
 
 INFO_EXAMPLES = examples("fretfe info", "mpirun -n 2 fretfe info")

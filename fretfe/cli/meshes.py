@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,9 +14,13 @@ from fretfe.cli.options import CaseFile, Overrides, TrustGeo, examples
 from fretfe.environment import rank_from_environment
 
 if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
     from fretfe.case import Case
     from fretfe.checked import Checked
-    from fretfe.mesh.mesh import Mesh
+    from fretfe.mesh.mesh import BodySummary, Mesh
+    from fretfe.surface.checks import ContactQuality, SurfaceQuality
 
 CHECK_EXAMPLES = examples(
     "fretfe check pad.toml", "fretfe check pad.toml --set geometry.parameters.size=0.02"
@@ -36,13 +42,12 @@ def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = Fal
 def _print(checked: Checked) -> None:
     from rich.console import Console
 
-    from fretfe.cli.mesh_report import print_mesh
     from fretfe.evaluate.resolution import coarse_contacts
     from fretfe.mesh.cost import SLOW_FACTORS, needs_symmetric_factors
 
     case, history = checked.case, checked.history
     console = Console()
-    print_mesh(console, case, checked.mesh)
+    _print_mesh(console, case, checked.mesh)
     if case.edges.tolerance is None:
         for warning in coarse_contacts(case, checked.mesh, history):
             console.print(f"Warning: {warning}", highlight=False, markup=False)
@@ -102,12 +107,11 @@ def mesh(
 def _write(case: Case, mesh: Mesh, target: Path) -> None:
     from rich.console import Console
 
-    from fretfe.cli.mesh_report import print_mesh
     from fretfe.mesh.make import write_mesh
     from fretfe.report.pictures.mesh import write_mesh_picture
 
     console = Console()
-    print_mesh(console, case, mesh)
+    _print_mesh(console, case, mesh)
     write_mesh(mesh, target)
     console.print(f"Mesh in {target}", highlight=False, soft_wrap=True)
     if mesh.dimension == 2:
@@ -116,3 +120,88 @@ def _write(case: Case, mesh: Mesh, target: Path) -> None:
         console.print(f"Picture in {picture}", highlight=False, soft_wrap=True)
     else:
         console.print("Note: a picture is drawn of plane meshes only.")
+
+
+def _print_mesh(console: Console, case: Case, mesh: Mesh) -> None:
+    """Print size and quality of the bodies and the contacts, and what may spoil the results."""
+    from fretfe.mesh.mesh import mesh_summary
+    from fretfe.surface.checks import contact_quality, initial_gaps, mesh_warnings
+
+    bodies = mesh_summary(mesh)
+    unit = case.units.length
+    console.print(_body_table(bodies))
+    contacts = contact_quality(initial_gaps(mesh, case))
+    measure = "length" if mesh.dimension == 2 else "area"
+    console.print(_surface_table(contacts, unit, measure))
+    console.print(_gap_table(contacts, unit, measure))
+    for warning in mesh_warnings(bodies, contacts, unit):
+        console.print(f"Warning: {warning}", highlight=False, markup=False)
+    for note in mesh.notes:
+        console.print(f"Note: {note}", highlight=False, markup=False)
+
+
+def _table(title: str, headers: Sequence[str], text: int) -> Table:
+    """An empty table whose first `text` columns hold text and the others numbers."""
+    from rich import box
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left", box=box.SIMPLE, pad_edge=False)
+    table.padding = (0, 1, 0, 0)
+    for number, header in enumerate(headers):
+        table.add_column(header, justify="left" if number < text else "right", overflow="fold")
+    return table
+
+
+def _body_table(bodies: Sequence[BodySummary]) -> Table:
+    from fretfe.mesh.elements import PLURALS
+
+    headers = ("body", "elements", "nodes", "order", "smallest angle [°]")
+    table = _table("Bodies", headers, text=1)
+    for body in bodies:
+        table.add_row(
+            body.name,
+            f"{body.elements} {PLURALS[body.cell]}",
+            str(body.nodes),
+            str(body.order),
+            f"{body.smallest_angle:.1f}",
+        )
+    return table
+
+
+def _surface_table(contacts: Sequence[ContactQuality], unit: str, measure: str) -> Table:
+    title = f"Contact surfaces: {measure}s, element sizes h and radii of curvature R in {unit}"
+    headers = ("contact", "surface", measure, "facing", "min h", "max h", "R", "R/h")
+    table = _table(title, headers, text=2)
+    for contact in contacts:
+        for number, surface in enumerate(contact.surfaces):
+            table.add_row("" if number else contact.name, surface.name, *_surface_cells(surface))
+    return table
+
+
+def _surface_cells(surface: SurfaceQuality) -> list[str]:
+    straight = math.isinf(surface.radius)
+    return [
+        f"{surface.measure:.4g}",
+        f"{surface.opposite} of {surface.facets}",
+        f"{surface.smallest:.3g}",
+        f"{surface.largest:.3g}",
+        "flat" if straight else f"{surface.radius:.3g}",
+        "inf" if straight else f"{surface.per_radius:.3g}",
+    ]
+
+
+def _gap_table(contacts: Sequence[ContactQuality], unit: str, measure: str) -> Table:
+    from fretfe.surface.checks import place
+
+    headers = ("contact", measure, "gap", "overlap", "at", "size ratio")
+    table = _table(f"Before any load: smallest gap or largest overlap in {unit}", headers, text=1)
+    for contact in contacts:
+        table.add_row(
+            contact.name,
+            f"{contact.measure:.4g}",
+            f"{contact.gap:.3g}",
+            f"{contact.interpenetration:.3g}",
+            place(contact.nearest, 4),
+            f"{contact.size_ratio:.2f}",
+        )
+    return table

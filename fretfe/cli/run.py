@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command `fretfe run`; the first process prints."""
+"""Commands that solve: `fretfe run`, `sweep`, `validate` and `verify`; the first process prints."""
 
 from __future__ import annotations
 
+import json
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fretfe.cli.options import (
+    AsJson,
     Backend,
     CaseFile,
     Overrides,
@@ -21,19 +23,32 @@ from fretfe.cli.options import (
     examples,
     verbosity_of,
 )
+from fretfe.environment import rank_from_environment
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from fretfe.history.solution import Solution
+    from fretfe.quality.validation import Validation
     from fretfe.results.model import Result
+    from fretfe.sweeps import Sweep
 
-EXAMPLES = examples(
+RUN_EXAMPLES = examples(
     "fretfe run pad.toml -o pad",
     "fretfe run pad.toml -o pad70 --set loads.shear.amplitude=70",
     "fretfe run pad.toml -o half --backend halfplane",
     "mpirun -n 4 fretfe run pad.toml -o pad",
 )
+NO_PICTURE = "it takes one or two keys that vary, and a case that was solved"
+
+SWEEP_EXAMPLES = examples(
+    "fretfe sweep pad.toml -o mu --vary contacts.main.friction=0.3:0.8:11",
+    "fretfe sweep pad.toml -o map --vary contacts.main.friction=0.4,0.6,0.8 \\",
+    "    --vary loads.shear.amplitude=20:80:4",
+)
+NARROWEST = 100
+
+VALIDATE_EXAMPLES = examples("fretfe validate pad.toml", "fretfe validate pad.toml -o pad --json")
 
 
 def run(
@@ -66,12 +81,12 @@ def run(
     with StepReport(runner.processes.rank, verbosity) as shown:
         result = runner.run(read, output, shown, resume=resume)
     timed = timings or verbosity is Verbosity.VERBOSE
-    runner.write(lambda: _finish(result, output, start, verbosity, timed, report))
+    runner.write(lambda: _finish_run(result, output, start, verbosity, timed, report))
     if result.failure is not None:
         raise result.failure
 
 
-def _finish(
+def _finish_run(
     result: Result, directory: Path, start: float, verbosity: Verbosity, timed: bool, report: bool
 ) -> None:
     """Print, the numbers before anything is drawn; on the first process."""
@@ -140,3 +155,188 @@ def _print_warnings(console: Console, result: Result) -> None:
     for contact in result.contacts:
         for warning in contact.warnings:
             console.print(f"Warning: {contact.name}: {warning}", highlight=False, markup=False)
+
+
+def sweep(
+    case: CaseFile,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            metavar="KEY=VALUES",
+            help="START:STOP:COUNT or A,B,C; several times for all combinations.",
+            show_default=False,
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for table and picture; made if missing.")
+    ],
+    backend: Backend = "fem",
+    overrides: Overrides = None,
+    resume: Resume = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    trust_geo: TrustGeo = False,
+) -> None:
+    """Solve a case with many values of some keys: a table, a picture.
+
+    Friction and load histories need no new factorisation: they are cheap to vary.
+    """
+    from fretfe.cli.progress import StepReport
+    from fretfe.runner import Runner
+    from fretfe.sweeps import parse_ranges, require_apart
+
+    verbosity, start = verbosity_of(quiet, verbose), time.perf_counter()
+    runner = Runner.find(backend)
+    if runner.idle:
+        return
+    ranges = parse_ranges(vary)
+    read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
+    first = {key: values[0] for key, values in ranges.items()}
+    runner.processes.on_root(lambda: require_apart(case, overrides or (), first))
+    with StepReport(runner.processes.rank, verbosity, steps=False) as report:
+        found = runner.sweep(read, ranges, output, report, resume=resume)
+    if runner.processes.rank == 0:
+        _print_sweep(found, output, time.perf_counter() - start, verbosity)
+    _raise_failure(found)
+
+
+def _raise_failure(sweep: Sweep) -> None:
+    """End with the exit code of a signal, or with that of steps without a solution.
+
+    Raises:
+        ConvergenceError: if no case was solved, or not all because of a signal.
+    """
+    from fretfe.errors import ConvergenceError
+
+    if sweep.stopped is not None:
+        raise sweep.stopped
+    if len(sweep.failures) == len(sweep.variants):
+        raise ConvergenceError(
+            f"no variant could be solved; the first: {sweep.failures[0].failure}"
+        )
+
+
+def _print_sweep(sweep: Sweep, directory: Path, seconds: float, verbosity: Verbosity) -> None:
+    from rich.console import Console
+
+    from fretfe.sweeps.table import FIGURE, MOST_ROWS, TABLE, sweep_table
+
+    quiet = verbosity is Verbosity.QUIET
+    # Wide enough for all columns: a narrow terminal wraps lines rather than cuts numbers.
+    console = Console(width=max(Console().width, NARROWEST), stderr=quiet)
+    if not quiet:
+        console.print(sweep_table(sweep))
+        rows = len(sweep.records())
+        if rows > MOST_ROWS:
+            console.print(f"The first {MOST_ROWS} of {rows} rows; all are in {TABLE}.")
+        for note in sweep.notes:
+            console.print(f"Note: {note}", highlight=False, markup=False)
+    for text in _sweep_warnings(sweep):
+        console.print(f"Warning: {text}", highlight=False, markup=False)
+    if quiet:
+        return
+    console.print(_cost(sweep, seconds), highlight=False)
+    files = (
+        f"{TABLE} and {FIGURE}"
+        if (directory / FIGURE).exists()
+        else f"{TABLE} (no picture: {NO_PICTURE})"
+    )
+    console.print(f"{files} in {directory}", highlight=False, soft_wrap=True)
+
+
+def _sweep_warnings(sweep: Sweep) -> list[str]:
+    """Each warning of the edges once with the number of cases, and each case that failed."""
+    counts: dict[str, int] = {}
+    for each in sweep.variants:
+        found = {(edge["contact"], edge["warnings"]) for edge in each.edges if edge["warnings"]}
+        for contact, text in sorted(found):
+            counts[f"{contact}: {text}"] = counts.get(f"{contact}: {text}", 0) + 1
+    count = len(sweep.variants)
+    texts = [f"{text} ({number} of {count} variants)" for text, number in counts.items()]
+    for each in sweep.failures:
+        values = ", ".join(f"{key} = {value}" for key, value in each.values.items())
+        texts.append(f"{values}: {each.failure}")
+    return texts
+
+
+def _cost(sweep: Sweep, seconds: float) -> str:
+    each = sorted(variant.seconds for variant in sweep.variants)
+    failed = f", {len(sweep.failures)} failed" if sweep.failures else ""
+    return (
+        f"{len(each)} variants{failed}, {seconds:.1f} s: {each[0]:.2g} to {each[-1]:.2g} s each, "
+        f"median {each[len(each) // 2]:.2g} s"
+    )
+
+
+def validate(
+    case: CaseFile,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder for the results.")
+    ] = None,
+    backend: Backend = "fem",
+    overrides: Overrides = None,
+    resume: Resume = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    as_json: AsJson = False,
+    trust_geo: TrustGeo = False,
+) -> None:
+    """Run a case and its companions: can its numbers be trusted?
+
+    Exit code 1 if a comparison fails.
+    """
+    from fretfe.cli.progress import PhaseReport
+    from fretfe.runner import Runner
+
+    verbosity = verbosity_of(quiet, verbose)
+    runner = Runner.find(backend)
+    if runner.idle:
+        return
+    read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
+    with PhaseReport(case.name, runner.processes.rank, verbosity) as report:
+        found = runner.validate(read, output, report, resume=resume)
+    silent = verbosity is Verbosity.QUIET and found.passed
+    if runner.processes.rank == 0 and (as_json or not silent):
+        _print_validation(found, as_json)
+    if not found.passed:
+        raise typer.Exit(1)
+
+
+def _print_validation(validation: Validation, as_json: bool) -> None:
+    from rich.console import Console
+
+    from fretfe.quality.validation import as_numbers, print_validation
+
+    if as_json:
+        print(json.dumps(as_numbers(validation), indent=1, allow_nan=False), flush=True)
+    else:
+        # Wide enough for all columns: a narrow terminal wraps lines rather than cuts numbers.
+        print_validation(Console(width=max(Console().width, NARROWEST)), validation)
+
+
+VERIFY_EXAMPLES = examples("fretfe verify", "fretfe verify --backend halfplane --backend analytic")
+
+
+def verify(
+    backend: Annotated[
+        list[str] | None, typer.Option(help="Only this backend; can be given several times.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run benchmarks with known answers.
+
+    Exit code 1 if one of them fails.
+    """
+    from fretfe.cli.progress import BenchmarkReport
+    from fretfe.quality.comparison import as_numbers, print_summary
+    from fretfe.quality.verification import verify as run_all
+
+    first = rank_from_environment() == 0
+    report = BenchmarkReport(quiet=as_json or not first)
+    found = run_all(backend or (), report, report.show)
+    print_summary(report.console, found.rows, found.seconds)
+    if as_json and first:
+        numbers = as_numbers(found.rows, found.seconds)
+        print(json.dumps(numbers, indent=1, allow_nan=False), flush=True)
+    if not found.passed:
+        raise typer.Exit(1)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic._numerics import check_positive
-from fretfe.analytic.rainflow import rainflow
+from fretfe.analytic.paths import rainflow
 from fretfe.evaluate.contacts import CountedCycles, StationHistory
 from fretfe.history.solution import Solution
 from fretfe.history.state_array import StateArray

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.analytic.rainflow import reversals
+from fretfe.analytic.paths import reversals
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.evaluate.cycles import unsteady_text
 from fretfe.evaluate.factors import WANTED_NODES

@@ -18,8 +18,17 @@ from fretfe.errors import OutputError
 from fretfe.exchange.comparison import K_N, K_T, ZONES, Comparison, QuantityPair
 from fretfe.exchange.overlays import Curve, HistoryPair, TractionPair
 from fretfe.files import disk_reason, replace_text
-from fretfe.report.figures.plot import envelope
-from fretfe.report.theme import BLUE, FILE_DPI, GREY, LOW, SINGLE, STYLE, VERMILLION, WIDTH
+from fretfe.report.theme import (
+    BLUE,
+    FILE_DPI,
+    GREY,
+    LOW,
+    SINGLE,
+    STYLE,
+    VERMILLION,
+    WIDTH,
+    envelope,
+)
 from fretfe.results.writer import prepare_other
 
 # The first result lies wide and pale under the second one, so that both are seen where they agree.

@@ -17,7 +17,6 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.case.base import SMALLEST
 from fretfe.errors import CaseError
-from fretfe.exchange.sign import Sign
 from fretfe.loads.csv_file import Table, possible_headers, read_table
 
 # One coordinate along the contact; first and second coordinate of a surface in the plane.
@@ -207,13 +206,14 @@ class TractionTable:
     notes: tuple[str, ...]
 
 
-def read_tractions(path: Path, columns: Columns, compression: Sign | None = None) -> TractionTable:
+def read_tractions(path: Path, columns: Columns, compression: str | None = None) -> TractionTable:
     """Read tractions of one state.
 
     Args:
         path: CSV file with a header.
         columns: names that the user gives.
-        compression: sign of a pressure in the file; None if it is positive by its name.
+        compression: "positive" or "negative", the sign of a pressure in the file; None if its name
+            says that.
 
     Raises:
         CaseError: if the file is not as expected, or a sign is not known.
@@ -255,7 +255,7 @@ def _require_one_use(path: Path, known: Recognised) -> None:
 
 
 def _pressure(
-    path: Path, known: Recognised, table: Table, compression: Sign | None
+    path: Path, known: Recognised, table: Table, compression: str | None
 ) -> tuple[Array, list[str]]:
     values = table.columns[known.p]
     place = f"{path}: column {known.p!r}"
@@ -264,7 +264,7 @@ def _pressure(
             f"{place}: expected a pressure, found a normal stress whose sign is not known: state "
             "it with --compression positive or --compression negative"
         )
-    pressure = -values if compression == Sign.NEGATIVE else values
+    pressure = -values if compression == "negative" else values
     if len(values) < 2 or pressure.max() <= max(0.0, -pressure.min()):
         raise CaseError(
             f"{place}: expected a positive pressure in two rows or more, found "

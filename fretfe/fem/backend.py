@@ -22,8 +22,7 @@ from fretfe.fem.refine import refine
 from fretfe.fem.run import load_history, solve, solve_prepared
 from fretfe.fem.timing import Clock
 from fretfe.loads import build_history
-from fretfe.mesh.groups import count_unknowns
-from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.mesh import Mesh, count_unknowns
 from fretfe.results.model import Result
 from fretfe.surface.checks import load_mesh
 

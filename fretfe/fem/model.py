@@ -34,8 +34,7 @@ from fretfe.fem.reduction import ReducedBody, build_interface, weighted_operator
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
 from fretfe.mesh.cost import SLOW_FACTORS, estimate_cost, needs_symmetric_factors
-from fretfe.mesh.groups import body_unknowns
-from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.mesh.mesh import BodyMesh, Mesh, body_unknowns
 from fretfe.surface.checks import load_mesh
 
 LoadMesh = Callable[[], Mesh]

@@ -25,8 +25,7 @@ from fretfe.fem.parallel import agreed_stop, on_root
 from fretfe.fem.run import solve
 from fretfe.files import disk_reason, replace_text
 from fretfe.history.solution import Solution
-from fretfe.mesh.groups import count_unknowns
-from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.mesh import Mesh, count_unknowns
 from fretfe.mesh.sizing import Source, apply_fine_sizes
 from fretfe.mesh.templates import find_template
 from fretfe.results.model import Result

@@ -32,7 +32,7 @@ from fretfe.fem.model import Model
 from fretfe.fem.probes import state_requests
 from fretfe.files import disk_reason
 from fretfe.history.solution import ContactHistory, Solution
-from fretfe.results.stress_file import StressSite, StressWriter
+from fretfe.results.hdf5_file import StressSite, StressWriter
 from fretfe.surface.surface import Surface
 
 # A contact node is above the other surface if the nearest place of that is no farther away along

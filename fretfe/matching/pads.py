@@ -13,9 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
-from fretfe.analytic.edges import factor_range_phase_shifted
+from fretfe.analytic.edges import factor_range_phase_shifted, mixed_asymptote_error
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
-from fretfe.analytic.validity import mixed_asymptote_error
 from fretfe.errors import ModelError
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(16)

@@ -16,8 +16,7 @@ from dataclasses import dataclass
 
 from fretfe.environment import machine_memory
 from fretfe.errors import ModelError
-from fretfe.mesh.groups import body_unknowns
-from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.mesh import Mesh, body_unknowns
 
 # Entries of a factor in the plane over the unknowns, by the binary logarithm of these.
 ENTRIES, FEWER, FEWEST = 24.5, 188.0, 40.0

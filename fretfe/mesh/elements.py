@@ -96,6 +96,15 @@ SHAPE_DIMENSIONS = MappingProxyType(
 )
 # Nodes on their edges only: elements of order 2 without the nodes inside.
 SERENDIPITY_QUADRILATERAL, SERENDIPITY_HEXAHEDRON = 16, 17
+# Gmsh types and shapes by dimension and number of nodes.
+TYPES = {
+    (SHAPE_DIMENSIONS[shape], CORNERS[shape] + (len(MIDDLES[shape]) if order == 2 else 0)): number
+    for number, (shape, order) in ELEMENTS.items()
+} | {(2, 8): SERENDIPITY_QUADRILATERAL, (3, 20): SERENDIPITY_HEXAHEDRON}
+SHAPES = {key: ELEMENTS[number][0] for key, number in TYPES.items() if number in ELEMENTS} | {
+    (2, 8): "quadrilateral",
+    (3, 20): "hexahedron",
+}
 # Names of others that users meet, for messages.
 UNSUPPORTED = MappingProxyType(
     dict.fromkeys((6, 13, 18), "prisms") | dict.fromkeys((7, 14, 19), "pyramids")
@@ -274,13 +283,31 @@ def directed_facets(cells: Indices, cell: str, order: int) -> Indices:
 @functools.cache
 def _facet_places(cell: str, order: int) -> Indices:
     """(facets, k) places of the nodes of each facet among those of its cell."""
-    rows = [list(corners) for corners in FACETS[cell]]
-    if order == 2:
-        numbers = {frozenset(around): i for i, around in enumerate(MIDDLES[cell], CORNERS[cell])}
-        middles = MIDDLES[FACET_SHAPES[cell]]
-        for row, corners in zip(rows, FACETS[cell], strict=True):
-            row += [numbers[frozenset(corners[i] for i in around)] for around in middles]
-    return np.array(rows)
+    count = CORNERS[cell] + (len(MIDDLES[cell]) if order == 2 else 0)
+    return np.array(nodes_of_facets(cell, count, FACETS[cell], MIDDLES[cell]))
+
+
+def nodes_of_facets(
+    cell: str, count: int, facets: Iterable[tuple[int, ...]], around: Iterable[tuple[int, ...]]
+) -> list[tuple[int, ...]]:
+    """The nodes of facets among those of their cell: corners, then what of middles the cell has.
+
+    Args:
+        cell: its shape.
+        count: of its nodes.
+        facets: their corners.
+        around: the corners around each node behind the corners, in the order of the nodes.
+    """
+    corners = range(CORNERS[cell], count)
+    numbers = {frozenset(each): node for node, each in zip(corners, around, strict=False)}
+    middles = [
+        [frozenset(facet[i] for i in each) for each in MIDDLES[FACET_SHAPES[cell]]]
+        for facet in facets
+    ]
+    return [
+        (*facet, *(numbers[each] for each in found if each in numbers))
+        for facet, found in zip(facets, middles, strict=True)
+    ]
 
 
 def exterior_facets(facets: Indices, shape: str) -> tuple[Indices, Indices]:

@@ -13,7 +13,16 @@ import numpy as np
 
 from fretfe.case import Selector
 from fretfe.errors import MeshError
-from fretfe.mesh.elements import CORNERS, MIDDLES, VTK_MIDDLES, complete, in_gmsh_order
+from fretfe.mesh.elements import (
+    FACETS,
+    MIDDLES,
+    SHAPES,
+    TYPES,
+    VTK_MIDDLES,
+    complete,
+    in_gmsh_order,
+    nodes_of_facets,
+)
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
 from fretfe.mesh.inp import Deck, read_deck
 
@@ -31,17 +40,10 @@ UNSUPPORTED = {
 HARMLESS = re.compile(r"(?:MASS|ROTARYI|HEATCAP|SFM)\w*\Z")
 # Elements of bodies, and those that may stand for their facets, by dimension.
 BODY_ELEMENTS, FACET_ELEMENTS = {2: PLANE, 3: SOLID}, {2: LINE, 3: PLANE}
-# Gmsh types by dimension and number of nodes.
-CELLS = {2: {3: 2, 4: 3, 6: 9, 8: 16, 9: 10}, 3: {4: 4, 8: 5, 10: 11, 20: 17}}
-FACETS = {2: {2: 1, 3: 8}, 3: {3: 2, 4: 3, 6: 9, 8: 16}}
-SHAPES = {
-    2: {3: "triangle", 6: "triangle"} | dict.fromkeys((4, 8, 9), "quadrilateral"),
-    3: {4: "tetrahedron", 10: "tetrahedron", 8: "hexahedron", 20: "hexahedron"},
-}
 # Corners of the sides S1, S2, ... of each shape.
 SIDES = {
-    "triangle": ((0, 1), (1, 2), (2, 0)),
-    "quadrilateral": ((0, 1), (1, 2), (2, 3), (3, 0)),
+    "triangle": FACETS["triangle"],
+    "quadrilateral": FACETS["quadrilateral"],
     "tetrahedron": ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
     "hexahedron": (
         *((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1)),
@@ -62,18 +64,19 @@ class Facet:
 
 def sides(number: int, nodes: tuple[int, ...], dimension: int) -> list[Facet]:
     """Sides S1, S2, ... of an element."""
-    shape = SHAPES[dimension][len(nodes)]
+    shape = SHAPES[dimension, len(nodes)]
     around = (MIDDLES if dimension == 2 else VTK_MIDDLES)[shape]
-    middles = {frozenset(ends): i for i, ends in enumerate(around, CORNERS[shape])}
-    found = []
-    for side, corners in enumerate(SIDES[shape], start=1):
-        facet = [nodes[corner] for corner in corners]
-        if len(nodes) > CORNERS[shape]:
-            ahead = corners[1:] if len(corners) == 2 else (*corners[1:], corners[0])
-            pairs = zip(corners, ahead, strict=False)
-            facet += [nodes[middles[frozenset(pair)]] for pair in pairs]
-        found.append(Facet(number, side, tuple(facet), frozenset(facet[: len(corners)])))
-    return found
+    # Abaqus has no nodes within faces of solids.
+    places = nodes_of_facets(shape, len(nodes), SIDES[shape], around)
+    return [
+        Facet(
+            number,
+            side,
+            tuple(nodes[place] for place in facet),
+            frozenset(nodes[corner] for corner in corners),
+        )
+        for side, (facet, corners) in enumerate(zip(places, SIDES[shape], strict=True), start=1)
+    ]
 
 
 def read_inp(
@@ -105,7 +108,7 @@ def read_inp(
     }
     _require_all_elements(path, deck, cells, members)
     named = {
-        name: _blocks(([place[n] for n in cells[each]] for each in elements), CELLS[dimension])
+        name: _blocks(([place[n] for n in cells[each]] for each in elements), dimension)
         for name, elements in members.items()
     }
     own = [[(each, cells[each]) for each in elements] for elements in members.values()]
@@ -114,7 +117,7 @@ def read_inp(
     for name in boundaries:
         facets = groups.boundary(name, _label(name, selectors[1]))
         rows = ([place[n] for n in facet.nodes] for facet in facets)
-        outside[name] = _blocks(rows, FACETS[dimension])
+        outside[name] = _blocks(rows, dimension - 1)
     notes = tuple(_unused(path, deck, cells.keys() | groups.used))
     return complete(RawMesh(points, dimension, named, outside, notes))
 
@@ -201,13 +204,14 @@ def _require_all_elements(
         )
 
 
-def _blocks(rows: Iterable[list[int]], types: Mapping[int, int]) -> list[ElementBlock]:
+def _blocks(rows: Iterable[list[int]], dimension: int) -> list[ElementBlock]:
     by_count: dict[int, list[list[int]]] = {}
     for row in rows:
         by_count.setdefault(len(row), []).append(row)
     return [
-        ElementBlock(types[count], in_gmsh_order(types[count], np.array(found)))
+        ElementBlock(kind, in_gmsh_order(kind, np.array(found)))
         for count, found in by_count.items()
+        for kind in [TYPES[dimension, count]]
     ]
 
 

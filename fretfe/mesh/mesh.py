@@ -1,11 +1,27 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The mesh of a model: one per body, plane or solid."""
+"""The mesh of a model, one per body, plane or solid; its fineness, and the groups of the case."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
 
 from fretfe._typing import Array, Indices
+from fretfe.case import Case
+from fretfe.case.loads import DisplacementLoad, PlatenLoad, TiltLoad
+from fretfe.errors import MeshError
+from fretfe.mesh.elements import (
+    CORNERS,
+    MIDDLES,
+    facet_measures,
+    row_keys,
+    smallest_angle,
+)
+from fretfe.mesh.gmsh import BODY_KINDS, BOUNDARY_KINDS
+from fretfe.mesh.templates import did_you_mean
 
 
 @dataclass(frozen=True)
@@ -56,3 +72,186 @@ class Mesh:
 def place_text(point: Array) -> str:
     """A place in words."""
     return f"({', '.join(f'{value:.6g}' for value in point)})"
+
+
+@dataclass(frozen=True)
+class BoundarySummary:
+    """Facets of one boundary on one body; lengths, or areas of a solid, in units of the mesh."""
+
+    name: str
+    facets: int
+    measure: float
+    smallest_facet: float
+    largest_facet: float
+
+
+@dataclass(frozen=True)
+class BodySummary:
+    """Size and quality of the mesh of one body; its smallest angle in degrees."""
+
+    name: str
+    nodes: int
+    elements: int
+    cell: str
+    order: int
+    smallest_angle: float
+    boundaries: tuple[BoundarySummary, ...]
+
+
+def check_groups(mesh: Mesh, case: Case) -> None:
+    """Every group that the case names must be in the mesh, and every body of the mesh in the case.
+
+    Raises:
+        MeshError: Groups are missing, bodies are not mentioned, or a contact is not between two
+            bodies. Everything found is in the message.
+    """
+    problems = [*_body_problems(mesh, case), *_boundary_problems(mesh, case)]
+    if not problems:
+        problems = [*_contact_problems(mesh, case), *_held_problems(mesh, case)]
+    if problems:
+        lines = "".join(f"\n  - {problem}" for problem in problems)
+        raise MeshError(
+            f"the mesh does not fit the case:{lines}"
+            f"\nbodies (physical {BODY_KINDS[mesh.dimension]}s) of the mesh: {_listed(mesh.bodies)}"
+            f"\nboundaries (physical {BOUNDARY_KINDS[mesh.dimension]}s) of the mesh:"
+            f" {_listed(_bodies_of_boundaries(mesh))}"
+        )
+
+
+def mesh_summary(mesh: Mesh) -> list[BodySummary]:
+    """Numbers that say how fine and how good the mesh is, per body and boundary."""
+    return [
+        BodySummary(
+            name=body.name,
+            nodes=len(body.points),
+            elements=len(body.cells),
+            cell=body.cell,
+            order=body.order,
+            smallest_angle=smallest_angle(body.points, body.cells, body.cell),
+            boundaries=tuple(
+                _boundary_summary(name, body, facets) for name, facets in body.boundaries.items()
+            ),
+        )
+        for body in mesh.bodies.values()
+    ]
+
+
+def count_unknowns(mesh: Mesh, degree: int) -> int:
+    """Displacement unknowns of all bodies with elements of a degree, 1 or 2."""
+    return sum(body_unknowns(body, degree) for body in mesh.bodies.values())
+
+
+def body_unknowns(body: BodyMesh, degree: int) -> int:
+    """Displacement unknowns of a body with elements of a degree, 1 or 2."""
+    count = _distinct(body.cells[:, : CORNERS[body.cell]])
+    if degree == 2:
+        count += sum(_shared_count(body, size) for size in {len(m) for m in MIDDLES[body.cell]})
+    return body.points.shape[1] * count
+
+
+def _shared_count(body: BodyMesh, size: int) -> int:
+    """Number of edges, faces or cells with `size` corners that have a node of degree 2 inside."""
+    places = [around for around in MIDDLES[body.cell] if len(around) == size]
+    corners = np.sort(body.cells[:, places].reshape(-1, size), axis=1)
+    return _distinct(row_keys(corners))
+
+
+def _distinct(numbers: Indices) -> int:
+    """Number of different numbers; three times as fast as `np.unique`."""
+    return 1 + int(np.count_nonzero(np.diff(np.sort(numbers, axis=None))))
+
+
+def _boundary_summary(name: str, body: BodyMesh, facets: Indices) -> BoundarySummary:
+    measures = facet_measures(body.points, facets)
+    return BoundarySummary(
+        name, len(facets), float(measures.sum()), float(measures.min()), float(measures.max())
+    )
+
+
+def _body_problems(mesh: Mesh, case: Case) -> Iterator[str]:
+    for name in case.bodies:
+        if name not in mesh.bodies:
+            kind = BODY_KINDS[mesh.dimension]
+            yield f"bodies.{name}: no physical {kind} '{name}'{did_you_mean(name, mesh.bodies)}"
+    for name in mesh.bodies:
+        if name not in case.bodies:
+            yield f"the mesh has a body '{name}', but the case has no [bodies.{name}]"
+
+
+def _boundary_problems(mesh: Mesh, case: Case) -> Iterator[str]:
+    found = _bodies_of_boundaries(mesh)
+    for key, name in named_boundaries(case):
+        if name not in found:
+            kind = BOUNDARY_KINDS[mesh.dimension]
+            yield f"{key}: no physical {kind} '{name}'{did_you_mean(name, found)}"
+
+
+def named_boundaries(case: Case) -> Iterator[tuple[str, str]]:
+    """Key in the case file and name of every boundary that the case mentions."""
+    for name, contact in case.contacts.items():
+        yield f"contacts.{name}.surface1", contact.surface1
+        yield f"contacts.{name}.surface2", contact.surface2
+    for name, support in case.supports.items():
+        yield f"supports.{name}.boundary", support.boundary
+    for name, load in case.loads.items():
+        boundary = getattr(load, "boundary", None)
+        if boundary is not None:
+            yield f"loads.{name}.boundary", boundary
+
+
+def _contact_problems(mesh: Mesh, case: Case) -> Iterator[str]:
+    bodies = _bodies_of_boundaries(mesh)
+    for name, contact in case.contacts.items():
+        surfaces = {"surface1": contact.surface1, "surface2": contact.surface2}
+        shared = {key: group for key, group in surfaces.items() if len(bodies[group]) > 1}
+        for key, group in shared.items():
+            yield (
+                f"contacts.{name}.{key}: expected a boundary of one body, but '{group}' has facets"
+                f" of {_listed(bodies[group])}; name one physical"
+                f" {BOUNDARY_KINDS[mesh.dimension]} for each"
+            )
+        if not shared and bodies[contact.surface1] == bodies[contact.surface2]:
+            yield (
+                f"contacts.{name}: expected surfaces of two bodies, but '{contact.surface1}' and"
+                f" '{contact.surface2}' are both on '{bodies[contact.surface1][0]}'"
+            )
+
+
+def _held_problems(mesh: Mesh, case: Case) -> Iterator[str]:
+    """Boundaries that are held, or platens, and have facets of a contact surface."""
+    held = [(f"supports.{name}", each.boundary) for name, each in case.supports.items()]
+    held += [
+        (f"loads.{name}", load.boundary)
+        for name, load in case.loads.items()
+        if isinstance(load, DisplacementLoad | PlatenLoad | TiltLoad)
+    ]
+    surfaces = [
+        (f"contacts.{name}", surface)
+        for name, contact in case.contacts.items()
+        for surface in (contact.surface1, contact.surface2)
+    ]
+    for body in mesh.bodies.values():
+        for (key, boundary), (contact, surface) in product(held, surfaces):
+            if boundary in body.boundaries and surface in body.boundaries:
+                own, other = (
+                    set(map(tuple, np.sort(body.boundaries[name], axis=1).tolist()))
+                    for name in (boundary, surface)
+                )
+                if shared := len(own & other):
+                    yield (
+                        f"{key}: expected a boundary that is no part of a contact surface, but"
+                        f" '{boundary}' has {shared} facets of '{surface}' of {contact}"
+                    )
+
+
+def _bodies_of_boundaries(mesh: Mesh) -> dict[str, list[str]]:
+    """For each boundary group the bodies that have facets in it."""
+    bodies: dict[str, list[str]] = {}
+    for body in mesh.bodies.values():
+        for name in body.boundaries:
+            bodies.setdefault(name, []).append(body.name)
+    return bodies
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(names) or "none"

@@ -16,10 +16,9 @@ from fretfe.case import Selector
 from fretfe.errors import MeshError
 from fretfe.files import require_file
 from fretfe.mesh.elements import (
-    ELEMENTS,
-    SERENDIPITY_HEXAHEDRON,
-    SERENDIPITY_QUADRILATERAL,
-    SHAPE_DIMENSIONS,
+    CORNERS,
+    SHAPES,
+    TYPES,
     complete,
     in_gmsh_order,
     stacked,
@@ -27,26 +26,12 @@ from fretfe.mesh.elements import (
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
 
 # Gmsh type and number of nodes, by the name of a topology and by its number among mixed cells.
-NAMES = {
-    "polyvertex": (15, 1),
-    "polyline": (1, 2),
-    "edge_3": (8, 3),
-    "triangle": (2, 3),
-    "triangle_6": (9, 6),
-    "tri_6": (9, 6),
-    "quadrilateral": (3, 4),
-    "quadrilateral_8": (16, 8),
-    "quad_8": (16, 8),
-    "quadrilateral_9": (10, 9),
-    "quad_9": (10, 9),
-    "tetrahedron": (4, 4),
-    "tetrahedron_10": (11, 10),
-    "tet_10": (11, 10),
-    "hexahedron": (5, 8),
-    "hexahedron_20": (17, 20),
-    "hex_20": (17, 20),
-    "hexahedron_27": (12, 27),
-    "hex_27": (12, 27),
+SHORT = {"triangle": "tri", "quadrilateral": "quad", "tetrahedron": "tet", "hexahedron": "hex"}
+NAMES = {"polyvertex": (15, 1), "polyline": (1, 2), "edge_3": (8, 3)} | {
+    f"{name}_{count}" if count > CORNERS[shape] else shape: (TYPES[dimension, count], count)
+    for (dimension, count), shape in SHAPES.items()
+    if dimension > 1
+    for name in (shape, SHORT[shape])
 }
 NUMBERS = {
     1: "polyvertex",
@@ -65,9 +50,7 @@ NUMBERS = {
 }
 # The number of nodes stands before the nodes of these.
 COUNTED = (1, 2)
-DIMENSIONS = {15: 0, SERENDIPITY_QUADRILATERAL: 2, SERENDIPITY_HEXAHEDRON: 3} | {
-    number: SHAPE_DIMENSIONS[shape] for number, (shape, _) in ELEMENTS.items()
-}
+DIMENSIONS = {15: 0} | {kind: dimension for (dimension, _), kind in TYPES.items()}
 # Where a cell has several numbers, as in what meshio makes of a Gmsh file, this is its group.
 PHYSICAL = "gmsh:physical"
 

@@ -1,15 +1,23 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Numbers as text, with no more digits than they are worth; - for those that do not exist."""
+"""Numbers as text, with no more digits than they are worth, and empty tables for them.
+
+Nothing that computes is imported: commands that compute nothing print with these too.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-import numpy as np
+if TYPE_CHECKING:
+    from rich.table import Table
 
-from fretfe._typing import Array
+    from fretfe._typing import Array
 
+# Stands for a number that does not exist.
 MISSING = "-"
+# Characters in a line of a table, more than any has.
+WIDEST = 1000
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -52,7 +60,30 @@ def rounded(value: float) -> str:
 
 def direction_text(direction: Array) -> str:
     """A direction in words: an axis of the case, or its components."""
-    place = int(np.abs(direction).argmax())
+    place = int(abs(direction).argmax())
     if abs(direction[place]) > 1 - 1e-6:
         return f"{'' if direction[place] > 0 else '−'}{'xyz'[place]}"
     return "(" + ", ".join(f"{value + 0.0:.2f}" for value in direction.round(2)) + ")"
+
+
+def plain_table(title: str, headers: tuple[str, ...], text: int) -> Table:
+    """An empty table whose first `text` columns hold text and the others numbers."""
+    from rich import box
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left", box=box.SIMPLE, title_style="bold")
+    table.pad_edge = False
+    table.padding = (0, 1, 0, 0)
+    for place, header in enumerate(headers):
+        table.add_column(header, justify="left" if place < text else "right", no_wrap=True)
+    return table
+
+
+def print_whole(table: Table) -> None:
+    """Print a table as wide as it is: a narrow terminal wraps lines rather than cuts numbers."""
+    from rich.console import Console
+    from rich.measure import Measurement
+
+    console = Console()
+    width = Measurement.get(console, console.options.update(max_width=WIDEST), table).maximum
+    Console(width=max(width, console.width)).print(table)

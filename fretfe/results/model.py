@@ -28,9 +28,8 @@ from fretfe.evaluate.stress import (
 )
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
-from fretfe.results.dataset import make_dataset, require
-from fretfe.results.stress_file import STRESSES, read_stress
-from fretfe.results.tables import edge_records, solid_records
+from fretfe.results.hdf5_file import STRESSES, read_stress
+from fretfe.results.tables import edge_records, make_dataset, require, solid_records
 
 if TYPE_CHECKING:
     import pandas as pd

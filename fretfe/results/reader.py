@@ -25,10 +25,10 @@ from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solu
 from fretfe.history.state_array import StateArray
 from fretfe.history.stream import select_rows
 from fretfe.loads import History
-from fretfe.results.dataset import NODAL
 from fretfe.results.hdf5_file import read_fault, require_own
 from fretfe.results.model import Result
 from fretfe.results.run_folder import are_unchanged, unfinished
+from fretfe.results.tables import NODAL
 from fretfe.results.writer import ARRAYS, ELSEWHERE, NUMBERS, SCHEMA
 
 T = TypeVar("T")

@@ -34,13 +34,11 @@ from fretfe.evaluate.slip import cycle_states
 from fretfe.files import disk_reason, make_folder, replace_text, replacing
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.history.state_array import StateArray, states_in_block
-from fretfe.results.dataset import NODAL
 from fretfe.results.field_files import FIELDS, SURFACES, write_surfaces
-from fretfe.results.hdf5_file import new_hdf5, room, store
+from fretfe.results.hdf5_file import STRESSES, new_hdf5, room, store
 from fretfe.results.model import BodyArrays, Result
 from fretfe.results.run_folder import MARK, with_digest
-from fretfe.results.stress_file import STRESSES
-from fretfe.results.tables import CYCLES_FILE, STATIONS_FILE, write_cycles, write_stations
+from fretfe.results.tables import CYCLES_FILE, NODAL, STATIONS_FILE, write_cycles, write_stations
 
 SCHEMA = {"name": "fretfe-results", "version": 7}
 NUMBERS, ARRAYS, REPORT = "results.json", "results.h5", "report.html"

@@ -17,8 +17,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
 
 from fretfe.errors import OutputError
 from fretfe.files import disk_reason, replace_text
-from fretfe.report.figures.plot import log_axis
-from fretfe.report.theme import COLOURS, FILE_DPI, GREY, PURPLE, STYLE, VERMILLION, WIDTH
+from fretfe.report.theme import COLOURS, FILE_DPI, GREY, PURPLE, STYLE, VERMILLION, WIDTH, log_axis
 from fretfe.results.writer import prepare_other
 from fretfe.strength.fit import COVERAGE, LifeFit
 from fretfe.strength.margins import Margin, StrengthMap

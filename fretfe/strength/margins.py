@@ -15,8 +15,7 @@ from fretfe.case import Body
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.results.model import Result
-from fretfe.strength.fit import SAME, LifeFit, fit_life
-from fretfe.strength.tests_file import StrengthTests, read_tests
+from fretfe.strength.fit import SAME, LifeFit, StrengthTests, fit_life, read_tests
 
 # f ΔK_I over ΔK_T above which the normal load varies, and turning above which (K_T, K_S) does.
 SMALL = 0.05

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from fretfe._typing import Array
-from fretfe.analytic.half_plane_stress import elliptical_stress
+from fretfe.analytic.partial_slip import elliptical_stress
 
 B, P0, Q0 = 0.8, 3.0, 1.1
 

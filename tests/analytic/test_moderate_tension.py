@@ -12,12 +12,12 @@ from scipy.integrate import quad
 
 from fretfe.analytic._numerics import Side
 from fretfe.analytic.edges import tangential_factor
-from fretfe.analytic.moderate_tension import (
+from fretfe.analytic.partial_slip import (
+    PartialSlip,
     cyclic_shear_moderate_tension,
     shear_moderate_tension,
     stick_zone_moderate_tension,
 )
-from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import Hertz, Wedge, composite_modulus
 
 P, F = 5.0, 0.4

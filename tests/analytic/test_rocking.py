@@ -16,8 +16,7 @@ from fretfe.analytic.profiles import (
     Wedge,
     edge_factor_k_n,
 )
-from fretfe.analytic.rocking import tilted_contact
-from fretfe.analytic.tables import tabulated_profile
+from fretfe.analytic.rocking import tabulated_profile, tilted_contact
 
 E_STAR, RADIUS, SLOPE = 110.0, 7.0, 0.03
 HERTZ, WEDGE = Hertz(RADIUS, E_STAR), Wedge(SLOPE, E_STAR)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fretfe.analytic.profiles import FlatRounded, GeneralProfile, Hertz, edge_factor_k_n
-from fretfe.analytic.tables import TabulatedProfile, tabulated_profile
+from fretfe.analytic.rocking import TabulatedProfile, tabulated_profile
 
 E_STAR, RADIUS, FLAT, END = 110.0, 7.0, 0.6, 2.0
 HERTZ, ROUNDED = Hertz(RADIUS, E_STAR), FlatRounded(FLAT, RADIUS, E_STAR)

@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from fretfe.analytic.edges import slip_length_cyclic, tangential_factor
-from fretfe.analytic.partial_slip import PartialSlip
-from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
-from fretfe.analytic.validity import (
+from fretfe.analytic.edges import (
     asymptote_error,
     hertz_tension_asymptote_error,
     mixed_asymptote_error,
+    slip_length_cyclic,
+    tangential_factor,
 )
+from fretfe.analytic.partial_slip import PartialSlip
+from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
 
 HERTZ, WEDGE, ROUNDED = Hertz(2.0, 60.0), Wedge(0.1, 60.0), FlatRounded(0.3, 2.0, 60.0)
 

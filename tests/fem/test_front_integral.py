@@ -23,7 +23,7 @@ from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
 from fretfe.fem.model import Model
 from fretfe.fem.probes import Probe, probe_stations
-from fretfe.mesh.extrude import extrude
+from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 
 SIZE, HALF, DEPTH = 0.1, 1.6, 0.6

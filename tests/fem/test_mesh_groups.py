@@ -12,9 +12,8 @@ from tiny_meshes import TWO_SQUARES, TinyMesh
 
 from fretfe.case import Case, parse_case
 from fretfe.errors import MeshError
-from fretfe.mesh.groups import check_groups
 from fretfe.mesh.make import read_mesh
-from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.mesh import Mesh, check_groups
 
 MATERIAL = {"young": 2e5, "poisson": 0.3}
 RAMP = [{"ramp": 1.0, "until": 1.0, "steps": 1}]

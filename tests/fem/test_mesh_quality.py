@@ -14,10 +14,8 @@ from fretfe._typing import Array
 from fretfe.bodies.definition import define_model
 from fretfe.bodies.rigid_modes import modes_restrained_by_contact
 from fretfe.case import parse_case
-from fretfe.mesh.groups import mesh_summary
-from fretfe.mesh.mesh import BodyMesh, Mesh
-from fretfe.surface.checks import initial_gaps
-from fretfe.surface.quality import ContactQuality, contact_quality, mesh_warnings
+from fretfe.mesh.mesh import BodyMesh, Mesh, mesh_summary
+from fretfe.surface.checks import ContactQuality, contact_quality, initial_gaps, mesh_warnings
 from fretfe.surface.surface import Chain
 
 STEEL = {"young": 2e5, "poisson": 0.3}

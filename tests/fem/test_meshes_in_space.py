@@ -31,12 +31,10 @@ from fretfe.mesh.elements import (
     shape_slopes,
     shape_values,
 )
-from fretfe.mesh.extrude import extrude
 from fretfe.mesh.gmsh import gmsh_model
-from fretfe.mesh.groups import body_unknowns, mesh_summary
-from fretfe.mesh.load import grouped_mesh
+from fretfe.mesh.load import extrude, grouped_mesh
 from fretfe.mesh.make import read_mesh, write_mesh
-from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.mesh.mesh import BodyMesh, Mesh, body_unknowns, mesh_summary
 
 CELLS = pytest.mark.parametrize(
     ("cell", "order"), [(cell, order) for cell in ("tetrahedron", "hexahedron") for order in (1, 2)]

@@ -22,8 +22,7 @@ from fretfe.case import Case, parse_case
 from fretfe.errors import CaseError, ConvergenceError, MeshError
 from fretfe.fem import refine as refine_module
 from fretfe.fem.backend import BACKEND
-from fretfe.mesh.groups import mesh_summary
-from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.mesh import Mesh, mesh_summary
 from fretfe.results.field_files import FieldReader
 from fretfe.results.model import Result
 

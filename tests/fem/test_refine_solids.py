@@ -14,7 +14,7 @@ from fretfe.backends import RunOptions
 from fretfe.case import Case, parse_case
 from fretfe.fem.backend import BACKEND
 from fretfe.fem.refine import FINER, finer_case, is_solid, starting_mesh
-from fretfe.mesh.groups import count_unknowns
+from fretfe.mesh.mesh import count_unknowns
 
 
 def case(geometry: dict[str, Any], **edges: float) -> Case:

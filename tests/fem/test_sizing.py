@@ -12,9 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 from fretfe.mesh.elements import facet_measures
-from fretfe.mesh.groups import count_unknowns, mesh_summary
 from fretfe.mesh.make import mesh_template
-from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.mesh import Mesh, count_unknowns, mesh_summary
 from fretfe.mesh.sizing import (
     Sizes,
     Source,

@@ -14,9 +14,8 @@ from fretfe.case import parse_case
 from fretfe.errors import CaseError
 from fretfe.fem.refine import starting_mesh
 from fretfe.mesh.elements import facet_measures
-from fretfe.mesh.groups import body_unknowns, mesh_summary
 from fretfe.mesh.make import mesh_template
-from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.mesh.mesh import BodyMesh, Mesh, body_unknowns, mesh_summary
 from fretfe.mesh.templates import find_template, template_directory
 
 SIDES = {"left", "right", "back", "front", "contact"}

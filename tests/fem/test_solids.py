@@ -16,8 +16,8 @@ from scipy.spatial import cKDTree
 
 from fretfe.case import Solid
 from fretfe.mesh.elements import directed_facets, exterior_facets, jacobian_determinants
-from fretfe.mesh.extrude import extrude
 from fretfe.mesh.gmsh import gmsh_model
+from fretfe.mesh.load import extrude
 from fretfe.mesh.make import mesh_template, write_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.mesh.templates import find_template

@@ -16,7 +16,7 @@ from told import Told
 
 import fretfe
 from fretfe._typing import Array
-from fretfe.analytic.half_plane_stress import elliptical_stress
+from fretfe.analytic.partial_slip import elliptical_stress
 from fretfe.bodies.definition import Material
 from fretfe.case import changed, parse_case
 from fretfe.errors import CaseError, ModelError, OutputError
@@ -27,9 +27,9 @@ from fretfe.fem.fields import StressPoints
 from fretfe.report.figures.tractions import stress_plot
 from fretfe.report.source import shown_contacts
 from fretfe.report.texts import with_error
+from fretfe.results.hdf5_file import STRESSES, read_stress
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
-from fretfe.results.stress_file import STRESSES, read_stress
 from fretfe.runner import Runner
 
 RUNNER = Runner.find("fem")

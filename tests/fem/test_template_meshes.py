@@ -20,9 +20,8 @@ from template_parameters import checked
 
 from fretfe.errors import CaseError, MeshError
 from fretfe.mesh.elements import directed_facets, exterior_facets, facet_measures
-from fretfe.mesh.groups import BodySummary, mesh_summary
 from fretfe.mesh.make import mesh_template
-from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.mesh.mesh import BodyMesh, BodySummary, Mesh, mesh_summary
 from fretfe.mesh.templates import Template, find_template
 
 COARSE = {"edge_size": 0.05, "edge_zone": 0.15, "flank_size": 0.3, "growth": 0.3}

@@ -8,7 +8,7 @@ import pytest
 from halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, problem, solved
 
 from fretfe.analytic.partial_slip import PartialSlip
-from fretfe.analytic.rainflow import rainflow
+from fretfe.analytic.paths import rainflow
 from fretfe.evaluate.contacts import Contact
 
 COUNT = 24

@@ -26,11 +26,10 @@ from fretfe.history.solution import SLIP, STICK
 from fretfe.report.pictures import folder as folder_module
 from fretfe.report.pictures.fields import open_fields
 from fretfe.report.pictures.folder import _run, make_pictures
-from fretfe.report.pictures.looks import find_look
+from fretfe.report.pictures.looks import MOST_EDGES, find_look, plan_pictures
 from fretfe.report.pictures.panels import Pixels, View
-from fretfe.report.pictures.plan import MOST_EDGES, plan_pictures
+from fretfe.report.pictures.render import draw_bodies
 from fretfe.report.pictures.status import STATUS
-from fretfe.report.pictures.stress import draw_bodies
 from fretfe.results.field_files import FIELDS
 from fretfe.results.reader import load_result
 from fretfe.results.writer import PICTURE_LIST, PICTURES

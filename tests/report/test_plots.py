@@ -17,10 +17,10 @@ from fretfe.analytic.partial_slip import hertz_dissipation
 from fretfe.analytic.profiles import Hertz, composite_modulus
 from fretfe.report.figures.edges import _near, _stuck_change
 from fretfe.report.figures.history import _tension_varies, loop_area, without_slope, work_loop_plots
-from fretfe.report.figures.plot import make_plot
 from fretfe.report.figures.tractions import slip_plot
 from fretfe.report.source import Shown, shown_contacts
 from fretfe.report.texts import number, percent, with_error
+from fretfe.report.theme import make_plot
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 

@@ -19,7 +19,7 @@ from fretfe.errors import CaseError
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.resultants import shear_direction
 from fretfe.evaluate.space.fronts import follow_fronts
-from fretfe.report.figures.solids import area_plot, force_plot
+from fretfe.report.figures.edges import area_plot, force_plot
 from fretfe.report.page.html import draw_plots, render
 from fretfe.report.page.tables import summary
 from fretfe.report.source import extremes

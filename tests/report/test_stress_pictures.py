@@ -25,6 +25,7 @@ from fretfe.evaluate.resultants import station_extremes
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 from fretfe.report.pictures.fields import BodyField, Grid, find_time, open_fields
 from fretfe.report.pictures.looks import (
+    EdgePlace,
     colour_limit,
     deformation_scale,
     edge_view,
@@ -32,7 +33,6 @@ from fretfe.report.pictures.looks import (
     round_up,
 )
 from fretfe.report.pictures.panels import View
-from fretfe.report.pictures.plan import EdgePlace
 from fretfe.report.pictures.status import shares_text, visible_status
 
 needs_pyvista = pytest.mark.skipif(

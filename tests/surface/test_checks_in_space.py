@@ -10,7 +10,7 @@ import pytest
 from fretfe._typing import Array
 from fretfe.case import Case, Solid, parse_case
 from fretfe.errors import MeshError
-from fretfe.mesh.extrude import extrude
+from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.surface.checks import check_contacts
 

@@ -13,10 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from fretfe._typing import Array
 from fretfe.mesh.elements import quadrature
-from fretfe.surface.checks import initial_gap
+from fretfe.surface.checks import contact_quality, initial_gap
 from fretfe.surface.mortar import Coupling, couple
 from fretfe.surface.overlap import contact_normals, overlap_points, project_in_space, search_reach
-from fretfe.surface.quality import contact_quality
 from fretfe.surface.surface import Surface, deviations, mean_curvature
 
 CELLS = ("triangle", "quadrilateral")

@@ -19,10 +19,9 @@ from fretfe.backends.analytic import BACKEND as ANALYTIC
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case, changed, parse_case
 from fretfe.errors import ConvergenceError
-from fretfe.report.figures.sweep import write_sweep
 from fretfe.results.model import Result
 from fretfe.sweeps import Sweep, make_variants, run_sweep
-from fretfe.sweeps.table import sweep_table, write_files
+from fretfe.sweeps.table import sweep_table, write_files, write_sweep
 
 FRICTION, AMPLITUDE = "contacts.main.friction", "loads.shear.amplitude"
 RADIUS = "geometry.parameters.upper_radius"

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 from fretfe.backends import Backend, Installed
 from fretfe.cli.app import app
-from fretfe.cli.checks import verify as verify_backends
+from fretfe.cli.run import verify as verify_backends
 from fretfe.errors import CaseError
 from fretfe.quality import verification
 from fretfe.quality.comparison import Benchmark

@@ -22,7 +22,7 @@ PAGES = {
     ),
     "strength": (
         "Strength of edges",
-        ("fretfe.strength.margins", "fretfe.strength.fit", "fretfe.strength.tests_file"),
+        ("fretfe.strength.margins", "fretfe.strength.fit", "fretfe.strength.fit"),
     ),
     "errors": ("Errors", ("fretfe.errors",)),
     "case": ("Case files", ("fretfe.case", "fretfe.loads")),
@@ -34,24 +34,15 @@ PAGES = {
     ),
     "profiles": (
         "Closed forms: normal contact",
-        (
-            "fretfe.analytic.profiles",
-            "fretfe.analytic.general_profile",
-            "fretfe.analytic.tables",
-            "fretfe.analytic.rocking",
-        ),
+        ("fretfe.analytic.profiles", "fretfe.analytic.rocking"),
     ),
     "edge_formulas": (
         "Closed forms: contact edges",
-        ("fretfe.analytic.edges", "fretfe.analytic.paths", "fretfe.analytic.validity"),
+        ("fretfe.analytic.edges", "fretfe.analytic.paths"),
     ),
     "partial_slip": (
         "Closed forms: partial slip",
-        (
-            "fretfe.analytic.partial_slip",
-            "fretfe.analytic.moderate_tension",
-            "fretfe.analytic.half_plane_stress",
-        ),
+        ("fretfe.analytic.partial_slip",),
     ),
 }
 

@@ -131,7 +131,7 @@ def _histories(
     kept: Indices,
     bodies: EdgeBodies,
 ) -> EdgeHistories:
-    """What the edges have in common, and their histories in the states that are gone through."""
+    """Histories of edges in the states that are gone through, and what they have in common."""
     cycle = solution.cycle
     return EdgeHistories(
         contacts=Contacts(
@@ -293,7 +293,7 @@ class _Edge:
         return replace(zone, local=border.length, local_spread=spread)
 
     def _open(self, zone: SlipZone, length: float) -> float:
-        """What error bars of the factors, and the shape of the contact, leave open of a length."""
+        """Share of the error bar of a length by those of the factors and by the contact's shape."""
         station, b, n = self._station, self.half_width, self.power
         depth = min(length / b, DEEPEST)
         # Of d = b (1 - (1 - n d1/b)^(1/n)).

@@ -23,15 +23,6 @@ from fretfe.evaluate.stress import (
 )
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, Solution
 from fretfe.history.state_array import blocks
-from fretfe.report.figures.plot import (
-    Plot,
-    envelope,
-    finish_edge_column,
-    legend_above,
-    make_figure,
-    make_plot,
-    plain_axis,
-)
 from fretfe.report.source import Shown, edge_title, inward
 from fretfe.report.texts import number, with_error
 from fretfe.report.theme import (
@@ -45,6 +36,13 @@ from fretfe.report.theme import (
     SKY,
     VERMILLION,
     WIDTH,
+    Plot,
+    envelope,
+    finish_edge_column,
+    legend_above,
+    make_figure,
+    make_plot,
+    plain_axis,
 )
 
 INTRO = (

@@ -26,8 +26,7 @@ from fretfe.evaluate.contacts import Contact
 from fretfe.files import disk_reason, replace_text
 from fretfe.history.solution import Solution
 from fretfe.quality.rows import own_rows
-from fretfe.report.figures import edges, history, solids, solver, tractions
-from fretfe.report.figures.plot import Plot
+from fretfe.report.figures import edges, history, tractions
 from fretfe.report.page.tables import (
     contact_table,
     cycle_table,
@@ -41,6 +40,7 @@ from fretfe.report.page.tables import (
 from fretfe.report.pictures.folder import read_pictures
 from fretfe.report.source import force_unit, shown_contacts
 from fretfe.report.texts import number
+from fretfe.report.theme import Plot
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import REPORT
@@ -175,18 +175,18 @@ def _solid_sections(run: Result) -> tuple[Section, ...]:
     shown, keyed = shown_contacts(run), _keyed(run)
     loops = (*map(history.slip_loop_plot, shown), *history.work_loop_plots(run))
     fronts = (
-        solids.front_plot(run, contact, front, f"{key}-{row}")
+        edges.front_plot(run, contact, front, f"{key}-{row}")
         for key, contact in keyed
         for row, front in enumerate(contact.fronts)
     )
     areas = (
         draw(run, contact, key)
         for key, contact in keyed
-        for draw in (solids.force_plot, solids.area_plot)
+        for draw in (edges.force_plot, edges.area_plot)
     )
     sections = (
-        _section("fronts", "Along the fronts", solids.FRONTS_INTRO, fronts),
-        _section("areas", "Contacts over time", solids.AREAS_INTRO, areas),
+        _section("fronts", "Along the fronts", edges.FRONTS_INTRO, fronts),
+        _section("areas", "Contacts over time", edges.AREAS_INTRO, areas),
         _section("loads", "Loads", "Shaded: the evaluated cycle.", [history.load_plot(run)]),
         _section("loops", "Hysteresis", history.SOLID_LOOPS_INTRO, loops),
     )
@@ -201,9 +201,9 @@ def _keyed(run: Result) -> list[tuple[str, Contact]]:
 def _solver_plots(run: Result) -> tuple[Plot, ...]:
     plots: list[Plot | None] = []
     if run.solution is not None and len(run.loads.times) > 1:
-        plots += [solver.iteration_plot(run.solution), solver.certificate_plot(run.solution)]
+        plots += [history.iteration_plot(run.solution), history.certificate_plot(run.solution)]
     if run.refinement is not None:
-        plots.append(solver.refinement_plot(run.refinement))
+        plots.append(history.refinement_plot(run.refinement))
     return tuple(plot for plot in plots if plot is not None)
 
 

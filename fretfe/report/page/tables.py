@@ -19,9 +19,8 @@ from fretfe._typing import Array
 from fretfe.evaluate.contacts import Contact, SlipZone, Station
 from fretfe.evaluate.refinement import Refinement, StationValues, changes_by_kind
 from fretfe.evaluate.verdicts import AGREES, NO_ZONE, judge, last_verdict
-from fretfe.report.page.listings import plain_table
 from fretfe.report.source import shown_stations
-from fretfe.report.texts import MISSING, marked, number, percent, with_error
+from fretfe.report.texts import MISSING, marked, number, percent, plain_table, with_error
 from fretfe.results.model import Result
 
 HEADERS = (

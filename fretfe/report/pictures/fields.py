@@ -18,6 +18,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.files import cut_off, replacing
+from fretfe.mesh.elements import CORNERS, FACETS, MIDDLES, SHAPES, VTK_MIDDLES, nodes_of_facets
 from fretfe.report.pictures.panels import Pixels, SpaceView, View
 from fretfe.report.theme import COLOURS
 from fretfe.results.field_files import CELL_TYPES, FIELDS, FieldReader
@@ -33,23 +34,18 @@ PIECES = {
 }
 # Nodes of the faces of a solid cell, in the order of the cells above, by its number of nodes.
 FACES = {
-    4: ((0, 1, 3), (1, 2, 3), (2, 0, 3), (0, 2, 1)),
-    8: ((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7)),
-    10: ((0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (2, 0, 3, 6, 7, 9), (0, 2, 1, 6, 5, 4)),
-    27: (
-        (0, 4, 7, 3, 16, 15, 19, 11, 20), (1, 2, 6, 5, 9, 18, 13, 17, 21),
-        (0, 1, 5, 4, 8, 17, 12, 16, 22), (3, 7, 6, 2, 19, 14, 18, 10, 23),
-        (0, 3, 2, 1, 11, 10, 9, 8, 24), (4, 5, 6, 7, 12, 13, 14, 15, 25),
-    ),
-}  # fmt: skip
-# Number of corners of a cell, which come first among its nodes, by the dimension.
-CORNERS = {2: {3: 3, 4: 4, 6: 3, 9: 4}, 3: {4: 4, 8: 8, 10: 4, 27: 8}}
-# Nodes along the edges of a cell, edge by edge.
+    count: nodes_of_facets(shape, count, FACETS[shape], VTK_MIDDLES[shape])
+    for (dimension, count), shape in SHAPES.items()
+    if dimension == 3
+}
+# Nodes along the edges of a plane cell, edge by edge.
 EDGES = {
-    3: ((0, 1), (1, 2), (2, 0)),
-    4: ((0, 1), (1, 2), (2, 3), (3, 0)),
-    6: ((0, 3, 1), (1, 4, 2), (2, 5, 0)),
-    9: ((0, 4, 1), (1, 5, 2), (2, 6, 3), (3, 7, 0)),
+    count: [
+        (first, *middle, last)
+        for first, last, *middle in nodes_of_facets(shape, count, FACETS[shape], MIDDLES[shape])
+    ]
+    for (dimension, count), shape in SHAPES.items()
+    if dimension == 2
 }
 # Angle in degrees between faces of solids that meet in an edge which is drawn.
 CREASE = 30.0
@@ -74,7 +70,7 @@ class Grid:
     @property
     def corners(self) -> Indices:
         """(m, c) nodes at the corners of the elements."""
-        return self.cells[:, : CORNERS[self.points.shape[1]][self.cells.shape[1]]]
+        return self.cells[:, : CORNERS[SHAPES[self.points.shape[1], self.cells.shape[1]]]]
 
     @cached_property
     def outline(self) -> Indices:
@@ -94,7 +90,7 @@ class Grid:
             return self.cells
         pattern = np.array(FACES[self.cells.shape[1]])
         faces = self.cells[:, pattern].reshape(-1, pattern.shape[1])
-        corners = faces[:, : CORNERS[2][faces.shape[1]]]
+        corners = faces[:, : CORNERS[SHAPES[2, faces.shape[1]]]]
         # Nodes of neighbouring elements are at exactly the same place.
         _, places = np.unique(self.points, axis=0, return_inverse=True)
         same = np.sort(places.ravel()[corners], axis=1)

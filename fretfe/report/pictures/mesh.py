@@ -26,6 +26,7 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case
 from fretfe.errors import OutputError
 from fretfe.files import disk_reason, replacing
+from fretfe.mesh.elements import CORNERS, shape_values
 from fretfe.report.pictures.panels import few_ticks, name_axes, panel_inches, plural
 from fretfe.report.theme import BOUNDARY, ELEMENTS, FILE_DPI, FRAMED, HEADING, SURFACES, TINTS
 from fretfe.results.model import BodyArrays
@@ -41,9 +42,8 @@ ROWS, FEWEST_ROWS = 4, 2
 # Around the surfaces of a contact and around the bodies, as a fraction of their size.
 SURROUNDINGS = 0.08
 # Of names, in inches: distance from the next one, from the frame, from their place up or down if
-# there is room, from their line; and room for the lines between a column and the bodies.
-SPACING, MARGIN, OFFSET, CLEARANCE, LEADERS = 0.2, 0.12, 0.18, 0.05, 0.45
-CORNERS = {"triangle": 3, "quadrilateral": 4}
+# there is room; and room for the lines between a column and the bodies.
+SPACING, MARGIN, OFFSET, LEADERS = 0.2, 0.12, 0.18, 0.45
 # Straight pieces that a curved edge is drawn with.
 CURVE_PIECES = 6
 # Edges whose middle is off their chord by less than this fraction of it are drawn straight.
@@ -74,66 +74,69 @@ def draw_mesh(case: Case, bodies: Mapping[str, BodyArrays]) -> Figure:
     """The figure of `write_mesh_picture`."""
     labels = boundary_labels(bodies)
     figure = Figure(dpi=FILE_DPI, layout="constrained")
-    margins = column_widths(figure, labels)
-    main, *panels = _layout(figure, len(case.contacts), len(labels), sum(margins))
+    main, *panels = _layout(figure, len(case.contacts), labels, bodies)
     main.set_title(case.title or "Mesh", fontsize=HEADING)
     _add_legend(figure, bodies)
-    surroundings = []
     for panel, (name, contact) in zip(panels, case.contacts.items(), strict=True):
         surfaces = (contact.surface1, contact.surface2)
         panel.set_title(f"{name}\n1: {surfaces[0]}\n2: {surfaces[1]}", linespacing=1.1)
         owners = [(body, s) for body in bodies.values() for s in surfaces if s in body.boundaries]
-        curves = [curve for pair in owners for curve in boundary_curves(*pair)]
-        surroundings.append(np.concatenate(curves))
-    points = np.concatenate([body.points for body in bodies.values()])
+        _show(panel, *_box([curve for pair in owners for curve in boundary_curves(*pair)]))
     for axes in (main, *panels):
         few_ticks(axes)
         name_axes(axes, "x", "y", case.units.length)
-    # Limits have numbers, which need room, which sets the limits.
-    for final in (False, False, True):
-        figure.draw_without_rendering()
-        if final:
-            figure.set_layout_engine("none")
-        _set_view(main, points, margins)
-        for panel, places in zip(panels, surroundings, strict=True):
-            _set_view(panel, places)
+    # What is drawn from here on changes neither places nor limits.
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
     for axes in (main, *panels):
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.apply_aspect()
+        axes.autoscale(False)
+        # What is left is less than a pixel.
+        axes.set_aspect("equal", adjustable="box")
+        axes.apply_aspect()
         _draw(axes, case, bodies)
-    draw_labels(main, labels)
+    _draw_labels(main, labels)
     return figure
 
 
-def _layout(figure: Figure, contacts: int, names: int, margin: float) -> list[Axes]:
-    """Empty axes for the bodies, `margin` inches of it for names, and for each contact."""
+def _layout(
+    figure: Figure, contacts: int, labels: Sequence[Label], bodies: Mapping[str, BodyArrays]
+) -> list[Axes]:
+    """Axes that show the bodies, with room for their names, and empty ones for each contact."""
     columns = -(-contacts // ROWS)
     rows = max(-(-contacts // columns), FEWEST_ROWS)
-    height = max(BODIES_HEIGHT, rows * PANEL_HEIGHT, (names / 2 + 3) * SPACING)
-    width = max(BODIES_WIDTH, BODIES_ASPECT * height) + margin
+    height = max(BODIES_HEIGHT, rows * PANEL_HEIGHT, (len(labels) / 2 + 3) * SPACING)
+    width = max(BODIES_WIDTH, BODIES_ASPECT * height)
+    left, right = (
+        _longest(figure, column) + (MARGIN + LEADERS if column else MARGIN)
+        for column in _columns(labels)
+    )
     # About an inch for numbers and names of axes.
-    figure.set_size_inches(width + 1 + columns * (PANEL_WIDTH + 1), height + 1)
-    grid = figure.add_gridspec(rows, 1 + columns, width_ratios=[width, *[PANEL_WIDTH] * columns])
+    size = (width + left + right + 1 + columns * (PANEL_WIDTH + 1), height + 1)
+    figure.set_size_inches(*size)
+    ratios = [width + left + right, *[PANEL_WIDTH] * columns]
+    grid = figure.add_gridspec(rows, 1 + columns, width_ratios=ratios)
     places = [grid[number % rows, 1 + number // rows] for number in range(contacts)]
-    return [figure.add_subplot(place) for place in (grid[:, 0], *places)]
+    main, *panels = [figure.add_subplot(place) for place in (grid[:, 0], *places)]
+    low, high = _box([body.points for body in bodies.values()])
+    per_inch = float(((high - low) / [width, height]).max())
+    _show(main, low - per_inch * np.array([left, 0.0]), high + per_inch * np.array([right, 0.0]))
+    return [main, *panels]
 
 
-def _set_view(axes: Axes, points: Array, margins: tuple[float, float] = (0.0, 0.0)) -> None:
-    """Limits that show all points at the same scale in x and y.
-
-    Args:
-        axes: their limits are set.
-        points: (n, 2) what has to be seen.
-        margins: inches to keep free on the left and on the right.
-    """
-    size = panel_inches(axes)
+def _box(parts: Sequence[Array]) -> tuple[Array, Array]:
+    """(2,) lowest and highest corner of a box around places (n, 2), and a little more."""
+    points = np.concatenate(parts)
     low, high = points.min(axis=0), points.max(axis=0)
     border = SURROUNDINGS * (high - low).max()
-    low, high = low - border, high + border
-    room = size - [sum(margins), 0.0]
-    per_inch = ((high - low) / room).max()
-    centre = (low + high) / 2
-    left = centre[0] - per_inch * (room[0] / 2 + margins[0])
-    axes.set_xlim(left, left + per_inch * size[0])
-    axes.set_ylim(centre[1] - per_inch * size[1] / 2, centre[1] + per_inch * size[1] / 2)
+    return low - border, high + border
+
+
+def _show(axes: Axes, low: Array, high: Array) -> None:
+    """Let axes show a box (2,), (2,) at least, at the same scale in x and y."""
+    axes.update_datalim([low, high])
+    axes.margins(0.0)
 
 
 def _draw(axes: Axes, case: Case, bodies: Mapping[str, BodyArrays]) -> None:
@@ -205,7 +208,7 @@ def boundary_labels(bodies: Mapping[str, BodyArrays]) -> list[Label]:
     return labels
 
 
-def columns(labels: Sequence[Label]) -> tuple[list[Label], list[Label]]:
+def _columns(labels: Sequence[Label]) -> tuple[list[Label], list[Label]]:
     """The left and the right half of the labels, each from bottom to top."""
     ordered = sorted(labels, key=lambda label: (label.place[0], label.place[1]))
     half = (len(ordered) + 1) // 2
@@ -216,36 +219,27 @@ def columns(labels: Sequence[Label]) -> tuple[list[Label], list[Label]]:
     return left, right
 
 
-def column_widths(figure: Figure, labels: Sequence[Label]) -> tuple[float, float]:
-    """Width of both columns with their margins, in inches."""
-    left, right = (
-        MARGIN + _longest(figure, column) + LEADERS if column else MARGIN
-        for column in columns(labels)
-    )
-    return left, right
-
-
-def draw_labels(axes: Axes, labels: Sequence[Label]) -> None:
+def _draw_labels(axes: Axes, labels: Sequence[Label]) -> None:
     """Write the labels into axes whose place and limits are set."""
     figure = axes.get_figure(root=True)
     assert figure is not None
     width, height = panel_inches(axes)
     to_inches = axes.transData + axes.transAxes.inverted() + Affine2D().scale(width, height)
     from_inches = Affine2D().scale(1 / width, 1 / height) + axes.transAxes
-    left, right = columns(labels)
-    for column, sign, edge, align in ((left, 1, 0.0, "left"), (right, -1, width, "right")):
+    for column, align in zip(_columns(labels), ("right", "left"), strict=True):
         places = [to_inches.transform(label.place) for label in column]
         # Lines to horizontal boundaries must not lie upon them.
         wanted = [y + (OFFSET if y > height / 2 else -OFFSET) for _, y in places]
         heights = spread(np.array(wanted), SPACING, SPACING, height - SPACING)
-        knee = edge + sign * (MARGIN + _longest(figure, column) + CLEARANCE)
-        for label, place, y in zip(column, places, heights, strict=True):
-            x = edge + sign * MARGIN
-            axes.text(x, y, label.text, transform=from_inches, ha=align, va="center")
-            end = x + sign * (_width(figure, label.text) + CLEARANCE)
-            line = np.array([(end, y), (knee, y), place])
-            axes.plot(*line.T, transform=from_inches, color="black", linewidth=0.5)
-            axes.plot(*place, ".", transform=from_inches, color="black", markersize=3, zorder=5)
+        inside = MARGIN + _longest(figure, column)
+        x, start = (inside, 1.0) if align == "right" else (width - inside, 0.0)
+        line = {"arrowstyle": "-", "linewidth": 0.5, "relpos": (start, 0.5), "shrinkB": 0.0}
+        for label, y in zip(column, heights, strict=True):
+            axes.annotate(
+                label.text, tuple(label.place), (x, y), textcoords=from_inches, arrowprops=line,
+                ha=align, va="center", zorder=5,
+            )  # fmt: skip
+            axes.plot(*label.place, ".", color="black", markersize=3, zorder=5)
 
 
 def spread(wanted: Array, spacing: float, low: float, high: float) -> Array:
@@ -263,12 +257,8 @@ def spread(wanted: Array, spacing: float, low: float, high: float) -> Array:
 
 
 def _longest(figure: Figure, labels: Sequence[Label]) -> float:
-    return max((_width(figure, label.text) for label in labels), default=0.0)
-
-
-def _width(figure: Figure, text: str) -> float:
-    """Width of a text in the current font, in inches."""
-    probe = figure.text(0.0, 0.0, text)
+    """Width of the longest of the texts in the current font, in inches."""
+    probe = figure.text(0.0, 0.0, "\n".join(label.text for label in labels))
     width = probe.get_window_extent().width / figure.dpi
     probe.remove()
     return float(width)
@@ -332,6 +322,5 @@ def _bulges(first: Array, last: Array, middle: Array) -> Bools:
 
 def _along(first: Array, last: Array, middle: Array) -> Array:
     """(..., CURVE_PIECES + 1, 2) places along quadratic edges (..., 2)."""
-    t = np.linspace(0.0, 1.0, CURVE_PIECES + 1)[:, None]
-    first, last, middle = (each[..., None, :] for each in (first, last, middle))
-    return first * (1 - t) * (1 - 2 * t) + last * t * (2 * t - 1) + middle * 4 * t * (1 - t)
+    values = shape_values("line", 2, np.linspace(0.0, 1.0, CURVE_PIECES + 1)[:, None])
+    return np.einsum("qk,k...d->...qd", values, np.stack([first, last, middle]))

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Draws the pictures that need OpenGL: `python -m fretfe.report.pictures.render TASK DIR FILE ...`.
+"""Pictures of the stress in the bodies, drawn where OpenGL works.
 
-A process of its own: where OpenGL does not work VTK does not raise errors but ends the process.
-Each file is reported on standard output, as a line of JSON, once it is written.
+`python -m fretfe.report.pictures.render TASK DIR FILE ...` is a process of its own: where OpenGL
+does not work VTK does not raise errors but ends the process. Each file is reported on standard
+output, as a line of JSON, once it is written. The stress is that at the load extremes, and enlarged
+at the contact edges; solids are drawn as a whole, and cut open at a contact.
 """
 
 from __future__ import annotations
@@ -15,18 +17,209 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from PIL.Image import Image
 
 from fretfe.files import disk_reason, replacing
-from fretfe.report.pictures.fields import Fields, Scene, open_fields
-from fretfe.report.pictures.looks import Look, find_look
-from fretfe.report.pictures.panels import pixels, save_png
-from fretfe.report.pictures.plan import Wanted, plan_pictures
-from fretfe.report.pictures.stress import bodies_caption, draw_bodies, draw_edges
-from fretfe.report.source import cycle_states, extremes, folder_of, when
-from fretfe.report.theme import COLOURS, DURATION, FRAME_WIDTH
+from fretfe.report.pictures.fields import EDGES, BodyField, Fields, Scene, open_fields
+from fretfe.report.pictures.looks import (
+    BODIES_PERCENTAGE,
+    EDGE_ASPECT,
+    EDGES_PERCENTAGE,
+    EdgePlace,
+    Look,
+    Wanted,
+    colour_limit,
+    edge_view,
+    find_look,
+    plan_pictures,
+)
+from fretfe.report.pictures.panels import (
+    BAR_ASPECT,
+    SpaceView,
+    View,
+    draw_lines,
+    name_axes,
+    panel_pixels,
+    panels,
+    pixels,
+    save_png,
+    set_limits,
+    settle,
+    show_image,
+)
+from fretfe.report.source import (
+    cycle_states,
+    extremes,
+    folder_of,
+    loading,
+    state_title,
+    times_text,
+    when,
+)
+from fretfe.report.texts import direction_text, number, rounded
+from fretfe.report.theme import (
+    COLOURS,
+    DURATION,
+    ELEMENTS,
+    FRAME_WIDTH,
+    FRAMED,
+    HALO,
+    OUTLINE,
+    PICTURE_WIDTH,
+    UNDEFORMED,
+)
 from fretfe.results.field_files import FIELDS
 from fretfe.results.writer import PICTURES
+
+ARROW: dict[str, Any] = {"arrowstyle": "->", "lw": 1.0, "path_effects": HALO}
+
+
+@mpl.rc_context(FRAMED)
+def draw_bodies(
+    source: Fields, states: Sequence[int], look: Look, scene: Scene, width: float = PICTURE_WIDTH
+) -> Figure:
+    """All bodies at some states, at most `width` inches wide.
+
+    One panel each; of solids one column, as a whole above cut open.
+    """
+    run, units = source.run, source.run.case.units
+    shown = [(view, state) for view in look.views for state in states]
+    aspect = look.views[0].aspect
+    columns = None if source.dimension == 2 else len(states)
+    figure, axes = panels(len(shown), aspect, columns=columns, width=width)
+    for panel, (view, state) in zip(axes, shown, strict=True):
+        set_limits(panel, view)
+        if isinstance(view, View):
+            name_axes(panel, "x", "y", units.length)
+            panel.set_title(f"{when(run, state)}\n{loading(run, state)}")
+        else:
+            panel.set_xticks([])
+            panel.set_yticks([])
+            title = state_title(run, state) if view.cut is None else ""
+            size = f"panel {rounded(2 * float(view.half_size[0]))} {units.length} wide"
+            panel.set_title("\n".join(filter(None, [title, size])))
+    _add_bar(figure, axes, look.limit, units.stress)
+    settle(figure, axes, aspect, f"Von Mises stress, displacements × {look.scale:g}")
+    for panel, (view, state) in zip(axes, shown, strict=True):
+        bodies = list(source.bodies(state).values())
+        show_image(panel, scene.image(bodies, look.scale, view, panel_pixels(panel)))
+        if isinstance(view, SpaceView):
+            _draw_axes(panel, view)
+        else:
+            before = [body.grid.points[body.grid.outline] for body in bodies]
+            draw_lines(panel, before, **UNDEFORMED)
+            after = [body.deformed(look.scale)[body.grid.outline] for body in bodies]
+            draw_lines(panel, after, **OUTLINE)
+    return figure
+
+
+def bodies_caption(source: Fields, states: Sequence[int], look: Look) -> str:
+    """Caption of the picture of `draw_bodies`."""
+    times = times_text(source.run, states)
+    drawn = f"enlarged {look.scale:g} times" if look.scale > 1 else "in true size"
+    text = f"Von Mises equivalent stress of the bodies at {times}; displacements {drawn}"
+    limits = look.limit, look.largest, BODIES_PERCENTAGE
+    if not look.contact:
+        ends = _colour_text(source, *limits, "area shown")
+        return f"{text}, dotted: before deformation. {ends}"
+    cut = look.views[-1]
+    assert isinstance(cut, SpaceView)
+    assert cut.cut is not None
+    place = ", ".join(number(float(value) + 0.0) for value in cut.centre)
+    return (
+        f"{text}. Below: cut open at the contact {look.contact}, through its largest pressure at "
+        f"({place}) {source.run.case.units.length} and across {direction_text(cut.cut)}. "
+        f"{_colour_text(source, *limits, 'volume around the contact')} Outer surfaces are shaded, "
+        "the cut is not."
+    )
+
+
+@mpl.rc_context(FRAMED)
+def draw_edges(source: Fields, state: int, edges: Sequence[EdgePlace]) -> tuple[Figure, str]:
+    """The surroundings of some contact edges with their elements, and the caption."""
+    run, bodies = source.run, source.bodies(state)
+    assert run.solution is not None
+    contacts = {contact.name: contact for contact in run.solution.contacts}
+    views = [edge_view(contacts[edge.contact], edge, bodies) for edge in edges]
+    shown = [(body, view) for view, moved in views for body in moved.values()]
+    limit, largest = colour_limit(shown, EDGES_PERCENTAGE)
+    figure, axes = panels(len(edges), EDGE_ASPECT)
+    unit = run.case.units.length
+    for panel, edge, (view, _) in zip(axes, edges, views, strict=True):
+        set_limits(panel, view)
+        name_axes(panel, "distance from the edge along x", "along y", unit)
+        slip = f"longest slip zone {rounded(edge.slip)} {unit}" if edge.slip > 0 else "no slip zone"
+        panel.set_title(f"{edge.title}\n{slip}")
+    _add_bar(figure, axes, limit, run.case.units.stress)
+    settle(figure, axes, EDGE_ASPECT, f"Von Mises stress at the contact edges, {when(run, state)}")
+    scene = Scene(limit)
+    for panel, (view, moved) in zip(axes, views, strict=True):
+        show_image(panel, scene.image(list(moved.values()), 1.0, view, panel_pixels(panel)))
+        for body in moved.values():
+            _draw_elements(panel, body, view)
+    scene.close()
+    return figure, (
+        f"Von Mises equivalent stress and elements around the contact edges at "
+        f"{when(run, state)}, displacements in true size. Each panel is turned into the frame of "
+        "its contact, with body 2 below; its origin is the edge, on both bodies, so sliding of a "
+        "whole body along x is not visible. "
+        f"{_colour_text(source, limit, largest, EDGES_PERCENTAGE, 'area shown')}"
+    )
+
+
+def _draw_elements(panel: Axes, body: BodyField, view: View) -> None:
+    """Outlines of the elements that are seen, and of the body."""
+    points = view.local(body.deformed(1.0))
+    cells = body.grid.cells[view.overlaps(body.deformed(1.0)[body.grid.cells])]
+    edges = points[cells[:, np.array(EDGES[cells.shape[1]])]]
+    draw_lines(panel, [edges.reshape(-1, *edges.shape[2:])], **ELEMENTS)
+    outline = body.grid.outline[view.overlaps(body.deformed(1.0)[body.grid.outline])]
+    draw_lines(panel, [points[outline]], **OUTLINE)
+
+
+def _colour_text(
+    source: Fields, limit: float, largest: float, percentage: float, where: str
+) -> str:
+    unit = source.run.case.units.stress
+    if largest <= limit:
+        return f"The largest stress is {rounded(largest)} {unit}."
+    return (
+        f"Colours end at {rounded(limit)} {unit}, which is not exceeded in {percentage:g} % of the "
+        f"{where}; the largest value in an element is {rounded(largest)} {unit}."
+    )
+
+
+def _add_bar(figure: Figure, axes: Sequence[Axes], limit: float, unit: str) -> None:
+    """The colour bar of all panels; colours end where stresses may go on."""
+    colours = ScalarMappable(Normalize(0.0, limit), COLOURS)
+    bar = figure.colorbar(colours, ax=axes, extend="max", aspect=BAR_ASPECT, pad=0.02)
+    bar.set_label(f"von Mises stress [{unit}]", labelpad=6)
+
+
+def _draw_axes(panel: Axes, view: SpaceView) -> None:
+    """The axes of the case as arrows in a corner of a panel."""
+    pixels = 0.07 * panel.get_window_extent().width
+    origin = np.array([0.1, 0.1 / view.aspect])
+    scale = pixels / np.array(panel.get_window_extent().size)
+    for name, axis in zip("xyz", np.eye(3), strict=True):
+        seen = view.across @ axis
+        if np.linalg.norm(seen) < 0.1:
+            continue
+        x, y = origin + seen * scale
+        panel.annotate(
+            "", xy=(x, y), xytext=(origin[0], origin[1]), xycoords="axes fraction",
+            textcoords="axes fraction", arrowprops=ARROW,
+        )  # fmt: skip
+        x, y = origin + seen * scale * (1 + 0.22 / np.linalg.norm(seen))
+        panel.text(
+            x, y, name, transform=panel.transAxes, ha="center", va="center", path_effects=HALO
+        )
 
 
 def draw_pictures(directory: Path, files: list[str]) -> None:
@@ -39,7 +232,7 @@ def draw_pictures(directory: Path, files: list[str]) -> None:
     source = open_fields(directory)
     for wanted in plan_pictures(source.run):
         if wanted.file in files:
-            _report(wanted.file, partial(_draw, source, wanted))
+            _report(wanted.file, partial(_draw_picture, source, wanted))
 
 
 def _report(file: str, write: Callable[[], dict[str, Any]]) -> None:
@@ -51,7 +244,7 @@ def _report(file: str, write: Callable[[], dict[str, Any]]) -> None:
     print(json.dumps({"file": file, **found}), flush=True)
 
 
-def _draw(source: Fields, wanted: Wanted) -> dict[str, Any]:
+def _draw_picture(source: Fields, wanted: Wanted) -> dict[str, Any]:
     """Caption and size, and why states are missing."""
     states = source.available(wanted.states)
     absent = [when(source.run, each) for each in wanted.states if each not in states]
@@ -150,6 +343,7 @@ TASKS = {"pictures": draw_pictures, "animation": draw_animation, "scene": export
 
 # Before 0.45 PyVista says so where VTK then ends the process; that is found out without it.
 NO_DISPLAY = r"\s*This system does not appear to be running an xserver"
+
 
 if __name__ == "__main__":
     warnings.filterwarnings("ignore", NO_DISPLAY)
