@@ -41,7 +41,7 @@ from fretfe.report.pictures.fields import FACES, BodyField, Grid, section
 from fretfe.report.pictures.fields import surface as linear_pieces
 from fretfe.report.pictures.folder import make_pictures, read_pictures
 from fretfe.report.pictures.looks import cell_volumes, plan_pictures
-from fretfe.report.pictures.panels import SpaceView, Unrolled, pixels, unroll
+from fretfe.report.pictures.panels import SpaceView, pixels
 from fretfe.report.pictures.surfaces import (
     FILLS,
     MOST_BYTES,
@@ -50,6 +50,7 @@ from fretfe.report.pictures.surfaces import (
     draw_surface,
     lay_out,
 )
+from fretfe.report.pictures.unroll import Unrolled, unroll
 from fretfe.results.model import Result
 from fretfe.results.tables import NODAL
 from fretfe.results.writer import PICTURE_LIST, PICTURES, write_results
