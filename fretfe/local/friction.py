@@ -56,27 +56,32 @@ class Slipped:
     Attributes:
         shear: (S, n, 2).
         slip: (S, n, 2) in the step, times the length that belongs to the node.
+        slipping: (S, n) nodes that slip, or carry nothing.
         unsolved: (k,) edges that did not converge.
     """
 
     shear: Array
     slip: Array
+    slipping: Bools
     unsolved: Indices
 
 
-def partial_slip(stiffness: Stiffness, bound: Array, stuck: Array, tolerance: float) -> Slipped:
+def partial_slip(
+    stiffness: Stiffness, bound: Array, stuck: Array, before: Bools, tolerance: float
+) -> Slipped:
     """Solve a step.
 
     Args:
         stiffness: of the bodies.
         bound: (S, n) f p; nodes with none carry nothing.
         stuck: (S, n, 2) shear if no node slips in the step.
+        before: (S, n) nodes that slipped in the step before: a first guess.
         tolerance: error of the shear.
     """
     shear, slip, trial = stuck.copy(), np.zeros_like(stuck), stuck.copy()
     # Of the outermost nodes some may have so little pressure that nothing is left to be solved.
     free, edge = bound <= tolerance, bound * (1 + ROUND_OFF) + tolerance
-    slipping = free | (_length(trial) > edge)
+    slipping = free | before | (_length(trial) > edge)
     remaining = np.arange(len(stuck))
     for _ in range(MOST_ITERATIONS):
         now = slipping[remaining]
@@ -105,7 +110,7 @@ def partial_slip(stiffness: Stiffness, bound: Array, stuck: Array, tolerance: fl
         remaining = remaining[residual >= tolerance]
         if not len(remaining):
             break
-    return Slipped(shear, slip, remaining)
+    return Slipped(shear, slip, slipping, remaining)
 
 
 def _turning(trial: Array, direction: Array, bound: Array, free: Bools) -> Array:

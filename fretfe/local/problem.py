@@ -213,6 +213,7 @@ class _March:
         edges, nodes = len(histories.k), len(bodies.s)
         self._shear = np.zeros((edges, nodes, 2))
         self._bound = np.zeros((edges, nodes))
+        self._slipping = np.zeros((edges, nodes), dtype=bool)
         self._slip = np.zeros((2, edges, nodes))  # forward and backward in the half cycle
         self._work = np.zeros(edges)
         self._lost = np.zeros(edges, dtype=bool)
@@ -308,7 +309,7 @@ class _March:
         if self._lost.all():
             return
         tolerance = TOLERANCE * float(bound[~self._lost].max())
-        solved = partial_slip(self._stiffness, bound, stuck, tolerance)
+        solved = partial_slip(self._stiffness, bound, stuck, self._slipping, tolerance)
         self._lost[solved.unsolved] = True
         slip = np.where((bound > tolerance)[..., None], solved.slip, 0.0)
         direction = _unit(solved.shear)
@@ -318,7 +319,7 @@ class _March:
         counted = given.counted[:, state, None] * amount
         # Slip of body 2 against the shear: forward shear makes backward slip.
         self._slip += counted * np.array([along < 0, along >= 0])
-        self._shear, self._bound = solved.shear, bound
+        self._shear, self._bound, self._slipping = solved.shear, bound, solved.slipping
 
     def _changed(self, before: Array) -> Array:
         change = np.hypot(*np.moveaxis(self._shear - before, -1, 0)) @ self._bodies.weights
