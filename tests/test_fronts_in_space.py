@@ -12,13 +12,14 @@ import pytest
 import solid_runs
 
 from fretfe._typing import Array, Indices
-from fretfe.evaluate.contacts import Front, RangeSpread, SlipZone
+from fretfe.evaluate.contacts import Contact, Front, RangeSpread, SlipZone
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.space import fronts as nested
 from fretfe.evaluate.space.evaluate import evaluate_fronts
 from fretfe.evaluate.space.fronts import AREAS, follow_fronts, nested_areas
 from fretfe.evaluate.space.sectors import outlines
 from fretfe.evaluate.space.slip import shear_share
+from fretfe.evaluate.step_ends import StepEnds
 from fretfe.evaluate.verdicts import (
     AGREES,
     DIFFERS,
@@ -195,6 +196,81 @@ def test_ring_has_two_fronts() -> None:
             radial = station.point / np.linalg.norm(station.point)
             assert sign * station.frame.inward @ radial > 0.95
             assert station.curvature == pytest.approx(-sign / radius, abs=0.5)
+
+
+def sum_of(*fields: Field) -> Field:
+    return lambda x, z: np.sum([field(x, z) for field in fields], axis=0)
+
+
+def bump(x: float, radius: float) -> Field:
+    return lambda at, z: radius * hertz(radius, radius)(at - x, z)
+
+
+def patches_of(points: Array, facets: Indices, pressures: list[Field]) -> tuple[Contact, Solution]:
+    solution, contact = solved(points, facets, pressures)
+    tracks = {contact.name: follow_fronts(solution, contact, STATIONS)}
+    (found,) = evaluate(solution, tracks=tracks)
+    return found, solution
+
+
+def test_patches_are_told_apart_and_followed() -> None:
+    """One bump, a wide contact over both, a third one for a while, two bumps."""
+    left, right = bump(-1.3, 0.8), bump(1.3, 0.6)
+    third = sum_of(left, right, bump(0.0, 0.3))
+    pressures = [left, hertz(2.4, 0.8), third, sum_of(left, right)]
+    found, solution = patches_of(*grid(half=2.6, across=1.2), pressures)
+    name = found.name
+    assert [each.name for each in found.patches] == [f"{name}[1]", f"{name}[2]", f"{name}[3]"]
+    # p = R sqrt(1 - (r/R)²): P = 2 π R³/3.
+    large, small, least = (2 * np.pi * radius**3 / 3 for radius in (0.8, 0.6, 0.3))
+    nan = np.nan
+    one, two, three = (each.normal_force for each in found.patches)
+    np.testing.assert_allclose(one, [0, large, nan, large, large], rtol=0.01)
+    np.testing.assert_allclose(two, [0, 0, nan, small, small], rtol=0.01)
+    np.testing.assert_allclose(three, [0, 0, nan, least, 0], rtol=0.05)
+    known = [1, 3, 4]
+    np.testing.assert_allclose((one + two + three)[known], found.normal_force[known], rtol=1e-12)
+    area = np.sum([each.contact_area for each in found.patches], axis=0)
+    np.testing.assert_allclose(area[known], found.contact_area[known], rtol=1e-12)
+    assert [front.patch for front in found.fronts] == [1, 2]
+    assert [np.sign(front.stations[0].point[0]) for front in found.fronts] == [-1, 1]
+    others = f"{name}[2] and {name}[3]"
+    assert found.patches[0].reason == (
+        f"it is one with {others} in 1 state, first in step 2 (time 2): P, Q and area are not "
+        "known there"
+    )
+    assert "no fronts" in found.patches[2].reason
+    assert sum(text.startswith(f"patch {name}[") for text in found.warnings) == 3
+    (steps,) = StepEnds(solution.times, np.array([0, 2, 4])).contacts(solution, [found])
+    np.testing.assert_array_equal(steps.patches[0].normal_force, one[[0, 2, 4]])
+
+
+def test_shear_of_a_patch_is_its_own() -> None:
+    solution, contact = solved(*grid(half=2.6), [sum_of(bump(-1.3, 0.8), bump(1.3, 0.6))])
+    traction = np.array(contact.traction)
+    place = contact.points[:, 0]
+    # Along x on the left, along z, which is the second tangent backwards, on the right.
+    traction[1, :, 1] = np.where(place < 0, 0.3, 0.0) * traction[1, :, 0]
+    traction[1, :, 2] = np.where(place > 0, -0.2, 0.0) * traction[1, :, 0]
+    sheared = replace(contact, traction=traction, mean_traction=traction)
+    (found,) = evaluate(replace(solution, contacts=(sheared,)))
+    one, two = found.patches
+    np.testing.assert_allclose(one.shear_force[1], 0.3 * one.normal_force[1] * np.eye(3)[0])
+    np.testing.assert_allclose(two.shear_force[1], 0.2 * two.normal_force[1] * np.eye(3)[2])
+    np.testing.assert_allclose(one.shear_force + two.shear_force, found.shear_force, atol=1e-14)
+
+
+def test_fronts_of_a_ring_around_an_island() -> None:
+    def ring(x: Array, z: Array) -> Array:
+        radius = np.hypot(x, z)
+        return np.sqrt(np.clip((radius - 1.1) * (1.9 - radius), 0.0, None))
+
+    found, _ = patches_of(*grid(half=2.2, across=2.2), [sum_of(ring, bump(0.0, 0.7))])
+    assert [(front.closed, front.patch) for front in found.fronts] == [
+        (True, 1), (True, 1), (True, 2),
+    ]  # fmt: skip
+    alone, _ = patches_of(*grid(half=2.2, across=2.2), [ring])
+    assert alone.patches == () and [front.patch for front in alone.fronts] == [0, 0]
 
 
 def test_front_that_moves_is_followed() -> None:

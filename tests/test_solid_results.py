@@ -10,13 +10,23 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from solid_runs import FRICTION, NORMAL, PEAK, SHEAR, solid_result, surface, write_solid
+from solid_runs import (
+    FRICTION,
+    NORMAL,
+    PEAK,
+    SHEAR,
+    solid_result,
+    stationed_sphere,
+    surface,
+    write_solid,
+)
 from stored_runs import write_run
 
 import fretfe
 from fretfe.errors import CaseError, OutputError
-from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.contacts import AreaPatch, Contact
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
+from fretfe.report.page.tables import contact_table, station_table
 from fretfe.results.field_files import FIELDS, SURFACES, FieldReader
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
@@ -56,6 +66,41 @@ def test_summaries_are_read_as_they_were_written(result: Result, folder: Path) -
             np.testing.assert_array_equal(read, written, err_msg=field.name)
     # Where nothing presses there is no centre.
     assert np.isnan(loaded.contacts[0].centre[0]).all()
+
+
+def test_patches_are_read_as_they_were_written(tmp_path: Path) -> None:
+    """Also where they cannot be told from one another; tables have rows for them."""
+    sphere = stationed_sphere()
+    (contact,) = sphere.contacts
+    patches = tuple(
+        AreaPatch(
+            f"main[{number}]",
+            np.where(contact.normal_force < NORMAL / 2, np.nan, number * contact.normal_force),
+            number * contact.shear_force,
+            contact.contact_area,
+            reason,
+        )
+        for number, reason in ((1, ""), (2, "it does not touch"))
+    )
+    fronts = tuple(replace(front, patch=2) for front in contact.fronts)
+    changed = replace(contact, patches=patches, fronts=fronts)
+    write_results(tmp_path, replace(sphere, contacts=(changed,)))
+    loaded = load_result(tmp_path)
+    (found,) = loaded.contacts
+    assert [front.patch for front in found.fronts] == [2]
+    for mine, other in zip(found.patches, patches, strict=True):
+        assert (mine.name, mine.reason) == (other.name, other.reason)
+        for name in ("normal_force", "shear_force", "contact_area"):
+            np.testing.assert_array_equal(getattr(mine, name), getattr(other, name))
+    stations, contacts = station_table(loaded), contact_table(loaded)
+    assert stations is not None and "main[2] front 1" in stations.columns[0].cells
+    labels, forces, *_ = ([str(cell) for cell in each.cells] for each in contacts.columns)
+    assert labels == ["main", "  main[1]", "  main[2]"]
+    assert forces[1:] == [f"{n * contact.normal_force[-1]:.4g} … "
+                          f"{n * contact.normal_force[-1]:.4g}" for n in (1, 2)]  # fmt: skip
+    # Over the whole history P is unknown in some states.
+    whole = contact_table(replace(loaded, loads=replace(loaded.loads, cycle=None)))
+    assert list(whole.columns[1].cells)[1:] == ["-", "-"]
 
 
 def test_contacts_are_read_as_they_were_written(result: Result, folder: Path) -> None:

@@ -430,6 +430,7 @@ class Front:
         closed: whether it runs into itself.
         length: of it in the reference state, the last one of the evaluated cycle; NaN in the plane.
         half_space_ratios: its factors against those of half-spaces under the same forces.
+        patch: number of its patch in `Contact.patches`, from 1; 0 where the area is a single one.
     """
 
     name: str
@@ -437,6 +438,7 @@ class Front:
     closed: bool = False
     length: float = math.nan
     half_space_ratios: HalfSpaceRatios = NO_RATIOS
+    patch: int = 0
 
     @property
     def judged(self) -> tuple[Station, ...]:
@@ -460,6 +462,27 @@ def fronts_of(stations: Iterable[Station]) -> tuple[Front, ...]:
     for station in stations:
         named.setdefault(station.front, []).append(station)
     return tuple(Front(name, tuple(each)) for name, each in named.items())
+
+
+@dataclass(frozen=True)
+class AreaPatch:
+    """One of several patches of the contact area of solids.
+
+    Histories are (T,), vectors (T, 3): zero where the patch does not touch, NaN where it cannot be
+    told from others. In the plane each patch is a contact of its own.
+
+    Attributes:
+        name: that of the contact with a number in brackets, the largest P in the state that has the
+            fronts first.
+        reason: why it has no fronts, or cannot be told from others, and when; empty if it always
+            can.
+    """
+
+    name: str
+    normal_force: Annotated[Array, Quantity("force", "P, integral of the pressure")]
+    shear_force: Annotated[Array, Quantity("force", "Q, integral of the shear on body 2")]
+    contact_area: Annotated[Array, Quantity("area", "of the nodes under pressure")]
+    reason: str
 
 
 def _none() -> Array:
@@ -495,6 +518,7 @@ class Contact:
         steady: False without a cycle.
         dissipation_change: NaN if there is no cycle before.
         warnings: what a reader must know, in words.
+        patches: of the contact area of solids; none where it is a single one, and in the plane.
     """
 
     name: str
@@ -541,6 +565,7 @@ class Contact:
         float, Quantity("", "relative change of that from the cycle before")
     ]
     warnings: tuple[str, ...]
+    patches: tuple[AreaPatch, ...] = ()
 
     @property
     def solid(self) -> bool:

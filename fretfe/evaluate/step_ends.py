@@ -24,6 +24,7 @@ CONTACT = (
     "normal_force", "shear_force", "force", "centre", "moment", "half_width", "contact_area",
     "stick_area", "largest_pressure", "effective_tension",
 )  # fmt: skip
+PATCH = ("normal_force", "shear_force", "contact_area")
 FIELDS = ("traction", "mean_traction", "gap", "slip", "status")
 
 
@@ -89,6 +90,9 @@ class StepEnds:
         return replace(
             contact,
             fronts=self._fronts(contact.fronts),
+            patches=tuple(
+                replace(each, **self._histories(each, PATCH)) for each in contact.patches
+            ),
             work=work,
             **self._histories(contact, known),
         )

@@ -98,6 +98,7 @@ def solid_warnings(
             f"the contact reaches the border of its surface, first at ({place}): extend the "
             "physical group there, unless the body ends there too"
         )
+    yield from (f"patch {each.name}: {each.reason}" for each in found["patches"] if each.reason)
     if unsteady := unsteady_text(changes):
         yield unsteady
     yield from _withheld(solution, found)

@@ -334,13 +334,13 @@ def history_pairs(first: Result, second: Result, pairs: Pairs) -> Iterator[Histo
             yield HistoryPair(name, "", "area", area, *times, *areas)
         else:
             yield HistoryPair(name, "", "Q", force, *times, one.shear_force, two.shear_force)
-        for station, partner in station_pairs(one, two):
+        for station, partner in _station_pairs(one, two):
             along = station.k_along, replace(partner, k_angle=station.k_angle).k_along
             label = "K" if one.solid else "K_T"
             yield HistoryPair(name, station.front, label, factor, *times, *along)
 
 
-def station_pairs(one: Contact, two: Contact) -> Iterator[tuple[Station, Station]]:
+def _station_pairs(one: Contact, two: Contact) -> Iterator[tuple[Station, Station]]:
     """Stations that belong together: edges, of solids the worst of a front and the nearest to it.
 
     That of the other result lies within half of the distance between its stations.

@@ -38,6 +38,7 @@ from fretfe.evaluate.resultants import solid_resultants
 from fretfe.evaluate.slip import cycle_states, last_state, slip_zones
 from fretfe.evaluate.space.fronts import NEAR, FrontTrack, SpaceFront
 from fretfe.evaluate.space.half_spaces import half_space_ratios
+from fretfe.evaluate.space.patches import follow_patches
 from fretfe.evaluate.space.pressure_fit import FrontFit
 from fretfe.evaluate.space.slip import SlipBetween, shear_share
 from fretfe.evaluate.verdicts import FLANK
@@ -132,9 +133,17 @@ def evaluate_solids(
     """
     found = solid_resultants(contact)
     first, last = solution.cycle or (0, len(solution.times) - 1)
+    fronts = evaluate_fronts(solution, contact, tracks or ())
+    patches, owner = follow_patches(solution, contact)
+    if patches:
+        fronts = tuple(
+            replace(front, patch=int(owner[track.front.node]) + 1)
+            for front, track in zip(fronts, tracks or (), strict=True)
+        )
     return {
         **found,
-        "fronts": evaluate_fronts(solution, contact, tracks or ()),
+        "fronts": fronts,
+        "patches": patches,
         "dissipation": float(found["work"][first + 1 : last + 1].sum()),
     }
 

@@ -76,12 +76,13 @@ class SpaceFront:
         frames: n stations on the front.
         sectors: nodes around the stations.
         depth: (n,) half of the width of the contact, along `inward`.
+        node: one of those in contact next to the front.
     """
 
     def __init__(
-        self, frames: Frames, sectors: tuple[Sector, ...], depth: Array, weights: Array
+        self, frames: Frames, sectors: tuple[Sector, ...], depth: Array, weights: Array, node: int
     ) -> None:
-        self.frames, self.sectors, self.depth = frames, sectors, depth
+        self.frames, self.sectors, self.depth, self.node = frames, sectors, depth, node
         radius = 1 / np.maximum(frames.curvature, 1e-300)
         deepest = np.minimum(FARTHEST * depth, NO_FARTHER * radius)
         self.fits = FrontFitter(sectors, weights, deepest, depth)
@@ -125,32 +126,34 @@ class FrontFinder:
 
     def _front(self, line: Outline, contact: Bools, pressure: Array) -> SpaceFront | None:
         closed, pieces = line.closed, FEWEST_PIECES[line.closed]
-        middles = line.middles(self._points)
+        middles, node = line.middles(self._points), int(line.inside[0])
         curve = _curve(middles, closed, pieces)
         for _ in range(PASSES):
             if curve is None:
                 return None
-            front = self._at(curve.at(max(self._count, POINTS[closed]), self._normals), contact)
+            frames = curve.at(max(self._count, POINTS[closed]), self._normals)
+            front = self._at(frames, contact, node)
             place = front.fits.fit(pressure[None]).place[0]
             known = np.isfinite(place)
             if np.count_nonzero(known) < max(KNOWN_POINTS * len(known), 4):
                 return None
-            frames = front.frames
             points = (frames.points + place[:, None] * frames.inward)[known]
             if not closed:
                 points = _with_ends(points, middles[[0, -1]])
             reach = np.median([sector.half_width for sector in front.sectors])
             pieces = max(FEWEST_PIECES[closed], round(frames.length / (PIECE[closed] * reach)))
             curve = _curve(points, closed, pieces)
-        return None if curve is None else self._at(curve.at(self._count, self._normals), contact)
+        if curve is None:
+            return None
+        return self._at(curve.at(self._count, self._normals), contact, node)
 
-    def _at(self, frames: Frames, contact: Bools) -> SpaceFront:
+    def _at(self, frames: Frames, contact: Bools, node: int) -> SpaceFront:
         depth = self._depths(frames, contact)
         sectors = tuple(
             self._sectors.around(frames, station, FARTHEST * float(depth[station]))
             for station in range(len(frames.arc))
         )
-        return SpaceFront(frames, sectors, depth, self._weights)
+        return SpaceFront(frames, sectors, depth, self._weights, node)
 
     def _depths(self, frames: Frames, contact: Bools) -> Array:
         """(n,) half of the distances along `inward` to where the contact ends."""

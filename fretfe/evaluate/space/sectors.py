@@ -176,7 +176,7 @@ def outlines(facets: Indices, contact: Bools) -> tuple[Outline, ...]:
         facets: (F, 3 or 4) nodes, counter-clockwise seen from outside body 2.
         contact: (N,) nodes in contact.
     """
-    following = _segments(_triangles(facets), contact)
+    following = _segments(triangles(facets), contact)
     lines = []
     for first in sorted(set(following) - set(following.values())):
         lines.append(_walk(following, first, closed=False))
@@ -185,7 +185,7 @@ def outlines(facets: Indices, contact: Bools) -> tuple[Outline, ...]:
     return tuple(sorted(lines, key=lambda line: -len(line.inside)))
 
 
-def _triangles(facets: Indices) -> Indices:
+def triangles(facets: Indices) -> Indices:
     """(m, 3) facets, quadrilaterals cut in two."""
     if facets.shape[1] == 3:
         return facets

@@ -93,6 +93,11 @@ def contact_table(run: Result) -> Table:
     for contact in run.contacts:
         cells = _solid_cells if contact.solid else _plane_cells
         table.add_row(contact.name, *cells(contact, cycle, last))
+        for patch in contact.patches:
+            shear = np.linalg.norm(patch.shear_force[cycle], axis=1)
+            ranges = _range(patch.normal_force[cycle]), _range(shear)
+            area = number(patch.contact_area[last])
+            table.add_row(f"  {patch.name}", *ranges, area, *[MISSING] * (len(headers) - 3))
     return table
 
 
@@ -162,6 +167,8 @@ def timing_table(seconds: Mapping[str, float]) -> Table:
 
 
 def _range(values: Array) -> str:
+    if not np.isfinite(values).all():
+        return MISSING
     return f"{number(values.min())} … {number(values.max())}"
 
 
@@ -214,11 +221,12 @@ def _front_table(run: Result) -> Table:
     for contact in run.contacts:
         for front in contact.fronts:
             judged = front.judged
+            owner = contact.patches[front.patch - 1].name if front.patch else contact.name
             if not judged:
-                table.add_row(f"{contact.name} {front.name}", *[MISSING] * 4)
+                table.add_row(f"{owner} {front.name}", *[MISSING] * 4)
                 table.add_row("  all too near an end")
                 continue
-            table.add_row(f"{contact.name} {front.name}", *_along(judged))
+            table.add_row(f"{owner} {front.name}", *_along(judged))
             for word, count in _count_verdicts(judged).items():
                 table.add_row(f"  {count} {word}")
             worst = front.worst
