@@ -14,6 +14,7 @@ import typer
 
 from fretfe.cli.options import AsJson, Results, examples
 from fretfe.environment import rank_from_environment
+from fretfe.files import json_value
 from fretfe.report.texts import (
     MISSING,
     marked,
@@ -144,7 +145,7 @@ def _remarks(analysis: TractionAnalysis) -> list[str]:
 def _edges_numbers(
     path: Path, friction: float | None, table: TractionTable, analysis: TractionAnalysis
 ) -> dict[str, Any]:
-    forces = {name: _number(value) for name, value in asdict(analysis.resultants).items()}
+    forces = {name: json_value(value) for name, value in asdict(analysis.resultants).items()}
     return {
         "schema": {"name": "fretfe-edges", "version": 1},
         "file": str(path),
@@ -159,14 +160,10 @@ def _edges_numbers(
 
 def _edge_numbers(edge: EdgeAnalysis) -> dict[str, Any]:
     def numbers(estimate: Estimate) -> dict[str, Any]:
-        value, spread = _number(estimate.value), _number(estimate.spread)
+        value, spread = json_value(estimate.value), json_value(estimate.spread)
         return {"value": value, "spread": spread, "remark": estimate.remark}
 
     return {"side": edge.side} | {key: numbers(getattr(edge, key)) for key in EDGE_ROWS}
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
 
 
 COMPARE_EXAMPLES = examples(

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from fretfe.case import Units
-    from fretfe.matching.agreement import Agreement, Reach
+    from fretfe.matching.agreement import Reach
     from fretfe.matching.choose import Choice
     from fretfe.matching.match import Comparison, Match
     from fretfe.matching.target import Target
@@ -211,18 +211,12 @@ def _match_remarks(match: Match, comparison: Comparison | None) -> Iterator[str]
             )
         return
     for agreement in comparison.agreements:
-        yield from _about(agreement)
+        told = filter(None, (agreement.remark, *agreement.test.warnings))
+        yield from (f"{Path(agreement.name).name}: {text}" for text in told)
     if len(comparison.agreements) > 1:
         yield f"Nearest to the component: {Path(better(list(comparison.agreements)).name).name}"
     if match.rig.process_zone:
         yield f"Process zone: {match.rig.process_zone:g}"
-
-
-def _about(agreement: Agreement) -> Iterator[str]:
-    name = Path(agreement.name).name
-    if agreement.remark:
-        yield f"{name}: {agreement.remark}"
-    yield from (f"{name}: {text}" for text in agreement.test.warnings)
 
 
 STRENGTH_EXAMPLES = examples(

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain
+from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -171,60 +173,36 @@ def overlap_points(surface1: Surface, surface2: Surface) -> OverlapPoints:
     normals = contact_normals(surface1, surface2)
     if surface1.dimension == 3:
         square = quadrature("quadrilateral", GAUSS_POINTS)
-        return project_in_space(
-            surface2, normals, surface1, square, _triangle_rule(surface1, surface2)
-        )
+        return project(surface2, normals, surface1, square, _triangle_rule(surface1, surface2))
     at, weights = quadrature("line", GAUSS_POINTS)
     return project(surface2, normals, surface1, (at[:, 0], weights))
 
 
-def project(near: Surface, normals: Array, far: Surface, rule: Rule) -> OverlapPoints:
-    """Project points of one plane surface along normals onto another one.
+def project(near: Surface, normals: Array, far: Surface, *rules: Rule) -> OverlapPoints:
+    """Project points of one surface along normals onto another one.
 
     Args:
         near: surface 2.
-        normals: (f, k, 2) unit normals at the nodes of `near`.
+        normals: (f, k, d) unit normals at the nodes of `near`.
         far: surface 1.
-        rule: points (q,) in [0, 1] and weights (q,) of the quadrature on each segment.
+        rules: points and weights (q,) of the quadrature: in the plane one rule with points (q,) in
+            [0, 1]; in space those on quadrilaterals and on triangles, with points (q, 2).
     """
+    plane = near.dimension == 2
     reach = search_reach(near, far)
     candidates = opposite_candidates(near, normals, far, reach)
-    facet2, facet1, xi, eta, weights, gap, at_points = _kernels.overlap_points(
+    kernel: Any = _kernels.overlap_points if plane else _kernels.overlap_points_in_space
+    facet2, facet1, at2, at1, weights, gap, at_points = kernel(
         np.ascontiguousarray(near.nodes),
         np.ascontiguousarray(normals),
         np.ascontiguousarray(far.nodes),
         candidates.starts,
         candidates.facets,
-        *rule,
+        *chain.from_iterable(rules),
         reach,
     )
-    return OverlapPoints(facet1, facet2, eta[:, None], xi[:, None], weights, gap, at_points)
-
-
-def project_in_space(
-    near: Surface, normals: Array, far: Surface, square: Rule, triangle: Rule
-) -> OverlapPoints:
-    """Project points of one surface in space along normals onto another one.
-
-    Args:
-        near: surface 2.
-        normals: (f, k, 3) unit normals at the nodes of `near`.
-        far: surface 1.
-        square: points (q, 2) in [0, 1]² and weights (q,) of the quadrature on quadrilaterals.
-        triangle: points and weights of the quadrature on triangles.
-    """
-    reach = search_reach(near, far)
-    candidates = opposite_candidates(near, normals, far, reach)
-    facet2, facet1, at2, at1, weights, gap, at_points = _kernels.overlap_points_in_space(
-        np.ascontiguousarray(near.nodes),
-        np.ascontiguousarray(normals),
-        np.ascontiguousarray(far.nodes),
-        candidates.starts,
-        candidates.facets,
-        *square,
-        *triangle,
-        reach,
-    )
+    if plane:
+        at1, at2 = at1[:, None], at2[:, None]
     return OverlapPoints(facet1, facet2, at1, at2, weights, gap, at_points)
 
 
