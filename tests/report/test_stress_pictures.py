@@ -32,8 +32,8 @@ from fretfe.report.pictures.looks import (
     round_down,
     round_up,
 )
+from fretfe.report.pictures.mesh import shares_text, visible_status
 from fretfe.report.pictures.panels import View
-from fretfe.report.pictures.status import shares_text, visible_status
 
 needs_pyvista = pytest.mark.skipif(
     importlib.util.find_spec("pyvista") is None, reason="PyVista is not installed"

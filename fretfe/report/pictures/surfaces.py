@@ -27,6 +27,7 @@ from scipy.spatial import cKDTree
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
+from fretfe.report.pictures.mesh import NAMES, STATUS, shares_text, visible_status
 from fretfe.report.pictures.panels import (
     BAR_ASPECT,
     Unrolled,
@@ -37,7 +38,6 @@ from fretfe.report.pictures.panels import (
     settle,
     unroll,
 )
-from fretfe.report.pictures.status import NAMES, STATUS, shares_text, visible_status
 from fretfe.report.source import cycle_states, state_title, times_text
 from fretfe.report.texts import direction_text, number, rounded
 from fretfe.report.theme import COLOURS, DURATION, FRAME_WIDTH, FRAMED, HALO, PALE, VERMILLION
