@@ -17,8 +17,8 @@ from PIL import Image
 from small_files import small_files
 
 from fretfe._typing import Array
-from fretfe.cli.pictures import animate
-from fretfe.cli.pictures import scene as write_scene
+from fretfe.cli.lists import animate
+from fretfe.cli.lists import scene as write_scene
 from fretfe.errors import CaseError, FretfeError, OutputError
 from fretfe.evaluate.plane.section import PLANE_FRONTS
 from fretfe.evaluate.resultants import station_extremes

@@ -14,8 +14,14 @@ from scipy.spatial.transform import Rotation
 from fretfe._typing import Array
 from fretfe.mesh.elements import quadrature
 from fretfe.surface.checks import contact_quality, initial_gap
-from fretfe.surface.mortar import Coupling, couple
-from fretfe.surface.overlap import contact_normals, overlap_points, project, search_reach
+from fretfe.surface.mortar import (
+    Coupling,
+    contact_normals,
+    couple,
+    overlap_points,
+    project,
+    search_reach,
+)
 from fretfe.surface.surface import Surface, deviations, mean_curvature
 
 CELLS = ("triangle", "quadrilateral")
