@@ -57,7 +57,6 @@ def match(
     """
     if rank_from_environment() > 0:
         return
-    from rich.console import Console
 
     from fretfe.errors import CaseError, ModelError
     from fretfe.matching.files import write_match
@@ -71,20 +70,19 @@ def match(
     found = match_test(load_result(directory), edge, load_rig(rig))
     tests = [(str(folder), load_result(folder)) for folder in against or ()]
     comparison = compare_tests(found, tests) if tests else None
-    console = Console()
     for text in found.notes:
-        console.print(f"note: {text}", highlight=False, soft_wrap=True)
+        print(f"note: {text}")
     if comparison is None and not any(each.choices for each in found.shapes):
         reasons = "\n".join(f"{each.shape}: {text}" for each in found.shapes
                             for text in each.infeasible)  # fmt: skip
         raise ModelError(f"{rig}: expected bounds that a test can meet, found none\n{reasons}")
     cases = write_match(found, comparison, output)
-    console.print(_component(found.target), highlight=False, soft_wrap=True)
+    print(_component(found.target))
     for table in (_comparison_tables if comparison else _choice_tables)(found, comparison):
         print_whole(table)
     for line in _match_remarks(found, comparison):
-        console.print(line, highlight=False, soft_wrap=True)
-    console.print(f"Cases {', '.join(map(str, cases))}", highlight=False, soft_wrap=True)
+        print(line)
+    print(f"Cases {', '.join(map(str, cases))}")
 
 
 def _component(target: Target) -> str:
@@ -248,8 +246,6 @@ def strength(
         return
     import json
 
-    from rich.console import Console
-
     from fretfe.api import load_result, strength_map
     from fretfe.strength.files import strength_numbers, write_map
 
@@ -257,15 +253,15 @@ def strength(
     if as_json:
         print(json.dumps(strength_numbers(found), indent=1, allow_nan=False))
     else:
-        console, shown = Console(), _shown(found)
+        shown = _shown(found)
         print_whole(_strength_table(found, shown))
         for text in _strength_texts(found, shown):
-            console.print(text, highlight=False, markup=False, soft_wrap=True)
+            print(text)
     if output is not None:
         files = write_map(found, output)
         if not as_json:
             names = " and ".join(path.name for path in files)
-            Console().print(f"{names} in {output}", highlight=False, markup=False, soft_wrap=True)
+            print(f"{names} in {output}")
 
 
 def _shown(found: StrengthMap) -> list[Margin]:
@@ -359,9 +355,8 @@ def station(
     result = load_result(directory)
     name, front = _front(contact)
     model = run_station(result, name, number, front, output)
-    console = Console()
-    console.print(_station_table(result.case.units, model))
-    console.print(
+    Console().print(_station_table(result.case.units, model))
+    print(
         f"Station: K_N {with_error(model.k_n, model.k_n_spread)}, ΔK "
         f"{with_error(model.k_range, model.k_range_spread)}\n"
         f"Cylinder of radius {with_error(model.radius, model.radius_spread)} on a half-plane, "
@@ -369,9 +364,7 @@ def station(
         f"{with_error(model.normal_force, model.normal_force_spread)} at the end; "
         "K_N and the histories of K and K_I are met to "
         f"{abs(model.plane_k_n / model.k_n - 1):.1g}, {model.k_mismatch:.1g} and "
-        f"{model.k_i_mismatch:.1g}\nResults in {output}",
-        highlight=False,
-        soft_wrap=True,
+        f"{model.k_i_mismatch:.1g}\nResults in {output}"
     )
 
 

@@ -141,8 +141,6 @@ def info() -> None:
 
     Ends with an error that names what is missing if Gmsh does not load.
     """
-    from rich.console import Console
-
     from fretfe.environment import blas_libraries, reference_blas, versions
     from fretfe.fem import _compat
     from fretfe.fem._compat import MPI
@@ -150,19 +148,16 @@ def info() -> None:
 
     if MPI.COMM_WORLD.rank != 0:
         return
-    console = Console()
     for name, version in {**versions(), **_compat.versions()}.items():
-        console.print(f"{name:12s} {version}", highlight=False)
-    console.print(f"{'MPI ranks':12s} {MPI.COMM_WORLD.size}", highlight=False)
+        print(f"{name:12s} {version}")
+    print(f"{'MPI ranks':12s} {MPI.COMM_WORLD.size}")
     libraries = blas_libraries()
     for library in libraries:
-        console.print(f"{'BLAS':12s} {library}", highlight=False, soft_wrap=True)
+        print(f"{'BLAS':12s} {library}")
     for library in reference_blas(libraries):
-        console.print(
+        print(
             f"Warning: {library} is the reference BLAS, which makes factorisations about four "
-            "times slower. Install OpenBLAS (Debian: libopenblas0-pthread).",
-            highlight=False,
-            soft_wrap=True,
+            "times slower. Install OpenBLAS (Debian: libopenblas0-pthread)."
         )
     import_gmsh()
 
@@ -203,10 +198,8 @@ def animate(
 
     The run needs the fields of all steps.
     """
-    from rich.console import Console
-
     _make("animation", results, output, ".gif")
-    Console().print(f"Wrote {output}", highlight=False, soft_wrap=True)
+    print(f"Wrote {output}")
 
 
 def scene(
@@ -214,14 +207,12 @@ def scene(
     output: Annotated[Path, typer.Option("--output", "-o", help="File to write (.gltf).")],
 ) -> None:
     """Write the bodies and their last stress as a glTF scene."""
-    from rich.console import Console
-
     from fretfe.results.reader import read_numbers
 
     report = _make("scene", results, output, ".gltf")
     unit = read_numbers(results)["units"]["stress"]
     text = f"displacements × {report['scale']:g}, colours 0 to {report['limit']:g} {unit}"
-    Console().print(f"Wrote {output}: {text}", highlight=False, soft_wrap=True)
+    print(f"Wrote {output}: {text}")
 
 
 def _make(task: str, directory: Path, output: Path, suffix: str) -> dict[str, float]:
