@@ -30,6 +30,7 @@ from fretfe.errors import OutputError
 from fretfe.files import disk_reason, replacing
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
 from fretfe.mesh.elements import CORNERS, shape_values
+from fretfe.mesh.mesh import BodyMesh
 from fretfe.report.pictures.panels import (
     View,
     few_ticks,
@@ -54,7 +55,7 @@ from fretfe.report.theme import (
     SURFACES,
     TINTS,
 )
-from fretfe.results.model import BodyArrays, Result
+from fretfe.results.model import Result
 
 # Line widths of elements of meshes with fewer cells than this, and with more.
 MANY_CELLS, FEW_WIDTH, MANY_WIDTH = 20_000, 0.2, 0.12
@@ -89,7 +90,7 @@ ROUND_OFF = 1e-9
 NAMES = {SLIP: "slip", STICK: "stick", OPEN: "open"}
 
 
-def write_mesh_picture(path: Path, case: Case, bodies: Mapping[str, BodyArrays]) -> None:
+def write_mesh_picture(path: Path, case: Case, bodies: Mapping[str, BodyMesh]) -> None:
     """Draw the bodies of a plane mesh, and the surroundings of each contact.
 
     Args:
@@ -109,7 +110,7 @@ def write_mesh_picture(path: Path, case: Case, bodies: Mapping[str, BodyArrays])
 
 
 @mpl.rc_context(FRAMED)
-def draw_mesh(case: Case, bodies: Mapping[str, BodyArrays]) -> Figure:
+def draw_mesh(case: Case, bodies: Mapping[str, BodyMesh]) -> Figure:
     """The figure of `write_mesh_picture`."""
     labels = boundary_labels(bodies)
     figure = Figure(dpi=FILE_DPI, layout="constrained")
@@ -140,7 +141,7 @@ def draw_mesh(case: Case, bodies: Mapping[str, BodyArrays]) -> Figure:
 
 
 def _layout(
-    figure: Figure, contacts: int, labels: Sequence[Label], bodies: Mapping[str, BodyArrays]
+    figure: Figure, contacts: int, labels: Sequence[Label], bodies: Mapping[str, BodyMesh]
 ) -> list[Axes]:
     """Axes that show the bodies, with room for their names, and empty ones for each contact."""
     columns = -(-contacts // ROWS)
@@ -178,7 +179,7 @@ def _show(axes: Axes, low: Array, high: Array) -> None:
     axes.margins(0.0)
 
 
-def _draw(axes: Axes, case: Case, bodies: Mapping[str, BodyArrays]) -> None:
+def _draw(axes: Axes, case: Case, bodies: Mapping[str, BodyMesh]) -> None:
     """All that is within the limits of the axes; these stay."""
     limits = np.array([axes.get_xlim(), axes.get_ylim()]).T
     for number, body in enumerate(bodies.values()):
@@ -196,7 +197,7 @@ def _draw(axes: Axes, case: Case, bodies: Mapping[str, BodyArrays]) -> None:
             lines.set_zorder(order)
 
 
-def _draw_cells(axes: Axes, body: BodyArrays, tint: str, limits: Array) -> None:
+def _draw_cells(axes: Axes, body: BodyMesh, tint: str, limits: Array) -> None:
     outlines, boxes = cell_outlines(body)
     shown = (boxes[:, 0] < limits[1]).all(axis=1) & (boxes[:, 1] > limits[0]).all(axis=1)
     width = FEW_WIDTH if np.count_nonzero(shown) < MANY_CELLS else MANY_WIDTH
@@ -210,7 +211,7 @@ def _draw_cells(axes: Axes, body: BodyArrays, tint: str, limits: Array) -> None:
         )
 
 
-def _add_legend(figure: Figure, bodies: Mapping[str, BodyArrays]) -> None:
+def _add_legend(figure: Figure, bodies: Mapping[str, BodyMesh]) -> None:
     handles: list[Any] = [
         Patch(
             facecolor=TINTS[number % len(TINTS)],
@@ -235,7 +236,7 @@ class Label:
     place: Array
 
 
-def boundary_labels(bodies: Mapping[str, BodyArrays]) -> list[Label]:
+def boundary_labels(bodies: Mapping[str, BodyMesh]) -> list[Label]:
     """One label for each boundary of each body, at the facet nearest to the boundary's centre."""
     labels = []
     for body in bodies.values():
@@ -303,7 +304,7 @@ def _longest(figure: Figure, labels: Sequence[Label]) -> float:
     return float(width)
 
 
-def cell_outlines(body: BodyArrays) -> tuple[list[Array], Array]:
+def cell_outlines(body: BodyMesh) -> tuple[list[Array], Array]:
     """The outlines of all cells, and the boxes (m, 2, 2) with their lowest and highest corners.
 
     Returns:
@@ -324,7 +325,7 @@ def cell_outlines(body: BodyArrays) -> tuple[list[Array], Array]:
     return parts, np.concatenate(boxes)
 
 
-def boundary_curves(body: BodyArrays, name: str) -> list[Array]:
+def boundary_curves(body: BodyMesh, name: str) -> list[Array]:
     """The boundary of this name as curves (n, 2), one for each connected piece."""
     facets = body.boundaries[name]
     return [_curve(body.points, facets[chain]) for chain in _chains(facets)]
@@ -433,7 +434,7 @@ def shares_text(contact: ContactHistory, state: int) -> str:
     return ", ".join(f"{NAMES[kind]} {length / total:.1%}" for kind, length in lengths.items())
 
 
-def _draw_pale_bodies(panel: Axes, bodies: Iterable[BodyArrays], view: View) -> None:
+def _draw_pale_bodies(panel: Axes, bodies: Iterable[BodyMesh], view: View) -> None:
     """Light grey, one a little darker than the other."""
     for number, body in enumerate(bodies):
         colour = BODIES[number % len(BODIES)]
