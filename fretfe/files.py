@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import math
 import os
 import stat
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from fretfe.errors import FretfeError
 
@@ -94,6 +96,11 @@ def replace_text(path: Path, text: str) -> None:
     """
     with replacing(path) as new:
         new.write_text(text, encoding="utf-8")
+
+
+def json_value(value: Any) -> Any:
+    """A value as JSON can have it: None for a number that is not finite."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def cut_off(path: Path) -> OSError:

@@ -5,16 +5,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from pad_cases import pad, press, shear
 
 from fretfe._typing import Array
 from fretfe.backends import find_backend
 from fretfe.case import Case, parse_case
+from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.field_files import FIELDS, FieldWriter
 from fretfe.results.writer import write_results
 
@@ -22,24 +22,14 @@ from fretfe.results.writer import write_results
 NODES = np.array([[2, 0, 0], [0, 2, 0], [0, 0, 2], [1, 1, 0], [0, 1, 1], [1, 0, 1]]) / 2
 
 
-@dataclass(frozen=True)
-class Grid:
-    """A rectangle of triangles of order 1."""
-
-    points: Array
-    cells: NDArray[np.int64]
-    cell: str = "triangle"
-    order: int = 1
-    boundaries: dict[str, NDArray[np.int64]] = field(default_factory=dict)
-
-
-def rectangle(low: tuple[float, float], high: tuple[float, float], count: int = 16) -> Grid:
+def rectangle(low: tuple[float, float], high: tuple[float, float], count: int = 16) -> BodyMesh:
     """2 count² triangles."""
     x, y = np.meshgrid(*(np.linspace(a, b, count + 1) for a, b in zip(low, high, strict=True)))
     points = np.stack([x.ravel(), y.ravel()], axis=1)
     first = (np.arange(count)[:, None] * (count + 1) + np.arange(count)).ravel()
     quads = np.stack([first, first + 1, first + count + 2, first + count + 1], axis=1)
-    return Grid(points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
+    cells = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    return BodyMesh("", points, cells, "triangle", 1, {})
 
 
 BODIES = {"upper": rectangle((-2.0, 0.0), (2.0, 2.0)), "lower": rectangle((-3.0, -2.0), (3.0, 0.0))}

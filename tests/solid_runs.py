@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pad_cases import pad, press, shear
 
 from fretfe._typing import Array, Indices
@@ -26,6 +25,7 @@ from fretfe.evaluate.space.evaluate import evaluate_fronts
 from fretfe.evaluate.space.fronts import follow_fronts
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits, Solution
 from fretfe.loads import build_history
+from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.field_files import FIELDS, FieldWriter
 from fretfe.results.model import Result
 from fretfe.results.writer import write_results
@@ -242,18 +242,7 @@ def exact_station(station: Station, load: Array, angle: float) -> Station:
     )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Block:
-    """A mesh of hexahedra of order 1, in Gmsh's and VTK's order."""
-
-    points: Array
-    cells: NDArray[np.int64]
-    cell: str = "hexahedron"
-    order: int = 1
-    boundaries: dict[str, NDArray[np.int64]] = field(default_factory=dict)
-
-
-def block(low: tuple[float, ...], high: tuple[float, ...], count: int = 8) -> Block:
+def block(low: tuple[float, ...], high: tuple[float, ...], count: int = 8) -> BodyMesh:
     """count³ hexahedra."""
     lines = [np.linspace(a, b, count + 1) for a, b in zip(low, high, strict=True)]
     points = np.stack([each.ravel() for each in np.meshgrid(*lines, indexing="ij")], axis=1)
@@ -262,10 +251,10 @@ def block(low: tuple[float, ...], high: tuple[float, ...], count: int = 8) -> Bl
                       (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])  # fmt: skip
     size = np.array([(count + 1) ** 2, count + 1, 1])
     cells = (np.stack([i, j, k], axis=1)[:, None] + steps) @ size
-    return Block(points, cells)
+    return BodyMesh("", points, cells, "hexahedron", 1, {})
 
 
-def bodies() -> dict[str, Block]:
+def bodies() -> dict[str, BodyMesh]:
     """A pad on a larger block."""
     return {
         "upper": block((-2.0, 0.0, -2.0), (2.0, 2.0, 2.0)),
@@ -278,7 +267,7 @@ EDGES = np.array([(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)])
 SIX = np.array([(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)])
 
 
-def element_nodes(body: Block, *, tetrahedra: bool) -> Array:
+def element_nodes(body: BodyMesh, *, tetrahedra: bool) -> Array:
     """(m, k, 3) nodes of hexahedra of order 1, or of tetrahedra of order 2."""
     nodes = body.points[body.cells]
     if not tetrahedra:

@@ -74,7 +74,8 @@ class ClosedFormBorders:
         states = np.arange(start, end + 1)
         if self.problem.friction[start] == 0:
             return self._first_loading(states)
-        history = self._since_friction(end)
+        # From the state in which friction starts to act.
+        history = np.arange(max(int(np.argmax(self.problem.friction > 0)) - 1, 0), end + 1)
         if self._only_shear(history):
             self.used.add(EXACT)
             contact = self._partial_slip(end)
@@ -148,10 +149,6 @@ class ClosedFormBorders:
             return None
         self.used.add(MODERATE)
         return _zone(contact.half_width - stick + inward * centre)
-
-    def _since_friction(self, end: int) -> States:
-        """States from the one in which friction starts to act."""
-        return np.arange(max(int(np.argmax(self.problem.friction > 0)) - 1, 0), end + 1)
 
     def _only_shear(self, states: States) -> bool:
         """True if nothing but Q changes."""

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, cast
 
 from pydantic import ValidationError
-from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from fretfe.case.base import TAG, BoundarySelector, Selector, Table
@@ -227,13 +226,8 @@ def _table(location: tuple[str | int, ...], top: type[Table]) -> type[Table]:
         return NESTED[location[:2]]
     if len(location) == 1:
         return top
-    fields = top.model_fields
-    return SECTIONS[str(location[0])] if top is Case else _class(fields[str(location[0])])
-
-
-def _class(field: FieldInfo) -> type[Table]:
-    """The table that a field is."""
-    return cast("type[Table]", field.annotation)
+    name = str(location[0])
+    return SECTIONS[name] if top is Case else cast("type[Table]", top.model_fields[name].annotation)
 
 
 def _no_load_type(load: Mapping[str, Any]) -> str:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import typer
 
-from fretfe.cli import exchange, laboratory, lists, meshes, pictures, run
+from fretfe.cli import exchange, laboratory, lists, meshes, run
 from fretfe.environment import memory_shortage, missing_package, rank_from_environment
 from fretfe.errors import DependencyError, FretfeError, MemoryShortError
 
@@ -48,7 +48,7 @@ app = typer.Typer(
 # In the order of the help.
 COMMANDS: tuple[tuple[Callable[..., None], str], ...] = (
     (run.run, run.RUN_EXAMPLES),
-    (pictures.report, pictures.REPORT_EXAMPLES),
+    (lists.report, lists.REPORT_EXAMPLES),
     (run.sweep, run.SWEEP_EXAMPLES),
     (lists.backends, lists.BACKENDS_EXAMPLES),
     (run.validate, run.VALIDATE_EXAMPLES),
@@ -62,8 +62,8 @@ COMMANDS: tuple[tuple[Callable[..., None], str], ...] = (
     (exchange.compare, exchange.COMPARE_EXAMPLES),
     (exchange.export, exchange.EXPORT_EXAMPLES),
     (laboratory.strength, laboratory.STRENGTH_EXAMPLES),
-    (pictures.animate, pictures.ANIMATE_EXAMPLES),
-    (pictures.scene, pictures.SCENE_EXAMPLES),
+    (lists.animate, lists.ANIMATE_EXAMPLES),
+    (lists.scene, lists.SCENE_EXAMPLES),
     (lists.info, lists.INFO_EXAMPLES),
     (lists.schema, lists.SCHEMA_EXAMPLES),
 )

@@ -14,6 +14,7 @@ import typer
 
 from fretfe.cli.options import AsJson, Results, examples
 from fretfe.environment import rank_from_environment
+from fretfe.files import json_value
 from fretfe.report.texts import (
     MISSING,
     marked,
@@ -25,7 +26,6 @@ from fretfe.report.texts import (
 )
 
 if TYPE_CHECKING:
-    from rich.console import Console
     from rich.table import Table
 
     from fretfe.evaluate import EdgeAnalysis, Estimate, TractionAnalysis
@@ -144,7 +144,7 @@ def _remarks(analysis: TractionAnalysis) -> list[str]:
 def _edges_numbers(
     path: Path, friction: float | None, table: TractionTable, analysis: TractionAnalysis
 ) -> dict[str, Any]:
-    forces = {name: _number(value) for name, value in asdict(analysis.resultants).items()}
+    forces = {name: json_value(value) for name, value in asdict(analysis.resultants).items()}
     return {
         "schema": {"name": "fretfe-edges", "version": 1},
         "file": str(path),
@@ -159,14 +159,10 @@ def _edges_numbers(
 
 def _edge_numbers(edge: EdgeAnalysis) -> dict[str, Any]:
     def numbers(estimate: Estimate) -> dict[str, Any]:
-        value, spread = _number(estimate.value), _number(estimate.spread)
+        value, spread = json_value(estimate.value), json_value(estimate.spread)
         return {"value": value, "spread": spread, "remark": estimate.remark}
 
     return {"side": edge.side} | {key: numbers(getattr(edge, key)) for key in EDGE_ROWS}
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
 
 
 COMPARE_EXAMPLES = examples(
@@ -194,7 +190,6 @@ def compare(
     """Compare two results: edges, tractions, histories."""
     if rank_from_environment() > 0:
         return
-    from rich.console import Console
 
     from fretfe import api
     from fretfe.exchange.comparison_files import comparison_numbers, write_comparison
@@ -203,24 +198,21 @@ def compare(
     if as_json:
         print(json.dumps(comparison_numbers(comparison), indent=1, allow_nan=False))
     else:
-        _print_comparison(Console(), comparison)
+        _print_comparison(comparison)
     if output is not None:
         files = write_comparison(comparison, output)
         if not as_json:
             names = ", ".join(path.name for path in files)
-            Console().print(f"{names} in {output}", highlight=False, markup=False, soft_wrap=True)
+            print(f"{names} in {output}")
 
 
-def _print_comparison(console: Console, comparison: Comparison) -> None:
+def _print_comparison(comparison: Comparison) -> None:
 
     print_whole(_comparison_table(comparison))
     for each in comparison.tractions:
-        console.print(
+        print(
             f"{each.contact}, {each.extreme}: p differs by {percent(each.pressure_difference)}, "
-            f"q by {percent(each.shear_difference)} of f p (root mean square)",
-            highlight=False,
-            markup=False,
-            soft_wrap=True,
+            f"q by {percent(each.shear_difference)} of f p (root mean square)"
         )
     for history in comparison.histories:
         place = " ".join(filter(None, (history.contact, history.edge)))
@@ -230,14 +222,9 @@ def _print_comparison(console: Console, comparison: Comparison) -> None:
             else "has no common times"
         )
         value = number(abs(history.first).max(initial=0.0))
-        console.print(
-            f"{place}: {history.quantity} over time ({value} {history.unit}) {differs}",
-            highlight=False,
-            markup=False,
-            soft_wrap=True,
-        )
+        print(f"{place}: {history.quantity} over time ({value} {history.unit}) {differs}")
     for note in comparison.notes:
-        console.print(f"Note: {note}", highlight=False, markup=False, soft_wrap=True)
+        print(f"Note: {note}")
 
 
 def _comparison_table(comparison: Comparison) -> Table:
@@ -290,6 +277,6 @@ def export(
     console = Console()
     for each in export_result(result, output, fatemi_socie):
         rows = f"{each.rows} row{'s' if each.rows != 1 else ''}"
-        console.print(f"{each.path}: {rows}", highlight=False, markup=False, soft_wrap=True)
+        print(f"{each.path}: {rows}")
     if result.failure is not None:
         console.print(f"Note: the run is not complete: {result.failure}", markup=False)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from fretfe.case import Units
-    from fretfe.matching.agreement import Agreement, Reach
+    from fretfe.matching.agreement import Reach
     from fretfe.matching.choose import Choice
     from fretfe.matching.match import Comparison, Match
     from fretfe.matching.target import Target
@@ -61,7 +61,6 @@ def match(
     """
     if rank_from_environment() > 0:
         return
-    from rich.console import Console
 
     from fretfe.errors import CaseError, ModelError
     from fretfe.matching.files import write_match
@@ -75,20 +74,19 @@ def match(
     found = match_test(load_result(directory), edge, load_rig(rig))
     tests = [(str(folder), load_result(folder)) for folder in against or ()]
     comparison = compare_tests(found, tests) if tests else None
-    console = Console()
     for text in found.notes:
-        console.print(f"note: {text}", highlight=False, soft_wrap=True)
+        print(f"note: {text}")
     if comparison is None and not any(each.choices for each in found.shapes):
         reasons = "\n".join(f"{each.shape}: {text}" for each in found.shapes
                             for text in each.infeasible)  # fmt: skip
         raise ModelError(f"{rig}: expected bounds that a test can meet, found none\n{reasons}")
     cases = write_match(found, comparison, output)
-    console.print(_component(found.target), highlight=False, soft_wrap=True)
+    print(_component(found.target))
     for table in (_comparison_tables if comparison else _choice_tables)(found, comparison):
         print_whole(table)
     for line in _match_remarks(found, comparison):
-        console.print(line, highlight=False, soft_wrap=True)
-    console.print(f"Cases {', '.join(map(str, cases))}", highlight=False, soft_wrap=True)
+        print(line)
+    print(f"Cases {', '.join(map(str, cases))}")
 
 
 def _component(target: Target) -> str:
@@ -215,18 +213,12 @@ def _match_remarks(match: Match, comparison: Comparison | None) -> Iterator[str]
             )
         return
     for agreement in comparison.agreements:
-        yield from _about(agreement)
+        told = filter(None, (agreement.remark, *agreement.test.warnings))
+        yield from (f"{Path(agreement.name).name}: {text}" for text in told)
     if len(comparison.agreements) > 1:
         yield f"Nearest to the component: {Path(better(list(comparison.agreements)).name).name}"
     if match.rig.process_zone:
         yield f"Process zone: {match.rig.process_zone:g}"
-
-
-def _about(agreement: Agreement) -> Iterator[str]:
-    name = Path(agreement.name).name
-    if agreement.remark:
-        yield f"{name}: {agreement.remark}"
-    yield from (f"{name}: {text}" for text in agreement.test.warnings)
 
 
 STRENGTH_EXAMPLES = examples(
@@ -258,8 +250,6 @@ def strength(
         return
     import json
 
-    from rich.console import Console
-
     from fretfe.api import load_result, strength_map
     from fretfe.strength.files import strength_numbers, write_map
 
@@ -267,15 +257,15 @@ def strength(
     if as_json:
         print(json.dumps(strength_numbers(found), indent=1, allow_nan=False))
     else:
-        console, shown = Console(), _shown(found)
+        shown = _shown(found)
         print_whole(_strength_table(found, shown))
         for text in _strength_texts(found, shown):
-            console.print(text, highlight=False, markup=False, soft_wrap=True)
+            print(text)
     if output is not None:
         files = write_map(found, output)
         if not as_json:
             names = " and ".join(path.name for path in files)
-            Console().print(f"{names} in {output}", highlight=False, markup=False, soft_wrap=True)
+            print(f"{names} in {output}")
 
 
 def _shown(found: StrengthMap) -> list[Margin]:
@@ -370,17 +360,14 @@ def station(
     result = load_result(directory)
     name, front = _front(contact)
     model = run_station(result, name, number, front, output)
-    console = Console()
-    console.print(_station_table(result.case.units, model))
+    Console().print(_station_table(result.case.units, model))
     units = result.case.units
-    console.print(
+    print(
         f"K_N {with_error(model.k_n, model.k_n_spread)}, ΔK "
         f"{with_error(model.k_range, model.k_range_spread)}\n"
         f"Plane problem: half-width {model.half_width:.4g}, gap as |x|^{model.power:.3g}; largest "
         f"slip {model.slip:.3g} {units.length}, friction work {model.work:.3g} "
-        f"{units.force}·{units.length}/{units.length} in the cycle\nFiles in {output}",
-        highlight=False,
-        soft_wrap=True,
+        f"{units.force}·{units.length}/{units.length} in the cycle\nFiles in {output}"
     )
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Commands that list what there is: backends, templates, versions, the schema of case files."""
+"""Commands about what is there: backends, templates, versions, the schema, pictures of results."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fretfe.cli.options import examples
+from fretfe.cli.options import Results, examples
 from fretfe.environment import rank_from_environment
 from fretfe.report.texts import plain_table
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from fretfe.mesh.templates import Parameter, Template
 
 BACKENDS_EXAMPLES = examples("fretfe backends", "fretfe backends pad.toml")
+REPORT_EXAMPLES = examples("fretfe report pad")
 
 
 def backends(
@@ -140,8 +141,6 @@ def info() -> None:
 
     Ends with an error that names what is missing if Gmsh does not load.
     """
-    from rich.console import Console
-
     from fretfe.environment import blas_libraries, reference_blas, versions
     from fretfe.fem import _compat
     from fretfe.fem._compat import MPI
@@ -149,19 +148,16 @@ def info() -> None:
 
     if MPI.COMM_WORLD.rank != 0:
         return
-    console = Console()
     for name, version in {**versions(), **_compat.versions()}.items():
-        console.print(f"{name:12s} {version}", highlight=False)
-    console.print(f"{'MPI ranks':12s} {MPI.COMM_WORLD.size}", highlight=False)
+        print(f"{name:12s} {version}")
+    print(f"{'MPI ranks':12s} {MPI.COMM_WORLD.size}")
     libraries = blas_libraries()
     for library in libraries:
-        console.print(f"{'BLAS':12s} {library}", highlight=False, soft_wrap=True)
+        print(f"{'BLAS':12s} {library}")
     for library in reference_blas(libraries):
-        console.print(
+        print(
             f"Warning: {library} is the reference BLAS, which makes factorisations about four "
-            "times slower. Install OpenBLAS (Debian: libopenblas0-pthread).",
-            highlight=False,
-            soft_wrap=True,
+            "times slower. Install OpenBLAS (Debian: libopenblas0-pthread)."
         )
     import_gmsh()
 
@@ -174,3 +170,65 @@ def schema() -> None:
     from fretfe.case import case_schema
 
     print(json.dumps(case_schema(), indent=2))
+
+
+def report(directory: Results) -> None:
+    """Make report.html again from the results in a folder."""
+    from fretfe.report.page.html import write_report
+    from fretfe.results.reader import read_numbers
+    from fretfe.results.run_folder import locked
+
+    if rank_from_environment() > 0:
+        return
+    read_numbers(directory)
+    with locked(directory):
+        path = write_report(directory)
+    print(f"Report in {path}")
+
+
+ANIMATE_EXAMPLES = examples("fretfe animate pad -o cycle.gif")
+SCENE_EXAMPLES = examples("fretfe scene pad -o pad.gltf")
+
+
+def animate(
+    results: Results,
+    output: Annotated[Path, typer.Option("--output", "-o", help="File to write (.gif).")],
+) -> None:
+    """Draw the evaluated cycle of a run as an animation.
+
+    The run needs the fields of all steps.
+    """
+    _make("animation", results, output, ".gif")
+    print(f"Wrote {output}")
+
+
+def scene(
+    results: Results,
+    output: Annotated[Path, typer.Option("--output", "-o", help="File to write (.gltf).")],
+) -> None:
+    """Write the bodies and their last stress as a glTF scene."""
+    from fretfe.results.reader import read_numbers
+
+    report = _make("scene", results, output, ".gltf")
+    unit = read_numbers(results)["units"]["stress"]
+    text = f"displacements × {report['scale']:g}, colours 0 to {report['limit']:g} {unit}"
+    print(f"Wrote {output}: {text}")
+
+
+def _make(task: str, directory: Path, output: Path, suffix: str) -> dict[str, float]:
+    from fretfe.errors import CaseError, OutputError
+    from fretfe.report.pictures.folder import draw_in_child
+    from fretfe.results.reader import read_numbers
+
+    if output.suffix != suffix:
+        raise CaseError(f"--output: expected a name that ends in {suffix}, found {str(output)!r}")
+    if not output.parent.is_dir():
+        raise OutputError(f"{output}: expected an existing folder, found none: {output.parent}")
+    numbers = read_numbers(directory)
+    if not numbers["mesh"]:
+        backend = numbers["backend"]
+        raise OutputError(f"{directory}: expected bodies, found none: the backend was {backend!r}")
+    (report,) = draw_in_child(task, directory, [str(output)]).values()
+    if "reason" in report:
+        raise OutputError(f"{directory}: {report['reason']}")
+    return report

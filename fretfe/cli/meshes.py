@@ -72,7 +72,7 @@ def _print(checked: Checked) -> None:
         text = f"the mesh refines itself to a tolerance of {case.edges.tolerance:g}: first mesh"
         console.print(text, highlight=False)
     console.print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")
-    console.print(f"Estimate: {checked.cost.text}", highlight=False, soft_wrap=True)
+    print(f"Estimate: {checked.cost.text}")
     if needs_symmetric_factors(checked.cost):
         console.print(f"Note: {SLOW_FACTORS}", highlight=False)
     console.print("The case is valid.")
@@ -113,11 +113,11 @@ def _write(case: Case, mesh: Mesh, target: Path) -> None:
     console = Console()
     _print_mesh(console, case, mesh)
     write_mesh(mesh, target)
-    console.print(f"Mesh in {target}", highlight=False, soft_wrap=True)
+    print(f"Mesh in {target}")
     if mesh.dimension == 2:
         picture = target.with_suffix(".png")
         write_mesh_picture(picture, case, mesh.bodies)
-        console.print(f"Picture in {picture}", highlight=False, soft_wrap=True)
+        print(f"Picture in {picture}")
     else:
         console.print("Note: a picture is drawn of plane meshes only.")
 

@@ -113,9 +113,8 @@ def _finish_run(
     if timed:
         console.print(timing_table(seconds))
     steps = _step_text(result.solution)
-    text = f"{len(result.loads.times) - 1} steps{steps}, {time.perf_counter() - start:.1f} s"
-    console.print(text, highlight=False, soft_wrap=True)
-    console.print(f"Results in {directory}", highlight=False, soft_wrap=True)
+    print(f"{len(result.loads.times) - 1} steps{steps}, {time.perf_counter() - start:.1f} s")
+    print(f"Results in {directory}")
 
 
 def _print_numbers(console: Console, result: Result) -> None:
@@ -241,7 +240,7 @@ def _print_sweep(sweep: Sweep, directory: Path, seconds: float, verbosity: Verbo
         if (directory / FIGURE).exists()
         else f"{TABLE} (no picture: {NO_PICTURE})"
     )
-    console.print(f"{files} in {directory}", highlight=False, soft_wrap=True)
+    print(f"{files} in {directory}")
 
 
 def _sweep_warnings(sweep: Sweep) -> list[str]:

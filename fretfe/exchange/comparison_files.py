@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,7 @@ from matplotlib.figure import Figure
 from fretfe.errors import OutputError
 from fretfe.exchange.comparison import K_N, K_T, ZONES, Comparison, QuantityPair
 from fretfe.exchange.overlays import Curve, HistoryPair, TractionPair
-from fretfe.files import disk_reason, replace_text
+from fretfe.files import disk_reason, json_value, replace_text
 from fretfe.report.theme import (
     BLUE,
     FILE_DPI,
@@ -218,22 +217,23 @@ def comparison_numbers(comparison: Comparison) -> dict[str, Any]:
         "schema": SCHEMA,
         "labels": list(comparison.labels),
         "contacts": [list(pair) for pair in comparison.contacts],
-        "quantities": [_plain(record) for record in comparison.records()],
+        "quantities": [
+            {name: json_value(value) for name, value in record.items()}
+            for record in comparison.records()
+        ],
         "tractions": [
-            _plain(
-                {
-                    "contact": each.contact,
-                    "extreme": each.extreme,
-                    "first_time": each.first.time,
-                    "second_time": each.second.time,
-                    "pressure_difference": each.pressure_difference,
-                    "shear_difference": each.shear_difference,
-                }
-            )
+            {
+                "contact": each.contact,
+                "extreme": each.extreme,
+                "first_time": each.first.time,
+                "second_time": each.second.time,
+                "pressure_difference": json_value(each.pressure_difference),
+                "shear_difference": json_value(each.shear_difference),
+            }
             for each in comparison.tractions
         ],
         "histories": [
-            _plain({name: getattr(each, name) for name in HISTORY_KEYS})
+            {name: json_value(getattr(each, name)) for name in HISTORY_KEYS}
             for each in comparison.histories
         ],
         "notes": list(comparison.notes),
@@ -268,11 +268,3 @@ def write_comparison(comparison: Comparison, folder: Path) -> tuple[Path, ...]:
     except OSError as error:
         raise OutputError(f"{folder}: cannot write the comparison: {disk_reason(error)}") from error
     return tuple(files)
-
-
-def _plain(record: dict[str, Any]) -> dict[str, Any]:
-    """A record with null for numbers that are not known."""
-    return {
-        name: None if isinstance(value, float) and not math.isfinite(value) else value
-        for name, value in record.items()
-    }

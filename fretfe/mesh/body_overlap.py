@@ -64,7 +64,7 @@ class Outline:
         self.point_sizes = self.sizes
 
     def inside(self, points: Array) -> Bools:
-        """(n,) points inside: a ray along x crosses the outline oddly often."""
+        """(n,) points inside: a ray along x crosses the outline an odd number of times."""
         order = np.argsort(points[:, 1], kind="stable")
         x, y = points[order].T
         lower, upper = np.sort(self.walls[:, :, 1], axis=1).T
@@ -127,7 +127,7 @@ class ClosedSurface:
         self._radii: Array = reach.max(axis=1)
 
     def inside(self, points: Array) -> Bools:
-        """(n,) points inside: a ray crosses the surface oddly often."""
+        """(n,) points inside: a ray crosses the surface an odd number of times."""
         chosen = np.flatnonzero(self._in_box(points))
         turn = _SLANT[:, self._ray()]
         turned, walls = points[chosen] @ turn, self.walls @ turn

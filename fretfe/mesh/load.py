@@ -151,7 +151,9 @@ def _mesh_of_file(case: Case, file: str, size: SetSizes | None) -> Mesh:
     if kind is CAD:
         return _mesh_of_cad_file(case, path, size)
     if kind is XDMF:
-        raw = raw_mesh_of(_reading_xdmf(case, path), path)
+        _require_names(case, XDMF)
+        facets = case.resolve(case.geometry.facets) if case.geometry.facets is not None else None
+        raw = raw_mesh_of(partial(_read_xdmf, path, facets, case.geometry), path)
         return mesh_from_raw(raw, str(path), case.geometry.merge, mergeable=True)
     if kind is ABAQUS:
         raw = _read_inp(case, path)
@@ -200,13 +202,6 @@ def _even_sizes(sizes: Mapping[str, float], gmsh: ModuleType) -> None:
         apply_sizes_on_faces(gmsh, sizes, GROWTH_IN_SPACE)
     else:
         apply_sizes(gmsh, Sizes(sizes, GROWTH))
-
-
-def _reading_xdmf(case: Case, path: Path) -> Callable[[Callable[[], None]], RawMesh]:
-    geometry = case.geometry
-    _require_names(case, XDMF)
-    facets = case.resolve(geometry.facets) if geometry.facets is not None else None
-    return partial(_read_xdmf, path, facets, geometry)
 
 
 def _read_xdmf(

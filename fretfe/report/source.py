@@ -16,6 +16,7 @@ from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.resultants import load_extremes
 from fretfe.history.solution import ContactHistory
 from fretfe.results.model import Result
+from fretfe.results.tables import unit
 
 # More loads than this are not named in a title.
 MOST_LOADS = 3
@@ -38,15 +39,12 @@ def extremes(run: Result) -> list[int]:
 
 def force_unit(run: Result) -> str:
     """Unit of forces, in the plane per unit thickness."""
-    units = run.case.units
-    return units.force if run.solid else f"{units.force}/{units.length}"
+    return unit("force", run.case.units, solid=run.solid)
 
 
 def work_unit(run: Result) -> str:
     """Unit of work, in the plane per unit thickness."""
-    units = run.case.units
-    work = f"{units.force}·{units.length}"
-    return work if run.solid else f"{work}/{units.length}"
+    return unit("work", run.case.units, solid=run.solid)
 
 
 def load_unit(case: Case, name: str) -> str:

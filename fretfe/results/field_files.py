@@ -38,8 +38,6 @@ SERIES: dict[str, tuple[type, int, tuple[int, ...]]] = {
 SERIES_CHUNK = 128
 # The ending by which PyVista knows the format.
 SURFACES = "contacts.hdf"
-# VTK's number of a facet, by number of nodes.
-FACET_TYPES = {3: 5, 4: 9}
 # PyVista before 0.45 knows the format by this ending only.
 FIELDS = "fields.hdf"
 # VTK's number of a cell, by dimension and number of nodes.
@@ -220,7 +218,7 @@ def write_surfaces(path: Path, solution: Solution, states: Indices) -> None:
 
 def _contact_part(contact: ContactHistory) -> Part:
     assert contact.facets is not None
-    return Part(contact.points, contact.facets, FACET_TYPES[contact.facets.shape[1]])
+    return Part(contact.points, contact.facets, CELL_TYPES[2, contact.facets.shape[1]])
 
 
 def _values(contact: ContactHistory, state: int) -> dict[str, Array]:

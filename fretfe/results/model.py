@@ -11,9 +11,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array
 from fretfe.case import Case
 from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.evaluate.contacts import Contact
@@ -28,36 +28,13 @@ from fretfe.evaluate.stress import (
 )
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
+from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.hdf5_file import STRESSES, read_stress
 from fretfe.results.tables import edge_records, make_dataset, require, solid_records
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-
-
-class BodyArrays(Protocol):
-    """The mesh of one body, whoever made it."""
-
-    @property
-    def points(self) -> Array:
-        """(n, d) coordinates of the nodes."""
-
-    @property
-    def cells(self) -> Indices:
-        """(m, k) nodes of the cells, in Gmsh's order."""
-
-    @property
-    def cell(self) -> str:
-        """Shape of the cells."""
-
-    @property
-    def order(self) -> int:
-        """Polynomial order of the geometry."""
-
-    @property
-    def boundaries(self) -> dict[str, Indices]:
-        """Facets (f, order + 1) of each boundary."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +67,7 @@ class Result:
     solution: Solution | None = None
     notes: tuple[str, ...] = ()
     failure: ConvergenceError | None = None
-    bodies: Mapping[str, BodyArrays] = field(default_factory=dict)
+    bodies: Mapping[str, BodyMesh] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
     ranks: int = 1

@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
@@ -25,6 +25,7 @@ from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solu
 from fretfe.history.state_array import StateArray
 from fretfe.history.stream import select_rows
 from fretfe.loads import History
+from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.hdf5_file import read_fault, require_own
 from fretfe.results.model import Result
 from fretfe.results.run_folder import are_unchanged, unfinished
@@ -57,17 +58,6 @@ def require_shapes(group: h5py.Group, states: int, kept: int) -> None:
         found = group[name].shape
         if found[: len(shape)] != shape or len(found) != dimensions:
             raise ValueError(f"{group.name}/{name}: expected an array over {shape}, found {found}")
-
-
-@dataclass(frozen=True)
-class StoredBody:
-    """The mesh of a body; see `fretfe.results.model.BodyArrays`."""
-
-    points: Array
-    cells: Indices
-    cell: str
-    order: int
-    boundaries: dict[str, Indices]
 
 
 def load_result(directory: Path | str) -> Result:
@@ -202,7 +192,7 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         tuple(loads), times, _columns(loads.values(), times), tuple(cycle) if cycle else None
     )
     solution: Solution | None = None
-    bodies: dict[str, StoredBody] = {}
+    bodies: dict[str, BodyMesh] = {}
     if numbers["steps"] is not None:
         solution, bodies = _read_arrays(directory / ARRAYS, case, history, numbers)
     refinement = numbers["refinement"]
@@ -283,7 +273,7 @@ def _columns(values: Any, times: Array) -> Array:
 
 def _read_arrays(
     path: Path, case: Case, history: History, numbers: Mapping[str, Any]
-) -> tuple[Solution, dict[str, StoredBody]]:
+) -> tuple[Solution, dict[str, BodyMesh]]:
     with _opened(path) as file:
         if not np.array_equal(file["times"][:], history.times):
             raise OutputError(
@@ -295,7 +285,7 @@ def _read_arrays(
             _read_contact(path, name, file[f"contacts/{name}"], states, len(history.times))
             for name in numbers["contacts"]
         )
-        bodies = {name: _read_body(file[f"mesh/{name}"]) for name in numbers["mesh"]}
+        bodies = {name: _read_body(name, file[f"mesh/{name}"]) for name in numbers["mesh"]}
     return _solution(case, history, numbers, contacts, states), bodies
 
 
@@ -384,9 +374,10 @@ def _identity(path: Path) -> tuple[int, int] | None:
     return status.st_ino, status.st_mtime_ns
 
 
-def _read_body(group: h5py.Group) -> StoredBody:
+def _read_body(name: str, group: h5py.Group) -> BodyMesh:
     """The mesh of a body from its group in `results.h5`."""
-    return StoredBody(
+    return BodyMesh(
+        name=name,
         points=group["points"][:],
         cells=group["cells"][:],
         cell=str(group.attrs["cell"]),

@@ -34,9 +34,10 @@ from fretfe.evaluate.slip import cycle_states
 from fretfe.files import disk_reason, make_folder, replace_text, replacing
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.history.state_array import StateArray, states_in_block
+from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.field_files import FIELDS, SURFACES, write_surfaces
 from fretfe.results.hdf5_file import STRESSES, new_hdf5, room, store
-from fretfe.results.model import BodyArrays, Result
+from fretfe.results.model import Result
 from fretfe.results.run_folder import MARK, with_digest
 from fretfe.results.tables import CYCLES_FILE, NODAL, STATIONS_FILE, write_cycles, write_stations
 
@@ -362,7 +363,7 @@ def _write_rows(
         dataset[block] = values[rows[block]]
 
 
-def _write_mesh(group: h5py.Group, body: BodyArrays) -> None:
+def _write_mesh(group: h5py.Group, body: BodyMesh) -> None:
     group.attrs.update({"cell": body.cell, "order": body.order})
     store(group, "points", body.points)
     store(group, "cells", body.cells)

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
 
 from fretfe.errors import OutputError
-from fretfe.files import disk_reason, replace_text
+from fretfe.files import disk_reason, json_value, replace_text
 from fretfe.report.theme import COLOURS, FILE_DPI, GREY, PURPLE, STYLE, VERMILLION, WIDTH, log_axis
 from fretfe.results.writer import prepare_other
 from fretfe.strength.fit import COVERAGE, LifeFit
@@ -199,14 +198,10 @@ def _edge(margin: Margin, fits: tuple[LifeFit, ...]) -> dict[str, Any]:
     edge = margin.edge
     place = next((n for n, each in enumerate(fits) if each is margin.fit), None)
     return {
-        **{name: _plain(getattr(edge, name)) for name in OF_EDGE},
+        **{name: json_value(getattr(edge, name)) for name in OF_EDGE},
         "tests": margin.tests,
         "fit": place,
-        **{name: _plain(getattr(margin, name)) for name in JUDGED},
+        **{name: json_value(getattr(margin, name)) for name in JUDGED},
         "reason": margin.reason,
         "remarks": list(edge.remarks),
     }
-
-
-def _plain(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value

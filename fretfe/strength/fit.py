@@ -94,8 +94,15 @@ def read_tests(path: Path, units: Units) -> StrengthTests:
     columns = _columns(path, header, units)
     table = read_table(path, list(columns.values()))
     values = {name: table.columns[column] for name, column in columns.items()}
-    _require_positive(table, columns, set(values) - {"runout", "poisson"})
-    _require_poisson(table, columns["poisson"])
+    for name, given in values.items():
+        if name not in ("runout", "poisson"):
+            _refuse(table, columns[name], given <= 0, "a number > 0")
+    poisson, runout = values["poisson"], values["runout"]
+    _refuse(
+        table, columns["poisson"], (poisson <= -1) | (poisson >= 0.5), "a number > -1 and < 0.5"
+    )
+    wrong = (runout != 0) & (runout != 1)
+    _refuse(table, columns["runout"], wrong, "1 for a run-out or 0 for a failure")
     k_n, k_t_range = _factors(values)
     return StrengthTests(
         path=path,
@@ -103,10 +110,10 @@ def read_tests(path: Path, units: Units) -> StrengthTests:
         k_n=k_n,
         k_t_range=k_t_range,
         life=values["life"],
-        runout=_truth(table, columns["runout"]),
+        runout=np.asarray(runout == 1),
         friction=values["friction"],
         young=values["young"],
-        poisson=values["poisson"],
+        poisson=poisson,
     )
 
 
@@ -175,26 +182,10 @@ def _factors(values: dict[str, Array]) -> tuple[Array, Array]:
     return values["k_n_ratio"] * stress / root, values["dk_t_ratio"] * stress * root
 
 
-def _require_positive(table: Table, columns: dict[str, str], names: set[str]) -> None:
-    for name in names:
-        wrong = np.flatnonzero(table.columns[columns[name]] <= 0)
-        if wrong.size:
-            table.complain(int(wrong[0]), columns[name], "a number > 0")
-
-
-def _require_poisson(table: Table, column: str) -> None:
-    values = table.columns[column]
-    wrong = np.flatnonzero((values <= -1) | (values >= 0.5))
-    if wrong.size:
-        table.complain(int(wrong[0]), column, "a number > -1 and < 0.5")
-
-
-def _truth(table: Table, column: str) -> Bools:
-    values = table.columns[column]
-    wrong = np.flatnonzero((values != 0) & (values != 1))
-    if wrong.size:
-        table.complain(int(wrong[0]), column, "1 for a run-out or 0 for a failure")
-    return np.asarray(values == 1)
+def _refuse(table: Table, column: str, wrong: Bools, expected: str) -> None:
+    """Complain about the first of the rows (n,) that are wrong."""
+    if wrong.any():
+        table.complain(int(np.argmax(wrong)), column, expected)
 
 
 @dataclass(frozen=True)

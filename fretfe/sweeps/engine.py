@@ -194,16 +194,12 @@ class Sweep:
         return [record for each in self.variants for record in each.records()]
 
 
-def _forget(_: int, __: Solved) -> None:
-    """Note nothing."""
-
-
 def run_sweep(
     variants: Sequence[Variant],
     backend: Backend,
     options: RunOptions,
     known: Mapping[int, Solved] | None = None,
-    note: Callable[[int, Solved], None] = _forget,
+    note: Callable[[int, Solved], None] = lambda *_: None,
 ) -> Sweep:
     """Solve all cases. Collective if the backend is.
 
@@ -224,7 +220,8 @@ def run_sweep(
         for number in _in_groups([session.group(variant.case) for variant in variants]):
             if number in solved:
                 continue
-            own = _own(options, number)
+            folder = options.states and options.states / f"variant-{number + 1}"
+            own = replace(options, states=folder)
             try:
                 if stopped is None:
                     solved[number] = _solve(variants[number], backend, session, own)
@@ -237,12 +234,6 @@ def run_sweep(
     first = variants[0]
     in_order = tuple(solved[number] for number in range(len(variants)))
     return Sweep(tuple(first.values), first.case.units, in_order, stopped)
-
-
-def _own(options: RunOptions, number: int) -> RunOptions:
-    """Options of one case, with a folder of its own."""
-    states = options.states / f"variant-{number + 1}" if options.states is not None else None
-    return replace(options, states=states)
 
 
 def _in_groups(groups: Sequence[str]) -> list[int]:

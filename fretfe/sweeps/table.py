@@ -25,6 +25,7 @@ from fretfe.case import Units
 from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import known_length
 from fretfe.files import disk_reason, replacing, sync
+from fretfe.report.texts import MISSING, number
 from fretfe.report.theme import (
     COLOURS,
     CYCLE,
@@ -116,7 +117,8 @@ def sweep_table(sweep: Sweep) -> Table:
 
 
 def _cells(keys: tuple[str, ...], record: Mapping[str, Any], solids: bool) -> list[str]:
-    values = [_shown(record[key]) for key in keys]
+    found = [record[key] for key in keys]
+    values = [f"{each:.6g}" if isinstance(each, float) else str(each) for each in found]
     seconds = f"{record['seconds']:.1f}"
     if record["failure"]:
         empty = len(AREA_COLUMNS) + 1 if solids else len(EDGE_COLUMNS) + 2
@@ -132,8 +134,8 @@ def _edge_cells(record: Mapping[str, Any]) -> list[str]:
     known = all(known_length(*zone) for zone in zones if math.isfinite(zone[0]))
     return [
         record["edge"],
-        _number(record["k_n"]),
-        _number(record["k_t_range"]),
+        number(record["k_n"]),
+        number(record["k_t_range"]),
         slip if record["resolved"] and known else f"~{slip}",
         _pair(record, "predicted"),
     ]
@@ -143,20 +145,12 @@ def _area_cells(record: Mapping[str, Any]) -> list[str]:
     shear = math.hypot(*(record[f"shear_force_{axis}"] for axis in "xyz"))
     names = ("contact_area", "stick_area", "largest_pressure", "dissipation")
     numbers = (record["normal_force"], shear, *(record[name] for name in names))
-    return [_number(each) for each in numbers]
-
-
-def _shown(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    return [number(each) for each in numbers]
 
 
 def _pair(record: Mapping[str, Any], name: str) -> str:
     values = [record[f"{name}_{number}"] for number in (1, 2)]
-    return " / ".join(_number(value, 3) for value in values if math.isfinite(value)) or "-"
-
-
-def _number(value: float, digits: int = 4) -> str:
-    return f"{value:.{digits}g}" if math.isfinite(value) else "-"
+    return " / ".join(number(value, 3) for value in values if math.isfinite(value)) or MISSING
 
 
 def write_files(sweep: Sweep, directory: Path) -> bool:
@@ -296,15 +290,15 @@ def _draw_lines(
     places, names = _places(records, key)
     figure = Figure(figsize=(2 * WIDTH, SINGLE), layout="constrained")
     panels = figure.subplots(1, 2)
-    for number, edge in enumerate(edges):
+    for place, edge in enumerate(edges):
         own = [each for each in records if (each["contact"], each["edge"]) == edge]
         own.sort(key=lambda record: places[_hashable(record[key])])
         x = [places[_hashable(each[key])] for each in own]
         style: dict[str, Any] = {
-            "color": CYCLE[number % len(CYCLE)],
-            "marker": MARKERS[number % len(MARKERS)],
+            "color": CYCLE[place % len(CYCLE)],
+            "marker": MARKERS[place % len(MARKERS)],
             # Edges often agree: the first one is seen around those that cover it.
-            "markersize": 4 + 5 * (len(edges) - number - 1) / len(edges),
+            "markersize": 4 + 5 * (len(edges) - place - 1) / len(edges),
             "markerfacecolor": "none",
             "linewidth": 1.2,
         }

@@ -14,8 +14,7 @@ from scipy.integrate import quad
 
 from fretfe._typing import Array
 from fretfe.errors import ModelError
-from fretfe.surface.mortar import Coupling, couple
-from fretfe.surface.overlap import contact_normals, project, search_reach
+from fretfe.surface.mortar import Coupling, contact_normals, couple, project, search_reach
 from fretfe.surface.surface import Surface
 
 HERE = Placement()

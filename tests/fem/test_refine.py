@@ -87,7 +87,7 @@ def test_short_slip_zones_are_resolved() -> None:
 @pytest.mark.skipif(MPI.COMM_WORLD.size > 1, reason="needs the mesh on every rank")
 def test_far_away_the_mesh_stays_coarse_and_well_shaped() -> None:
     bodies = solved_hertz().bodies
-    assert min(body.smallest_angle for body in mesh_summary(Mesh(dict(bodies)))) > 25  # type: ignore[arg-type]
+    assert min(body.smallest_angle for body in mesh_summary(Mesh(dict(bodies)))) > 25
     refinement = solved_hertz().refinement
     assert refinement is not None
     # from the second mesh, which does not resolve the zones, to the last, elements become 150

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -30,36 +29,28 @@ from fretfe.report.pictures.mesh import (
     write_mesh_picture,
 )
 from fretfe.report.theme import FILE_DPI
-from fretfe.results.model import BodyArrays
 
 STEEL = {"young": 2e5, "poisson": 0.3}
 
 
-@dataclass(frozen=True)
-class Body:
-    """One element, or a few."""
-
-    points: Array
-    cells: NDArray[np.int64]
-    cell: str = "quadrilateral"
-    order: int = 1
-    boundaries: dict[str, NDArray[np.int64]] = field(default_factory=dict)
+def element(
+    points: Array, boundaries: dict[str, NDArray[np.int64]], name: str = "body"
+) -> BodyMesh:
+    """A quadrilateral with its corners in their order."""
+    return BodyMesh(name, points, np.array([[0, 1, 2, 3]]), "quadrilateral", 1, boundaries)
 
 
-def square(name: str, x: float, y: float, size: float = 1.0) -> Body:
+def square(name: str, x: float, y: float, size: float = 1.0) -> BodyMesh:
     """One element whose four sides are boundaries."""
     corners = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
     sides = ("bottom", "right", "top", "left")
-    return Body(
-        size * corners + [x, y],
-        np.array([[0, 1, 2, 3]]),
-        boundaries={f"{name}_{s}": np.array([[i, (i + 1) % 4]]) for i, s in enumerate(sides)},
-    )
+    boundaries = {f"{name}_{s}": np.array([[i, (i + 1) % 4]]) for i, s in enumerate(sides)}
+    return element(size * corners + [x, y], boundaries, name)
 
 
-def pairs(count: int, suffix: str = "", scale: float = 1.0) -> tuple[Case, dict[str, BodyArrays]]:
+def pairs(count: int, suffix: str = "", scale: float = 1.0) -> tuple[Case, dict[str, BodyMesh]]:
     """`count` contacts side by side, each of two squares."""
-    bodies: dict[str, BodyArrays] = {}
+    bodies: dict[str, BodyMesh] = {}
     contacts: dict[str, Any] = {}
     for i in range(count):
         upper, lower = f"upper{i}{suffix}", f"lower{i}{suffix}"
@@ -138,7 +129,7 @@ def test_a_mesh_and_its_picture_that_do_not_fit_are_told(tmp_path: Path) -> None
     """Gmsh says nothing; what was there before stays."""
     pytest.importorskip("gmsh")
     case, bodies = pairs(2)
-    mesh = Mesh({name: BodyMesh(name=name, **vars(body)) for name, body in bodies.items()})
+    mesh = Mesh(bodies)
     files = {
         "mesh.msh": lambda path: write_mesh(mesh, path),
         "mesh.png": lambda path: write_mesh_picture(path, case, bodies),
@@ -172,14 +163,14 @@ def test_all_of_the_mesh_is_in_the_picture_of_the_bodies() -> None:
     assert (points > low).all() and (points < high).all()
 
 
-def sector(radius: float = 2.0) -> Body:
+def sector(radius: float = 2.0) -> BodyMesh:
     """A triangle of order 2 whose first side is an arc of 40 degrees about the origin."""
     angles = np.radians([-20.0, 20.0, 0.0])
     first, last, middle = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     tip = np.array([0.5, 0.0])
     points = np.array([first, last, tip, middle, (last + tip) / 2, (tip + first) / 2])
     facets = {"arc": np.array([[0, 1, 3]]), "sides": np.array([[2, 0, 5], [1, 2, 4]])}
-    return Body(points, np.array([[0, 1, 2, 3, 4, 5]]), "triangle", 2, facets)
+    return BodyMesh("sector", points, np.array([[0, 1, 2, 3, 4, 5]]), "triangle", 2, facets)
 
 
 def test_curved_edges_are_drawn_curved() -> None:
@@ -207,7 +198,7 @@ def test_boundaries_are_chained() -> None:
         "closed": np.array([[2, 3], [0, 1], [3, 0], [1, 2]]),
         "pieces": np.array([[2, 3], [0, 1]]),
     }
-    body = Body(points, np.array([[0, 1, 2, 3]]), boundaries=groups)
+    body = element(points, groups)
     (curve,) = boundary_curves(body, "open")
     assert np.array_equal(curve, points)
     (loop,) = boundary_curves(body, "closed")

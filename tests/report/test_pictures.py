@@ -27,9 +27,9 @@ from fretfe.report.pictures import folder as folder_module
 from fretfe.report.pictures.fields import open_fields
 from fretfe.report.pictures.folder import _run, make_pictures
 from fretfe.report.pictures.looks import MOST_EDGES, find_look, plan_pictures
+from fretfe.report.pictures.mesh import STATUS
 from fretfe.report.pictures.panels import Pixels, View
 from fretfe.report.pictures.render import draw_bodies
-from fretfe.report.pictures.status import STATUS
 from fretfe.results.field_files import FIELDS
 from fretfe.results.reader import load_result
 from fretfe.results.writer import PICTURE_LIST, PICTURES

@@ -17,8 +17,8 @@ from PIL import Image
 from small_files import small_files
 
 from fretfe._typing import Array
-from fretfe.cli.pictures import animate
-from fretfe.cli.pictures import scene as write_scene
+from fretfe.cli.lists import animate
+from fretfe.cli.lists import scene as write_scene
 from fretfe.errors import CaseError, FretfeError, OutputError
 from fretfe.evaluate.plane.section import PLANE_FRONTS
 from fretfe.evaluate.resultants import station_extremes
@@ -32,8 +32,8 @@ from fretfe.report.pictures.looks import (
     round_down,
     round_up,
 )
+from fretfe.report.pictures.mesh import shares_text, visible_status
 from fretfe.report.pictures.panels import View
-from fretfe.report.pictures.status import shares_text, visible_status
 
 needs_pyvista = pytest.mark.skipif(
     importlib.util.find_spec("pyvista") is None, reason="PyVista is not installed"

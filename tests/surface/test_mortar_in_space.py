@@ -14,8 +14,14 @@ from scipy.spatial.transform import Rotation
 from fretfe._typing import Array
 from fretfe.mesh.elements import quadrature
 from fretfe.surface.checks import contact_quality, initial_gap
-from fretfe.surface.mortar import Coupling, couple
-from fretfe.surface.overlap import contact_normals, overlap_points, project_in_space, search_reach
+from fretfe.surface.mortar import (
+    Coupling,
+    contact_normals,
+    couple,
+    overlap_points,
+    project,
+    search_reach,
+)
 from fretfe.surface.surface import Surface, deviations, mean_curvature
 
 CELLS = ("triangle", "quadrilateral")
@@ -56,7 +62,7 @@ def wavy_pair(cell1: str, cell2: str, order: int) -> tuple[Surface, Surface]:
 def test_kernel_and_twin_give_the_same_points(cell1: str, cell2: str, order: int) -> None:
     far, near = wavy_pair(cell1, cell2, order)
     rules = quadrature("quadrilateral", 2), quadrature("triangle", 2)
-    found = project_in_space(near, near.normals, far, *rules)
+    found = project(near, near.normals, far, *rules)
     twin = mortar_space_twin.overlap_points(
         near.nodes, near.normals, far.nodes, *rules, search_reach(near, far)
     )

@@ -12,7 +12,7 @@ from fretfe._core import _kernels
 from fretfe._typing import Array, Indices
 from fretfe.mesh.elements import quadrature, shape_values
 from fretfe.mesh.mesh import BodyMesh
-from fretfe.surface.overlap import contact_normals, opposite_candidates, project, search_reach
+from fretfe.surface.mortar import contact_normals, opposite_candidates, project, search_reach
 from fretfe.surface.surface import Surface, build_surface
 
 CURVED = pytest.mark.parametrize("curved", [False, True], ids=["straight", "curved"])

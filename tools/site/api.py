@@ -20,10 +20,7 @@ PAGES = {
             "fretfe.exchange.comparison",
         ),
     ),
-    "strength": (
-        "Strength of edges",
-        ("fretfe.strength.margins", "fretfe.strength.fit", "fretfe.strength.fit"),
-    ),
+    "strength": ("Strength of edges", ("fretfe.strength.margins", "fretfe.strength.fit")),
     "errors": ("Errors", ("fretfe.errors",)),
     "case": ("Case files", ("fretfe.case", "fretfe.loads")),
     "backends": ("Backends", ("fretfe.backends", "fretfe.idealise", "fretfe.halfplane")),

@@ -149,7 +149,11 @@ def _draw(figure: Figure, shown: Shown, near: _Near) -> None:
     half_width = float(shown.summary.half_width[near.later])
     inside = (s > max(10.0**-DECADES * half_width, _smallest(s))) & (s < half_width)
     line = np.geomspace(s[inside].min(), half_width, 60)
-    _pressure(top, shown, near, s, inside, line)
+    p = shown.tractions.mean_traction[near.later, inside, 0]
+    top.plot(s[inside], _positive(p), ".-", ms=4, lw=0.8, color=BLUE, label="p, mean at the nodes")
+    top.plot(
+        line, near.edge.k_n[near.later] * np.sqrt(line), "--", color=VERMILLION, label="K_N √s"
+    )
     _shear(bottom, shown, near, s, inside, line)
     _zone_lines(bottom, shown, near)
     for axes in (top, bottom):
@@ -168,13 +172,6 @@ def _smallest(s: Array) -> float:
     nearest = int(np.argmin(np.abs(s)))
     sizes = np.abs(np.diff(s[max(nearest - 1, 0) : nearest + 2]))
     return float(sizes.max(initial=0.0)) / 2
-
-
-def _pressure(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line: Array) -> None:
-    p = shown.tractions.mean_traction[near.later, inside, 0]
-    axes.plot(s[inside], _positive(p), ".-", ms=4, lw=0.8, color=BLUE, label="p, mean at the nodes")
-    k_n = near.edge.k_n[near.later]
-    axes.plot(line, k_n * np.sqrt(line), "--", color=VERMILLION, label="K_N √s")
 
 
 def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line: Array) -> None:

@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
@@ -185,11 +188,10 @@ def local_plot(shown: Shown) -> Plot | None:
 
 
 def _draw(figure: Figure, shown: Shown, found: LocalParameters) -> None:
-    panels = figure.subplots(2, 2, sharex="col", sharey="row")
     units, arc = shown.run.case.units, shown.tractions.arc
-    for column, edge in zip(panels.T, shown.summary.stations, strict=True):
-        top, bottom = column
-        low, high = edge_window(shown, edge, *shown.run.loads.evaluated)
+    labels = (f"range of slip [{units.length}]", f"[{units.force}/{units.length}]")
+    panels = figure.subplots(2, 2, sharex="col", sharey="row")
+    for (top, bottom), _, (low, high) in _edge_columns(panels, shown, labels):
         seen = (arc >= low) & (arc <= high)
         top.plot(arc[seen], found.slip_range[seen], ".-", color=BLUE, lw=1.2, ms=4)
         for values, colour, style, label in (
@@ -198,11 +200,19 @@ def _draw(figure: Figure, shown: Shown, found: LocalParameters) -> None:
             (found.ruiz, VERMILLION, ":", "q times range"),
         ):
             bottom.plot(arc[seen], values[seen], style, color=colour, lw=1.4, label=label)
-        finish_edge_column(column, edge_title(edge), (low, high), units.length)
-    panels[0, 0].set_ylabel(f"range of slip [{units.length}]")
-    panels[1, 0].set_ylabel(f"[{units.force}/{units.length}]")
-    handles, labels = panels[1, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=3)
+    figure.legend(*panels[1, 0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+
+
+def _edge_columns(
+    panels: Any, shown: Shown, labels: tuple[str, str]
+) -> Iterator[tuple[Sequence[Axes], Station, tuple[float, float]]]:
+    """Two panels next to each edge, to be drawn into, with the edge and what is seen of x."""
+    for column, edge in zip(panels.T, shown.summary.stations, strict=True):
+        window = edge_window(shown, edge, *shown.run.loads.evaluated)
+        yield column, edge, window
+        finish_edge_column(column, edge_title(edge), window, shown.run.case.units.length)
+    for panel, label in zip(panels[:, 0], labels, strict=True):
+        panel.set_ylabel(label)
 
 
 def stress_plot(shown: Shown) -> Plot | None:
@@ -237,22 +247,16 @@ def _stress_caption(shown: Shown, edges: list[EdgeStress]) -> str:
 def _draw_stress(
     figure: Figure, shown: Shown, history: StressHistory, edges: list[EdgeStress]
 ) -> None:
-    panels = figure.subplots(2, 2, sharex="col", sharey="row")
     units = shown.run.case.units
-    for column, edge in zip(panels.T, shown.summary.stations, strict=True):
-        top, bottom = column
-        low, high = edge_window(shown, edge, *shown.run.loads.evaluated)
+    labels = (f"σ along the surface [{units.stress}]", f"SWT [{units.stress}]")
+    panels = figure.subplots(2, 2, sharex="col", sharey="row")
+    for (top, bottom), edge, (low, high) in _edge_columns(panels, shown, labels):
         seen = history.at(np.flatnonzero((history.arc >= low) & (history.arc <= high)))
         for place, body in enumerate(seen.bodies):
-            material = shown.run.case.bodies[body.name]
-            found = stress_parameters(seen, place, material)
+            found = stress_parameters(seen, place, shown.run.case.bodies[body.name])
             _stress_lines(top, bottom, seen, found, place, units.length)
         _edge_values(top, edge, [each for each in edges if each.edge == edge.front], history)
-        finish_edge_column(column, edge_title(edge), (low, high), units.length)
-    panels[0, 0].set_ylabel(f"σ along the surface [{units.stress}]")
-    panels[1, 0].set_ylabel(f"SWT [{units.stress}]")
-    handles, labels = panels[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=4)
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=4)
 
 
 def _stress_lines(

@@ -25,8 +25,8 @@ from fretfe.environment import idle_cores, without_launcher
 from fretfe.errors import OutputError
 from fretfe.files import require_file
 from fretfe.report.pictures.looks import Wanted, plan_pictures
+from fretfe.report.pictures.mesh import draw_status
 from fretfe.report.pictures.panels import save_png
-from fretfe.report.pictures.status import draw_status
 from fretfe.report.pictures.surfaces import cycle_frames, draw_cycle, draw_surface
 from fretfe.report.source import folder_of
 from fretfe.results.field_files import FIELDS

@@ -1,20 +1,22 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""A picture of a plane mesh: the bodies with all their elements, and each contact enlarged.
+"""Pictures of plane meshes, and of contacts that stick, slip and are open on them.
 
-Names of boundaries stand in two columns left and right of the bodies, each with a line to its
-place. Nothing overlaps because the columns are as wide as their longest name and the names in them
-keep their distance.
+They need no fields and no OpenGL. The picture of a mesh has the bodies with all their elements, and
+each contact enlarged. Names of boundaries stand in two columns left and right of the bodies, each
+with a line to its place. Nothing overlaps because the columns are as wide as their longest name and
+the names in them keep their distance.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
@@ -26,10 +28,34 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case
 from fretfe.errors import OutputError
 from fretfe.files import disk_reason, replacing
+from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
 from fretfe.mesh.elements import CORNERS, shape_values
-from fretfe.report.pictures.panels import few_ticks, name_axes, panel_inches, plural
-from fretfe.report.theme import BOUNDARY, ELEMENTS, FILE_DPI, FRAMED, HEADING, SURFACES, TINTS
-from fretfe.results.model import BodyArrays
+from fretfe.mesh.mesh import BodyMesh
+from fretfe.report.pictures.panels import (
+    View,
+    few_ticks,
+    name_axes,
+    panel_inches,
+    panels,
+    plural,
+    set_limits,
+    settle,
+)
+from fretfe.report.source import state_title, times_text
+from fretfe.report.theme import (
+    BLUE,
+    BOUNDARY,
+    ELEMENTS,
+    FILE_DPI,
+    FRAMED,
+    GREY,
+    HEADING,
+    ORANGE,
+    PALE,
+    SURFACES,
+    TINTS,
+)
+from fretfe.results.model import Result
 
 # Line widths of elements of meshes with fewer cells than this, and with more.
 MANY_CELLS, FEW_WIDTH, MANY_WIDTH = 20_000, 0.2, 0.12
@@ -48,9 +74,23 @@ SPACING, MARGIN, OFFSET, LEADERS = 0.2, 0.12, 0.18, 0.45
 CURVE_PIECES = 6
 # Edges whose middle is off their chord by less than this fraction of it are drawn straight.
 VISIBLE_BULGE = 1e-3
+# Height of a panel over its width.
+ASPECT = 0.36
+# Around the part of the surfaces that is closed in any of the states, as a fraction of it.
+BORDER = 0.06
+BODIES = (PALE, "#F0F0F0")
+# Width and darkness tell them apart in grey.
+STATUS: dict[int, dict[str, Any]] = {
+    OPEN: {"color": GREY, "linewidth": 0.9, "linestyle": (0, (1.0, 1.5))},
+    STICK: {"color": BLUE, "linewidth": 2.2},
+    SLIP: {"color": ORANGE, "linewidth": 6.5},
+}
+# Slip in a step, over the largest slip in the history, that is round-off.
+ROUND_OFF = 1e-9
+NAMES = {SLIP: "slip", STICK: "stick", OPEN: "open"}
 
 
-def write_mesh_picture(path: Path, case: Case, bodies: Mapping[str, BodyArrays]) -> None:
+def write_mesh_picture(path: Path, case: Case, bodies: Mapping[str, BodyMesh]) -> None:
     """Draw the bodies of a plane mesh, and the surroundings of each contact.
 
     Args:
@@ -70,7 +110,7 @@ def write_mesh_picture(path: Path, case: Case, bodies: Mapping[str, BodyArrays])
 
 
 @mpl.rc_context(FRAMED)
-def draw_mesh(case: Case, bodies: Mapping[str, BodyArrays]) -> Figure:
+def draw_mesh(case: Case, bodies: Mapping[str, BodyMesh]) -> Figure:
     """The figure of `write_mesh_picture`."""
     labels = boundary_labels(bodies)
     figure = Figure(dpi=FILE_DPI, layout="constrained")
@@ -101,7 +141,7 @@ def draw_mesh(case: Case, bodies: Mapping[str, BodyArrays]) -> Figure:
 
 
 def _layout(
-    figure: Figure, contacts: int, labels: Sequence[Label], bodies: Mapping[str, BodyArrays]
+    figure: Figure, contacts: int, labels: Sequence[Label], bodies: Mapping[str, BodyMesh]
 ) -> list[Axes]:
     """Axes that show the bodies, with room for their names, and empty ones for each contact."""
     columns = -(-contacts // ROWS)
@@ -139,7 +179,7 @@ def _show(axes: Axes, low: Array, high: Array) -> None:
     axes.margins(0.0)
 
 
-def _draw(axes: Axes, case: Case, bodies: Mapping[str, BodyArrays]) -> None:
+def _draw(axes: Axes, case: Case, bodies: Mapping[str, BodyMesh]) -> None:
     """All that is within the limits of the axes; these stay."""
     limits = np.array([axes.get_xlim(), axes.get_ylim()]).T
     for number, body in enumerate(bodies.values()):
@@ -157,7 +197,7 @@ def _draw(axes: Axes, case: Case, bodies: Mapping[str, BodyArrays]) -> None:
             lines.set_zorder(order)
 
 
-def _draw_cells(axes: Axes, body: BodyArrays, tint: str, limits: Array) -> None:
+def _draw_cells(axes: Axes, body: BodyMesh, tint: str, limits: Array) -> None:
     outlines, boxes = cell_outlines(body)
     shown = (boxes[:, 0] < limits[1]).all(axis=1) & (boxes[:, 1] > limits[0]).all(axis=1)
     width = FEW_WIDTH if np.count_nonzero(shown) < MANY_CELLS else MANY_WIDTH
@@ -171,7 +211,7 @@ def _draw_cells(axes: Axes, body: BodyArrays, tint: str, limits: Array) -> None:
         )
 
 
-def _add_legend(figure: Figure, bodies: Mapping[str, BodyArrays]) -> None:
+def _add_legend(figure: Figure, bodies: Mapping[str, BodyMesh]) -> None:
     handles: list[Any] = [
         Patch(
             facecolor=TINTS[number % len(TINTS)],
@@ -196,7 +236,7 @@ class Label:
     place: Array
 
 
-def boundary_labels(bodies: Mapping[str, BodyArrays]) -> list[Label]:
+def boundary_labels(bodies: Mapping[str, BodyMesh]) -> list[Label]:
     """One label for each boundary of each body, at the facet nearest to the boundary's centre."""
     labels = []
     for body in bodies.values():
@@ -264,7 +304,7 @@ def _longest(figure: Figure, labels: Sequence[Label]) -> float:
     return float(width)
 
 
-def cell_outlines(body: BodyArrays) -> tuple[list[Array], Array]:
+def cell_outlines(body: BodyMesh) -> tuple[list[Array], Array]:
     """The outlines of all cells, and the boxes (m, 2, 2) with their lowest and highest corners.
 
     Returns:
@@ -285,7 +325,7 @@ def cell_outlines(body: BodyArrays) -> tuple[list[Array], Array]:
     return parts, np.concatenate(boxes)
 
 
-def boundary_curves(body: BodyArrays, name: str) -> list[Array]:
+def boundary_curves(body: BodyMesh, name: str) -> list[Array]:
     """The boundary of this name as curves (n, 2), one for each connected piece."""
     facets = body.boundaries[name]
     return [_curve(body.points, facets[chain]) for chain in _chains(facets)]
@@ -324,3 +364,103 @@ def _along(first: Array, last: Array, middle: Array) -> Array:
     """(..., CURVE_PIECES + 1, 2) places along quadratic edges (..., 2)."""
     values = shape_values("line", 2, np.linspace(0.0, 1.0, CURVE_PIECES + 1)[:, None])
     return np.einsum("qk,k...d->...qd", values, np.stack([first, last, middle]))
+
+
+@mpl.rc_context(FRAMED)
+def draw_status(run: Result, contacts: Sequence[str], states: Sequence[int]) -> tuple[Figure, str]:
+    """One row of panels for each contact, a column for each state, and the caption."""
+    assert run.solution is not None
+    shown = [each for each in run.solution.contacts if each.name in contacts]
+    columns = len(states)
+    figure, axes = panels(columns * len(contacts), ASPECT, columns=columns)
+    handles = [Line2D([], [], label=NAMES[kind], **STATUS[kind]) for kind in NAMES]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    for row, contact in enumerate(shown):
+        view = contact_view(contact, states)
+        for panel, state in zip(axes[row * columns :], states, strict=False):
+            set_limits(panel, view)
+            _draw_pale_bodies(panel, run.bodies.values(), view)
+            _draw_contact(panel, contact, state, view)
+            name_axes(panel, "along x", "along y", run.case.units.length)
+            title = f"{contact.name}, {state_title(run, state)}"
+            panel.set_title(f"{title}\n{shares_text(contact, state)}")
+    settle(figure, axes, ASPECT, "Where the contacts stick and slip")
+    return figure, (
+        f"Status of the contacts in the steps that end at {times_text(run, states)}, drawn on "
+        "the bodies before deformation: wide and light where they slip, narrow and dark where "
+        "they stick, dotted where they are open. Each panel is turned into the frame of its "
+        "contact, with body 2 below."
+    )
+
+
+def contact_view(contact: ContactHistory, states: Sequence[int]) -> View:
+    """The part of a contact that is closed in any of the states, or all of it if none is."""
+    closed = (contact.status[list(states)] != OPEN).any(axis=0)
+    points = contact.points[closed] if closed.any() else contact.points
+    middle = len(points) // 2
+    normal = (contact.frames[closed] if closed.any() else contact.frames)[middle, 0]
+    upright = View(points[middle], np.ones(2), normal)
+    local = upright.local(points)
+    low, high = local.min(axis=0), local.max(axis=0)
+    size = (high - low) * (1 + 2 * BORDER)
+    half = max(size[0], size[1] / ASPECT, np.ptp(contact.arc) * 1e-3) / 2
+    shift = (low + high) / 2
+    centre = points[middle] + shift @ np.stack([upright.tangent, normal])
+    # The axis has the numbers of the arc, as the results have.
+    arc = (contact.arc[closed] if closed.any() else contact.arc)[middle]
+    origin = np.array([arc + shift[0], 0.0])
+    return View(centre, np.array([half, ASPECT * half]), normal, origin)
+
+
+def visible_status(contact: ContactHistory, state: int) -> npt.NDArray[np.int8]:
+    """(N,) status at a state; nodes at the limit of friction that do not move count as sticking.
+
+    Which of them count as slipping in the solution is a matter of round-off.
+    """
+    status = contact.status[state].copy()
+    before, after = contact.slip[max(state - 1, 0)], contact.slip[state]
+    moved, largest = np.abs(after - before).max(axis=-1), np.abs([before, after]).max()
+    status[(status == SLIP) & (moved <= ROUND_OFF * largest)] = STICK
+    return status
+
+
+def shares_text(contact: ContactHistory, state: int) -> str:
+    """Shares of the closed contact that stick and slip."""
+    status = visible_status(contact, state)
+    lengths = {kind: contact.weights[status == kind].sum() for kind in (STICK, SLIP)}
+    total = sum(lengths.values())
+    if total == 0:
+        return "open"
+    return ", ".join(f"{NAMES[kind]} {length / total:.1%}" for kind, length in lengths.items())
+
+
+def _draw_pale_bodies(panel: Axes, bodies: Iterable[BodyMesh], view: View) -> None:
+    """Light grey, one a little darker than the other."""
+    for number, body in enumerate(bodies):
+        colour = BODIES[number % len(BODIES)]
+        for part in cell_outlines(body)[0]:
+            cells = list(view.local(part[view.overlaps(part)]))
+            # Lines of the same colour close the seams between the elements.
+            panel.add_collection(
+                PolyCollection(cells, facecolors=colour, edgecolors=colour, linewidths=0.3),
+                autolim=False,
+            )
+
+
+def _draw_contact(panel: Axes, contact: ContactHistory, state: int, view: View) -> None:
+    """The contact line, in pieces around the nodes that have the same status."""
+    points = view.local(contact.points)
+    middles = (points[1:] + points[:-1]) / 2
+    starts = np.concatenate([points[:1], middles])
+    ends = np.concatenate([middles, points[-1:]])
+    status = visible_status(contact, state)
+    # Narrow lines end upon wide ones.
+    for order, (kind, style) in enumerate(sorted(STATUS.items(), key=lambda s: -s[0])):
+        chosen = status == kind
+        pieces = [
+            np.concatenate([starts[run[:1]], points[run], ends[run[-1:]]])
+            for run in np.split(np.arange(len(points)), np.flatnonzero(np.diff(chosen)) + 1)
+            if chosen[run[0]]
+        ]
+        lines = LineCollection(pieces, capstyle="butt", zorder=2 + order, **plural(style))
+        panel.add_collection(lines, autolim=False)

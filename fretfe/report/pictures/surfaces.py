@@ -27,6 +27,7 @@ from scipy.spatial import cKDTree
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
+from fretfe.report.pictures.mesh import NAMES, STATUS, shares_text, visible_status
 from fretfe.report.pictures.panels import (
     BAR_ASPECT,
     name_axes,
@@ -35,7 +36,6 @@ from fretfe.report.pictures.panels import (
     pixels,
     settle,
 )
-from fretfe.report.pictures.status import NAMES, STATUS, shares_text, visible_status
 from fretfe.report.pictures.unroll import Unrolled, unroll
 from fretfe.report.source import cycle_states, state_title, times_text
 from fretfe.report.texts import direction_text, number, rounded
