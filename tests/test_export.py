@@ -20,7 +20,7 @@ import fretfe
 from fretfe._typing import Array, Indices
 from fretfe.case import Units, parse_case
 from fretfe.errors import CaseError, ConvergenceError, OutputError
-from fretfe.evaluate.contacts import Contact, Station, quantities
+from fretfe.evaluate.contacts import AreaPatch, Contact, Station, quantities
 from fretfe.exchange import export
 from fretfe.exchange.export import headings
 from fretfe.results import tables as contents
@@ -192,6 +192,23 @@ def test_solids(tmp_path: Path) -> None:
     shear = nodes[[f"q_{axis} [MPa]" for axis in "xyz"]].to_numpy()
     np.testing.assert_allclose((normal * shear).sum(axis=1), 0, atol=1e-9)
     assert nodes["p [MPa]"].max() == pytest.approx(300)
+
+
+def test_patches_of_solids_have_rows(tmp_path: Path) -> None:
+    """Below their contact, with what is known of a patch."""
+    result = fretfe.load_result(write_solid(tmp_path / "run"))
+    (contact,) = result.contacts
+    force, shear, area = contact.normal_force / 2, contact.shear_force, contact.contact_area
+    patch = AreaPatch("main[1]", force, shear, area, "")
+    found = read(
+        fretfe.export(replace(result, contacts=(replace(contact, patches=(patch,)),)), tmp_path)
+    )
+    rows = found["contacts.csv"]
+    whole, own = (rows[rows["contact"] == name] for name in ("main", "main[1]"))
+    assert len(whole) == len(own) == len(result.loads.times)
+    np.testing.assert_allclose(own["normal_force [N]"], force)
+    np.testing.assert_allclose(own["shear_force_x [N]"], shear[:, 0])
+    assert own["largest_pressure [MPa]"].isna().all() and whole["work [N*mm]"].notna().all()
 
 
 def test_command(run: Path, tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.case import Units
 from fretfe.errors import CaseError, OutputError
+from fretfe.evaluate.contacts import AreaPatch, Contact
 from fretfe.evaluate.stress import StressParameters
 from fretfe.files import disk_reason, replacing
 from fretfe.history.solution import ContactHistory
@@ -188,13 +189,24 @@ def _of_records(
     return ExportTable(file, _headings(result, named), rows)
 
 
+def _carriers(contact: Contact) -> Iterator[Contact | AreaPatch]:
+    """A contact and the patches of its area."""
+    yield contact
+    yield from contact.patches
+
+
 def _contacts(result: Result) -> ExportTable:
-    """Histories of the contacts, those that they have; vectors by component."""
+    """Histories of contacts and patches of solids, those that they have; vectors by component."""
     named = [each for each in tables.CONTACTS if getattr(result.contacts[0], each.name).size]
     rows = (
         (each.name, *state)
-        for each in result.contacts
-        for state in _states(result, [getattr(each, column.name) for column in named])
+        for contact in result.contacts
+        for each in _carriers(contact)
+        for state in _states(
+            result,
+            # Of a patch not all is known.
+            [getattr(each, one.name, np.nan * getattr(contact, one.name)) for one in named],
+        )
     )
     axes = "xyz"[: result.contacts[0].force.shape[-1]]
     components = [
