@@ -37,6 +37,10 @@ TOLERANCE = 1e-9
 # What remains of it sits in a few nodes at the border of slip, where shear across the line of
 # (K_T, K_S) dies out slowly.
 STEADY, MOST_CYCLES = 2e-3, 12
+SLIDES = (
+    "in the plane problem next to the front all of the contact would slide: K_T and K_S are too "
+    "large for its friction"
+)
 # Friction bound of edges that are given up.
 UNBOUNDED = 1e200
 # Edges that are marched together at most: more are shared out among ranks, and need more memory.
@@ -348,11 +352,7 @@ class _March:
 
     def _solution(self, edge: int, change: float) -> EdgeSlip:
         if self._lost[edge]:
-            reason = (
-                "in the plane problem next to the front all of the contact would slide: K_T and "
-                "K_S are too large for its friction"
-            )
-            return EdgeSlip((), (), math.nan, math.nan, reason)
+            return EdgeSlip((), (), math.nan, math.nan, SLIDES)
         tractions = tuple(self._tractions[edge][state] for state in sorted(self._tractions[edge]))
         work = float(self._work[edge]) * self._given.modulus * float(self._outermost[edge]) ** 2
         profiles = tuple(self._profiles[edge][number] for number in sorted(self._profiles[edge]))

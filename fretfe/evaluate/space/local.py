@@ -16,7 +16,6 @@ from fretfe.evaluate.contacts import (
     LocalProblem,
     SlipZone,
     Station,
-    StationHistory,
     no_local_problem,
     reported,
 )
@@ -25,7 +24,14 @@ from fretfe.evaluate.plane.slip import INTERVAL, slip_border
 from fretfe.evaluate.slip import cycle_states
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.local.half_planes import Contacts
-from fretfe.local.problem import EdgeHistories, EdgeSlip, Share, SlipProfile, solve_edges
+from fretfe.local.problem import (
+    SLIDES,
+    EdgeHistories,
+    EdgeSlip,
+    Share,
+    SlipProfile,
+    solve_edges,
+)
 
 # Smallest half-width over that of the reference state with which a history can be followed.
 NARROWEST = 0.2
@@ -95,49 +101,93 @@ def _fronts(
     bodies: EdgeBodies,
     share: Share,
 ) -> tuple[Front, ...]:
-    """Fronts whose stations have their plane problems."""
-    kept = _kept_states(solution)
-    edges = [
-        _Edge(solution, contact, front, station, kept)
-        for front in fronts
-        for station in front.stations
-    ]
-    found: dict[_Edge, EdgeSlip] = {}
-    # Where the contact slides before the cycle, that is begun without any shear.
-    for late in (False, True):
-        posed = [edge for edge in edges if edge not in found and edge.begins(late)]
-        if posed:
-            given = _histories(solution, contact, posed, kept, bodies)
-            solved = zip(posed, solve_edges(given, share), strict=True)
-            found.update({edge: slip for edge, slip in solved if late or not slip.reason})
-    stations = iter([edge.station(found.get(edge)) for edge in edges])
+    """Fronts whose stations have their plane problems.
+
+    Where a contact would slide before the cycle, that is begun without any shear.
+    """
+    path = _Path.of(solution, contact)
+    solved: dict[tuple[str, int], Station] = {}
+    for late in (False, True) if path.cycle else (False,):
+        edges = []
+        for front in fronts:
+            for station in front.stations:
+                key = front.name, station.number
+                if key in solved and solved[key].local.reason != SLIDES:
+                    continue
+                edge = _pose(path, front, station, late)
+                if isinstance(edge, str):
+                    solved[key] = replace(station, local=no_local_problem(edge))
+                else:
+                    edges.append(edge)
+        if edges:
+            found = solve_edges(_histories(edges, path, bodies), share)
+            done = [edge.solved(slip) for edge, slip in zip(edges, found, strict=True)]
+            solved.update({(each.front, each.number): each for each in done})
     return tuple(
-        replace(front, stations=tuple(next(stations) for _ in front.stations)) for front in fronts
+        replace(front, stations=tuple(solved[front.name, each.number] for each in front.stations))
+        for front in fronts
     )
 
 
-def _kept_states(solution: Solution) -> Indices:
-    """(n,) states to go through: those that repeat others only within the evaluated cycle."""
-    first, last = solution.cycle or (len(solution.times), len(solution.times) - 1)
-    repeated = solution.source != np.arange(len(solution.times))
-    repeated[first:] = False
-    return np.flatnonzero(~repeated[: last + 1])
+@dataclass(frozen=True)
+class _Path:
+    """The way through the states of a history: those that repeat others only within the cycle.
+
+    Attributes:
+        kept: (n,) states to go through.
+        source: (T,) the state that each state is the same as.
+        contact_friction: (T,) coefficient in the step to each state.
+        cycle: first and last state of the evaluated cycle, or None.
+    """
+
+    kept: Indices
+    source: Indices
+    contact_friction: Array
+    cycle: tuple[int, int] | None
+
+    @classmethod
+    def of(cls, solution: Solution, contact: ContactHistory) -> _Path:
+        """That of a contact."""
+        first, last = solution.cycle or (len(solution.times), len(solution.times) - 1)
+        repeated = solution.source != np.arange(len(solution.times))
+        repeated[first:] = False
+        kept = np.flatnonzero(~repeated[: last + 1])
+        return cls(kept, solution.source, contact.friction, solution.cycle)
+
+    @property
+    def friction(self) -> float:
+        """Coefficient at the end."""
+        return float(self.contact_friction[self.kept[-1]])
+
+    @property
+    def first(self) -> int:
+        """Place among the kept states from which on there is friction."""
+        return max(int(np.argmax(self.contact_friction[self.kept] > 0)) - 1, 0)
+
+    @property
+    def begin(self) -> int:
+        """Place of the first state of the cycle; without one of the last but one."""
+        if self.cycle is None:
+            return len(self.kept) - 2
+        return int(np.searchsorted(self.kept, self.cycle[0]))
+
+    def span(self, zone: SlipZone, first: int) -> tuple[int, int] | None:
+        """Places of the ends of a half cycle, or of one that it repeats; None if not on the way."""
+        places = {state: place for place, state in enumerate(self.kept.tolist())}
+        for start, end in ((zone.start, zone.end), self.source[[zone.start, zone.end]].tolist()):
+            if start in places and end in places and places[end] > first:
+                return places[start], places[end]
+        return None
 
 
-def _histories(
-    solution: Solution,
-    contact: ContactHistory,
-    edges: Sequence[_Edge],
-    kept: Indices,
-    bodies: EdgeBodies,
-) -> EdgeHistories:
-    """Histories of edges in the states that are gone through, and what they have in common."""
-    cycle = solution.cycle
+def _histories(edges: Sequence[_Edge], path: _Path, bodies: EdgeBodies) -> EdgeHistories:
+    """Histories of edges, and what they have in common."""
+    shapes = [each.shape for each in edges]
     return EdgeHistories(
         contacts=Contacts(
-            half_width=np.array([each.half_width for each in edges]),
-            k_n=np.array([each.k_n for each in edges]),
-            power=np.array([each.power for each in edges]),
+            half_width=np.array([each.half_width for each in shapes]),
+            k_n=np.array([each.k_n for each in shapes]),
+            power=np.array([each.power for each in shapes]),
         ),
         k=np.array([each.k for each in edges]),
         k_i=np.array([each.k_i for each in edges]),
@@ -145,170 +195,195 @@ def _histories(
         zone=np.array([each.smallest for each in edges]),
         halves=tuple(each.halves for each in edges),
         counted=np.array([each.counted for each in edges]),
-        friction=float(contact.friction[kept[-1]]),
+        friction=path.friction,
         modulus=bodies.modulus,
         antiplane=bodies.antiplane,
-        cycle=(int(np.searchsorted(kept, cycle[0])), len(kept) - 1) if cycle else None,
+        cycle=(path.begin, len(path.kept) - 1) if path.cycle else None,
     )
 
 
-class _Edge:
-    """The plane problem of a station: what it is made of, or the reason why there is none.
+@dataclass(frozen=True)
+class _Shape:
+    """The contact of half-planes that stands for an edge, in the last state of the history.
 
-    Its contact is as wide, and grows with such a power, that a slip zone is longer than to first
-    order by as much as at the station: the pressure falls behind K_N √s as that of a Hertzian
-    contact of the half-width `length`. Closed fronts shrink all around the contact as the stick
-    zone does, as those of an ellipse: with its half axis b and the first order d1 its slip zones
-    are d = b (1 - (1 - 3 d1/b)^(1/3)) (Vermeulen and Johnson).
+    It is as wide, and grows with such a power, that a slip zone is longer than to first order by as
+    much as at the station: the pressure falls behind K_N √s as that of a Hertzian contact of the
+    half-width `length`. Closed fronts shrink all around the contact as the stick zone does, as
+    those of an ellipse: with its half axis b and the first order d1 its slip zones are
+    d = b (1 - (1 - 3 d1/b)^(1/3)) (Vermeulen and Johnson).
 
     Attributes:
-        reason: why there is no plane problem, in words; empty if there is.
-        half_width, k_n, power: of the contact in the reference state.
-        k, k_i: (n, 2) and (n,) in the states that are gone through.
-        direction: (2,) unit vector of (K_T, K_S).
-        smallest: length of the smallest slip zone that is expected.
-        halves: half cycles, as numbers of states that are gone through.
-        counted: (n,) whether slip in the step to each of them counts.
+        half_width, k_n, power: of the contact.
+        locally: the power by the curvature of the front alone.
+        k_n_bar, length_bar: relative error bars of K_N and of `length`.
     """
 
-    def __init__(
-        self,
-        solution: Solution,
-        contact: ContactHistory,
-        front: Front,
-        station: Station,
-        kept: Indices,
-    ) -> None:
-        self._station, self._source = station, solution.source
-        self._friction = float(contact.friction[kept[-1]])
-        self.reason = _unposed(station, self._friction)
-        if self.reason:
-            return
-        last, angle = int(kept[-1]), math.radians(station.k_angle)
-        self.k_n, self._k_n_bar = _k_n_around(front, station, last)
-        length, self._shape_bar = _length_around(front, station)
-        self.half_width = station.depth if length > HERTZIAN * station.depth else length
-        bend = station.curvature * self.half_width
-        self._locally = STRAIGHT + float(np.clip(bend, LEAST_POWER - STRAIGHT, 1.0))
-        self.power = ROUND if front.closed and bend > 0 else self._locally
-        self.direction = np.array([math.cos(angle), math.sin(angle)])
-        cycle = cycle_states(solution.cycle)
-        along = replace(station, k_t=self._along(station))
-        worst = worst_cycle(station.cycles, cycle, contact.friction, along)
-        counted = worst.outer if worst else np.ones(len(station.k_t), dtype=bool)
-        self._outer: Bools = counted[kept]
-        self._kept, self._cycle = kept, solution.cycle
-        self._earliest = int(np.argmax(contact.friction[kept] > 0)) - 1
-        predicted = [zone.prediction for zone in station.slip_zones]
-        clear = [each for each in predicted if each > 0]
-        self.smallest = min(clear, default=station.k_range / (self._friction * self.k_n))
+    half_width: float
+    k_n: float
+    power: float
+    locally: float
+    k_n_bar: float
+    length_bar: float
 
-    def _along(self, station: StationHistory) -> Array:
-        return np.column_stack([station.k_t, station.k_s]) @ self.direction
+    @classmethod
+    def of(cls, front: Front, station: Station, last: int) -> _Shape:
+        """That of a station."""
+        k_n, k_n_bar = _k_n_around(front, station, last)
+        length, length_bar = _length_around(front, station)
+        half_width = station.depth if length > HERTZIAN * station.depth else length
+        bend = station.curvature * half_width
+        locally = STRAIGHT + float(np.clip(bend, LEAST_POWER - STRAIGHT, 1.0))
+        power = ROUND if front.closed and bend > 0 else locally
+        return cls(half_width, k_n, power, locally, k_n_bar, length_bar)
 
-    def begins(self, late: bool) -> bool:
-        """Choose where the history begins to be followed; False if it cannot be.
-
-        Nothing acts before: what K_T and K_S have reached there is a first step. The end of a
-        steady cycle depends on that little.
+    def bar(self, length: float, first_order: float, range_bar: float) -> float:
+        """Share of the error bar of a slip zone by those of the factors and by the shape.
 
         Args:
-            late: begin with the evaluated cycle, K_T and K_S counted from the middle of their
-                ranges; else as early as possible.
+            length: of the zone.
+            first_order: by the factors.
+            range_bar: relative error bar of the range of (K_T, K_S).
         """
-        if self.reason or (late and self._cycle is None):
-            return False
-        station, kept = self._station, self._kept
-        k = np.column_stack([station.k_t, station.k_s])[kept]
-        k_i = station.k_i[kept] - station.k_i[kept[-1]]
-        grown = 1 + 3 * k_i / (self.k_n * self.half_width)
-        lost = np.flatnonzero(~(np.isfinite(k).all(axis=1) & (grown > NARROWEST**1.5)))
-        self._first = max(int(lost[-1]) + 1 if len(lost) else 0, self._earliest, 0)
-        start = int(np.searchsorted(kept, self._cycle[0])) if self._cycle else len(kept) - 2
-        if self._first > start:
-            self.reason = (
-                "K_T, K_S or K_I are unknown, or the contact nearly opens, as late as in state "
-                f"{int(kept[self._first - 1])}"
-            )
-            return False
-        if late:
-            self._first, cycle = start, k[start:]
-            k = k - (cycle.max(axis=0) + cycle.min(axis=0)) / 2
-        states = np.arange(len(kept))
-        self.k = np.where(states[:, None] < max(self._first, 1), 0.0, k)
-        self.k_i = np.where(states < self._first, k_i[self._first], k_i)
-        self.counted = self._outer & (states > self._first)
-        places = {state: number for number, state in enumerate(kept.tolist())}
-        self._spans = [self._span(zone, places) for zone in station.slip_zones]
-        self.halves = tuple(sorted({span for span in self._spans if span is not None}))
-        if not self.halves:
-            self.reason = "no half cycle can be followed"
-        return not self.reason
-
-    def _span(self, zone: SlipZone, places: Mapping[int, int]) -> tuple[int, int] | None:
-        """A half cycle by the states that are gone through; None if it is not among them."""
-        if zone.gross:
-            return None
-        for start, end in ((zone.start, zone.end), self._source[[zone.start, zone.end]].tolist()):
-            if start in places and end in places and places[end] > self._first:
-                return places[start], places[end]
-        return None
-
-    def station(self, found: EdgeSlip | None) -> Station:
-        """The station with what was found, or with the reason why nothing was."""
-        reason = found.reason if found else self.reason
-        if found is None or reason:
-            return replace(self._station, local=no_local_problem(reason))
-        zones = [
-            zone if span is None else self._zone(zone, found.profiles[self.halves.index(span)])
-            for zone, span in zip(self._station.slip_zones, self._spans, strict=True)
-        ]
-        local = LocalProblem(
-            half_width=self.half_width,
-            power=self.power,
-            slip=float(found.profiles[-1].slip.max()),
-            work=found.work * self._round(zones),
-            change=found.change,
-            tractions=found.tractions,
-            reason="",
-        )
-        return replace(self._station, slip_zones=tuple(zones), local=local)
-
-    def _round(self, zones: Sequence[SlipZone]) -> float:
-        """Friction work over that of the plane problem, by the longest of the zones."""
-        longest = max((each.local for each in zones if each.local > 0), default=0.0)
-        here = Contacts(*np.array([[self.half_width], [self.k_n], [self.power]]))
-        return float(here.work_share(np.array([min(longest / self.half_width, DEEPEST)]))[0])
-
-    def _zone(self, zone: SlipZone, profile: SlipProfile) -> SlipZone:
-        slips = profile.slip > FAINT * profile.slip.max()
-        if not slips.any():
-            size = float(profile.s[1])
-            return replace(zone, local=0.0, local_spread=math.hypot(size, self._open(zone, 0.0)))
-        border = slip_border(profile.s, profile.slip, slips)
-        if border.gross or not border.resolved:
-            return zone
-        bars = self._open(zone, border.length)
-        spread = math.hypot(border.spread, zone.missed, bars)
-        return replace(zone, local=border.length, local_spread=spread)
-
-    def _open(self, zone: SlipZone, length: float) -> float:
-        """Share of the error bar of a length by those of the factors and by the contact's shape."""
-        station, b, n = self._station, self.half_width, self.power
+        b, n = self.half_width, self.power
         depth = min(length / b, DEEPEST)
         # Of d = b (1 - (1 - n d1/b)^(1/n)).
         reached = 1 - (1 - depth) ** n
         growth = reached / (n * depth * (1 - depth) ** (n - 1)) if depth > 0 else 1.0
-        first_order = b * reached / n
-        shear = zone.predicted if math.isfinite(zone.predicted) else length
-        relative = station.k_range_spread / station.k_range if station.k_range > 0 else 0.0
-        bent = abs(n - self._locally) * first_order**2 / (4 * b)
+        straight = b * reached / n
         return math.hypot(
-            growth * self._k_n_bar * length,
-            growth * relative * max(shear, length),
-            math.hypot(SHAPE, self._shape_bar) * (length - first_order),
-            bent,
+            growth * self.k_n_bar * length,
+            growth * range_bar * max(first_order, length),
+            math.hypot(SHAPE, self.length_bar) * (length - straight),
+            abs(n - self.locally) * straight**2 / (4 * b),
         )
+
+    def round_work(self, length: float) -> float:
+        """Friction work over that of the plane problem, by its longest slip zone."""
+        here = Contacts(*np.array([[self.half_width], [self.k_n], [self.power]]))
+        return float(here.work_share(np.array([min(length / self.half_width, DEEPEST)]))[0])
+
+
+@dataclass(frozen=True)
+class _Edge:
+    """The plane problem of a station.
+
+    Attributes:
+        station: it.
+        shape: of its contact.
+        k, k_i: (n, 2) and (n,) in the states that are gone through.
+        counted: (n,) whether slip in the step to each of them counts.
+        spans: the half cycles of its slip zones by places of these states; None for those that are
+            not followed.
+        friction: coefficient.
+    """
+
+    station: Station
+    shape: _Shape
+    k: Array
+    k_i: Array
+    counted: Bools
+    spans: tuple[tuple[int, int] | None, ...]
+    friction: float
+
+    @property
+    def direction(self) -> Array:
+        """(2,) unit vector along which (K_T, K_S) varies most."""
+        angle = math.radians(self.station.k_angle)
+        return np.array([math.cos(angle), math.sin(angle)])
+
+    @property
+    def halves(self) -> tuple[tuple[int, int], ...]:
+        """Half cycles that are followed, in time order."""
+        return tuple(sorted({span for span in self.spans if span is not None}))
+
+    @property
+    def smallest(self) -> float:
+        """Length of the smallest slip zone that is expected."""
+        expected = self.station.k_range / (self.friction * self.shape.k_n)
+        lengths = (zone.prediction for zone in self.station.slip_zones)
+        return min((each for each in lengths if each > 0), default=expected)
+
+    def solved(self, found: EdgeSlip) -> Station:
+        """The station with what was found."""
+        if found.reason:
+            return replace(self.station, local=no_local_problem(found.reason))
+        profiles = dict(zip(self.halves, found.profiles, strict=True))
+        zones = tuple(
+            zone if span is None else self._zone(zone, profiles[span])
+            for zone, span in zip(self.station.slip_zones, self.spans, strict=True)
+        )
+        longest = max((zone.local for zone in zones if zone.local > 0), default=0.0)
+        local = LocalProblem(
+            half_width=self.shape.half_width,
+            power=self.shape.power,
+            slip=float(found.profiles[-1].slip.max()),
+            work=found.work * self.shape.round_work(longest),
+            change=found.change,
+            tractions=found.tractions,
+            reason="",
+        )
+        return replace(self.station, slip_zones=zones, local=local)
+
+    def _zone(self, zone: SlipZone, profile: SlipProfile) -> SlipZone:
+        """A slip zone with the length by the slip of the plane problem."""
+        slips = profile.slip > FAINT * profile.slip.max()
+        if not slips.any():
+            return replace(zone, local=0.0, local_spread=float(profile.s[1]))
+        border = slip_border(profile.s, profile.slip, slips)
+        if border.gross or not border.resolved:
+            return zone
+        station, length = self.station, border.length
+        range_bar = station.k_range_spread / station.k_range if station.k_range > 0 else 0.0
+        first_order = zone.predicted if math.isfinite(zone.predicted) else length
+        open_part = self.shape.bar(length, first_order, range_bar)
+        spread = math.hypot(border.spread, zone.missed, open_part)
+        return replace(zone, local=length, local_spread=spread)
+
+
+def _pose(path: _Path, front: Front, station: Station, late: bool) -> _Edge | str:
+    """The plane problem of a station, or the reason why there is none.
+
+    Nothing acts before the first state that is followed: what K_T and K_S have reached there is a
+    first step. The end of a steady cycle depends on that little.
+
+    Args:
+        path: through the states.
+        front: of the station.
+        station: one of its stations.
+        late: begin with the cycle, K_T and K_S counted from the middle of their ranges in it; else
+            as early as the factors are known.
+    """
+    if reason := _unposed(station, path.friction):
+        return reason
+    kept, shape = path.kept, _Shape.of(front, station, int(path.kept[-1]))
+    k = np.column_stack([station.k_t, station.k_s])[kept]
+    k_i = station.k_i[kept] - station.k_i[kept[-1]]
+    grown = 1 + 3 * k_i / (shape.k_n * shape.half_width)
+    lost = np.flatnonzero(~(np.isfinite(k).all(axis=1) & (grown > NARROWEST**1.5)))
+    first = max(int(lost[-1]) + 1 if len(lost) else 0, path.first)
+    if first > path.begin:
+        return (
+            "K_T, K_S or K_I are unknown, or the contact nearly opens, as late as in state "
+            f"{int(kept[first - 1])}"
+        )
+    if late:
+        first, cycle = path.begin, k[path.begin :]
+        k = k - (cycle.max(axis=0) + cycle.min(axis=0)) / 2
+    spans = tuple(None if zone.gross else path.span(zone, first) for zone in station.slip_zones)
+    if not any(spans):
+        return "no half cycle can be followed"
+    along = replace(station, k_t=station.k_along)
+    worst = worst_cycle(station.cycles, cycle_states(path.cycle), path.contact_friction, along)
+    states = np.arange(len(kept))
+    return _Edge(
+        station=station,
+        shape=shape,
+        k=np.where(states[:, None] < max(first, 1), 0.0, k),
+        k_i=np.where(states < first, k_i[first], k_i),
+        counted=(states > first) & (worst.outer[kept] if worst else True),
+        spans=spans,
+        friction=path.friction,
+    )
 
 
 def _around(front: Front, station: Station) -> Indices:
