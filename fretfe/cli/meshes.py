@@ -38,6 +38,7 @@ def _print(checked: Checked) -> None:
 
     from fretfe.cli.mesh_report import print_mesh
     from fretfe.evaluate.resolution import coarse_contacts
+    from fretfe.loads import most_added
     from fretfe.mesh.cost import SLOW_FACTORS, needs_symmetric_factors
 
     case, history = checked.case, checked.history
@@ -63,10 +64,13 @@ def _print(checked: Checked) -> None:
     if history.cycle is not None:
         first, last = (history.times[state] for state in history.cycle)
         cycle = f"evaluated cycle t = {first:g} to {last:g} {case.units.time}"
+    if more := most_added(case, history, checked.mesh.dimension):
+        cycle += f", {more} more at most until it is steady"
     if case.edges.tolerance is not None:
         text = f"the mesh refines itself to a tolerance of {case.edges.tolerance:g}: first mesh"
         console.print(text, highlight=False)
-    console.print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")
+    steps = f"{len(history.times) - 1} steps to t = {history.times[-1]:g}"
+    console.print(f"{steps}, {cycle}", soft_wrap=True)
     console.print(f"Estimate: {checked.cost.text}", highlight=False, soft_wrap=True)
     if needs_symmetric_factors(checked.cost):
         console.print(f"Note: {SLOW_FACTORS}", highlight=False)
