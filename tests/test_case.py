@@ -100,7 +100,7 @@ def test_values_are_read_with_their_defaults(tmp_path: Path) -> None:
     assert case.supports["base"].fix == ("x", "y")
     assert isinstance(case.loads["press"], PlatenLoad)
     assert case.cycle.given is None
-    assert case.cycle.until_steady
+    assert case.cycle.until_steady and case.cycle.most_more == 20
     assert case.output.fields == "extremes"
 
 
@@ -631,6 +631,26 @@ def test_rotation_must_fit_the_mesh(keys: dict[str, Any], dimension: int, expect
     data["loads"]["spin"] = load("rotation", **keys)
     with pytest.raises(CaseError, match=re.escape(expected)):
         check_dimension(parse_case(data), dimension)
+
+
+@pytest.mark.parametrize(
+    ("cycle", "most"),
+    [
+        ({"more": 3}, 3),
+        ({"more": 0}, 0),
+        ({"until_steady": True}, 20),
+        ({"until_steady": False}, 0),
+    ],
+)
+def test_most_cycles_that_are_added(cycle: dict[str, Any], most: int) -> None:
+    assert parse_case(edited(cycle=cycle)).cycle.most_more == most
+
+
+def test_no_cycles_are_added_in_the_plane() -> None:
+    case = parse_case(edited(cycle={"more": 3}), "b1.toml")
+    with pytest.raises(CaseError, match=r"cycle\.more: expected none in the plane, .* found 3"):
+        check_dimension(case, 2)
+    check_dimension(parse_case(edited(cycle={"more": 0})), 2)
 
 
 def properties() -> dict[str, dict[str, Any]]:

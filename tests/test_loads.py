@@ -13,7 +13,7 @@ import pytest
 
 from fretfe.case import Case, parse_case
 from fretfe.errors import CaseError
-from fretfe.loads import History, build_history
+from fretfe.loads import History, build_history, most_added
 
 DOCS = Path(__file__).parent.parent / "docs" / "case-file.md"
 # Times and values are sums and products of a few numbers of order one.
@@ -379,6 +379,52 @@ def test_the_cycle_is_found(
     assert history.cycle is not None
     first, last = history.cycle
     assert history.times[[first, last]] == pytest.approx(expected, abs=ROUND_OFF * 10)
+
+
+def test_a_prolonged_history_is_one_with_more_cycles() -> None:
+    written = history_of(ramp(1, 1, 2), wave(phase=90, cycles=2))
+    longer = history_of(ramp(1, 1, 2), wave(phase=90, cycles=5))
+    found = written.prolonged(3)
+    assert found.cycle == written.cycle == (10, 18)
+    np.testing.assert_allclose(found.times, longer.times, rtol=ROUND_OFF)
+    np.testing.assert_allclose(found.values, longer.values, atol=10 * ROUND_OFF)
+    assert found.between is not None and longer.between is not None
+    np.testing.assert_allclose(found.between, longer.between, atol=10 * ROUND_OFF)
+    assert written.prolonged(0) is written
+
+
+@pytest.mark.parametrize(
+    ("step", "cycle"), [(18, (10, 18)), (25, (10, 18)), (26, (18, 26)), (40, (26, 34))]
+)
+def test_the_last_whole_cycle_of_a_prolonged_history(step: int, cycle: tuple[int, int]) -> None:
+    longest = history_of(ramp(1, 1, 2), wave(phase=90, cycles=2)).prolonged(3)
+    found = longest.until(step)
+    assert found.cycle == cycle and len(found.times) == step + 1
+    assert found.between is not None and len(found.between) == step
+    np.testing.assert_array_equal(found.values, longest.values[: step + 1])
+
+
+GO_ON: dict[str, tuple[dict[str, Any], str, bool]] = {
+    "wave": ({"a": [wave()]}, "", True),
+    "two-waves": ({"a": [wave(cycles=2)], "b": [wave(period=2)]}, "", True),
+    "hold-behind": ({"a": [wave(), hold(2)]}, "", False),
+    "no-wave": ({"a": [ramp(1, 1), ramp(0, 2)]}, "cycle = { start = 0, end = 2 }", False),
+    "no-cycle": ({"a": [ramp(1, 1)]}, "", False),
+    "given-in-the-middle": ({"a": [wave(cycles=3)]}, "cycle = { start = 0, end = 1 }", False),
+    "given-open": (
+        {"a": [wave(cycles=2)], "b": [ramp(1, 2, 4)]},
+        "cycle = { start = 1, end = 2 }",
+        False,
+    ),
+}
+
+
+@pytest.mark.parametrize(("histories", "extra", "expected"), GO_ON.values(), ids=GO_ON)
+def test_loads_that_may_go_on(histories: dict[str, Any], extra: str, expected: bool) -> None:
+    case = case_of(extra=extra, **histories)
+    history = build_history(case)
+    assert most_added(case, history, 3) == (20 if expected else 0)
+    assert most_added(case, history, 2) == 0
 
 
 WRONG_TIMES = {

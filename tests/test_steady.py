@@ -11,7 +11,12 @@ import pytest
 from pad_cases import pad, press, shear
 
 from fretfe.case import parse_case
-from fretfe.evaluate.cycles import STEADY_CHANGE, cycle_changes, unsteady_text
+from fretfe.evaluate.cycles import (
+    STEADY_CHANGE,
+    cycle_changes,
+    may_become_steady,
+    unsteady_text,
+)
 from fretfe.halfplane import solve_half_planes
 from fretfe.results.model import Result
 from fretfe.runner import Runner
@@ -45,6 +50,27 @@ def test_one_cycle_tells_nothing_and_a_steady_one_needs_none() -> None:
         "add a cycle: after two it is told about how many there have to be"
     )
     assert unsteady_text([0.9 * STEADY_CHANGE, 0.3]) == unsteady_text([math.nan]) == ""
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ([[0.3]], True),
+        ([[0.9 * STEADY_CHANGE, 0.3]], False),
+        ([[math.nan]], False),
+        ([], False),
+        ([[math.nan], [0.9 * STEADY_CHANGE], [0.02, 0.03]], True),
+        # One rise may be chance, two are none.
+        ([[0.03, 0.02]], True),
+        ([[0.03, 0.02, 0.04]], True),
+        ([[0.03, 0.03, 0.03]], False),
+        ([[0.02, 0.03, 0.04], [0.03, 0.03, 0.03]], False),
+    ],
+)
+def test_cycles_are_worth_adding_while_a_change_falls(
+    changes: list[list[float]], expected: bool
+) -> None:
+    assert may_become_steady(changes) is expected
 
 
 @pytest.mark.parametrize(("cycles", "known"), [(1, 1), (2, 2), (4, 3)])

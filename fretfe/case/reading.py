@@ -243,6 +243,9 @@ def check_dimension(case: Case, dimension: int) -> None:
 def _misfits(case: Case, dimension: int) -> Iterator[Problem]:
     if dimension == 3:
         yield from _plane_only(case)
+    elif case.cycle.more:
+        text = f"expected none in the plane, where no cycles are added, found {case.cycle.more}"
+        yield Problem(("cycle", "more"), text)
     for key, direction in _directions(case):
         axes = AXES[:dimension]
         if isinstance(direction, str):

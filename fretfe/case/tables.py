@@ -256,6 +256,10 @@ class Support(Table):
         return self
 
 
+# Cycles that solids are given at most to become steady, beyond those of the case.
+MORE_CYCLES = 20
+
+
 class Cycle(Table):
     """The load cycle that is evaluated, and repeated cycles."""
 
@@ -274,6 +278,22 @@ class Cycle(Table):
         "contact as it found it; those that follow have its states and are not solved again. "
         "false: every step is solved.",
     )
+    more: int | None = Field(
+        default=None,
+        strict=True,
+        ge=0,
+        le=1000,
+        description="Largest number of cycles that are solved after those of the load history, "
+        f"until the last one is steady; 0: none. Default: {MORE_CYCLES} for solids whose loads end "
+        "with waves, unless until_steady is false; none in the plane.",
+    )
+
+    @property
+    def most_more(self) -> int:
+        """Largest number of cycles that may be added between solids."""
+        if self.more is None:
+            return MORE_CYCLES if self.until_steady else 0
+        return self.more
 
     @property
     def given(self) -> tuple[float, float] | None:

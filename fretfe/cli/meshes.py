@@ -43,6 +43,7 @@ def _print(checked: Checked) -> None:
     from rich.console import Console
 
     from fretfe.evaluate.resolution import coarse_contacts
+    from fretfe.loads import most_added
     from fretfe.mesh.cost import SLOW_FACTORS, needs_symmetric_factors
 
     case, history = checked.case, checked.history
@@ -68,10 +69,12 @@ def _print(checked: Checked) -> None:
     if history.cycle is not None:
         first, last = (history.times[state] for state in history.cycle)
         cycle = f"evaluated cycle t = {first:g} to {last:g} {case.units.time}"
+    if more := most_added(case, history, checked.mesh.dimension):
+        cycle += f", {more} more at most until it is steady"
     if case.edges.tolerance is not None:
         text = f"the mesh refines itself to a tolerance of {case.edges.tolerance:g}: first mesh"
         console.print(text, highlight=False)
-    console.print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")
+    print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")
     print(f"Estimate: {checked.cost.text}")
     if needs_symmetric_factors(checked.cost):
         console.print(f"Note: {SLOW_FACTORS}", highlight=False)

@@ -100,6 +100,7 @@ class March:
         end: StepLoads,
         cuts_left: int = MAX_CUTS,
         slow: bool = True,
+        guess: ContactState | None = None,
     ) -> StepResult:
         """Go from one load to the next, in two halves if that is necessary.
 
@@ -109,12 +110,14 @@ class March:
             end: loads.
             cuts_left: how often the step may be halved.
             slow: whether the slow method is tried where Newton's fails.
+            guess: a state that may resemble the one at the end; Newton's method starts from its
+                status, and from full stick if that fails.
 
         Raises:
             NotConverged: if that fails however often the step is cut.
         """
         try:
-            return self._attempt(state, end, slow)
+            return self._attempt(state, end, slow, guess)
         except NotConverged as failure:
             if not cuts_left:
                 raise
@@ -133,12 +136,13 @@ class March:
             fallbacks=first.fallbacks + second.fallbacks,
         )
 
-    def _attempt(self, state: ContactState, loads: StepLoads, slow: bool) -> StepResult:
+    def _attempt(
+        self, state: ContactState, loads: StepLoads, slow: bool, guess: ContactState | None
+    ) -> StepResult:
         reference = state.relative[:, 1:]
-        status, direction = self._start(state)
-        fallbacks = 0
+        fallbacks = spent = 0
         try:
-            solved, iterations = self._newton.solve(loads, reference, status, direction)
+            solved, iterations = self._newton_from(guess, state, loads)
         except NotConverged as failure:
             if not slow:
                 raise
@@ -147,15 +151,27 @@ class March:
                 self.operator, loads, reference, state.traction
             )
             solved, iterations = self._newton.solve(loads, reference, status, direction)
-            iterations += spent
         return StepResult(
             state=solved,
             dissipation=dissipation(solved, reference),
-            iterations=iterations,
+            iterations=iterations + spent,
             parts=1,
             fallbacks=fallbacks,
             certificate=certify(self.interface, loads, solved, reference),
         )
+
+    def _newton_from(
+        self, guess: ContactState | None, state: ContactState, loads: StepLoads
+    ) -> tuple[ContactState, int]:
+        """Newton's method from a guess, and without one or where that fails from full stick."""
+        reference, spent = state.relative[:, 1:], 0
+        if guess is not None:
+            try:
+                return self._newton.solve(loads, reference, guess.status, guess.direction)
+            except NotConverged as failure:
+                spent = failure.iterations
+        solved, iterations = self._newton.solve(loads, reference, *self._start(state))
+        return solved, iterations + spent
 
     def _start(self, state: ContactState) -> tuple[npt.NDArray[np.int8], Array]:
         """Every node in contact stuck; the nearest nodes if contact alone restrains a body."""
@@ -232,20 +248,27 @@ class Division:
         self._edges = {place.name: neighbouring_nodes(place) for place in places}
         self._turns = _parts_by_turning(steps)
 
-    def solve(self, number: int, state: ContactState) -> list[Part]:
+    def solve(
+        self, number: int, state: ContactState, guess: ContactState | None = None
+    ) -> list[Part]:
         """Solve a step from the state before it; its end is that of the last part.
+
+        Args:
+            number: of the step.
+            state: before it.
+            guess: a state that may resemble the one at its end.
 
         Raises:
             ConvergenceError: if it has no solution.
         """
         try:
-            return self._solve(number, state)
+            return self._solve(number, state, guess)
         except NotConverged as failure:
             raise not_converged(number, len(self._steps) - 1, failure) from None
 
-    def _solve(self, number: int, state: ContactState) -> list[Part]:
+    def _solve(self, number: int, state: ContactState, guess: ContactState | None) -> list[Part]:
         begin, end = self._steps[number - 1], self._steps[number]
-        whole = self._march.advance(state, begin, end)
+        whole = self._march.advance(state, begin, end, guess=guess)
         turns = self._turns[number] if end.friction.any() else 1
         moved = self._moved(state, whole.state, end)
         if moved <= TOLERATED and turns == 1:

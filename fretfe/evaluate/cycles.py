@@ -334,6 +334,21 @@ def _same_cycles(solution: Solution, friction: Array) -> list[tuple[int, int]]:
     return [(int(ends[begin]), int(ends[end])) for begin, end in found]
 
 
+def may_become_steady(changes: Sequence[Sequence[float]]) -> bool:
+    """True if some contact is not steady, and more cycles may help: no change stays what it was.
+
+    Args:
+        changes: for each contact as of `cycle_changes`.
+    """
+    unsteady = [each for each in changes if each[0] >= STEADY_CHANGE]
+    lasting = (
+        len(each) == MOST_CYCLES
+        and all(late > FALLING * early for late, early in itertools.pairwise(each))
+        for each in unsteady
+    )
+    return bool(unsteady) and not any(lasting)
+
+
 def unsteady_text(changes: Sequence[float]) -> str:
     """Say that a cycle is not steady, and how many more it takes; empty if it is.
 

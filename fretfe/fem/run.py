@@ -14,9 +14,10 @@ from fretfe.bodies.definition import Pair
 from fretfe.case import Case, antiplane_ratio, contact_modulus
 from fretfe.contact.interface import Place
 from fretfe.contact.recorder import Recorder
-from fretfe.contact.solve import solve_history
+from fretfe.contact.solve import extrapolate_slip, solve_history
 from fretfe.errors import ConvergenceError, ModelError, OutputError, StoppedError
 from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.cycles import cycle_changes, may_become_steady
 from fretfe.evaluate.evaluate import Tracks, evaluate
 from fretfe.evaluate.limits import with_limit_warnings
 from fretfe.evaluate.plane.patches_in_time import separate_patches
@@ -39,8 +40,11 @@ from fretfe.fem.probes import state_requests
 from fretfe.fem.stress_output import refuse_solids, write_stress
 from fretfe.fem.timing import Clock
 from fretfe.history.solution import Solution
-from fretfe.loads import History, build_history
+from fretfe.loads import History, build_history, most_added
 from fretfe.results.model import Result
+
+# Added cycles from one extrapolation of slip to the next: it takes two changes without one between.
+PER_EXTRAPOLATION = 3
 
 
 def solve(
@@ -146,6 +150,8 @@ class _Run:
         with clock("steps"):
             marched = _march(self._prepared, case, self._history, self._options)
             recorder = self._recorder = marched.recorder
+            added = _added_note(self._history, marched.history)
+            self._history = marched.history
             solution = _solution(model, self._history, recorder)
         with clock("edge integrals"):
             tracks, say = _fronts(case, solution), self._options.doing
@@ -171,7 +177,7 @@ class _Run:
             loads=solution.loads,
             contacts=contacts,
             solution=solution,
-            notes=(*model.notes, *self._prepared.mesh.notes, *divided, *repeats),
+            notes=(*model.notes, *self._prepared.mesh.notes, *divided, *repeats, *added),
             failure=failure,
             limits=limits,
             bodies=self._prepared.mesh.bodies,
@@ -281,31 +287,113 @@ def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
 
 @dataclass(frozen=True)
 class _Marched:
-    """The accepted steps, and why there are not more of them."""
+    """The accepted steps with their loads, and why there are not more of them."""
 
     recorder: Recorder
+    history: History
     failure: ConvergenceError | None
 
 
 def _march(prepared: Prepared, case: Case, history: History, options: RunOptions) -> _Marched:
     """Solve all steps; one that fails ends the history and keeps what was computed."""
     reduction, march = prepared.model.reduction, prepared.march
-    steps = step_loads(case, history, reduction.interface, reduction.definition)
+    cycles = _Cycles(history, most_added(case, history, prepared.model.dimension))
+    steps = step_loads(case, cycles.longest, reduction.interface, reduction.definition)
     places = [_place(prepared.model, pair) for pair in reduction.pairs]
     channels = [load.channel for load in reduction.definition.loads]
     storage = options.storage({**_compat.versions(), "mesh": prepared.digest})
     recorder = Recorder(march, places, steps, channels, case.model.degree, storage)
     if recorder.steps_done:
-        options.announce(f"continued after step {recorder.steps_done} of {len(steps) - 1}")
+        until = next(end for end in cycles.ends if end >= recorder.steps_done)
+        options.announce(f"continued after step {recorder.steps_done} of {until}")
+    failure: ConvergenceError | None = None
+    until_steady = case.cycle.until_steady
     try:
-        solve_history(march, recorder, steps, case.cycle.until_steady, options.progress)
-    except ConvergenceError as failure:
-        if recorder.contact_carries or isinstance(failure, StoppedError):
-            return _Marched(recorder, failure)
-        hint = "Until then no surfaces pressed on each other: check the signs of the loads."
-        return _Marched(recorder, ConvergenceError(f"{failure} {hint}"))
-    _require_contact(recorder)
-    return _Marched(recorder, None)
+        for added, end in enumerate(cycles.ends):
+            if recorder.steps_done <= end:
+                solve_history(march, recorder, steps[: end + 1], until_steady, options.progress)
+                if cycles.enough(added, recorder, options):
+                    break
+    except ConvergenceError as error:
+        failure = error
+        if not (recorder.contact_carries or isinstance(error, StoppedError)):
+            hint = "Until then no surfaces pressed on each other: check the signs of the loads."
+            failure = ConvergenceError(f"{error} {hint}")
+    else:
+        _require_contact(recorder)
+    return _Marched(recorder, cycles.solved(recorder.steps_done), failure)
+
+
+class _Cycles:
+    """The loads as written, and their cycle again until it is steady.
+
+    After every third added cycle slip is extrapolated, so that the one that follows does not begin
+    with the state before it. It is not evaluated, nor is it the last one.
+
+    Args:
+        history: the loads as written.
+        more: number of cycles that may be added.
+
+    Attributes:
+        longest: the loads with all of these.
+        written: last step of the loads as written.
+        ends: last steps of these and of each added cycle.
+    """
+
+    def __init__(self, history: History, more: int) -> None:
+        self.longest, self.written = history.prolonged(more), len(history.times) - 1
+        first, last = history.cycle or (0, self.written)
+        self._period = last - first
+        self.ends = range(self.written, len(self.longest.times), self._period)
+
+    def enough(self, added: int, recorder: Recorder, options: RunOptions) -> bool:
+        """Tell whether no cycles follow so many added ones, and extrapolate slip if it is time."""
+        if added + 1 == len(self.ends):
+            return True
+        if not self._extrapolated(added - 1) and _steady(recorder, self, options):
+            return True
+        if self._extrapolated(added):
+            extrapolate_slip(recorder, self._period)
+        return False
+
+    def _extrapolated(self, added: int) -> bool:
+        """True if slip is extrapolated after so many added cycles: not before the last ones."""
+        return added % PER_EXTRAPOLATION == 1 and added + PER_EXTRAPOLATION < len(self.ends)
+
+    def solved(self, step: int) -> History:
+        """The loads until a step, but all that are written, and what is evaluated of them."""
+        history = self.longest.until(max(self.written, step))
+        if history.cycle is not None and self._extrapolated(
+            (step - self.written) // self._period - 1
+        ):
+            first, last = history.cycle
+            return replace(history, cycle=(first - self._period, last - self._period))
+        return history
+
+
+def _added_note(written: History, solved: History) -> tuple[str, ...]:
+    """Say how many cycles were added to the loads as written."""
+    if written.cycle is None or (steps := len(solved.times) - len(written.times)) == 0:
+        return ()
+    count = steps / (written.cycle[1] - written.cycle[0])
+    cycles = "1 cycle was" if count == 1 else f"{count:.3g} cycles were"
+    return (f"{cycles} added to the load history, at whose end the contacts were not steady",)
+
+
+def _steady(recorder: Recorder, cycles: _Cycles, options: RunOptions) -> bool:
+    """True if the last cycle is steady, or more of them would not make it so."""
+    solution = recorder.solution(cycles.solved(recorder.steps_done), {})
+    changes = [
+        cycle_changes(solution, contact.mean_traction, contact.friction)
+        for contact in solution.contacts
+    ]
+    if not may_become_steady(changes):
+        return True
+    worst = max(each[0] for each in changes)
+    options.announce(
+        f"not steady: the shear changes by {worst:.2g} f p_max over the cycle; more are solved"
+    )
+    return False
 
 
 def _place(model: Model, pair: Pair) -> Place:

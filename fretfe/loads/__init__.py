@@ -3,6 +3,6 @@
 
 from __future__ import annotations
 
-from fretfe.loads.history import History, build_history
+from fretfe.loads.history import History, build_history, most_added
 
-__all__ = ["History", "build_history"]
+__all__ = ["History", "build_history", "most_added"]

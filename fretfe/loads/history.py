@@ -348,6 +348,38 @@ class History:
         """Index of the step at a time, the nearest one if there is none."""
         return int(np.argmin(np.abs(self.times - time)))
 
+    def prolonged(self, count: int) -> History:
+        """The loads with their cycle, which ends them, so many times more."""
+        if not count or self.cycle is None:
+            return self
+        first, last = self.cycle
+        period = self.times[last] - self.times[first]
+        later = period * np.arange(1, count + 1)[:, None]
+        between = self.between
+        if between is not None:
+            between = np.concatenate([between, *[between[first:last]] * count])
+        return replace(
+            self,
+            times=np.append(self.times, self.times[first + 1 : last + 1] + later),
+            values=np.concatenate([self.values, *[self.values[first + 1 : last + 1]] * count]),
+            between=between,
+        )
+
+    def until(self, step: int) -> History:
+        """Prolonged loads until a step; the last whole cycle is the one to evaluate."""
+        cycle, between = self.cycle, self.between
+        if cycle is not None:
+            first, last = cycle
+            later = max(0, (step - last) // (last - first)) * (last - first)
+            cycle = (first + later, last + later)
+        return replace(
+            self,
+            times=self.times[: step + 1],
+            values=self.values[: step + 1],
+            cycle=cycle,
+            between=None if between is None else between[:step],
+        )
+
     def divided(self, steps: Indices, shares: Array) -> History:
         """The same loads on a finer clock.
 
@@ -432,6 +464,19 @@ def build_history(case: Case) -> History:
     check_times(case, times)
     cycle = find_cycle(case, times, values, channels)
     return History(tuple(channels), times, values, cycle, _between(channels, times))
+
+
+def most_added(case: Case, history: History, dimension: int) -> int:
+    """Largest number of cycles that may be added to make the last one steady.
+
+    Those of solids, if the loads end with a closed cycle and one of them with a wave.
+    """
+    if dimension == 2 or history.cycle is None or history.cycle[1] != len(history.times) - 1:
+        return 0
+    first, last = history.values[list(history.cycle)]
+    closed = np.abs(last - first) <= CLOSED * np.abs(history.values).max(axis=0)
+    waves = (isinstance(load.history[-1], Wave) for load in case.loads.values())
+    return case.cycle.most_more if closed.all() and any(waves) else 0
 
 
 def _lagrange(shares: Array) -> Array:

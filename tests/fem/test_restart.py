@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import pytest
 from interruptions import (
@@ -26,11 +27,11 @@ from interruptions import (
     undisturbed,
 )
 from launch import started
-from pad_cases import pad, press, shear
+from pad_cases import pad, press, shear, wave
 from restarts import cut_and_continued, largest_difference
 from told import Told
 
-from fretfe.case import load_case, parse_case
+from fretfe.case import Case, load_case, parse_case
 from fretfe.errors import OutputError, StoppedError
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
@@ -84,15 +85,64 @@ def test_a_folder_that_vanishes_is_told_and_not_made_again(tmp_path: Path) -> No
     assert not folder.exists()
 
 
-@pytest.mark.slow
-def test_a_continued_solid_is_the_undisturbed_one(tmp_path: Path) -> None:
-    tables = pad(geometry={**PAD, "solid": {"length": 2.0, "layers": 2}}, loads=HISTORY)
+def solid(loads: dict[str, Any]) -> Case:
+    tables = pad(geometry={**PAD, "solid": {"length": 2.0, "layers": 2}}, loads=loads)
     tables["geometry"]["parameters"] = {**PAD["parameters"], "size": 0.25, "growth": 0.5}  # type: ignore[dict-item]
     tables["supports"]["base"]["fix"] = ["x", "y", "z"]
-    case = parse_case(tables)
+    return parse_case(tables)
+
+
+@pytest.mark.slow
+def test_a_continued_solid_is_the_undisturbed_one(tmp_path: Path) -> None:
+    case = solid(HISTORY)
     RUNNER.run(case, tmp_path / "undisturbed")
     cut_and_continued(case, "fem", tmp_path / "continued", 6)
     assert largest_difference(tmp_path / "undisturbed", tmp_path / "continued") < 1e-12
+
+
+@pytest.fixture(scope="module")
+def prolonged(tmp_path_factory: pytest.TempPathFactory) -> tuple[Case, Path]:
+    """A solid to whose 19 steps cycles of 8 are added, and its undisturbed run."""
+    down = {**wave(-200.0, steps=8), "mean": -600.0}
+    pressed = press(steps=3)
+    pressed["history"] = [*pressed["history"], down]
+    case = solid({"press": pressed, "shear": shear(150.0, steps=8)})
+    folder = tmp_path_factory.mktemp("prolonged")
+    result = RUNNER.run(case, folder)
+    assert len(result.loads.times) - 1 > 19 + 4 * 8
+    return case, folder
+
+
+@pytest.mark.parametrize("steps", [20, 28, 30, 36, 41])
+def test_added_cycles_are_continued(
+    prolonged: tuple[Case, Path], tmp_path: Path, steps: int
+) -> None:
+    """Behind the loads as written, and behind step 27, after which slip is extrapolated."""
+    case, undisturbed = prolonged
+    cut_and_continued(case, "fem", tmp_path, steps)
+    assert largest_difference(undisturbed, tmp_path) < 1e-12
+
+
+class Ending(Told):
+    """Ends the process when it is told for the second time that a cycle is not steady."""
+
+    def announce(self, text: str) -> None:
+        super().announce(text)
+        if sum(each.startswith("not steady") for each in self.announced) == 2:
+            raise KeyboardInterrupt
+
+
+def test_slip_is_extrapolated_once_more_where_a_run_was_cut_off(
+    prolonged: tuple[Case, Path], tmp_path: Path
+) -> None:
+    case, undisturbed = prolonged
+    with pytest.raises(KeyboardInterrupt):
+        RUNNER.run(case, tmp_path, Ending())
+    told = Told()
+    RUNNER.run(case, tmp_path, told, resume=True)
+    assert "continued after step 27 of 27" in told.announced
+    assert told.steps[0][0] == 28
+    assert largest_difference(undisturbed, tmp_path) < 1e-12
 
 
 @pytest.fixture(scope="module")
