@@ -70,10 +70,6 @@ class StopOnly(Observer):
 SILENT = Observer()
 
 
-def _ignore(_: Result) -> None:
-    """Keep no result."""
-
-
 @dataclass(frozen=True)
 class RunOptions:
     """Wishes of a caller besides the results.
@@ -96,7 +92,7 @@ class RunOptions:
     states: Path | None = None
     resume: bool = False
     before: Result | None = None
-    keep: Callable[[Result], None] = _ignore
+    keep: Callable[[Result], None] = lambda _: None
     history: History | None = None
     observer: Observer = SILENT
 

@@ -173,9 +173,10 @@ def _define_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyDefinition
         for entry in _platens(case, gdim) + _displacements(case, gdim) + _supports(case, gdim)
         if entry[0].boundary in own
     ]
+    body = case.bodies[name]
     return BodyDefinition(
         name=name,
-        material=_material(case, name),
+        material=Material(body.young, body.poisson, body.density or 0.0, case.model.plane),
         constraints=tuple(constraint for constraint, _, _ in constrained),
         coordinates=tuple(
             Coordinate(constraint.label, name, control, channel)
@@ -183,11 +184,6 @@ def _define_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyDefinition
         ),
         surfaces=tuple(surfaces),
     )
-
-
-def _material(case: Case, name: str) -> Material:
-    body = case.bodies[name]
-    return Material(body.young, body.poisson, body.density or 0.0, case.model.plane)
 
 
 def _platens(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:

@@ -98,14 +98,15 @@ class PatientFile(io.FileIO):
 
 
 @contextlib.contextmanager
-def new_hdf5(path: Path) -> Iterator[h5py.File]:
-    """A new HDF5 file.
+def new_hdf5(path: Path, schema: Mapping[str, Any]) -> Iterator[h5py.File]:
+    """A new HDF5 file of a schema, which has a name and a version.
 
     Raises:
         OSError: if it cannot be written.
     """
     with PatientFile(path) as raw:
         with h5py.File(raw, "w", libver=FORMAT) as file:
+            file.attrs.update({"schema": schema["name"], "version": schema["version"]})
             yield file
         raw.require()
 
@@ -138,8 +139,10 @@ def read_fault(error: Exception) -> str:
     return "damaged values" if "filter returned failure" in str(error) else str(error)
 
 
-def require_own(path: Path, file: h5py.File) -> None:
-    """Check that all that is in a file is in it: it could name a pipe, or a file of others.
+def require_own(path: Path, file: h5py.File, schema: Mapping[str, Any]) -> None:
+    """Check that all that is in a file is in it, and is of a schema.
+
+    It could name a pipe, or a file of others.
 
     Raises:
         OutputError: if it is not.
@@ -150,6 +153,9 @@ def require_own(path: Path, file: h5py.File) -> None:
 
     if (name := file.visititems_links(look)) is not None:
         raise OutputError(f"{path}: expected arrays of a run, found {name!r}, which is elsewhere")
+    found = {"name": file.attrs.get("schema"), "version": file.attrs.get("version")}
+    if found != schema:
+        raise OutputError(f"{path}: expected schema {schema}, found {found}")
 
 
 @dataclass(frozen=True)
@@ -195,8 +201,7 @@ class StressWriter:
         self._stack, self._row = ExitStack(), 0
         with ExitStack() as stack:
             new = stack.enter_context(replacing(path))
-            self._file = stack.enter_context(new_hdf5(new))
-            self._file.attrs.update({"schema": SCHEMA["name"], "version": SCHEMA["version"]})
+            self._file = stack.enter_context(new_hdf5(new, SCHEMA))
             for name, values in (("depths", depths), ("states", states), ("times", times)):
                 store(self._file, name, values)
             for site in sites:
@@ -259,10 +264,7 @@ def read_stress(directory: Path, contact: str) -> StressHistory:
         )
     try:
         with h5py.File(path, "r") as file:
-            require_own(path, file)
-            found = {"name": file.attrs.get("schema"), "version": file.attrs.get("version")}
-            if found != SCHEMA:
-                raise OutputError(f"{path}: expected schema {SCHEMA}, found {found}")
+            require_own(path, file, SCHEMA)
             if contact not in file["contacts"]:
                 known = ", ".join(file["contacts"])
                 raise OutputError(

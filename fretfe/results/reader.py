@@ -164,10 +164,7 @@ def _opened(path: Path) -> Iterator[h5py.File]:
     _require_stored(path)
     try:
         with h5py.File(path, "r") as file:
-            require_own(path, file)
-            found = {"name": file.attrs.get("schema"), "version": file.attrs.get("version")}
-            if found != SCHEMA:
-                raise OutputError(f"{path}: expected schema {SCHEMA}, found {found}")
+            require_own(path, file, SCHEMA)
             yield file
     except (OSError, RuntimeError) as error:
         # h5py has both for files that are damaged.

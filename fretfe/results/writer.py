@@ -163,8 +163,7 @@ def _write_surfaces(path: Path, result: Result) -> None:
 
 def _write_arrays(path: Path, result: Result, lists: Mapping[str, Array]) -> None:
     solution = result.solution
-    with new_hdf5(path) as file:
-        file.attrs.update({"schema": SCHEMA["name"], "version": SCHEMA["version"]})
+    with new_hdf5(path, SCHEMA) as file:
         store(file, "times", result.loads.times)
         for name, values in lists.items():
             store(file, name, values)
