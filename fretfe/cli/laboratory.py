@@ -371,7 +371,7 @@ def station(
     name, front = _front(contact)
     model = run_station(result, name, number, front, output)
     console = Console()
-    console.print(_station_table(result.case.units, model))
+    print_whole(_station_table(result.case.units, model))
     units = result.case.units
     console.print(
         f"K_N {with_error(model.k_n, model.k_n_spread)}, ΔK "

@@ -19,8 +19,16 @@ from fretfe._typing import Array
 from fretfe.evaluate.contacts import Contact, SlipZone, Station
 from fretfe.evaluate.refinement import Refinement, StationValues, changes_by_kind
 from fretfe.evaluate.verdicts import AGREES, NO_ZONE, judge, last_verdict
-from fretfe.report.source import shown_stations
-from fretfe.report.texts import MISSING, marked, number, percent, plain_table, with_error
+from fretfe.report.source import force_unit, shown_stations, work_unit
+from fretfe.report.texts import (
+    MISSING,
+    marked,
+    number,
+    percent,
+    plain_table,
+    with_error,
+    with_prefix,
+)
 from fretfe.results.model import Result
 
 HEADERS = (
@@ -78,42 +86,46 @@ def _edge_cells(edge: Station) -> list[str]:
 def contact_table(run: Result) -> Table:
     """One row per contact: forces over the cycle, its size at the end, whether that is steady."""
     units, evaluated = run.case.units, run.loads.cycle
+    forces = [each for c in run.contacts for each in (c.normal_force, c.shear_force)]
+    largest = max((float(np.abs(each).max(initial=0.0)) for each in forces), default=0.0)
+    scale, force = with_prefix(force_unit(run), largest)
     if run.solid:
         title = (
-            f"Contacts: P, |Q| in {units.force}, areas at the end in {units.length}², largest "
-            f"pressure in {units.stress}, friction work in {units.force}·{units.length}"
+            f"Contacts: P, |Q| in {force}, area in contact and what of it sticks at the end in "
+            f"{units.length}², largest pressure in {units.stress}, friction work in "
+            f"{work_unit(run)}"
         )
-        headers = ["P", "|Q|", "in contact", "sticks", "p_max", "work", "steady"]
+        headers = ["P", "|Q|", "area", "sticks", "p_max", "work", "steady"]
     else:
-        title = f"Contacts: P, Q in {units.force}/{units.length}, half-width in {units.length}"
+        title = f"Contacts: P, Q in {force}, half-width in {units.length}"
         headers = ["P", "Q", "half-width", "steady", "Δq/(f p_max)"]
     table = plain_table(title, ("contact", *headers), text=1)
     cycle = slice(evaluated[0], evaluated[1] + 1) if evaluated else slice(None)
     last = evaluated[1] if evaluated else -1
     for contact in run.contacts:
         cells = _solid_cells if contact.solid else _plane_cells
-        table.add_row(contact.name, *cells(contact, cycle, last))
+        table.add_row(contact.name, *cells(contact, cycle, last, scale))
     return table
 
 
-def _plane_cells(contact: Contact, cycle: slice, last: int) -> tuple[str, ...]:
+def _plane_cells(contact: Contact, cycle: slice, last: int, scale: float) -> tuple[str, ...]:
     return (
-        _range(contact.normal_force[cycle]),
-        _range(contact.shear_force[cycle]),
+        _range(contact.normal_force[cycle] / scale),
+        _range(contact.shear_force[cycle] / scale),
         number(contact.half_width[last]),
         _steady(contact),
         number(contact.cycle_change),
     )
 
 
-def _solid_cells(contact: Contact, cycle: slice, last: int) -> tuple[str, ...]:
+def _solid_cells(contact: Contact, cycle: slice, last: int, scale: float) -> tuple[str, ...]:
     return (
-        _range(contact.normal_force[cycle]),
-        _range(np.linalg.norm(contact.shear_force[cycle], axis=1)),
-        number(contact.contact_area[last]),
-        number(contact.stick_area[last]),
+        _range(contact.normal_force[cycle] / scale, digits=3),
+        _range(np.linalg.norm(contact.shear_force[cycle], axis=1) / scale, digits=3),
+        number(contact.contact_area[last], 3),
+        number(contact.stick_area[last], 3),
         number(contact.largest_pressure[cycle].max()),
-        number(contact.dissipation),
+        number(contact.dissipation, 3),
         _steady(contact),
     )
 
@@ -161,8 +173,8 @@ def timing_table(seconds: Mapping[str, float]) -> Table:
     return table
 
 
-def _range(values: Array) -> str:
-    return f"{number(values.min())} … {number(values.max())}"
+def _range(values: Array, digits: int = 4) -> str:
+    return f"{number(values.min(), digits)} … {number(values.max(), digits)}"
 
 
 def cycle_table(run: Result) -> Table | None:
@@ -202,7 +214,7 @@ def _front_table(run: Result) -> Table:
     """Two rows per front of solids: the range along it, and the station of the largest |ΔK|.
 
     A station is told by its number and its distance along the front; those too near an end are
-    left out.
+    left out. Slip zones are those by the plane problems, by the nodes where there is none.
     """
     units = run.case.units
     title = (
@@ -219,8 +231,6 @@ def _front_table(run: Result) -> Table:
                 table.add_row("  all too near an end")
                 continue
             table.add_row(f"{contact.name} {front.name}", *_along(judged))
-            for word, count in _count_verdicts(judged).items():
-                table.add_row(f"  {count} {word}")
             worst = front.worst
             if worst is not None:
                 table.add_row(f"  {worst.number} at {number(worst.arc, 3)}", *_at(worst))
@@ -240,7 +250,7 @@ def _along(stations: tuple[Station, ...]) -> tuple[str, ...]:
     return (
         _known_range([each.reported_k_n for each in stations], digits=4),
         _known_range([each.reported_range for each in stations], digits=3),
-        _known_range([zone.reported_length for zone in zones], digits=2),
+        _known_range([zone.told[0] for zone in zones], digits=2),
         _known_range([zone.prediction for zone in zones], digits=2),
     )
 
@@ -251,7 +261,7 @@ def _at(station: Station) -> tuple[str, ...]:
     return (
         with_error(station.reported_k_n, station.last_k_n[1]),
         with_error(station.reported_range, station.k_range_spread),
-        with_error(zone.reported_length, zone.spread) if zone else MISSING,
+        with_error(*zone.told) if zone else MISSING,
         number(zone.prediction, 3) if zone else MISSING,
     )
 
@@ -262,7 +272,7 @@ def _known_range(values: Sequence[float], digits: int) -> str:
     if not known:
         return MISSING
     ends = [number(end, digits) for end in (min(known), max(known))]
-    return ends[0] if ends[0] == ends[1] else "…".join(ends)
+    return ends[0] if ends[0] == ends[1] else " … ".join(ends)
 
 
 @dataclass(frozen=True)
