@@ -121,12 +121,15 @@ def _print_numbers(console: Console, result: Result) -> None:
     from fretfe.report.page.tables import (
         contact_table,
         cycle_table,
+        front_texts,
         limit_table,
         mesh_table,
         station_table,
     )
     from fretfe.report.texts import print_whole
 
+    for text in front_texts(result) if result.solid else ():
+        console.print(text, highlight=False, markup=False)
     tables = [contact_table(result), station_table(result), cycle_table(result)]
     if result.refinement is not None:
         tables += [mesh_table(result.refinement), limit_table(result.refinement)]

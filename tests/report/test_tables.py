@@ -18,7 +18,7 @@ from fretfe.evaluate.contacts import Contact, SlipZone, Station
 from fretfe.quality.comparison import Row, print_rows
 from fretfe.quality.rows import Row as Checked
 from fretfe.quality.validation import Validation, print_validation
-from fretfe.report.page.tables import contact_table, station_table, timing_table
+from fretfe.report.page.tables import contact_table, front_texts, station_table, timing_table
 from fretfe.report.texts import number, print_whole, with_error, with_prefix
 from fretfe.results.model import Result
 
@@ -85,6 +85,41 @@ def test_fronts_fit_and_have_the_plane_problem(
     assert slip[0] == "0.042 … 0.053" and not any("resolved" in str(each) for each in names)
     worst = sphere.contacts[0].fronts[0].worst
     assert worst is not None and slip[1] == with_error(*worst.slip_zones[0].told)
+
+
+def test_the_first_lines_have_the_worst_stations(sphere: Result) -> None:
+    first, second = front_texts(sphere)
+    worst = sphere.contacts[0].stations[11]
+    assert first.startswith("main, front 1: |ΔK|/(f K_N) is largest at station 0, 0 mm along")
+    assert f"; d is largest at station 11, {number(worst.arc, 3)} mm along the front at (" in first
+    assert first.endswith("d 0.0534 ± 0.0022 mm.")
+    k_n, k_range = (with_error(*each) for each in (
+        worst.last_k_n, (worst.reported_range, worst.k_range_spread)
+    ))  # fmt: skip
+    assert f"K_N {k_n} MPa/√mm, |ΔK| {k_range} MPa·√mm, d" in first
+    assert second.startswith("1 contact front with 12 stations. At ")
+    assert "by the plane problem next to the station at 12 of them" in second
+
+
+def test_ends_of_fronts_have_a_line_of_their_own(sphere: Result) -> None:
+    def station(each: Station) -> Station:
+        spread = 5.0 if each.number == 1 else 1.0
+        return replace(each, end=each.number < 2, k_range=30.0 + each.number, k_range_spread=spread)
+
+    *_, last = front_texts(with_stations(sphere, station))
+    assert "outside the edge formulas" in last and "|ΔK| is 31.0 ± 5.0 MPa·√mm" in last
+    assert "at main, front 1, station 1, " in last
+    assert sphere.solution is not None
+    contact, (front,) = sphere.solution.contacts[0], sphere.contacts[0].fronts
+    found = re.search(r"slip by up to (\S+) mm, with a friction work of up to (\S+) N/mm", last)
+    assert found is not None
+    angle = np.arctan2(*contact.points[:, [2, 0]].T)
+    places = [np.arctan2(*each.point[[2, 0]]) for each in front.stations[:2]]
+    # The sectors of two of twelve stations.
+    near = np.any([np.cos(angle - each) > np.cos(np.pi / 12) for each in places], axis=0)
+    moved = sphere.local_parameters("main")
+    for text, values in zip(found.groups(), (moved.slip_range, moved.work), strict=True):
+        assert float(text) == pytest.approx(values[near].max(), rel=0.1) and float(text) > 0
 
 
 def test_nodes_tell_where_there_is_no_plane_problem() -> None:

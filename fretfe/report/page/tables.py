@@ -16,7 +16,8 @@ import numpy as np
 from rich.table import Table
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import Contact, SlipZone, Station
+from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
+from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.refinement import Refinement, StationValues, changes_by_kind
 from fretfe.evaluate.verdicts import AGREES, NO_ZONE, judge, last_verdict
 from fretfe.report.source import force_unit, shown_stations, work_unit
@@ -346,23 +347,102 @@ def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
 def summary(run: Result, answers: tuple[EdgeAnswer, ...]) -> tuple[str, ...]:
     """The answer in a few sentences: slip zones, or contacts of solids, solution, cycle."""
     irregular = any(e.cycles.irregular for c in run.contacts for e in c.stations)
-    first = _solid_text(run) if run.solid else _zone_text(answers, irregular)
-    return tuple(text for text in (first, _step_text(run), _cycle_text(run)) if text)
+    first = front_texts(run) if run.solid else (_zone_text(answers, irregular),)
+    return tuple(text for text in (*first, _step_text(run), _cycle_text(run)) if text)
 
 
-def _solid_text(run: Result) -> str:
-    """Fronts and the verdicts on the last slip zones of their stations."""
-    fronts = [front for contact in run.contacts for front in contact.fronts]
-    if not fronts:
-        return "No boundary of a contact area could be found: there are no edge factors."
-    stations = [station for front in fronts for station in front.stations]
+def front_texts(run: Result) -> tuple[str, ...]:
+    """The worst stations of each front of solids, verdicts, and the ends of open fronts."""
+    named = [(contact, front) for contact in run.contacts for front in contact.fronts]
+    if not named:
+        return ("No boundary of a contact area could be found: there are no edge factors.",)
+    worst = [text for contact, front in named if (text := _worst_text(run, contact, front))]
+    stations = [station for _, front in named for station in front.stations]
     words = _count_verdicts(stations)
-    text = f"{len(fronts)} contact front{'' if len(fronts) == 1 else 's'} with {len(stations)} "
+    text = f"{len(named)} contact front{'' if len(named) == 1 else 's'} with {len(stations)} "
     if not words:
-        return f"{text}stations, no slip zones."
-    return (
-        f"{text}stations. At {words[AGREES]} of {words.total()} the last slip zone found "
+        return (*worst, f"{text}stations, no slip zones.")
+    local = sum(bool(s.slip_zones) and math.isfinite(s.slip_zones[-1].local) for s in stations)
+    by = f", by the plane problem next to the station at {local} of them," if local else ""
+    text += (
+        f"stations. At {words[AGREES]} of {words.total()} the last slip zone found{by} "
         f"{_agreement(words)}"
+    )
+    return tuple(filter(None, (*worst, text, _end_text(run, named))))
+
+
+def _worst_text(run: Result, contact: Contact, front: Front) -> str:
+    """The stations of a front that are worst by |ΔK|/(f K_N) and by d; empty without any."""
+    known = [s for s in front.judged if math.isfinite(s.reported_range + s.reported_k_n)]
+    zoned = [s for s in front.judged if s.slip_zones and math.isfinite(s.slip_zones[-1].told[0])]
+    steep = max(known, key=lambda s: s.reported_range / s.reported_k_n, default=None)
+    long = max(zoned, key=lambda s: s.slip_zones[-1].told[0], default=None)
+    marked = {"|ΔK|/(f K_N) is": steep, "d is": long}
+    if long is steep:
+        marked = {"|ΔK|/(f K_N) and d are": steep}
+    texts = [
+        f"{what} largest at {_place(run, station)}: {_factors(run, station)}"
+        for what, station in marked.items()
+        if station is not None
+    ]
+    return f"{contact.name}, {front.name}: {'; '.join(texts)}." if texts else ""
+
+
+def _place(run: Result, station: Station) -> str:
+    point = ", ".join(number(float(x), 3) for x in station.point)
+    along = f"{number(station.arc, 3)} {run.case.units.length} along the front"
+    return f"station {station.number}, {along} at ({point})"
+
+
+def _factors(run: Result, station: Station) -> str:
+    """K_N, |ΔK| and the last slip zone of a station, with error bars and units."""
+    units = run.case.units
+    k_n, k_range, slip, _ = _at(station)
+    return (
+        f"K_N {k_n} {units.stress}/√{units.length}, |ΔK| {k_range} "
+        f"{units.stress}·√{units.length}, d {slip} {units.length}"
+    )
+
+
+def _end_text(run: Result, named: Sequence[tuple[Contact, Front]]) -> str:
+    """The largest |ΔK| near the ends of open fronts, and the slip of the nodes at that end."""
+    ends = [
+        (contact, front, station)
+        for contact, front in named
+        for station in front.stations
+        if station.end and math.isfinite(station.k_range)
+    ]
+    if not ends:
+        return ""
+    contact, front, station = max(ends, key=lambda each: each[2].k_range)
+    units = run.case.units
+    return (
+        "Ends of open fronts are outside the edge formulas: the fields there are not those of an "
+        f"edge. The largest |ΔK| is {with_error(station.k_range, station.k_range_spread)} "
+        f"{units.stress}·√{units.length}, by radii, elements and steps, at {contact.name}, "
+        f"{front.name}, {_place(run, station)}. {_end_slip(run, contact, front, station)}"
+    )
+
+
+def _end_slip(run: Result, contact: Contact, front: Front, station: Station) -> str:
+    """Largest slip and friction work of the nodes next to the stations at an end of a front."""
+    if run.solution is None or not run.solution.keeps(*run.loads.evaluated):
+        return "Slip and friction work there are unknown, because not all tractions are kept."
+    first, history = station.arc < front.length / 2, run.contact_history(contact.name)
+    reach = (-station.size, station.depth)
+    # An element along the front may be longer than what belongs to a station.
+    near = np.concatenate([
+        edge_nodes(history, front, each, each.last, reach).nodes
+        for each in front.stations
+        if each.end and (each.arc < front.length / 2) == first
+    ])  # fmt: skip
+    if not len(near):
+        return "Slip and friction work there are unknown, because no node lies next to it."
+    moved, units = run.local_parameters(contact.name), run.case.units
+    slip, work = (float(each[near].max()) for each in (moved.slip_range, moved.work))
+    return (
+        f"Nodes at this end slip by up to {number(slip, 3)} {units.length}, with a friction work "
+        f"of up to {number(work, 3)} {units.force}/{units.length}."
     )
 
 
