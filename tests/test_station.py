@@ -34,6 +34,7 @@ from fretfe.evaluate.verdicts import judge
 from fretfe.local.problem import solve_batches
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
+from fretfe.results.tables import station_records
 from fretfe.results.writer import write_results
 from fretfe.station import StationModel, run_station
 
@@ -94,6 +95,20 @@ def model(solid: Result) -> StationModel:
 
 def stations(result: Result) -> tuple[Station, ...]:
     return result.contacts[0].stations
+
+
+def test_tables_of_stations_have_the_plane_problem(solid: Result, bare: Result) -> None:
+    (row, *_), station = station_records(solid.contacts), stations(solid)[0]
+    names = ["local", "local_spread", "local_slip", "local_work", "local_reason", "verdict"]
+    place = list(row).index("predicted") + 1
+    assert list(row)[place : place + len(names)] == names
+    zone, local = station.slip_zones[-1], station.local
+    assert [row[name] for name in names[:5]] == [
+        zone.local, zone.local_spread, local.slip, local.work, "",
+    ]  # fmt: skip
+    (row, *_) = station_records(bare.contacts)
+    assert np.isnan([row[name] for name in names[:4]]).all()
+    assert row["local_reason"] == "it was not solved"
 
 
 def test_slip_zones_are_those_of_the_sphere_at_all_stations(solid: Result) -> None:

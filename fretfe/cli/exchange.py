@@ -92,7 +92,7 @@ def edges(
     console = Console()
     for note in read.notes:
         console.print(f"Columns: {note}", highlight=False, markup=False)
-    console.print(_edge_table(analysis))
+    print_whole(_edge_table(analysis))
     console.print(_resultant_text(analysis), highlight=False)
     for remark in _remarks(analysis):
         console.print(remark, highlight=False, markup=False)

@@ -353,14 +353,13 @@ def station(
     """
     if rank_from_environment() > 0:
         return
-    from rich.console import Console
 
     from fretfe.api import load_result, run_station
 
     result = load_result(directory)
     name, front = _front(contact)
     model = run_station(result, name, number, front, output)
-    Console().print(_station_table(result.case.units, model))
+    print_whole(_station_table(result.case.units, model))
     units = result.case.units
     print(
         f"K_N {with_error(model.k_n, model.k_n_spread)}, ΔK "

@@ -12,6 +12,7 @@ import typer
 
 from fretfe.cli.options import CaseFile, Overrides, TrustGeo, examples
 from fretfe.environment import rank_from_environment
+from fretfe.report.texts import plain_table, print_whole
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -132,34 +133,22 @@ def _print_mesh(console: Console, case: Case, mesh: Mesh) -> None:
 
     bodies = mesh_summary(mesh)
     unit = case.units.length
-    console.print(_body_table(bodies))
+    print_whole(_body_table(bodies))
     contacts = contact_quality(initial_gaps(mesh, case))
     measure = "length" if mesh.dimension == 2 else "area"
-    console.print(_surface_table(contacts, unit, measure))
-    console.print(_gap_table(contacts, unit, measure))
+    print_whole(_surface_table(contacts, unit, measure))
+    print_whole(_gap_table(contacts, unit, measure))
     for warning in mesh_warnings(bodies, contacts, unit):
         console.print(f"Warning: {warning}", highlight=False, markup=False)
     for note in mesh.notes:
         console.print(f"Note: {note}", highlight=False, markup=False)
 
 
-def _table(title: str, headers: Sequence[str], text: int) -> Table:
-    """An empty table whose first `text` columns hold text and the others numbers."""
-    from rich import box
-    from rich.table import Table
-
-    table = Table(title=title, title_justify="left", box=box.SIMPLE, pad_edge=False)
-    table.padding = (0, 1, 0, 0)
-    for number, header in enumerate(headers):
-        table.add_column(header, justify="left" if number < text else "right", overflow="fold")
-    return table
-
-
 def _body_table(bodies: Sequence[BodySummary]) -> Table:
     from fretfe.mesh.elements import PLURALS
 
     headers = ("body", "elements", "nodes", "order", "smallest angle [°]")
-    table = _table("Bodies", headers, text=1)
+    table = plain_table("Bodies", headers, text=1)
     for body in bodies:
         table.add_row(
             body.name,
@@ -174,7 +163,7 @@ def _body_table(bodies: Sequence[BodySummary]) -> Table:
 def _surface_table(contacts: Sequence[ContactQuality], unit: str, measure: str) -> Table:
     title = f"Contact surfaces: {measure}s, element sizes h and radii of curvature R in {unit}"
     headers = ("contact", "surface", measure, "facing", "min h", "max h", "R", "R/h")
-    table = _table(title, headers, text=2)
+    table = plain_table(title, headers, text=2)
     for contact in contacts:
         for number, surface in enumerate(contact.surfaces):
             table.add_row("" if number else contact.name, surface.name, *_surface_cells(surface))
@@ -197,7 +186,9 @@ def _gap_table(contacts: Sequence[ContactQuality], unit: str, measure: str) -> T
     from fretfe.surface.checks import place
 
     headers = ("contact", measure, "gap", "overlap", "at", "size ratio")
-    table = _table(f"Before any load: smallest gap or largest overlap in {unit}", headers, text=1)
+    table = plain_table(
+        f"Before any load: smallest gap or largest overlap in {unit}", headers, text=1
+    )
     for contact in contacts:
         table.add_row(
             contact.name,

@@ -46,7 +46,6 @@ SWEEP_EXAMPLES = examples(
     "fretfe sweep pad.toml -o map --vary contacts.main.friction=0.4,0.6,0.8 \\",
     "    --vary loads.shear.amplitude=20:80:4",
 )
-NARROWEST = 100
 
 VALIDATE_EXAMPLES = examples("fretfe validate pad.toml", "fretfe validate pad.toml -o pad --json")
 
@@ -121,18 +120,21 @@ def _print_numbers(console: Console, result: Result) -> None:
     from fretfe.report.page.tables import (
         contact_table,
         cycle_table,
+        front_texts,
         limit_table,
         mesh_table,
         station_table,
     )
+    from fretfe.report.texts import print_whole
 
-    console.print(contact_table(result))
-    for table in (station_table(result), cycle_table(result)):
-        if table is not None:
-            console.print(table)
+    for text in front_texts(result) if result.solid else ():
+        console.print(text, highlight=False, markup=False)
+    tables = [contact_table(result), station_table(result), cycle_table(result)]
     if result.refinement is not None:
-        console.print(mesh_table(result.refinement))
-        console.print(limit_table(result.refinement))
+        tables += [mesh_table(result.refinement), limit_table(result.refinement)]
+    for table in tables:
+        if table is not None:
+            print_whole(table)
     for note in result.notes:
         console.print(f"Note: {note}", highlight=False, markup=False)
 
@@ -218,13 +220,13 @@ def _raise_failure(sweep: Sweep) -> None:
 def _print_sweep(sweep: Sweep, directory: Path, seconds: float, verbosity: Verbosity) -> None:
     from rich.console import Console
 
+    from fretfe.report.texts import print_whole
     from fretfe.sweeps.table import FIGURE, MOST_ROWS, TABLE, sweep_table
 
     quiet = verbosity is Verbosity.QUIET
-    # Wide enough for all columns: a narrow terminal wraps lines rather than cuts numbers.
-    console = Console(width=max(Console().width, NARROWEST), stderr=quiet)
+    console = Console(stderr=quiet)
     if not quiet:
-        console.print(sweep_table(sweep))
+        print_whole(sweep_table(sweep))
         rows = len(sweep.records())
         if rows > MOST_ROWS:
             console.print(f"The first {MOST_ROWS} of {rows} rows; all are in {TABLE}.")
@@ -309,8 +311,7 @@ def _print_validation(validation: Validation, as_json: bool) -> None:
     if as_json:
         print(json.dumps(as_numbers(validation), indent=1, allow_nan=False), flush=True)
     else:
-        # Wide enough for all columns: a narrow terminal wraps lines rather than cuts numbers.
-        print_validation(Console(width=max(Console().width, NARROWEST)), validation)
+        print_validation(Console(), validation)
 
 
 VERIFY_EXAMPLES = examples("fretfe verify", "fretfe verify --backend halfplane --backend analytic")

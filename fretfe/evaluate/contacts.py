@@ -137,6 +137,13 @@ class SlipZone:
         return 0.0 if self.local == 0 else reported(self.local, self.local_spread)
 
     @property
+    def told(self) -> tuple[float, float]:
+        """The length to tell with its error bar: by the plane problem, else by the nodes."""
+        if math.isfinite(self.reported_local):
+            return self.reported_local, self.local_spread
+        return self.reported_length, self.spread
+
+    @property
     def uncertain(self) -> bool:
         """True if the mesh does not resolve the zone, or its length is known to a tenth at best."""
         return not (self.gross or (self.resolved and known_length(self.length, self.spread)))

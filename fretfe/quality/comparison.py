@@ -160,16 +160,17 @@ def print_rows(console: Console, benchmark: Benchmark, rows: Sequence[Row]) -> N
 
 def _table(rows: Sequence[Row]) -> Table:
     table = Table(box=box.SIMPLE, pad_edge=False, padding=(0, 1, 0, 0))
+    # Long names take several lines where the terminal is narrow.
     for header in TEXTS:
-        table.add_column(header, no_wrap=True)
+        table.add_column(header, no_wrap=header == "backend", overflow="fold")
     for header in NUMBERS:
         table.add_column(header, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     for row in rows:
         if row.reference is not None:
-            computed = "-" if row.computed is None else f"{row.computed:.6g}"
+            computed = "-" if row.computed is None else f"{row.computed:.5g}"
             difference = "-" if row.difference is None else f"{row.difference:+.1e}"
-            cells = (computed, f"{row.reference:.6g}", difference, f"{row.tolerance:.1e}")
+            cells = (computed, f"{row.reference:.5g}", difference, f"{row.tolerance:.1e}")
             table.add_row(row.quantity, row.backend, *cells, row.verdict, style=_style(row))
     return table
 

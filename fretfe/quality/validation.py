@@ -132,8 +132,9 @@ def print_validation(console: Console, validation: Validation) -> None:
     table = Table(title="Validation", title_justify="left", box=box.SIMPLE, title_style="bold")
     table.pad_edge = False
     table.padding = (0, 1, 0, 0)
+    # Long names take several lines where the terminal is narrow.
     for header in ("where", "quantity"):
-        table.add_column(header, no_wrap=True)
+        table.add_column(header, overflow="fold")
     for header in ("value", "reference", "difference", "tolerance", "why"):
         table.add_column(header, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)

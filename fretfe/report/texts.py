@@ -7,6 +7,7 @@ Nothing that computes is imported: commands that compute nothing print with thes
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -21,9 +22,29 @@ WIDEST = 1000
 
 
 def number(value: float, digits: int = 4) -> str:
-    """A number with so many significant digits."""
+    """A number with so many significant digits, and an exponent as in 1.55e4."""
     # Without a minus before zero.
-    return f"{value + 0.0:.{digits}g}" if math.isfinite(value) else MISSING
+    return short(f"{value + 0.0:.{digits}g}") if math.isfinite(value) else MISSING
+
+
+def short(text: str) -> str:
+    """The text of a number without plus and zeros in its exponent."""
+    return re.sub(r"e(-?)\+?0*", r"e\1", text)
+
+
+def with_prefix(unit: str, largest: float) -> tuple[float, str]:
+    """What to divide numbers by so that four digits need no exponent, and their unit.
+
+    Args:
+        unit: a label; units that begin with N, for newton, take a prefix.
+        largest: of the numbers.
+    """
+    prefixes = {1e7: (1e6, "M"), 1e4: (1e3, "k")}
+    if unit.partition("/")[0] == "N":
+        for limit, (scale, prefix) in prefixes.items():
+            if largest >= limit:
+                return scale, prefix + unit
+    return 1.0, unit
 
 
 def percent(value: float, decimals: int = 2) -> str:
@@ -43,7 +64,7 @@ def with_error(value: float, spread: float) -> str:
         return f"{value:.6g}"
     digits = 1 - math.floor(math.log10(spread))
     if digits < -3 or digits > 9:  # numbers with an exponent
-        return f"{value:.6g} ± {spread:.2g}"
+        return f"{short(f'{value:.6g}')} ± {short(f'{spread:.2g}')}"
     decimals = max(digits, 0)
     return f"{value:.{decimals}f} ± {spread:.{decimals}f}"
 

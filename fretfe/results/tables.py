@@ -41,6 +41,7 @@ UNITS = {
     "force": "{force}/{length}",
     "moment": "{force}",
     "work": "{force}·{length}/{length}",
+    "work per length": "{force}·{length}/{length}",
     "density": "{force}·{length}/{length}²",
     "stress slip": "{stress}²·{length}",
     "area": "{length}",
@@ -214,7 +215,12 @@ STATIONS = (
     _zone("slip", "slip zone of the last half cycle", "reported_length", -1),
     _zone("slip_spread", "its error bar", "spread", -1),
     _zone("predicted", "what the factors predict for it", "prediction", -1),
-    Column("verdict", "", "comparison of the two", lambda _, s: last_verdict(s).word),
+    _zone("local", "the same zone by the plane problem next to the station", "reported_local", -1),
+    _zone("local_spread", "its error bar", "local_spread", -1),
+    Column("local_slip", "length", "largest slip by it", lambda _, s: s.local.slip),
+    Column("local_work", "work per length", "friction work by it", lambda _, s: s.local.work),
+    Column("local_reason", "", "why it is not solved", lambda _, s: s.local.reason),
+    Column("verdict", "", "comparison with what is predicted", lambda _, s: last_verdict(s).word),
     Column("reason", "", "why there is no verdict", lambda _, s: last_verdict(s).reason),
 )
 WITHHELD = Column("withheld", "", "why a number is not told", lambda _, each: withheld(each))

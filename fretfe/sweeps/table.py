@@ -106,7 +106,7 @@ def sweep_table(sweep: Sweep) -> Table:
     table.pad_edge = False
     table.padding = (0, 1, 0, 0)
     for name in (*sweep.keys, "contact", *([] if solids else ["edge"])):
-        table.add_column(escape(name), overflow="fold")
+        table.add_column(escape(name.replace(".", ".\n")), overflow="fold")
     for name in AREA_COLUMNS if solids else EDGE_COLUMNS:
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("steady")

@@ -16,11 +16,20 @@ import numpy as np
 from rich.table import Table
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import Contact, SlipZone, Station
+from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
+from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.refinement import Refinement, StationValues, changes_by_kind
 from fretfe.evaluate.verdicts import AGREES, NO_ZONE, judge, last_verdict
-from fretfe.report.source import shown_stations
-from fretfe.report.texts import MISSING, marked, number, percent, plain_table, with_error
+from fretfe.report.source import force_unit, shown_stations, work_unit
+from fretfe.report.texts import (
+    MISSING,
+    marked,
+    number,
+    percent,
+    plain_table,
+    with_error,
+    with_prefix,
+)
 from fretfe.results.model import Result
 
 HEADERS = (
@@ -78,47 +87,51 @@ def _edge_cells(edge: Station) -> list[str]:
 def contact_table(run: Result) -> Table:
     """One row per contact: forces over the cycle, its size at the end, whether that is steady."""
     units, evaluated = run.case.units, run.loads.cycle
+    forces = [each for c in run.contacts for each in (c.normal_force, c.shear_force)]
+    largest = max((float(np.abs(each).max(initial=0.0)) for each in forces), default=0.0)
+    scale, force = with_prefix(force_unit(run), largest)
     if run.solid:
         title = (
-            f"Contacts: P, |Q| in {units.force}, areas at the end in {units.length}², largest "
-            f"pressure in {units.stress}, friction work in {units.force}·{units.length}"
+            f"Contacts: P, |Q| in {force}, area in contact and what of it sticks at the end in "
+            f"{units.length}², largest pressure in {units.stress}, friction work in "
+            f"{work_unit(run)}"
         )
-        headers = ["P", "|Q|", "in contact", "sticks", "p_max", "work", "steady"]
+        headers = ["P", "|Q|", "area", "sticks", "p_max", "work", "steady"]
     else:
-        title = f"Contacts: P, Q in {units.force}/{units.length}, half-width in {units.length}"
+        title = f"Contacts: P, Q in {force}, half-width in {units.length}"
         headers = ["P", "Q", "half-width", "steady", "Δq/(f p_max)"]
     table = plain_table(title, ("contact", *headers), text=1)
     cycle = slice(evaluated[0], evaluated[1] + 1) if evaluated else slice(None)
     last = evaluated[1] if evaluated else -1
     for contact in run.contacts:
         cells = _solid_cells if contact.solid else _plane_cells
-        table.add_row(contact.name, *cells(contact, cycle, last))
+        table.add_row(contact.name, *cells(contact, cycle, last, scale))
         for patch in contact.patches:
-            shear = np.linalg.norm(patch.shear_force[cycle], axis=1)
-            ranges = _range(patch.normal_force[cycle]), _range(shear)
-            area = number(patch.contact_area[last])
+            carried = patch.normal_force, np.linalg.norm(patch.shear_force, axis=1)
+            ranges = [_range(each[cycle] / scale, digits=3) for each in carried]
+            area = number(patch.contact_area[last], 3)
             table.add_row(f"  {patch.name}", *ranges, area, *[MISSING] * (len(headers) - 3))
     return table
 
 
-def _plane_cells(contact: Contact, cycle: slice, last: int) -> tuple[str, ...]:
+def _plane_cells(contact: Contact, cycle: slice, last: int, scale: float) -> tuple[str, ...]:
     return (
-        _range(contact.normal_force[cycle]),
-        _range(contact.shear_force[cycle]),
+        _range(contact.normal_force[cycle] / scale),
+        _range(contact.shear_force[cycle] / scale),
         number(contact.half_width[last]),
         _steady(contact),
         number(contact.cycle_change),
     )
 
 
-def _solid_cells(contact: Contact, cycle: slice, last: int) -> tuple[str, ...]:
+def _solid_cells(contact: Contact, cycle: slice, last: int, scale: float) -> tuple[str, ...]:
     return (
-        _range(contact.normal_force[cycle]),
-        _range(np.linalg.norm(contact.shear_force[cycle], axis=1)),
-        number(contact.contact_area[last]),
-        number(contact.stick_area[last]),
+        _range(contact.normal_force[cycle] / scale, digits=3),
+        _range(np.linalg.norm(contact.shear_force[cycle], axis=1) / scale, digits=3),
+        number(contact.contact_area[last], 3),
+        number(contact.stick_area[last], 3),
         number(contact.largest_pressure[cycle].max()),
-        number(contact.dissipation),
+        number(contact.dissipation, 3),
         _steady(contact),
     )
 
@@ -166,10 +179,10 @@ def timing_table(seconds: Mapping[str, float]) -> Table:
     return table
 
 
-def _range(values: Array) -> str:
+def _range(values: Array, digits: int = 4) -> str:
     if not np.isfinite(values).all():
         return MISSING
-    return f"{number(values.min())} … {number(values.max())}"
+    return f"{number(values.min(), digits)} … {number(values.max(), digits)}"
 
 
 def cycle_table(run: Result) -> Table | None:
@@ -209,7 +222,7 @@ def _front_table(run: Result) -> Table:
     """Two rows per front of solids: the range along it, and the station of the largest |ΔK|.
 
     A station is told by its number and its distance along the front; those too near an end are
-    left out.
+    left out. Slip zones are those by the plane problems, by the nodes where there is none.
     """
     units = run.case.units
     title = (
@@ -227,8 +240,6 @@ def _front_table(run: Result) -> Table:
                 table.add_row("  all too near an end")
                 continue
             table.add_row(f"{owner} {front.name}", *_along(judged))
-            for word, count in _count_verdicts(judged).items():
-                table.add_row(f"  {count} {word}")
             worst = front.worst
             if worst is not None:
                 table.add_row(f"  {worst.number} at {number(worst.arc, 3)}", *_at(worst))
@@ -248,7 +259,7 @@ def _along(stations: tuple[Station, ...]) -> tuple[str, ...]:
     return (
         _known_range([each.reported_k_n for each in stations], digits=4),
         _known_range([each.reported_range for each in stations], digits=3),
-        _known_range([zone.reported_length for zone in zones], digits=2),
+        _known_range([zone.told[0] for zone in zones], digits=2),
         _known_range([zone.prediction for zone in zones], digits=2),
     )
 
@@ -259,7 +270,7 @@ def _at(station: Station) -> tuple[str, ...]:
     return (
         with_error(station.reported_k_n, station.last_k_n[1]),
         with_error(station.reported_range, station.k_range_spread),
-        with_error(zone.reported_length, zone.spread) if zone else MISSING,
+        with_error(*zone.told) if zone else MISSING,
         number(zone.prediction, 3) if zone else MISSING,
     )
 
@@ -270,7 +281,7 @@ def _known_range(values: Sequence[float], digits: int) -> str:
     if not known:
         return MISSING
     ends = [number(end, digits) for end in (min(known), max(known))]
-    return ends[0] if ends[0] == ends[1] else "…".join(ends)
+    return ends[0] if ends[0] == ends[1] else " … ".join(ends)
 
 
 @dataclass(frozen=True)
@@ -344,23 +355,102 @@ def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
 def summary(run: Result, answers: tuple[EdgeAnswer, ...]) -> tuple[str, ...]:
     """The answer in a few sentences: slip zones, or contacts of solids, solution, cycle."""
     irregular = any(e.cycles.irregular for c in run.contacts for e in c.stations)
-    first = _solid_text(run) if run.solid else _zone_text(answers, irregular)
-    return tuple(text for text in (first, _step_text(run), _cycle_text(run)) if text)
+    first = front_texts(run) if run.solid else (_zone_text(answers, irregular),)
+    return tuple(text for text in (*first, _step_text(run), _cycle_text(run)) if text)
 
 
-def _solid_text(run: Result) -> str:
-    """Fronts and the verdicts on the last slip zones of their stations."""
-    fronts = [front for contact in run.contacts for front in contact.fronts]
-    if not fronts:
-        return "No boundary of a contact area could be found: there are no edge factors."
-    stations = [station for front in fronts for station in front.stations]
+def front_texts(run: Result) -> tuple[str, ...]:
+    """The worst stations of each front of solids, verdicts, and the ends of open fronts."""
+    named = [(contact, front) for contact in run.contacts for front in contact.fronts]
+    if not named:
+        return ("No boundary of a contact area could be found: there are no edge factors.",)
+    worst = [text for contact, front in named if (text := _worst_text(run, contact, front))]
+    stations = [station for _, front in named for station in front.stations]
     words = _count_verdicts(stations)
-    text = f"{len(fronts)} contact front{'' if len(fronts) == 1 else 's'} with {len(stations)} "
+    text = f"{len(named)} contact front{'' if len(named) == 1 else 's'} with {len(stations)} "
     if not words:
-        return f"{text}stations, no slip zones."
-    return (
-        f"{text}stations. At {words[AGREES]} of {words.total()} the last slip zone found "
+        return (*worst, f"{text}stations, no slip zones.")
+    local = sum(bool(s.slip_zones) and math.isfinite(s.slip_zones[-1].local) for s in stations)
+    by = f", by the plane problem next to the station at {local} of them," if local else ""
+    text += (
+        f"stations. At {words[AGREES]} of {words.total()} the last slip zone found{by} "
         f"{_agreement(words)}"
+    )
+    return tuple(filter(None, (*worst, text, _end_text(run, named))))
+
+
+def _worst_text(run: Result, contact: Contact, front: Front) -> str:
+    """The stations of a front that are worst by |ΔK|/(f K_N) and by d; empty without any."""
+    known = [s for s in front.judged if math.isfinite(s.reported_range + s.reported_k_n)]
+    zoned = [s for s in front.judged if s.slip_zones and math.isfinite(s.slip_zones[-1].told[0])]
+    steep = max(known, key=lambda s: s.reported_range / s.reported_k_n, default=None)
+    long = max(zoned, key=lambda s: s.slip_zones[-1].told[0], default=None)
+    marked = {"|ΔK|/(f K_N) is": steep, "d is": long}
+    if long is steep:
+        marked = {"|ΔK|/(f K_N) and d are": steep}
+    texts = [
+        f"{what} largest at {_place(run, station)}: {_factors(run, station)}"
+        for what, station in marked.items()
+        if station is not None
+    ]
+    return f"{contact.name}, {front.name}: {'; '.join(texts)}." if texts else ""
+
+
+def _place(run: Result, station: Station) -> str:
+    point = ", ".join(number(float(x), 3) for x in station.point)
+    along = f"{number(station.arc, 3)} {run.case.units.length} along the front"
+    return f"station {station.number}, {along} at ({point})"
+
+
+def _factors(run: Result, station: Station) -> str:
+    """K_N, |ΔK| and the last slip zone of a station, with error bars and units."""
+    units = run.case.units
+    k_n, k_range, slip, _ = _at(station)
+    return (
+        f"K_N {k_n} {units.stress}/√{units.length}, |ΔK| {k_range} "
+        f"{units.stress}·√{units.length}, d {slip} {units.length}"
+    )
+
+
+def _end_text(run: Result, named: Sequence[tuple[Contact, Front]]) -> str:
+    """The largest |ΔK| near the ends of open fronts, and the slip of the nodes at that end."""
+    ends = [
+        (contact, front, station)
+        for contact, front in named
+        for station in front.stations
+        if station.end and math.isfinite(station.k_range)
+    ]
+    if not ends:
+        return ""
+    contact, front, station = max(ends, key=lambda each: each[2].k_range)
+    units = run.case.units
+    return (
+        "Ends of open fronts are outside the edge formulas: the fields there are not those of an "
+        f"edge. The largest |ΔK| is {with_error(station.k_range, station.k_range_spread)} "
+        f"{units.stress}·√{units.length}, by radii, elements and steps, at {contact.name}, "
+        f"{front.name}, {_place(run, station)}. {_end_slip(run, contact, front, station)}"
+    )
+
+
+def _end_slip(run: Result, contact: Contact, front: Front, station: Station) -> str:
+    """Largest slip and friction work of the nodes next to the stations at an end of a front."""
+    if run.solution is None or not run.solution.keeps(*run.loads.evaluated):
+        return "Slip and friction work there are unknown, because not all tractions are kept."
+    first, history = station.arc < front.length / 2, run.contact_history(contact.name)
+    reach = (-station.size, station.depth)
+    # An element along the front may be longer than what belongs to a station.
+    near = np.concatenate([
+        edge_nodes(history, front, each, each.last, reach).nodes
+        for each in front.stations
+        if each.end and (each.arc < front.length / 2) == first
+    ])  # fmt: skip
+    if not len(near):
+        return "Slip and friction work there are unknown, because no node lies next to it."
+    moved, units = run.local_parameters(contact.name), run.case.units
+    slip, work = (float(each[near].max()) for each in (moved.slip_range, moved.work))
+    return (
+        f"Nodes at this end slip by up to {number(slip, 3)} {units.length}, with a friction work "
+        f"of up to {number(work, 3)} {units.force}/{units.length}."
     )
 
 

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Tables in a terminal of 80 columns: nothing is cut, whatever the numbers are."""
+
+from __future__ import annotations
+
+import io
+import re
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from rich.console import Console
+from solid_runs import exact_station, stationed_sphere, with_stations
+
+from fretfe.evaluate.contacts import Contact, SlipZone, Station
+from fretfe.quality.comparison import Row, print_rows
+from fretfe.quality.rows import Row as Checked
+from fretfe.quality.validation import Validation, print_validation
+from fretfe.report.page.tables import contact_table, front_texts, station_table, timing_table
+from fretfe.report.texts import number, print_whole, with_error, with_prefix
+from fretfe.results.model import Result
+
+WIDTH = 80
+WIDE = 1.23456e5
+
+
+def cut(text: str) -> list[str]:
+    """Words that end with dots; those of ranges stand alone."""
+    return re.findall(r"\S+…", text)
+
+
+@pytest.fixture(autouse=True)
+def narrow(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", str(WIDTH))
+
+
+def zone(**values: Any) -> SlipZone:
+    numbers = {"length": 0.0412, "spread": 0.019, "predicted": 0.0331, "predicted_loop": 0.0331}
+    return SlipZone(
+        **{"start": 10, "end": 20, "border": 0.05, "resolved": False, "gross": False}
+        | numbers | values
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def sphere() -> Result:
+    """Twelve stations with slip zones that only the plane problem can tell."""
+    load = stationed_sphere().loads.values[:, 1] / 1e3
+
+    def station(each: Station) -> Station:
+        local = zone(local=0.0424 + 1e-3 * each.number, local_spread=0.0022)
+        return replace(exact_station(each, load, 10.0), slip_zones=(local,))
+
+    return with_stations(stationed_sphere(), station)
+
+
+def large(contact: Contact) -> Contact:
+    return replace(
+        contact, name="left flank", normal_force=WIDE * contact.normal_force,
+        shear_force=WIDE * contact.shear_force, contact_area=WIDE * contact.contact_area,
+        stick_area=WIDE * contact.stick_area, dissipation=1.234e-5,
+    )  # fmt: skip
+
+
+def test_contacts_of_solids_fit(sphere: Result, capsys: pytest.CaptureFixture[str]) -> None:
+    for contacts in (sphere.contacts, tuple(map(large, sphere.contacts))):
+        table = contact_table(replace(sphere, contacts=contacts))
+        print_whole(table)
+        text = capsys.readouterr().out
+        assert not cut(text) and max(map(len, text.splitlines())) <= WIDTH
+    assert "P, |Q| in MN" in str(table.title) and "1.23e-5" in text
+
+
+def test_fronts_fit_and_have_the_plane_problem(
+    sphere: Result, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = station_table(sphere)
+    assert table is not None
+    print_whole(table)
+    text = capsys.readouterr().out
+    assert not cut(text) and max(map(len, text.splitlines())) <= WIDTH
+    names, *_, slip, _ = (list(column.cells) for column in table.columns)
+    assert slip[0] == "0.042 … 0.053" and not any("resolved" in str(each) for each in names)
+    worst = sphere.contacts[0].fronts[0].worst
+    assert worst is not None and slip[1] == with_error(*worst.slip_zones[0].told)
+
+
+def test_the_first_lines_have_the_worst_stations(sphere: Result) -> None:
+    first, second = front_texts(sphere)
+    worst = sphere.contacts[0].stations[11]
+    assert first.startswith("main, front 1: |ΔK|/(f K_N) is largest at station 0, 0 mm along")
+    assert f"; d is largest at station 11, {number(worst.arc, 3)} mm along the front at (" in first
+    assert first.endswith("d 0.0534 ± 0.0022 mm.")
+    k_n, k_range = (with_error(*each) for each in (
+        worst.last_k_n, (worst.reported_range, worst.k_range_spread)
+    ))  # fmt: skip
+    assert f"K_N {k_n} MPa/√mm, |ΔK| {k_range} MPa·√mm, d" in first
+    assert second.startswith("1 contact front with 12 stations. At ")
+    assert "by the plane problem next to the station at 12 of them" in second
+
+
+def test_ends_of_fronts_have_a_line_of_their_own(sphere: Result) -> None:
+    def station(each: Station) -> Station:
+        spread = 5.0 if each.number == 1 else 1.0
+        return replace(each, end=each.number < 2, k_range=30.0 + each.number, k_range_spread=spread)
+
+    *_, last = front_texts(with_stations(sphere, station))
+    assert "outside the edge formulas" in last and "|ΔK| is 31.0 ± 5.0 MPa·√mm" in last
+    assert "at main, front 1, station 1, " in last
+    assert sphere.solution is not None
+    contact, (front,) = sphere.solution.contacts[0], sphere.contacts[0].fronts
+    found = re.search(r"slip by up to (\S+) mm, with a friction work of up to (\S+) N/mm", last)
+    assert found is not None
+    angle = np.arctan2(*contact.points[:, [2, 0]].T)
+    places = [np.arctan2(*each.point[[2, 0]]) for each in front.stations[:2]]
+    # The sectors of two of twelve stations.
+    near = np.any([np.cos(angle - each) > np.cos(np.pi / 12) for each in places], axis=0)
+    moved = sphere.local_parameters("main")
+    for text, values in zip(found.groups(), (moved.slip_range, moved.work), strict=True):
+        assert float(text) == pytest.approx(values[near].max(), rel=0.1) and float(text) > 0
+
+
+def test_nodes_tell_where_there_is_no_plane_problem() -> None:
+    assert zone(spread=0.01).told == (0.0412, 0.01)
+    assert np.isnan(zone(local=np.nan, spread=0.03).told[0])
+    assert zone(local=0.03, local_spread=0.001).told == (0.03, 0.001)
+
+
+def test_a_table_that_is_wider_is_printed_whole(capsys: pytest.CaptureFixture[str]) -> None:
+    print_whole(timing_table({"a phase with a name of a hundred letters " * 3: WIDE}))
+    text = capsys.readouterr().out
+    assert not cut(text) and max(map(len, text.splitlines())) > WIDTH
+
+
+def printed(show: Any) -> str:
+    console = Console(width=WIDTH, file=io.StringIO())
+    show(console)
+    text = console.file.getvalue()  # type: ignore[attr-defined]
+    assert max(map(len, text.splitlines())) <= WIDTH and not cut(text)
+    return str(text)
+
+
+def test_benchmarks_fit() -> None:
+    name = "largest difference of K_T and K_S from those of the sphere, over the largest"
+    row = Row(
+        benchmark="sphere", quantity=name, backend="halfplane", computed=-WIDE, reference=-WIDE,
+        difference=-1.2e-13, tolerance=2e-3, verdict="pass", reason="",
+    )  # fmt: skip
+    benchmark = SimpleNamespace(name="sphere", source="closed form")
+    text = printed(lambda console: print_rows(console, benchmark, [row]))  # type: ignore[arg-type]
+    for header in ("computed", "reference", "difference", "tolerance", "verdict"):
+        assert header in text
+    assert text.count("-1.2346e+05") == 2
+
+
+def test_validations_fit(sphere: Result) -> None:
+    row = Checked(
+        contact="a contact", edge="right", quantity="slip zone of the last half cycle by nodes",
+        value=-WIDE, reference=-WIDE, tolerance=1.2e-13, verdict="depends", reason="why",
+    )  # fmt: skip
+    found = Validation(sphere, (row,))
+    text = printed(lambda console: print_validation(console, found))
+    assert text.count("-1.23e+05") == 2 and "depends" in text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(1.548e4, "1.548e4"), (-1.2e-5, "-1.2e-5"), (3e10, "3e10"), (1e100, "1e100"), (5905, "5905")],
+)
+def test_exponents_are_short(value: float, text: str) -> None:
+    assert number(value) == text and float(text) == value
+
+
+def test_forces_take_a_prefix() -> None:
+    assert with_prefix("N", 9999.0) == (1.0, "N")
+    assert with_prefix("N", 20170.0) == (1e3, "kN")
+    assert with_prefix("N/mm", 2e7) == (1e6, "MN/mm")
+    assert with_prefix("lbf", 2e7) == (1.0, "lbf")
