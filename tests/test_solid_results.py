@@ -27,6 +27,7 @@ from fretfe.errors import CaseError, OutputError
 from fretfe.evaluate.contacts import AreaPatch, Contact
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
 from fretfe.report.page.tables import contact_table, station_table
+from fretfe.report.texts import number
 from fretfe.results.field_files import FIELDS, SURFACES, FieldReader
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
@@ -74,13 +75,13 @@ def test_patches_are_read_as_they_were_written(tmp_path: Path) -> None:
     (contact,) = sphere.contacts
     patches = tuple(
         AreaPatch(
-            f"main[{number}]",
-            np.where(contact.normal_force < NORMAL / 2, np.nan, number * contact.normal_force),
-            number * contact.shear_force,
+            f"main[{which}]",
+            np.where(contact.normal_force < NORMAL / 2, np.nan, which * contact.normal_force),
+            which * contact.shear_force,
             contact.contact_area,
             reason,
         )
-        for number, reason in ((1, ""), (2, "it does not touch"))
+        for which, reason in ((1, ""), (2, "it does not touch"))
     )
     fronts = tuple(replace(front, patch=2) for front in contact.fronts)
     changed = replace(contact, patches=patches, fronts=fronts)
@@ -96,8 +97,8 @@ def test_patches_are_read_as_they_were_written(tmp_path: Path) -> None:
     assert stations is not None and "main[2] front 1" in stations.columns[0].cells
     labels, forces, *_ = ([str(cell) for cell in each.cells] for each in contacts.columns)
     assert labels == ["main", "  main[1]", "  main[2]"]
-    assert forces[1:] == [f"{n * contact.normal_force[-1]:.4g} … "
-                          f"{n * contact.normal_force[-1]:.4g}" for n in (1, 2)]  # fmt: skip
+    carried = [number(n * float(contact.normal_force[-1]), 3) for n in (1, 2)]
+    assert forces[1:] == [f"{each} … {each}" for each in carried]
     # Over the whole history P is unknown in some states.
     whole = contact_table(replace(loaded, loads=replace(loaded.loads, cycle=None)))
     assert list(whole.columns[1].cells)[1:] == ["-", "-"]

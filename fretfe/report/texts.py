@@ -33,7 +33,7 @@ def short(text: str) -> str:
 
 
 def with_prefix(unit: str, largest: float) -> tuple[float, str]:
-    """What to divide numbers by so that four digits need no exponent, and their unit.
+    """A divisor of numbers after which four digits need no exponent, and their unit.
 
     Args:
         unit: a label; units that begin with N, for newton, take a prefix.

@@ -40,7 +40,7 @@ from fretfe.report.pictures import surfaces
 from fretfe.report.pictures.fields import FACES, BodyField, Grid, section
 from fretfe.report.pictures.fields import surface as linear_pieces
 from fretfe.report.pictures.folder import make_pictures, read_pictures
-from fretfe.report.pictures.looks import cell_volumes, plan_pictures
+from fretfe.report.pictures.looks import _whole, cell_volumes, plan_pictures
 from fretfe.report.pictures.panels import SpaceView, pixels
 from fretfe.report.pictures.surfaces import (
     FILLS,
@@ -268,7 +268,7 @@ def test_everything_is_drawn_and_listed(drawn: Path) -> None:
         "pictures/bodies.gltf",
     ]
     caption = content["pictures"][0]["caption"]
-    assert "through its largest pressure at (0, 0, 0) mm and across x" in caption
+    assert "through its largest pressure at (0, 0, 0) mm and across z" in caption
 
 
 def test_cycle_is_an_animation_of_its_states(drawn: Path, result: Result) -> None:
@@ -285,6 +285,21 @@ def test_large_animations_are_thinned_out(result: Result, monkeypatch: pytest.Mo
     monkeypatch.setattr(surfaces, "MOST_BYTES", 60_000)
     data, caption = draw_cycle(short, "main")
     assert "2 states" in caption and len(data) < 60_000
+
+
+@pytest.mark.parametrize(("turn", "upright"), [(1.0, 1), (-1.0, 0)])
+def test_flanks_press_a_blade_up(result: Result, turn: float, upright: int) -> None:
+    """Two flanks at 60 degrees to y, mirror images, or facing one another as on a plate."""
+    contact = result.contact_history("main")
+    x, y = np.sin(np.pi / 3), np.cos(np.pi / 3)
+    frame = np.array([[x, y, 0.0], [-y, x, 0.0], [0.0, 0.0, 1.0]])
+    mirrored = np.array([[-x, turn * y, 0.0], [y, turn * x, 0.0], [0.0, 0.0, 1.0]])
+    flanks = [
+        replace(contact, frames=np.broadcast_to(each, contact.frames.shape))
+        for each in (frame, mirrored)
+    ]
+    view = _whole(contact.points, flanks)
+    assert np.abs(view.up).argmax() == upright and view.up[upright] > 0
 
 
 def test_cut_shows_the_stress_below_the_contact(drawn: Path) -> None:

@@ -48,6 +48,8 @@ WHOLE = np.array([0.9, 0.5, 0.42])
 TILT = (0.3, 0.2)
 # Half the width of the view onto a cut, in half-widths of the contact there.
 AROUND = 2.2
+# Areas of contacts that face opposite ways, over those of all, below which they are balanced.
+BALANCED = 0.1
 # An axis this close to the normal of a cut cannot be upright.
 UPRIGHT = 0.9
 # Tetrahedra that a solid cell consists of, by its number of corners.
@@ -317,9 +319,15 @@ def nearest_node(point: Array, body: BodyField) -> int:
 
 
 def _whole(points: Array, contacts: Sequence[ContactHistory]) -> SpaceView:
-    """All bodies, the axis next to the normals of the contacts upright."""
-    normal = sum(np.abs(each.weights @ each.frames[:, 0]) for each in contacts)
-    top = int(np.argmax(normal))
+    """All bodies, the axis along which the contacts press together upright.
+
+    Flanks to either side of a blade press it up. Contacts that press against one another alone, as
+    on both sides of a plate, are taken one by one.
+    """
+    normals = np.array([each.weights @ each.frames[:, 0] for each in contacts])
+    together = np.abs(normals.sum(axis=0))
+    alone = np.abs(normals).sum(axis=0)
+    top = int(np.argmax(together if together.max() > BALANCED * alone.max() else alone))
     viewer = np.zeros(3)
     viewer[[(top + 1) % 3, (top + 2) % 3, top]] = WHOLE
     view = _towards(np.zeros(3), viewer, np.eye(3)[top])
@@ -338,9 +346,12 @@ def _towards(centre: Array, viewer: Array, upright: Array) -> SpaceView:
 
 
 def _cut(points: Array, contact: ContactHistory, state: int, whole: SpaceView) -> SpaceView:
-    """The surroundings of the largest pressure, cut across the first tangent of the contact."""
-    place = int(contact.mean_traction[state][:, 0].argmax())
-    centre, (_, normal, along) = contact.points[place], contact.frames[place]
+    """The surroundings of the largest pressure, cut along the tangent with the larger shear."""
+    tractions = contact.mean_traction[state]
+    place = int(tractions[:, 0].argmax())
+    shears = contact.weights @ np.abs(tractions[:, 1:])
+    centre, (_, *tangents) = contact.points[place], contact.frames[place]
+    along, normal = tangents if shears[0] >= shears[1] else tangents[::-1]
     normal = normal if normal @ whole.viewer >= 0 else -normal
     # The axis that is upright as a whole, or the normal of the contact.
     upright = np.eye(3)[int(np.abs(whole.up).argmax())]
