@@ -188,7 +188,7 @@ def test_commands_take_a_solid(tmp_path: Path) -> None:
     assert "The case is valid." in done.stdout
     done = fretfe("run", case, "-o", results, "--no-report")
     assert done.returncode == 0, done.stderr
-    assert "Contacts: P, |Q| in N, areas" in done.stdout.replace("\n", " ")
+    assert "Contacts: P, |Q| in N, area in contact" in done.stdout.replace("\n", " ")
     assert {"results.json", "results.h5", "contacts.hdf"} <= {
         each.name for each in results.iterdir()
     }
