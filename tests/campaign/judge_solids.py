@@ -136,7 +136,7 @@ def _judge_station(truth: Truth, station: Station, warnings: list[str]) -> Itera
             truth.k_range,
         )  # fmt: skip
     zone = station.slip_zones[-1] if station.slip_zones else None
-    value, bar = (zone.reported_length, zone.spread) if zone is not None else (math.nan, math.nan)
+    value, bar = zone.told if zone is not None else (math.nan, math.nan)
     yield Judged(one, where, "d", value, bar, truth.zone, truth.zone_error, "; ".join(warnings))
 
 
