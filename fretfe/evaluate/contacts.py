@@ -279,7 +279,8 @@ class LocalProblem:
         work: friction work in the evaluated cycle, or in all steps without one, per unit length of
             the front.
         change: of the shear over the last cycle, over the swing of the force.
-        tractions: next to the edge, at the two ends of the last half cycle.
+        tractions: next to the edge, at the two ends of the last half cycle. The mean of the shear
+            behind the slip zone is not known where the contact slid before the cycle.
         reason: why there is no solution, in words; empty if there is.
     """
 
