@@ -87,7 +87,7 @@ def partial_slip(
         now = slipping[remaining]
         count = int(np.max(np.flatnonzero(now.any(axis=0)), initial=0)) + 1  # behind it all stick
         now, b = now[:, :count], bound[remaining, :count]
-        direction = _unit(trial[remaining, :count])
+        direction = unit(trial[remaining, :count])
         turning = _turning(trial[remaining, :count], direction, b, free[remaining, :count])
         found = _linearised(stiffness, now, b, stuck[remaining, :count], direction, turning)
         q = stuck[remaining]
@@ -96,7 +96,7 @@ def partial_slip(
         ahead = q.copy()
         ahead[:, :count] -= stiffness.penalty[:count, None] * found
         excess = _length(ahead) > bound[remaining]
-        limited = bound[remaining][..., None] * _unit(ahead)
+        limited = bound[remaining][..., None] * unit(ahead)
         residual = np.abs(q - np.where(excess[..., None], limited, ahead)).max(axis=(1, 2))
         shear[remaining], slip[remaining] = q, 0.0
         slip[remaining, :count] = found
@@ -153,6 +153,7 @@ def _length(vectors: Array) -> Array:
     return np.asarray(np.hypot(vectors[..., 0], vectors[..., 1]))
 
 
-def _unit(vectors: Array) -> Array:
+def unit(vectors: Array) -> Array:
+    """(..., 2) vectors divided by their lengths; zero stays zero."""
     length = _length(vectors)[..., None]
     return np.asarray(vectors / np.where(length > 0, length, 1.0))

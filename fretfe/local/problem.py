@@ -14,13 +14,15 @@ elements of about the same size are marched together.
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.local.friction import Stiffness, partial_slip
+from fretfe.local.friction import Stiffness, partial_slip, unit
 from fretfe.local.half_planes import Contacts, HalfPlanes, half_planes, pressure_shapes
 
 # Elements over the smallest zone that is to be resolved, and the finest and coarsest over the
@@ -78,6 +80,11 @@ class EdgeHistories:
     modulus: float
     antiplane: float
     cycle: tuple[int, int] | None
+
+    @cached_property
+    def outermost(self) -> Array:
+        """(S,) largest half-widths."""
+        return np.asarray(self.contacts.widths(self.k_i).max(axis=1))
 
     def of(self, edges: Indices) -> EdgeHistories:
         """The same for some edges."""
@@ -190,7 +197,7 @@ def solve_edges(histories: EdgeHistories, share: Share = solve_batches) -> list[
 def _batches(histories: EdgeHistories) -> list[Batch]:
     """Edges that want about the same grid, in groups."""
     widths = histories.contacts.widths(histories.k_i)
-    outermost, states = widths.max(axis=1), slice(*(histories.cycle or (0, widths.shape[1])))
+    outermost, states = histories.outermost, slice(*(histories.cycle or (0, widths.shape[1])))
     travel = (outermost - widths[:, states].min(axis=1)) / outermost
     wanted = np.clip(histories.zone / outermost / PER_ZONE, FINEST, COARSEST)
     wanted = np.maximum(wanted, travel / TRAVEL)
@@ -205,15 +212,53 @@ def _batches(histories: EdgeHistories) -> list[Batch]:
     return batches
 
 
+@dataclass(frozen=True)
+class _Calendar:
+    """Edges for which something begins or ends in a state, by states.
+
+    Attributes:
+        begins: edges a half cycle of which begins.
+        ends: edges and numbers of the half cycles that end.
+        shown: edges whose tractions are wanted: at both ends of the last half cycle.
+    """
+
+    begins: defaultdict[int, list[int]] = field(default_factory=lambda: defaultdict(list))
+    ends: defaultdict[int, list[tuple[int, int]]] = field(default_factory=lambda: defaultdict(list))
+    shown: defaultdict[int, list[int]] = field(default_factory=lambda: defaultdict(list))
+
+
+def _calendar(
+    halves: Sequence[Sequence[tuple[int, int]]], repeated: tuple[int, int] | None = None
+) -> _Calendar:
+    """That of the half cycles of edges; of a repeated cycle those that come again in it.
+
+    A half cycle that is not one of first loading began a period before, at the end of another one.
+    """
+    calendar = _Calendar()
+    first, last = repeated or (0, 0)
+    for edge, own in enumerate(halves):
+        ends = {end for _, end in own}
+        for number, (begin, end) in enumerate(own):
+            later = begin + last - first
+            if repeated and begin < first and later not in ends:
+                continue
+            for start in {begin, later}:
+                calendar.begins[start].append(edge)
+            calendar.ends[end].append((edge, number))
+            if number == len(own) - 1:
+                calendar.shown[begin].append(edge)
+                calendar.shown[end].append(edge)
+    return calendar
+
+
 class _March:
     """Goes through the histories of S edges; lengths over the outermost half-width, E* = 1."""
 
     def __init__(self, histories: EdgeHistories, bodies: HalfPlanes) -> None:
-        contacts = histories.contacts
         self._given, self._bodies = histories, bodies
         self._stiffness: Stiffness = bodies.stiffness(histories.antiplane)
-        self._shapes = pressure_shapes(contacts.power)
-        self._outermost = contacts.widths(histories.k_i).max(axis=1)
+        self._shapes = pressure_shapes(histories.contacts.power)
+        self._outermost = histories.outermost
         edges, nodes = len(histories.k), len(bodies.s)
         self._shear = np.zeros((edges, nodes, 2))
         self._bound = np.zeros((edges, nodes))
@@ -229,19 +274,19 @@ class _March:
         """March through all states, and again through the cycle until it is steady."""
         given, states = self._given, self._given.k.shape[1]
         first, last = given.cycle or (0, states - 1)
-        change = np.full(len(given.k), np.nan)
+        change, whole = np.full(len(given.k), np.nan), _calendar(given.halves)
         for state in range(1, last + 1):
             if state == first + 1:
                 before, self._work[:] = self._shear.copy(), 0.0
-            self._step(state, period=0)
+            self._step(state, whole)
         if given.cycle is not None:
-            change = self._changed(before)
+            change, again = self._changed(before), _calendar(given.halves, given.cycle)
             for _ in range(MOST_CYCLES):
                 if not (change[~self._lost] > STEADY).any():
                     break
                 before, self._work[:] = self._shear.copy(), 0.0
                 for state in range(first + 1, last + 1):
-                    self._step(state, period=last - first)
+                    self._step(state, again)
                 change = self._changed(before)
         return [self._solution(edge, change[edge]) for edge in range(len(given.k))]
 
@@ -271,33 +316,18 @@ class _March:
         scale = contacts.forces(middle) / (self._given.modulus * self._outermost)
         return np.asarray(scale[:, None] * added)
 
-    def _step(self, state: int, period: int) -> None:
-        """One step of the histories; of a repeated cycle if that has a period."""
-        halves = [
-            (edge, number, begin, end)
-            for edge, own in enumerate(self._given.halves)
-            for number, (begin, end) in enumerate(own)
-            if not period or self._repeats(own, begin)
-        ]
-        for edge, _, begin, _ in halves:
-            if state - 1 in (begin, begin + period):
-                self._slip[:, edge] = 0.0
+    def _step(self, state: int, calendar: _Calendar) -> None:
+        """One step of the histories, or of a repeated cycle by its own calendar."""
+        self._slip[:, calendar.begins[state - 1]] = 0.0
         moved = np.abs(self._widths(state, 1.0) - self._widths(state, 0.0))
         scale = np.minimum(LARGEST_MOVE * self._outermost, ZONE_MOVE * self._given.zone)
         parts = int(np.clip(np.ceil(np.max(moved / scale) - 1e-9), 1, MOST_PARTS))
         for part in range(parts):
             self._part(state, part / parts, (part + 1) / parts)
-        for edge, number, begin, end in halves:
-            if end == state:
-                self._profiles[edge][number] = self._profile(edge, state)
-            if state in (begin, end) and number == len(self._given.halves[edge]) - 1:
-                self._tractions[edge][state] = self._now(edge, state)
-
-    def _repeats(self, halves: Sequence[tuple[int, int]], begin: int) -> bool:
-        """True if a half cycle comes again in each cycle, and is not that of first loading."""
-        assert self._given.cycle is not None
-        first, last = self._given.cycle
-        return begin >= first or begin + last - first in (end for _, end in halves)
+        for edge, number in calendar.ends[state]:
+            self._profiles[edge][number] = self._profile(edge, state)
+        for edge in calendar.shown[state]:
+            self._tractions[edge][state] = self._now(edge, state)
 
     def _part(self, state: int, begin: float, end: float) -> None:
         given, contacts, bodies = self._given, self._given.contacts, self._bodies
@@ -316,7 +346,7 @@ class _March:
         solved = partial_slip(self._stiffness, bound, stuck, self._slipping, tolerance)
         self._lost[solved.unsolved] = True
         slip = np.where((bound > tolerance)[..., None], solved.slip, 0.0)
-        direction = _unit(solved.shear)
+        direction = unit(solved.shear)
         amount = np.maximum(-np.sum(slip * direction, axis=-1), 0.0)
         self._work += np.sum(amount * (bound + self._bound) / 2, axis=1)
         along = np.sum(slip * given.direction[:, None], axis=-1)
@@ -357,8 +387,3 @@ class _March:
         work = float(self._work[edge]) * self._given.modulus * float(self._outermost[edge]) ** 2
         profiles = tuple(self._profiles[edge][number] for number in sorted(self._profiles[edge]))
         return EdgeSlip(profiles, tractions, work, float(change))
-
-
-def _unit(vectors: Array) -> Array:
-    length = np.hypot(vectors[..., 0], vectors[..., 1])[..., None]
-    return np.asarray(vectors / np.where(length > 0, length, 1.0))

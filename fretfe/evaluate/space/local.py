@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -154,12 +155,12 @@ class _Path:
         kept = np.flatnonzero(~repeated[: last + 1])
         return cls(kept, solution.source, contact.friction, solution.cycle)
 
-    @property
+    @cached_property
     def friction(self) -> float:
         """Coefficient at the end."""
         return float(self.contact_friction[self.kept[-1]])
 
-    @property
+    @cached_property
     def first(self) -> int:
         """Place among the kept states from which on there is friction."""
         return max(int(np.argmax(self.contact_friction[self.kept] > 0)) - 1, 0)
@@ -171,9 +172,14 @@ class _Path:
             return len(self.kept) - 2
         return int(np.searchsorted(self.kept, self.cycle[0]))
 
+    @cached_property
+    def places(self) -> dict[int, int]:
+        """Places of the kept states among themselves, by state."""
+        return {state: place for place, state in enumerate(self.kept.tolist())}
+
     def span(self, zone: SlipZone, first: int) -> tuple[int, int] | None:
         """Places of the ends of a half cycle, or of one that it repeats; None if not on the way."""
-        places = {state: place for place, state in enumerate(self.kept.tolist())}
+        places = self.places
         for start, end in ((zone.start, zone.end), self.source[[zone.start, zone.end]].tolist()):
             if start in places and end in places and places[end] > first:
                 return places[start], places[end]
