@@ -150,14 +150,29 @@ def judge(station: Station, zone: SlipZone) -> Verdict:
             f"error bars and elements leave {share:.0%} of the length open, more than {LOOSE:.0%}: "
             "nothing to check",
         )
-    # An estimate of a large error is none: it must not excuse whatever comes out.
-    tolerance = ESTIMATE_FACTOR * min(error, LARGEST_ERROR) * zone.length + within
     reason = (
         f"the asymptote's own error at the longer of the two lengths, about {error:.1%}, error "
         f"bars of K_N and of the range, {bars:.1%}, and of the length, {zone.spread:.3g}, and "
         f"{BORDER_ELEMENTS:g} elements"
     )
-    if abs(zone.length - zone.prediction) <= tolerance:
+    return _beside_formula(zone.length, zone.prediction, error, within, reason)
+
+
+def _beside_formula(
+    length: float, prediction: float, error: float, within: float, reason: str
+) -> Verdict:
+    """Compare a length with a prediction whose formula is expected to have a relative error.
+
+    Args:
+        length: found.
+        prediction: by the formula.
+        error: expected of it.
+        within: what both may differ by besides.
+        reason: what the verdict rests on.
+    """
+    # An estimate of a large error is none: it must not excuse whatever comes out.
+    tolerance = ESTIMATE_FACTOR * min(error, LARGEST_ERROR) * length + within
+    if abs(length - prediction) <= tolerance:
         return Verdict(AGREES, reason, tolerance)
     if error > LARGEST_ERROR:
         reason += ". Long against the edge's own length: use the computed length"
@@ -184,14 +199,8 @@ def _judge_local(station: Station, zone: SlipZone) -> Verdict:
     lengths = [each.local for each in station.slip_zones[-2:] if math.isfinite(each.local)]
     error = expected_error(station, max([*lengths, zone.local]))
     within = math.hypot(zone.local_spread, BORDER_FRACTION * zone.local)
-    tolerance = ESTIMATE_FACTOR * min(error, LARGEST_ERROR) * zone.local + within
     reason = f"{found}; the asymptote's own error there is about {error:.1%}"
-    if abs(zone.local - zone.prediction) <= tolerance:
-        return Verdict(AGREES, reason, tolerance)
-    if error > LARGEST_ERROR:
-        reason += ". Long against the edge's own length: use the computed length"
-        return Verdict(OUTSIDE, reason, tolerance)
-    return Verdict(DIFFERS, reason, tolerance)
+    return _beside_formula(zone.local, zone.prediction, error, within, reason)
 
 
 def _no_formula(station: Station, zone: SlipZone) -> str:

@@ -142,24 +142,27 @@ class Contacts:
         shorter = (widths / self.half_width) ** (self.power - 2)
         return np.asarray(np.pi * np.sqrt(2 * widths) * shorter)
 
-    def work_share(self, depth: Array) -> Array:
-        """(S,) friction work at fronts of these contacts over that in the plane.
-
-        A stick zone that shrinks from a to c makes the bodies more compliant by ln(a/c) of what the
-        edge of a plane punch does, by a/c - 1 at the front of a circle, with the same first order.
-        The loop of a steady cycle (Masing) has the area ∫ P' D (P(a) + P(c) - 2 P) dx from c to a,
-        with D that of x, P = x^n. Between straight and round fronts in proportion.
-
-        Args:
-            depth: (S,) longest slip zone over the half-width, below 1.
-        """
-        c = 1 - np.maximum(depth, 1e-6)[:, None]
-        x, n = (1 + c) / 2 + (1 - c) / 2 * POINTS, self.power[:, None]
-        weights = WEIGHTS * x ** (n - 1) * (1 + c**n - 2 * x**n)
-        share = np.sum(weights * (1 / x - 1), axis=1) / -np.sum(weights * np.log(x), axis=1)
-        return np.asarray(1 + np.clip(self.power - 2, 0.0, 1.0) * (share - 1))
-
     def level(self, widths: Array) -> Array:
         """(S,) factor of the shape of the pressure at some half-widths (S,)."""
         now = (widths / self.half_width) ** (self.power - 1)
         return np.asarray(self.k_n * np.sqrt(self.half_width / 2) * now)
+
+
+def work_share(power: Array | float, depth: Array | float) -> Array:
+    """(...) friction work at the fronts of `Contacts` over that in the plane.
+
+    A stick zone that shrinks from a to c makes the bodies more compliant by ln(a/c) of what the
+    edge of a plane punch does, by a/c - 1 at the front of a circle, with the same first order. The
+    loop of a steady cycle (Masing) has the area ∫ P' D (P(a) + P(c) - 2 P) dx from c to a, with D
+    that of x, P = x^n. Between straight and round fronts in proportion.
+
+    Args:
+        power: (...) n.
+        depth: (...) longest slip zone over the half-width, below 1.
+    """
+    n = np.asarray(power)[..., None]
+    c = 1 - np.maximum(depth, 1e-6)[..., None]
+    x = (1 + c) / 2 + (1 - c) / 2 * POINTS
+    weights = WEIGHTS * x ** (n - 1) * (1 + c**n - 2 * x**n)
+    share = np.sum(weights * (1 / x - 1), axis=-1) / -np.sum(weights * np.log(x), axis=-1)
+    return np.asarray(1 + np.clip(n[..., 0] - 2, 0.0, 1.0) * (share - 1))

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,13 +18,12 @@ from fretfe.evaluate.contacts import (
     SlipZone,
     Station,
     no_local_problem,
-    reported,
 )
 from fretfe.evaluate.cycles import worst_cycle
 from fretfe.evaluate.plane.slip import INTERVAL, slip_border
 from fretfe.evaluate.slip import cycle_states
 from fretfe.history.solution import ContactHistory, Solution
-from fretfe.local.half_planes import Contacts
+from fretfe.local.half_planes import Contacts, work_share
 from fretfe.local.problem import (
     SLIDES,
     EdgeHistories,
@@ -107,25 +106,20 @@ def _fronts(
     Where a contact would slide before the cycle, that is begun without any shear.
     """
     path = _Path.of(solution, contact)
-    solved: dict[tuple[str, int], Station] = {}
+    left = {(front.name, each.number): (front, each) for front in fronts for each in front.stations}
+    done: dict[tuple[str, int], Station] = {}
     for late in (False, True) if path.cycle else (False,):
-        edges = []
-        for front in fronts:
-            for station in front.stations:
-                key = front.name, station.number
-                if key in solved and solved[key].local.reason != SLIDES:
-                    continue
-                edge = _pose(path, front, station, late)
-                if isinstance(edge, str):
-                    solved[key] = replace(station, local=no_local_problem(edge))
-                else:
-                    edges.append(edge)
-        if edges:
-            found = solve_edges(_histories(edges, path, bodies), share)
-            done = [edge.solved(slip) for edge, slip in zip(edges, found, strict=True)]
-            solved.update({(each.front, each.number): each for each in done})
+        posed = {key: _pose(path, *each, late) for key, each in left.items()}
+        edges = {key: edge for key, edge in posed.items() if isinstance(edge, _Edge)}
+        found = solve_edges(_histories(edges.values(), path, bodies), share) if edges else []
+        for key, reason in posed.items():
+            if isinstance(reason, str):
+                done[key] = replace(left[key][1], local=no_local_problem(reason))
+        for (key, edge), slip in zip(edges.items(), found, strict=True):
+            done[key] = edge.solved(slip)
+        left = {key: each for key, each in left.items() if done[key].local.reason == SLIDES}
     return tuple(
-        replace(front, stations=tuple(solved[front.name, each.number] for each in front.stations))
+        replace(front, stations=tuple(done[front.name, each.number] for each in front.stations))
         for front in fronts
     )
 
@@ -186,7 +180,7 @@ class _Path:
         return None
 
 
-def _histories(edges: Sequence[_Edge], path: _Path, bodies: EdgeBodies) -> EdgeHistories:
+def _histories(edges: Collection[_Edge], path: _Path, bodies: EdgeBodies) -> EdgeHistories:
     """Histories of edges, and what they have in common."""
     shapes = [each.shape for each in edges]
     return EdgeHistories(
@@ -232,9 +226,9 @@ class _Shape:
     length_bar: float
 
     @classmethod
-    def of(cls, front: Front, station: Station, last: int) -> _Shape:
+    def of(cls, front: Front, station: Station) -> _Shape:
         """That of a station."""
-        k_n, k_n_bar = _k_n_around(front, station, last)
+        k_n, k_n_bar = _k_n_around(front, station)
         length, length_bar = _length_around(front, station)
         half_width = station.depth if length > HERTZIAN * station.depth else length
         bend = station.curvature * half_width
@@ -265,8 +259,7 @@ class _Shape:
 
     def round_work(self, length: float) -> float:
         """Friction work over that of the plane problem, by its longest slip zone."""
-        here = Contacts(*np.array([[self.half_width], [self.k_n], [self.power]]))
-        return float(here.work_share(np.array([min(length / self.half_width, DEEPEST)]))[0])
+        return float(work_share(self.power, min(length / self.half_width, DEEPEST)))
 
 
 @dataclass(frozen=True)
@@ -361,7 +354,7 @@ def _pose(path: _Path, front: Front, station: Station, late: bool) -> _Edge | st
     """
     if reason := _unposed(station, path.friction):
         return reason
-    kept, shape = path.kept, _Shape.of(front, station, int(path.kept[-1]))
+    kept, shape = path.kept, _Shape.of(front, station)
     k = np.column_stack([station.k_t, station.k_s])[kept]
     k_i = station.k_i[kept] - station.k_i[kept[-1]]
     grown = 1 + 3 * k_i / (shape.k_n * shape.half_width)
@@ -416,15 +409,15 @@ def _length_around(front: Front, station: Station) -> tuple[float, float]:
     return middle, scatter / middle
 
 
-def _k_n_around(front: Front, station: Station, state: int) -> tuple[float, float]:
-    """K_N of a state by a straight line through those around a station, and its relative bar.
+def _k_n_around(front: Front, station: Station) -> tuple[float, float]:
+    """K_N in the last state by a straight line through those around a station, and relative bar.
 
     The bar is that of fits as good as those, of which `INDEPENDENT` do not see the same nodes, and
     by their scatter about the line.
     """
     stations = [front.stations[number] for number in _around(front, station)]
-    told = [each for each in stations if math.isfinite(reported(*_k_n(each, state)))]
-    k_n, bars = np.array([_k_n(each, state) for each in told]).T
+    told = [each for each in stations if math.isfinite(each.reported_k_n)]
+    k_n, bars = np.array([each.last_k_n for each in told]).T
     s = _along(front, station, np.array([each.arc for each in told]))
     order = 1 if len(told) > INDEPENDENT else 0
     weights = 1 / np.maximum(bars, 1e-3 * k_n)
@@ -439,18 +432,13 @@ def _mean(values: Array) -> np.polynomial.Polynomial:
     return np.polynomial.Polynomial([float(values.mean())])
 
 
-def _k_n(station: Station, state: int) -> tuple[float, float]:
-    return float(station.k_n[state]), float(station.k_n_spread[state])
-
-
 def _unposed(station: Station, friction: float) -> str:
     """Reason why a station has no plane problem; empty if it may have one."""
     if station.end:
         return "within a local length of a free end, where the fields are not those of an edge"
     if not friction > 0:
         return "there is no friction"
-    last = station.last
-    if not math.isfinite(reported(float(station.k_n[last]), float(station.k_n_spread[last]))):
+    if not math.isfinite(station.reported_k_n):
         return "K_N is not known, or has an error bar of more than half of it"
     if not station.slip_zones:
         return "K_T and K_S are unknown, or do not vary"
