@@ -162,11 +162,10 @@ class _Run:
             contacts = evaluate(solution, tracks=tracks)
             limits = model_limits(model, recorder, solution, contacts, depths)
             contacts = with_limit_warnings(contacts, limits)
+            failure = marched.failure or imbalance(solution)
         if tracks is not None and case.edges.local:
             with clock("local problems"):
                 contacts = self._local_problems(solution, contacts)
-        with clock("evaluation"):
-            failure = marched.failure or imbalance(solution)
         divided = division_notes(solution.ends)
         if ends := step_ends(solution):
             contacts, solution = ends.contacts(solution, contacts), ends.solution(solution)

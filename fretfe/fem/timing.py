@@ -13,6 +13,7 @@ TOLD = {
     "condensation": "condensation of the bodies",
     "edge integrals": "edge factors",
     "evaluation": "evaluation of edges and slip zones",
+    "local problems": "plane problems next to the fronts",
     "stress near the contacts": "stress near the contacts",
     "fields": "fields",
 }
