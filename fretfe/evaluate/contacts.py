@@ -384,6 +384,11 @@ class Station(StationHistory):
         return np.asarray(math.cos(angle) * self.k_t + math.sin(angle) * self.k_s)
 
     @property
+    def range_over_k_n(self) -> float:
+        """|ΔK|/K_N, in proportion to slip zones along a contact; NaN if one of both is not told."""
+        return self.reported_range / (self.reported_k_n or math.nan)
+
+    @property
     def reported_range(self) -> float:
         """The range of (K_T, K_S); NaN if its error bar is unknown or more than half of it."""
         return reported(self.k_range, self.k_range_spread)

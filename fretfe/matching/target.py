@@ -177,24 +177,19 @@ def _find(result: Result, edge: str) -> tuple[Contact, Front, Station]:
         known = ", ".join(" to ".join(dict.fromkeys(pair)) for pair in ends)
         raise CaseError(f"{where}: expected one of the edges {known or '(none)'}, found {edge!r}")
     if len(meant) > 1:
-        meant = [each for each in meant if not each[2].end and _sliding(each[2]) > 0]
+        meant = [each for each in meant if not each[2].end and each[2].range_over_k_n > 0]
         if not meant:
             raise ModelError(
                 f"edge {edge}: expected K_N and the range of K_T to be known somewhere along it, "
                 "each with an error bar of less than half of it, found that they are not"
             )
-    contact, front, station = max(meant, key=lambda each: _sliding(each[2]))
+    contact, front, station = max(meant, key=lambda each: each[2].range_over_k_n)
     if station.end:
         raise ModelError(
             f"edge {edge}: expected a station with the fields of an edge, found one within a local "
             "length of a free end"
         )
     return contact, front, station
-
-
-def _sliding(station: Station) -> float:
-    """|ΔK|/K_N, which along a contact is in proportion to its slip zones; NaN if not known."""
-    return station.reported_range / (station.reported_k_n or math.nan)
 
 
 def _cycle(result: Result, station: Station, edge: str) -> tuple[int, int]:

@@ -381,9 +381,9 @@ def front_texts(run: Result) -> tuple[str, ...]:
 
 def _worst_text(run: Result, contact: Contact, front: Front) -> str:
     """The stations of a front that are worst by |ΔK|/(f K_N) and by d; empty without any."""
-    known = [s for s in front.judged if math.isfinite(s.reported_range + s.reported_k_n)]
+    known = [s for s in front.judged if math.isfinite(s.range_over_k_n)]
     zoned = [s for s in front.judged if s.slip_zones and math.isfinite(s.slip_zones[-1].told[0])]
-    steep = max(known, key=lambda s: s.reported_range / s.reported_k_n, default=None)
+    steep = max(known, key=lambda s: s.range_over_k_n, default=None)
     long = max(zoned, key=lambda s: s.slip_zones[-1].told[0], default=None)
     marked = {"|ΔK|/(f K_N) is": steep, "d is": long}
     if long is steep:
