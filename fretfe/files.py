@@ -8,7 +8,7 @@ import errno
 import math
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -99,7 +99,13 @@ def replace_text(path: Path, text: str) -> None:
 
 
 def json_value(value: Any) -> Any:
-    """A value as JSON can have it: None for a number that is not finite."""
+    """A value in plain types of JSON: None for numbers that are not finite, lists for arrays."""
+    if isinstance(value, Mapping):
+        return {name: json_value(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [json_value(each) for each in value]
+    if hasattr(value, "tolist"):  # of NumPy, which need not be there
+        return json_value(value.tolist())
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

@@ -7,7 +7,6 @@ import json
 import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -19,6 +18,7 @@ from fretfe.case import Units
 from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
+from fretfe.files import json_value
 from fretfe.local.problem import Tractions
 from fretfe.report.pictures.panels import save_png
 from fretfe.report.theme import BLUE, GREEN, PICTURE_DPI, STYLE, VERMILLION
@@ -281,19 +281,8 @@ def _write(folder: Path, units: Units, model: StationModel) -> None:
         OutputError: if that fails.
     """
     try:
-        text = json.dumps(_plain(asdict(model)), indent=1, allow_nan=False)
+        text = json.dumps(json_value(asdict(model)), indent=1, allow_nan=False)
         (folder / NUMBERS).write_text(text + "\n", encoding="utf-8")
         draw_station(units, model, folder / PICTURE)
     except OSError as error:
         raise OutputError(f"{folder}: cannot write the station: {error}") from error
-
-
-def _plain(value: Any) -> Any:
-    """Plain types of JSON; null for what does not exist."""
-    if isinstance(value, dict):
-        return {name: _plain(each) for name, each in value.items()}
-    if isinstance(value, list | tuple | np.ndarray):
-        return [_plain(each) for each in value]
-    if isinstance(value, float | np.floating):
-        return float(value) if math.isfinite(value) else None
-    return value

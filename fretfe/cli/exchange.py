@@ -144,7 +144,7 @@ def _remarks(analysis: TractionAnalysis) -> list[str]:
 def _edges_numbers(
     path: Path, friction: float | None, table: TractionTable, analysis: TractionAnalysis
 ) -> dict[str, Any]:
-    forces = {name: json_value(value) for name, value in asdict(analysis.resultants).items()}
+    forces = json_value(asdict(analysis.resultants))
     return {
         "schema": {"name": "fretfe-edges", "version": 1},
         "file": str(path),

@@ -217,10 +217,7 @@ def comparison_numbers(comparison: Comparison) -> dict[str, Any]:
         "schema": SCHEMA,
         "labels": list(comparison.labels),
         "contacts": [list(pair) for pair in comparison.contacts],
-        "quantities": [
-            {name: json_value(value) for name, value in record.items()}
-            for record in comparison.records()
-        ],
+        "quantities": json_value(comparison.records()),
         "tractions": [
             {
                 "contact": each.contact,

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 from fretfe._typing import Array
 from fretfe.errors import CaseError, OutputError
-from fretfe.files import disk_reason, replace_text
+from fretfe.files import disk_reason, json_value, replace_text
 from fretfe.matching.agreement import Agreement, Reach
 from fretfe.matching.casefile import FIRST_LINE, case_file
 from fretfe.matching.choose import Choice, Choices, length_that_counts, pressure_of
@@ -139,7 +139,9 @@ def write_match(match: Match, comparison: Comparison | None, folder: Path) -> tu
         (folder / PICTURE).unlink(missing_ok=True)  # of another match
         for path, text in zip(cases, texts.values(), strict=True):
             replace_text(path, text)
-        numbers = json.dumps(_plain(match_numbers(match, comparison)), indent=1, allow_nan=False)
+        numbers = json.dumps(
+            json_value(match_numbers(match, comparison)), indent=1, allow_nan=False
+        )
         replace_text(folder / NUMBERS, numbers + "\n")
         if comparison is not None:
             draw_agreement(match, comparison, folder / PICTURE)
@@ -267,14 +269,3 @@ def _agreement(agreement: Agreement, test: PadTest, match: Match) -> dict[str, A
 
 def _reaches(reaches: Iterable[Reach]) -> list[dict[str, Any]]:
     return [vars(each) for each in reaches]
-
-
-def _plain(value: Any) -> Any:
-    """Plain types of JSON; null for what is not known."""
-    if isinstance(value, dict):
-        return {name: _plain(each) for name, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
-    if isinstance(value, float):
-        return float(value) if math.isfinite(value) else None
-    return value

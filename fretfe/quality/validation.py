@@ -18,6 +18,7 @@ from fretfe.backends.protocol import DEFAULTS, Session, session_of
 from fretfe.case import Case
 from fretfe.environment import peak_memory
 from fretfe.errors import FretfeError, StoppedError
+from fretfe.files import json_value
 from fretfe.quality.companions import COARSER, MESH, Variant, companion_rows, make_variants
 from fretfe.quality.rows import EVERYWHERE, Row, limit_rows, own_rows
 from fretfe.results.model import Result
@@ -178,15 +179,9 @@ def as_numbers(validation: Validation) -> dict[str, Any]:
     return {
         "schema": {"name": "fretfe-validation", "version": 1},
         "passed": validation.passed,
-        "rows": [_plain(row) for row in validation.rows],
-    }
-
-
-def _plain(row: Row) -> dict[str, Any]:
-    values = {**asdict(row), "difference": row.difference}
-    return {
-        key: None if isinstance(value, float) and not math.isfinite(value) else value
-        for key, value in values.items()
+        "rows": [
+            json_value({**asdict(row), "difference": row.difference}) for row in validation.rows
+        ],
     }
 
 
