@@ -197,8 +197,9 @@ def solve_edges(histories: EdgeHistories, share: Share = solve_batches) -> list[
 def _batches(histories: EdgeHistories) -> list[Batch]:
     """Edges that want about the same grid, in groups."""
     widths = histories.contacts.widths(histories.k_i)
-    outermost, states = histories.outermost, slice(*(histories.cycle or (0, widths.shape[1])))
-    travel = (outermost - widths[:, states].min(axis=1)) / outermost
+    first, last = histories.cycle or (0, widths.shape[1] - 1)
+    outermost = histories.outermost
+    travel = (outermost - widths[:, first : last + 1].min(axis=1)) / outermost
     wanted = np.clip(histories.zone / outermost / PER_ZONE, FINEST, COARSEST)
     wanted = np.maximum(wanted, travel / TRAVEL)
     finest = 2.0 ** np.floor(np.log2(wanted))
