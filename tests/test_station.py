@@ -29,7 +29,7 @@ from fretfe.cli.app import app
 from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
 from fretfe.evaluate.contacts import Station
 from fretfe.evaluate.slip import SlipBorder, cycle_states, slip_zones
-from fretfe.evaluate.space.local import EdgeBodies, add_local_problems
+from fretfe.evaluate.space.local import EdgeBodies, add_local_problems, cycles_before
 from fretfe.evaluate.verdicts import judge
 from fretfe.local.problem import solve_batches
 from fretfe.results.model import Result
@@ -95,6 +95,30 @@ def model(solid: Result) -> StationModel:
 
 def stations(result: Result) -> tuple[Station, ...]:
     return result.contacts[0].stations
+
+
+def test_of_equal_cycles_only_the_last_one_before_is_gone_through(bare: Result) -> None:
+    """Loading in 3 steps, then cycles of 4; one of other loads ends what is left out."""
+    assert bare.solution is not None
+    cycle = np.array([[1.0, 0.0], [1.0, 2.0], [1.0, 0.0], [1.0, -2.0]])
+    loading = np.array([[0.0, 0.0], [0.5, 0.0], [0.8, 0.0]])
+    values = np.concatenate([loading, *[cycle] * 5, cycle[:1]])
+    solution = replace(bare.solution, values=values, cycle=(19, 23), step=None, times=values[:, 0])
+    assert cycles_before(solution) == slice(3, 15)
+    values[8, 1] += 0.1
+    assert cycles_before(solution) == slice(11, 15)
+    values[16, 1] += 0.1
+    left_out = cycles_before(solution)
+    assert left_out.start == left_out.stop
+    within = np.repeat(np.arange(24), 2)  # each step with a state within it
+    divided = replace(
+        solution,
+        step=within,
+        cycle=(39, 47),
+        values=np.repeat(values, 2, axis=0),
+    )
+    divided.values[[16, 17, 32, 33], 1] -= 0.1
+    assert cycles_before(divided) == slice(7, 31)
 
 
 def test_tables_of_stations_have_the_plane_problem(solid: Result, bare: Result) -> None:

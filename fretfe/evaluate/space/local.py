@@ -33,6 +33,8 @@ from fretfe.local.problem import (
     solve_edges,
 )
 
+# Loads that differ by less than this over their range are the same.
+SAME_LOADS = 1e-9
 # Smallest half-width over that of the reference state with which a history can be followed.
 NARROWEST = 0.2
 # Powers of the gap: of a cylinder, whose fronts are straight, and of what is round.
@@ -126,7 +128,10 @@ def _fronts(
 
 @dataclass(frozen=True)
 class _Path:
-    """The way through the states of a history: those that repeat others only within the cycle.
+    """The way through the states of a history.
+
+    States that repeat others are left out before the cycle. Of the cycles that lead to it with the
+    same loads only the last one is gone through: it is then repeated until it is steady.
 
     Attributes:
         kept: (n,) states to go through.
@@ -144,9 +149,10 @@ class _Path:
     def of(cls, solution: Solution, contact: ContactHistory) -> _Path:
         """That of a contact."""
         first, last = solution.cycle or (len(solution.times), len(solution.times) - 1)
-        repeated = solution.source != np.arange(len(solution.times))
-        repeated[first:] = False
-        kept = np.flatnonzero(~repeated[: last + 1])
+        left_out = solution.source != np.arange(len(solution.times))
+        left_out[cycles_before(solution)] = True
+        left_out[first:] = False
+        kept = np.flatnonzero(~left_out[: last + 1])
         return cls(kept, solution.source, contact.friction, solution.cycle)
 
     @cached_property
@@ -178,6 +184,21 @@ class _Path:
             if start in places and end in places and places[end] > first:
                 return places[start], places[end]
         return None
+
+
+def cycles_before(solution: Solution) -> slice:
+    """States of the cycles that lead to the evaluated one with the same loads, but the last."""
+    if solution.cycle is None:
+        return slice(0)
+    loads, ends = solution.values[solution.ends], solution.ends
+    first, last = (solution.step_of(state) for state in solution.cycle)
+    period, begin = last - first, first
+    size = SAME_LOADS * np.ptp(loads, axis=0)
+    while begin >= period and np.all(
+        np.abs(loads[begin - period : begin] - loads[first:last]) <= size
+    ):
+        begin -= period
+    return slice(ends[begin], ends[max(first - period, begin)])
 
 
 def _histories(edges: Collection[_Edge], path: _Path, bodies: EdgeBodies) -> EdgeHistories:
