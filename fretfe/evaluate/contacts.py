@@ -589,3 +589,12 @@ class Contact:
     def stations(self) -> tuple[Station, ...]:
         """The stations of all fronts in one row: in the plane the left and the right edge."""
         return tuple(station for front in self.fronts for station in front.stations)
+
+    def name_of(self, station: Station) -> str:
+        """Name of one of its stations: CONTACT.left or CONTACT.right in the plane.
+
+        Of solids CONTACT.FRONT.STATION, fronts counted from 1 and stations from 0.
+        """
+        if not self.solid:
+            return f"{self.name}.{station.front}"
+        return f"{self.name}.{station.front.removeprefix('front ')}.{station.number}"

@@ -389,17 +389,17 @@ def _worst_text(run: Result, contact: Contact, front: Front) -> str:
     if long is steep:
         marked = {"|ΔK|/(f K_N) and d are": steep}
     texts = [
-        f"{what} largest at {_place(run, station)}: {_factors(run, station)}"
+        f"{what} largest at {_place(run, contact, station)}: {_factors(run, station)}"
         for what, station in marked.items()
         if station is not None
     ]
     return f"{contact.name}, {front.name}: {'; '.join(texts)}." if texts else ""
 
 
-def _place(run: Result, station: Station) -> str:
+def _place(run: Result, contact: Contact, station: Station) -> str:
     point = ", ".join(number(float(x), 3) for x in station.point)
     along = f"{number(station.arc, 3)} {run.case.units.length} along the front"
-    return f"station {station.number}, {along} at ({point})"
+    return f"station {contact.name_of(station)}, {along} at ({point})"
 
 
 def _factors(run: Result, station: Station) -> str:
@@ -427,8 +427,8 @@ def _end_text(run: Result, named: Sequence[tuple[Contact, Front]]) -> str:
     return (
         "Ends of open fronts are outside the edge formulas: the fields there are not those of an "
         f"edge. The largest |ΔK| is {with_error(station.k_range, station.k_range_spread)} "
-        f"{units.stress}·√{units.length}, by radii, elements and steps, at {contact.name}, "
-        f"{front.name}, {_place(run, station)}. {_end_slip(run, contact, front, station)}"
+        f"{units.stress}·√{units.length}, by radii, elements and steps, at "
+        f"{_place(run, contact, station)}. {_end_slip(run, contact, front, station)}"
     )
 
 
