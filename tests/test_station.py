@@ -37,6 +37,7 @@ from fretfe.evaluate.space.local import EdgeBodies, add_local_problems
 from fretfe.evaluate.verdicts import judge
 from fretfe.local.problem import solve_batches
 from fretfe.report.figures.edges import _zones, draw_half_cycle, station_plot
+from fretfe.report.page.tables import front_texts
 from fretfe.report.source import shown_contacts
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
@@ -63,11 +64,11 @@ def solved(result: Result, antiplane: float | None = None) -> Result:
     return replace(result, contacts=contacts)
 
 
-def posed(angle: float) -> Result:
-    """Twelve stations with exact K_N, K_T, K_S and K_I for half of the shear, across each other."""
+def posed(angle: float, share: float = 0.5 * SHEAR) -> Result:
+    """Twelve stations with exact K_N, K_T, K_S and K_I under ± a share of f P."""
     result = stationed_sphere()
     shear = result.loads.values[:, 1]
-    load = 0.5 * SHEAR * shear / np.abs(shear).max()
+    load = share * shear / np.abs(shear).max()
     assert result.solution is not None
     (contact,), cycle = result.solution.contacts, cycle_states(result.loads.cycle)
 
@@ -164,14 +165,44 @@ def test_shear_along_the_front_slips_as_far_as_that_across_it_whatever_nu() -> N
     assert first == pytest.approx(WIDTH, rel=0.012) and second == pytest.approx(first, rel=1e-6)
 
 
-def test_work_of_all_stations_is_that_of_mindlin_and_deresiewicz(solid: Result) -> None:
-    share, force = 0.5 * SHEAR, 2 * np.pi * PEAK / 3
-    upper, lower = (solid.case.bodies[name] for name in ("upper", "lower"))
-    compliance = 4 / contact_modulus(upper, lower, "strain")  # as for ν = 0
+@pytest.mark.parametrize("share", [0.5 * SHEAR, 0.02])
+def test_work_along_a_front_is_that_of_mindlin_and_deresiewicz(solid: Result, share: float) -> None:
+    """At small loads it is π ΔK³/(3 f K_N E*) per length of the front."""
+    result = solid if share == 0.5 * SHEAR else solved(posed(ANGLE, share), antiplane=1.0)
+    upper, lower = (result.case.bodies[name] for name in ("upper", "lower"))
+    modulus, force = contact_modulus(upper, lower, "strain"), 2 * np.pi * PEAK / 3
     loop = 1 - (1 - share) ** (5 / 3) - 5 * share / 6 * (1 + (1 - share) ** (2 / 3))
-    work = 9 * (FRICTION * force) ** 2 / 10 * compliance * loop
-    mean = np.mean([each.local.work for each in stations(solid)])
-    assert mean * 2 * np.pi == pytest.approx(work, rel=0.02)
+    work = 9 * (FRICTION * force) ** 2 / 10 * 4 / modulus * loop  # ν = 0
+    if share == 0.02:
+        by_length = np.pi * (2 * share * LIMIT) ** 3 / (3 * FRICTION * K_N * modulus)
+        assert 2 * np.pi * by_length == pytest.approx(work, rel=0.02)
+    (contact,) = result.contacts
+    (front,) = contact.fronts
+    assert front.local_length == front.length == pytest.approx(2 * np.pi, rel=0.005)
+    assert front.local_work * 2 * np.pi / front.length == pytest.approx(work, rel=0.006)
+    assert (contact.local_dissipation, contact.local_share) == (front.local_work, 1.0)
+
+
+def test_work_leaves_out_what_has_no_plane_problem(bare: Result, solid: Result) -> None:
+    some = solved(
+        with_stations(
+            bare,
+            lambda each: replace(
+                each, end=each.number < 2, depth=math.nan if each.number == 5 else each.depth
+            ),
+        ),
+        antiplane=1.0,
+    )
+    (whole,), (contact,) = solid.contacts, some.contacts
+    assert contact.local_share == pytest.approx(9 / 12)
+    assert contact.local_dissipation == pytest.approx(9 / 12 * whole.local_dissipation, rel=1e-3)
+    (told,) = (text for text in front_texts(some) if "leaves out" in text)
+    assert "25% of the length at main (3 of 12 stations, 2 of them near a free end)" in told
+    assert not any("leaves out" in text for text in front_texts(solid))
+    (row,) = some.records()
+    assert row["local_dissipation"] == contact.local_dissipation
+    (none,) = bare.contacts
+    assert math.isnan(none.local_dissipation) and none.local_share == 0.0
 
 
 def test_tractions_next_to_the_edge(model: StationModel) -> None:
@@ -316,6 +347,11 @@ def test_command(solid: Result, tmp_path: Path) -> None:
     assert done.exit_code == 0, done.exception
     assert "plane problem" in done.output and f"Files in {output}" in done.output.replace("\n", "")
     assert re.search(r"K_N \S+ ± \S+, ΔK \S+ ± \S+", done.output)
+    (written,) = json.loads((folder / "results.json").read_text("utf-8"))["contacts"].values()
+    (contact,) = again.contacts
+    assert contact.local_dissipation == solid.contacts[0].local_dissipation
+    assert written["local_dissipation"] == contact.local_dissipation
+    assert written["local_share"] == 1.0
     numbers = json.loads((output / "station.json").read_text("utf-8"))
     assert numbers["name"] == "main.1.5" and numbers["power"] == 3.0
     assert {path.name for path in output.iterdir()} == {"station.png", "station.json"}

@@ -57,8 +57,9 @@ def sphere() -> Result:
 
 
 def large(contact: Contact) -> Contact:
+    fronts = tuple(replace(front, local_work=2.341e-5) for front in contact.fronts)
     return replace(
-        contact, name="left flank", normal_force=WIDE * contact.normal_force,
+        contact, name="left flank", fronts=fronts, normal_force=WIDE * contact.normal_force,
         shear_force=WIDE * contact.shear_force, contact_area=WIDE * contact.contact_area,
         stick_area=WIDE * contact.stick_area, dissipation=1.234e-5,
     )  # fmt: skip
@@ -71,6 +72,9 @@ def test_contacts_of_solids_fit(sphere: Result, capsys: pytest.CaptureFixture[st
         text = capsys.readouterr().out
         assert not cut(text) and max(map(len, text.splitlines())) <= WIDTH
     assert "P, |Q| in MN" in str(table.title) and "1.23e-5" in text
+    work = next(list(each.cells) for each in table.columns if each.header == "work")
+    assert list(table.columns[0].cells) == ["left flank", "  at fronts"]
+    assert work == ["1.23e-5", "2.34e-5"]
 
 
 def test_fronts_fit_and_have_the_plane_problem(

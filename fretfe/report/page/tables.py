@@ -85,7 +85,10 @@ def _edge_cells(edge: Station) -> list[str]:
 
 
 def contact_table(run: Result) -> Table:
-    """One row per contact: forces over the cycle, its size at the end, whether that is steady."""
+    """One row per contact: forces over the cycle, its size at the end, whether that is steady.
+
+    Of solids a row for each patch, and one for the friction work along the fronts.
+    """
     units, evaluated = run.case.units, run.loads.cycle
     forces = [each for c in run.contacts for each in (c.normal_force, c.shear_force)]
     largest = max((float(np.abs(each).max(initial=0.0)) for each in forces), default=0.0)
@@ -94,7 +97,7 @@ def contact_table(run: Result) -> Table:
         title = (
             f"Contacts: P, |Q| in {force}, area in contact and what of it sticks at the end in "
             f"{units.length}², largest pressure in {units.stress}, friction work in "
-            f"{work_unit(run)}"
+            f"{work_unit(run)}, at fronts by the plane problems"
         )
         headers = ["P", "|Q|", "area", "sticks", "p_max", "work", "steady"]
     else:
@@ -111,6 +114,9 @@ def contact_table(run: Result) -> Table:
             ranges = [_range(each[cycle] / scale, digits=3) for each in carried]
             area = number(patch.contact_area[last], 3)
             table.add_row(f"  {patch.name}", *ranges, area, *[MISSING] * (len(headers) - 3))
+        if math.isfinite(contact.local_dissipation):
+            work = number(contact.local_dissipation, 3)
+            table.add_row("  at fronts", *[MISSING] * (len(headers) - 2), work, MISSING)
     return table
 
 
@@ -376,7 +382,7 @@ def front_texts(run: Result) -> tuple[str, ...]:
         f"stations. At {words[AGREES]} of {words.total()} the last slip zone found{by} "
         f"{_agreement(words)}"
     )
-    return tuple(filter(None, (*worst, text, _end_text(run, named))))
+    return tuple(filter(None, (*worst, text, _work_text(run), _end_text(run, named))))
 
 
 def _worst_text(run: Result, contact: Contact, front: Front) -> str:
@@ -409,6 +415,25 @@ def _factors(run: Result, station: Station) -> str:
     return (
         f"K_N {k_n} {units.stress}/√{units.length}, |ΔK| {k_range} "
         f"{units.stress}·√{units.length}, d {slip} {units.length}"
+    )
+
+
+def _work_text(run: Result) -> str:
+    """The parts of fronts that their friction work by plane problems leaves out; empty if none."""
+    parts = []
+    for contact in run.contacts:
+        lost = [station for station in contact.stations if not math.isfinite(station.local.work)]
+        if lost and math.isfinite(contact.local_dissipation):
+            ends = sum(station.end for station in lost)
+            parts.append(
+                f"{1 - contact.local_share:.0%} of the length at {contact.name} ({len(lost)} of "
+                f"{len(contact.stations)} stations, {ends} of them near a free end)"
+            )
+    if not parts:
+        return ""
+    return (
+        "The friction work at fronts leaves out the parts whose stations have no plane problem: "
+        f"{', '.join(parts)}. The work of the nodes is that of the whole contact."
     )
 
 
