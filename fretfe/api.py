@@ -124,9 +124,7 @@ def sweep(
     return Runner.find(backend).sweep(case, vary, _folder(output), observer)
 
 
-def run_station(
-    result: Result, contact: str, station: int, front: int = 1, output: Path | str | None = None
-) -> StationModel:
+def run_station(result: Result, station: str, output: Path | str | None = None) -> StationModel:
     """Take the plane problem next to a station out of the results of solids.
 
     It has the slip zones and tractions that a mesh of solids can hardly resolve, beside those of
@@ -134,9 +132,8 @@ def run_station(
 
     Args:
         result: of solids, with all of its steps.
-        contact: name.
-        station: number along the front, from 0.
-        front: number of the front, from 1.
+        station: "CONTACT.FRONT.STATION", fronts counted from 1 and stations from 0. A contact or a
+            front alone stands for its station of the largest |ΔK|/(f K_N).
         output: folder for what `fretfe station` writes; None writes nothing.
 
     Raises:
@@ -144,7 +141,7 @@ def run_station(
     """
     from fretfe.station import run_station as of_station
 
-    return of_station(result, contact, front, station, _folder(output))
+    return of_station(result, station, _folder(output))
 
 
 def export(

@@ -12,6 +12,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from solid_runs import (
     FRICTION,
     K_N,
@@ -24,7 +27,8 @@ from solid_runs import (
 )
 from typer.testing import CliRunner
 
-from fretfe.case import antiplane_ratio, contact_modulus
+from fretfe._typing import Array
+from fretfe.case import Units, antiplane_ratio, contact_modulus
 from fretfe.cli.app import app
 from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
 from fretfe.evaluate.contacts import Station
@@ -32,6 +36,9 @@ from fretfe.evaluate.slip import SlipBorder, cycle_states, slip_zones
 from fretfe.evaluate.space.local import EdgeBodies, add_local_problems, cycles_before
 from fretfe.evaluate.verdicts import judge
 from fretfe.local.problem import solve_batches
+from fretfe.report.figures.edges import _zones, draw_half_cycle, station_plot
+from fretfe.report.page.tables import front_texts
+from fretfe.report.source import shown_contacts
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.tables import station_records
@@ -57,11 +64,11 @@ def solved(result: Result, antiplane: float | None = None) -> Result:
     return replace(result, contacts=contacts)
 
 
-def posed(angle: float) -> Result:
-    """Twelve stations with exact K_N, K_T, K_S and K_I for half of the shear, across each other."""
+def posed(angle: float, share: float = 0.5 * SHEAR) -> Result:
+    """Twelve stations with exact K_N, K_T, K_S and K_I under ± a share of f P."""
     result = stationed_sphere()
     shear = result.loads.values[:, 1]
-    load = 0.5 * SHEAR * shear / np.abs(shear).max()
+    load = share * shear / np.abs(shear).max()
     assert result.solution is not None
     (contact,), cycle = result.solution.contacts, cycle_states(result.loads.cycle)
 
@@ -90,7 +97,7 @@ def solid(bare: Result) -> Result:
 
 @pytest.fixture(scope="module")
 def model(solid: Result) -> StationModel:
-    return run_station(solid, "main", 1, 5, None)
+    return run_station(solid, "main.1.5", None)
 
 
 def stations(result: Result) -> tuple[Station, ...]:
@@ -182,29 +189,112 @@ def test_shear_along_the_front_slips_as_far_as_that_across_it_whatever_nu() -> N
     assert first == pytest.approx(WIDTH, rel=0.012) and second == pytest.approx(first, rel=1e-6)
 
 
-def test_work_of_all_stations_is_that_of_mindlin_and_deresiewicz(solid: Result) -> None:
-    share, force = 0.5 * SHEAR, 2 * np.pi * PEAK / 3
-    upper, lower = (solid.case.bodies[name] for name in ("upper", "lower"))
-    compliance = 4 / contact_modulus(upper, lower, "strain")  # as for ν = 0
+@pytest.mark.parametrize("share", [0.5 * SHEAR, 0.02])
+def test_work_along_a_front_is_that_of_mindlin_and_deresiewicz(solid: Result, share: float) -> None:
+    """At small loads it is π ΔK³/(3 f K_N E*) per length of the front."""
+    result = solid if share == 0.5 * SHEAR else solved(posed(ANGLE, share), antiplane=1.0)
+    upper, lower = (result.case.bodies[name] for name in ("upper", "lower"))
+    modulus, force = contact_modulus(upper, lower, "strain"), 2 * np.pi * PEAK / 3
     loop = 1 - (1 - share) ** (5 / 3) - 5 * share / 6 * (1 + (1 - share) ** (2 / 3))
-    work = 9 * (FRICTION * force) ** 2 / 10 * compliance * loop
-    mean = np.mean([each.local.work for each in stations(solid)])
-    assert mean * 2 * np.pi == pytest.approx(work, rel=0.02)
+    work = 9 * (FRICTION * force) ** 2 / 10 * 4 / modulus * loop  # ν = 0
+    if share == 0.02:
+        by_length = np.pi * (2 * share * LIMIT) ** 3 / (3 * FRICTION * K_N * modulus)
+        assert 2 * np.pi * by_length == pytest.approx(work, rel=0.02)
+    (contact,) = result.contacts
+    (front,) = contact.fronts
+    assert front.local_length == front.length == pytest.approx(2 * np.pi, rel=0.005)
+    assert front.local_work * 2 * np.pi / front.length == pytest.approx(work, rel=0.006)
+    assert (contact.local_dissipation, contact.local_share) == (front.local_work, 1.0)
+
+
+def test_work_leaves_out_what_has_no_plane_problem(bare: Result, solid: Result) -> None:
+    some = solved(
+        with_stations(
+            bare,
+            lambda each: replace(
+                each, end=each.number < 2, depth=math.nan if each.number == 5 else each.depth
+            ),
+        ),
+        antiplane=1.0,
+    )
+    (whole,), (contact,) = solid.contacts, some.contacts
+    assert contact.local_share == pytest.approx(9 / 12)
+    assert contact.local_dissipation == pytest.approx(9 / 12 * whole.local_dissipation, rel=1e-3)
+    (told,) = (text for text in front_texts(some) if "leaves out" in text)
+    assert "25% of the length at main (3 of 12 stations, 2 of them near a free end)" in told
+    assert not any("leaves out" in text for text in front_texts(solid))
+    (row,) = some.records()
+    assert row["local_dissipation"] == contact.local_dissipation
+    (none,) = bare.contacts
+    assert math.isnan(none.local_dissipation) and none.local_share == 0.0
 
 
 def test_tractions_next_to_the_edge(model: StationModel) -> None:
-    found = model.plane_tractions[-1]
+    found = model.ends[-1].plane
     near = (found.s > 0.002) & (found.s < 0.03)
     ratio = found.pressure[near] / (K_N * np.sqrt(found.s[near]))
     assert np.abs(ratio - 1).max() < 0.03
-    np.testing.assert_allclose(
-        np.hypot(*found.shear[near].T), FRICTION * found.pressure[near], rtol=1e-6
-    )
-    solids = model.solid_tractions[-1]
+    np.testing.assert_allclose(found.shear[near], -FRICTION * found.pressure[near], rtol=1e-6)
+    assert [end.slip for end in model.ends] == pytest.approx([WIDTH] * 2, rel=0.012)
+    solids = model.ends[-1].nodes
     assert len(solids.s) > 10 and np.all(np.diff(solids.s) >= 0)
     inside = solids.s > 0.1
     s = solids.s[inside]
     np.testing.assert_allclose(solids.pressure[inside], PEAK * np.sqrt(s * (2 - s)), rtol=0.03)
+
+
+def test_a_front_alone_is_its_worst_station(solid: Result) -> None:
+    worse = with_stations(
+        solid,
+        lambda each: replace(each, k_range=each.k_range * (1.01 if each.number == 7 else 1.0)),
+    )
+    assert run_station(worse, "main.1", None).name == "main.1.7"
+    (plot,) = filter(None, map(station_plot, shown_contacts(worse)))
+    assert plot.title == "Station main.1.7"
+    assert re.search(r"0\.112\d* ± 0\.00\d+ mm long by the plane problem, 0\.1 mm", plot.caption)
+
+
+def test_lines_are_pale_where_the_shear_is_not_known(model: StationModel) -> None:
+    top, bottom = (Figure().add_subplot() for _ in range(2))
+    draw_half_cycle(top, bottom, model.ends, model.size, Units())
+    assert top.get_legend_handles_labels()[1] == ["t = 2.25 s", "t = 2.75 s", "nodes"]
+    lines = [line for line in bottom.lines if line.get_marker() == "None"][:-1]  # the last at zero
+    strong = [line_of(each) for each in lines if each.get_linewidth() == 1.8]
+    pale = [line_of(each) for each in lines if each.get_alpha() is not None]
+    assert (len(strong), len(pale), len(lines)) == (2, 6, 8)
+    for s, _ in strong:
+        assert 0.9 * WIDTH < s[-1] < 1.01 * WIDTH
+    for s, _ in pale:
+        assert s[0] > 0.9 * WIDTH and s[-1] > 0.9
+    low, high = bottom.get_xlim()
+    assert low == -model.size and 3 * WIDTH < high <= 1.0
+    assert top.get_ylim()[0] == 0.0
+
+
+def line_of(line: Line2D) -> tuple[Array, Array]:
+    s, values = np.asarray(line.get_data(), dtype=float)
+    return s, values
+
+
+def test_zones_along_a_front_are_told_by_three(solid: Result) -> None:
+    def seen(station: Station) -> Station:
+        *before, zone = station.slip_zones
+        found = replace(zone, length=1.1 * WIDTH, spread=0.02, resolved=station.number == 4)
+        return replace(station, slip_zones=(*before, found))
+
+    (front,) = with_stations(solid, seen).contacts[0].fronts
+    axes = Figure().add_subplot()
+    _zones(axes, front)
+    assert axes.get_legend_handles_labels()[1] == ["plane problem", "formula", "nodes"]
+    zones = [station.slip_zones[-1] for station in front.stations]
+    plane, formula, nodes = (line_of(line)[1] for line in axes.lines)
+    np.testing.assert_allclose(plane, [zone.local for zone in zones])
+    np.testing.assert_allclose(formula, [zone.prediction for zone in zones])
+    assert np.flatnonzero(np.isfinite(nodes)).tolist() == [4]
+    (band,) = (each for each in axes.collections if isinstance(each, PolyCollection))
+    edges = np.asarray(band.get_paths()[0].vertices)[:, 1]
+    assert edges.max() == pytest.approx(max(zone.local + zone.local_spread for zone in zones))
+    assert edges.min() == pytest.approx(min(zone.local - zone.local_spread for zone in zones))
 
 
 def test_normal_load_that_varies_moves_the_edge(bare: Result) -> None:
@@ -243,8 +333,9 @@ def test_stations_without_a_plane_problem_say_why(
     values = {key: value[:count] if key == "k_n" else value for key, value in values.items()}
     result = solved(changed(bare, **values))
     assert reason in stations(result)[0].local.reason
-    with pytest.raises(ModelError, match="station 0 of front 1: expected its plane problem"):
-        run_station(result, "main", 1, 0, None)
+    refused = "free end" if "end" in values else r"station main\.1\.0: expected its plane problem"
+    with pytest.raises(ModelError, match=refused):
+        run_station(result, "main.1.0", None)
 
 
 def test_unknown_factors_in_the_cycle_are_told_with_their_state(bare: Result) -> None:
@@ -256,18 +347,16 @@ def test_unknown_factors_in_the_cycle_are_told_with_their_state(bare: Result) ->
 
 
 def test_what_is_refused(solid: Result, tmp_path: Path) -> None:
-    with pytest.raises(CaseError, match="expected one of the contacts main, found 'none'"):
-        run_station(solid, "none", 1, 0, None)
-    with pytest.raises(CaseError, match="expected a front from 1 to 1, found 2"):
-        run_station(solid, "main", 2, 0, None)
-    with pytest.raises(CaseError, match="expected a station from 0 to 11, found 12"):
-        run_station(solid, "main", 1, 12, None)
+    known = r"expected one of the edges main\.1\.0 to main\.1\.11, found "
+    for name in ("none", "main.2.0", "main.1.12", "main:1"):
+        with pytest.raises(CaseError, match=f"{known}'{name}'"):
+            run_station(solid, name, None)
     failed = replace(solid, failure=ConvergenceError("step 9 did not converge"))
     with pytest.raises(OutputError, match="complete results, found: step 9"):
-        run_station(failed, "main", 1, 0, None)
+        run_station(failed, "main.1.0", None)
     write_results(tmp_path, solid)
     with pytest.raises(CaseError, match="without results of a run"):
-        run_station(solid, "main", 1, 0, tmp_path)
+        run_station(solid, "main.1.0", tmp_path)
 
 
 def test_command(solid: Result, tmp_path: Path) -> None:
@@ -278,12 +367,15 @@ def test_command(solid: Result, tmp_path: Path) -> None:
     assert [each.local.work for each in stations(again)] == [
         each.local.work for each in stations(solid)
     ]
-    done = CliRunner().invoke(
-        app, ["station", str(folder), "main:1", "--station", "5", "-o", str(output)]
-    )
+    done = CliRunner().invoke(app, ["station", str(folder), "main.1.5", "-o", str(output)])
     assert done.exit_code == 0, done.exception
     assert "plane problem" in done.output and f"Files in {output}" in done.output.replace("\n", "")
     assert re.search(r"K_N \S+ ± \S+, ΔK \S+ ± \S+", done.output)
+    (written,) = json.loads((folder / "results.json").read_text("utf-8"))["contacts"].values()
+    (contact,) = again.contacts
+    assert contact.local_dissipation == solid.contacts[0].local_dissipation
+    assert written["local_dissipation"] == contact.local_dissipation
+    assert written["local_share"] == 1.0
     numbers = json.loads((output / "station.json").read_text("utf-8"))
-    assert numbers["station"] == 5 and numbers["power"] == 3.0
+    assert numbers["name"] == "main.1.5" and numbers["power"] == 3.0
     assert {path.name for path in output.iterdir()} == {"station.png", "station.json"}

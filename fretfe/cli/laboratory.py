@@ -326,23 +326,21 @@ def _strength_texts(found: StrengthMap, shown: Sequence[Margin]) -> list[str]:
 
 
 STATION_EXAMPLES = examples(
-    "fretfe station sphere main --station 12 -o sphere_12",
-    "fretfe station dovetail left:2 --station 20 -o left_20",
+    "fretfe station sphere main.1.12 -o sphere_12",
+    "fretfe station dovetail left.2 -o left_2",
 )
 
 
 def station(
     directory: Results,
-    contact: Annotated[
+    name: Annotated[
         str,
         typer.Argument(
-            metavar="CONTACT[:FRONT]",
-            help="Contact, and number of its front from 1.",
+            metavar="CONTACT.FRONT.STATION",
+            help="Fronts are counted from 1, stations along them from 0; a contact or a front "
+            "alone is its station of the largest |ΔK|/(f K_N).",
             show_default=False,
         ),
-    ],
-    number: Annotated[
-        int, typer.Option("--station", help="Number of the station along the front, from 0.")
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the results.")],
 ) -> None:
@@ -357,8 +355,7 @@ def station(
     from fretfe.api import load_result, run_station
 
     result = load_result(directory)
-    name, front = _front(contact)
-    model = run_station(result, name, number, front, output)
+    model = run_station(result, name, output)
     print_whole(_station_table(result.case.units, model))
     units = result.case.units
     print(
@@ -370,17 +367,8 @@ def station(
     )
 
 
-def _front(text: str) -> tuple[str, int]:
-    """The name of a contact and the number of its front."""
-    name, _, number = text.rpartition(":")
-    return (name, int(number)) if name and number.isdigit() else (text, 1)
-
-
 def _station_table(units: Units, model: StationModel) -> Table:
-    title = (
-        f"Slip zones at station {model.station} of {model.front} of contact {model.contact}, "
-        f"lengths in {units.length}"
-    )
+    title = f"Slip zones at station {model.name}, lengths in {units.length}"
     table = plain_table(title, ("half cycle", "by nodes", "predicted", "plane problem"), text=1)
     for zone in model.zones:
         table.add_row(

@@ -444,6 +444,9 @@ class Front:
         length: of it in the reference state, the last one of the evaluated cycle; NaN in the plane.
         half_space_ratios: its factors against those of half-spaces under the same forces.
         patch: number of its patch in `Contact.patches`, from 1; 0 where the area is a single one.
+        local_work: of solids the friction work by the plane problems of its stations, that of each
+            over its part of the length, as for `Contact.dissipation`; NaN without any.
+        local_length: length of the parts whose stations have a plane problem.
     """
 
     name: str
@@ -452,6 +455,8 @@ class Front:
     length: float = math.nan
     half_space_ratios: HalfSpaceRatios = NO_RATIOS
     patch: int = 0
+    local_work: float = math.nan
+    local_length: float = 0.0
 
     @property
     def judged(self) -> tuple[Station, ...]:
@@ -589,3 +594,28 @@ class Contact:
     def stations(self) -> tuple[Station, ...]:
         """The stations of all fronts in one row: in the plane the left and the right edge."""
         return tuple(station for front in self.fronts for station in front.stations)
+
+    @property
+    def local_dissipation(self) -> float:
+        """Friction work as `dissipation`, by the plane problems along the fronts; NaN without any.
+
+        Parts of the fronts whose stations have none are left out: see `local_share`.
+        """
+        known = [front.local_work for front in self.fronts if math.isfinite(front.local_work)]
+        return sum(known) if known else math.nan
+
+    @property
+    def local_share(self) -> float:
+        """Share of the length of the fronts whose stations have a plane problem."""
+        lengths = [(front.local_length, front.length) for front in self.fronts]
+        known, whole = np.sum(lengths, axis=0) if lengths else (0.0, math.nan)
+        return float(known / whole)
+
+    def name_of(self, station: Station) -> str:
+        """Name of one of its stations: CONTACT.left or CONTACT.right in the plane.
+
+        Of solids CONTACT.FRONT.STATION, fronts counted from 1 and stations from 0.
+        """
+        if not self.solid:
+            return f"{self.name}.{station.front}"
+        return f"{self.name}.{station.front.removeprefix('front ')}.{station.number}"

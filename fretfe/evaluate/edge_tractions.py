@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from fretfe._typing import Array, Indices
+from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.space.sectors import Frames, coordinates
@@ -46,6 +48,85 @@ class EdgeNodes:
         """(k,) means over the rows of values (m,) of the nodes."""
         area = self.contact.weights[self.nodes]
         return np.asarray(np.bincount(self.row, area * values) / np.bincount(self.row, area))
+
+
+@dataclass(frozen=True)
+class EdgeTractions:
+    """Tractions next to a station of solids in one state, (m,) each; none where they are not kept.
+
+    Attributes:
+        s: distances from the front inward.
+        pressure: p; of nodes means around them.
+        shear: q along the direction of (K_T, K_S), likewise.
+    """
+
+    s: Array
+    pressure: Array
+    shear: Array
+
+
+@dataclass(frozen=True)
+class HalfCycleEnd:
+    """Tractions next to a station of solids where its last half cycle begins or ends.
+
+    Attributes:
+        time: of the state.
+        friction: coefficient.
+        slip: length of the slip zone that a half cycle has left there by the plane problem, from
+            the front as it is then; NaN where that is not known.
+        plane: by the plane problem.
+        nodes: by the nodes around the station.
+    """
+
+    time: float
+    friction: float
+    slip: float
+    plane: EdgeTractions
+    nodes: EdgeTractions
+
+
+def half_cycle_ends(
+    contact: ContactHistory, front: Front, station: Station, times: Array
+) -> tuple[HalfCycleEnd, ...]:
+    """Both ends of the last half cycle of a station; none without its plane problem.
+
+    The beginning is left out where nothing has acted before.
+
+    Args:
+        contact: of the station.
+        front: of the station.
+        station: one of its stations.
+        times: (T,) of the states.
+    """
+    zone, tractions = station.slip_zones[-1:], station.local.tractions
+    if not (zone and math.isfinite(zone[0].local)):
+        return ()
+    slips = {each.end: each.local for each in station.slip_zones}
+    states = (zone[0].start, zone[0].end)[-len(tractions) :]
+    angle = math.radians(station.k_angle)
+    direction = np.array([math.cos(angle), math.sin(angle)])
+    return tuple(
+        HalfCycleEnd(
+            time=float(times[state]),
+            friction=float(contact.friction[state]),
+            slip=slips.get(state, math.nan),
+            plane=EdgeTractions(plane.s, plane.pressure, plane.shear @ direction),
+            nodes=_node_tractions(contact, front, station, state),
+        )
+        for state, plane in zip(states, tractions, strict=True)
+    )
+
+
+def _node_tractions(
+    contact: ContactHistory, front: Front, station: Station, state: int
+) -> EdgeTractions:
+    """Those as far as the middle of the contact of the plane problem."""
+    reach = (-station.size, station.local.half_width)
+    nodes = edge_nodes(contact, front, station, state, reach)
+    try:
+        return EdgeTractions(nodes.s, *nodes.tractions(state))
+    except OutputError:
+        return EdgeTractions(*np.empty((3, 0)))
 
 
 def edge_nodes(

@@ -11,7 +11,7 @@ from typing import Any
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.definition import Pair
-from fretfe.case import Case, antiplane_ratio, contact_modulus
+from fretfe.case import Case, Wave, antiplane_ratio, contact_modulus
 from fretfe.contact.interface import Place
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import extrapolate_slip, solve_history
@@ -150,7 +150,7 @@ class _Run:
         with clock("steps"):
             marched = _march(self._prepared, case, self._history, self._options)
             recorder = self._recorder = marched.recorder
-            added = _added_note(self._history, marched.history)
+            added = _added_note(case, self._history, marched.history)
             self._history = marched.history
             solution = _solution(model, self._history, recorder)
         with clock("edge integrals"):
@@ -370,13 +370,27 @@ class _Cycles:
         return history
 
 
-def _added_note(written: History, solved: History) -> tuple[str, ...]:
-    """Say how many cycles were added to the loads as written."""
-    if written.cycle is None or (steps := len(solved.times) - len(written.times)) == 0:
+def _added_note(case: Case, written: History, solved: History) -> tuple[str, ...]:
+    """Say how many cycles the loads as written have, how many were added, and which one counts."""
+    steps = len(solved.times) - len(written.times)
+    if written.cycle is None or solved.cycle is None or steps == 0:
         return ()
-    count = steps / (written.cycle[1] - written.cycle[0])
-    cycles = "1 cycle was" if count == 1 else f"{count:.3g} cycles were"
-    return (f"{cycles} added to the load history, at whose end the contacts were not steady",)
+    (first, last), ends = written.cycle, solved.times[list(solved.cycle)]
+    period = float(written.times[last] - written.times[first])
+    pieces = (load.history[-1] for load in case.loads.values())
+    waves = (piece.cycles * piece.period for piece in pieces if isinstance(piece, Wave))
+    asked, added = max(waves) / period, steps / (last - first)
+    evaluated = asked + (solved.cycle[1] - last) / (last - first)
+    return (
+        f"the loads of the case have {_cycles(asked)}. {_cycles(added)} like the last one "
+        f"{'was' if added == 1 else 'were'} added, because the shear still changed from cycle to "
+        f"cycle. The results are those of cycle {evaluated:.3g} of {asked + added:.3g}, from "
+        f"t = {ends[0]:.6g} to {ends[1]:.6g} {case.units.time}",
+    )
+
+
+def _cycles(count: float) -> str:
+    return f"{count:.3g} cycle{'' if count == 1 else 's'}"
 
 
 def _steady(recorder: Recorder, cycles: _Cycles, options: RunOptions) -> bool:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.errors import CaseError, ModelError, OutputError
+from fretfe.errors import ModelError
 from fretfe.evaluate.contacts import NO_NUMBER, Contact, Front, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.results.model import Result
@@ -107,17 +107,15 @@ def read_target(result: Result, edge: str) -> Target:
 
     Args:
         result: a complete run.
-        edge: "CONTACT.left" or "CONTACT.right"; of solids "CONTACT.FRONT.STATION", fronts counted
-            from 1 and stations from 0. A contact or a front alone stands for the largest
-            |ΔK|/(f K_N) there.
+        edge: its name, as for `Result.find`.
 
     Raises:
         CaseError: if there is no such edge.
         OutputError: if the run is not complete.
         ModelError: if its factors are not known well enough to match them, with the reason.
     """
-    contact, front, station = _find(result, edge)
-    name = _name(contact, station)
+    contact, front, station = result.find(edge)
+    name = contact.name_of(station)
     begin, end = _cycle(result, station, name)
     k_t_range, spread, k_i_range = _ranges(result, station, begin, end)
     k_n, k_n_spread = float(station.k_n[end]), float(station.k_n_spread[end])
@@ -149,47 +147,6 @@ def read_target(result: Result, edge: str) -> Target:
         k_angle=station.k_angle,
         turning=station.turning,
     )
-
-
-def _name(contact: Contact, station: Station) -> str:
-    """Name of an edge or a station, as given on the command line."""
-    if not contact.solid:
-        return f"{contact.name}.{station.front}"
-    return f"{contact.name}.{station.front.removeprefix('front ')}.{station.number}"
-
-
-def _find(result: Result, edge: str) -> tuple[Contact, Front, Station]:
-    """The edge or station of a name, or the worst one of a contact or front."""
-    where = result.directory or result.case.source
-    if result.failure is not None:
-        raise OutputError(f"{where}: expected complete results, found: {result.failure}")
-    fronts = [(contact, front) for contact in result.contacts for front in contact.fronts]
-    meant = [
-        (contact, front, station)
-        for contact, front in fronts
-        for station in front.stations
-        if f"{_name(contact, station)}.".startswith(f"{edge}.")
-    ]
-    if not meant:
-        ends = (
-            (_name(one, each.stations[0]), _name(one, each.stations[-1])) for one, each in fronts
-        )
-        known = ", ".join(" to ".join(dict.fromkeys(pair)) for pair in ends)
-        raise CaseError(f"{where}: expected one of the edges {known or '(none)'}, found {edge!r}")
-    if len(meant) > 1:
-        meant = [each for each in meant if not each[2].end and each[2].range_over_k_n > 0]
-        if not meant:
-            raise ModelError(
-                f"edge {edge}: expected K_N and the range of K_T to be known somewhere along it, "
-                "each with an error bar of less than half of it, found that they are not"
-            )
-    contact, front, station = max(meant, key=lambda each: each[2].range_over_k_n)
-    if station.end:
-        raise ModelError(
-            f"edge {edge}: expected a station with the fields of an edge, found one within a local "
-            "length of a free end"
-        )
-    return contact, front, station
 
 
 def _cycle(result: Result, station: Station, edge: str) -> tuple[int, int]:

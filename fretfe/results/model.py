@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 from fretfe._typing import Array
 from fretfe.case import Case
-from fretfe.errors import CaseError, ConvergenceError, OutputError
-from fretfe.evaluate.contacts import Contact
+from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
+from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.evaluate.refinement import Refinement
 from fretfe.evaluate.stress import (
@@ -124,6 +124,56 @@ class Result:
             **{f"loads.{name}": loads.values[:, n] for n, name in enumerate(loads.channels)},
             **{name: getattr(one, name) for name in ("k_n", "k_t", "k_s", "k_i", "position")},
         }
+
+    def find(self, name: str) -> tuple[Contact, Front, Station]:
+        """Return an edge or a station by its name, with its contact and front.
+
+        Args:
+            name: "CONTACT.left" or "CONTACT.right"; of solids "CONTACT.FRONT.STATION", fronts
+                counted from 1 and stations from 0. A contact or a front alone stands for the
+                largest |ΔK|/(f K_N) there.
+
+        Raises:
+            CaseError: if there is none.
+            OutputError: if the run is not complete.
+            ModelError: if it is too near an end, or nothing is known of any that it may be.
+        """
+        meant = self._meant(name)
+        if len(meant) > 1:
+            meant = [each for each in meant if not each[2].end and each[2].range_over_k_n > 0]
+            if not meant:
+                raise ModelError(
+                    f"edge {name}: expected K_N and the range of K_T to be known somewhere along "
+                    "it, each with an error bar of less than half of it, found that they are not"
+                )
+        contact, front, station = max(meant, key=lambda each: each[2].range_over_k_n)
+        if station.end:
+            raise ModelError(
+                f"edge {name}: expected a station with the fields of an edge, found one within a "
+                "local length of a free end"
+            )
+        return contact, front, station
+
+    def _meant(self, name: str) -> list[tuple[Contact, Front, Station]]:
+        """The stations whose name begins with this one, at least one; as for `find`."""
+        where = self.directory or self.case.source
+        if self.failure is not None:
+            raise OutputError(f"{where}: expected complete results, found: {self.failure}")
+        fronts = [(contact, front) for contact in self.contacts for front in contact.fronts]
+        meant = [
+            (contact, front, station)
+            for contact, front in fronts
+            for station in front.stations
+            if f"{contact.name_of(station)}.".startswith(f"{name}.")
+        ]
+        if meant:
+            return meant
+        ends = (
+            [contact.name_of(front.stations[place]) for place in (0, -1)]
+            for contact, front in fronts
+        )
+        known = ", ".join(" to ".join(dict.fromkeys(pair)) for pair in ends)
+        raise CaseError(f"{where}: expected one of the edges {known or '(none)'}, found {name!r}")
 
     def contact_history(self, contact: str) -> ContactHistory:
         """Return tractions, gap and slip along a contact, or along one of its patches.

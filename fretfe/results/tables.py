@@ -285,6 +285,8 @@ def solid_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
             "stick_area": float(each.stick_area[-1]),
             "largest_pressure": float(each.largest_pressure[-1]),
             "dissipation": each.dissipation,
+            "local_dissipation": each.local_dissipation,
+            "local_share": each.local_share,
             "steady": each.steady,
             "warnings": "; ".join(each.warnings),
         }

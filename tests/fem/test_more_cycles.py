@@ -81,7 +81,11 @@ def test_cycles_are_added_until_one_is_steady() -> None:
     first, last = result.loads.cycle
     assert (last - first, last) == (STEPS, len(result.loads.times) - 1)
     added = last // STEPS - 1
-    assert f"{added} cycles were added to the load history" in "".join(result.notes)
+    assert (
+        f"the loads of the case have 1 cycle. {added} cycles like the last one were added, because "
+        "the shear still changed from cycle to cycle. The results are those of cycle "
+        f"{added + 1} of {added + 1}, from t = {added + 1} to {added + 2} s"
+    ) in result.notes
     # A line for each cycle before the last one, but for those behind an extrapolation of slip.
     lines = [text for text in told.announced if text.startswith("not steady")]
     changes = [float(text.split("by ")[1].split(" f p_max")[0]) for text in lines]
@@ -102,7 +106,7 @@ def test_added_cycles_are_those_that_could_have_been_written() -> None:
     assert one.cycle_change == pytest.approx(other.cycle_change, rel=1e-6)
     # Three are not enough, which is told as it is of any history.
     assert not one.steady and one.warnings == other.warnings
-    assert "3 cycles were added to the load history" in "".join(added.notes)
+    assert "have 1 cycle. 3 cycles like the last one were added" in "".join(added.notes)
     assert "added" not in "".join(written.notes)
 
 
@@ -121,6 +125,8 @@ def test_a_history_stopped_in_an_added_cycle_is_evaluated(done: int, evaluated: 
     assert isinstance(result.failure, StoppedError)
     assert len(result.loads.times) == steps + 1
     assert result.loads.cycle == (2 + (evaluated - 1) * STEPS, 2 + evaluated * STEPS)
+    told = f"those of cycle {evaluated} of {done + 3 / STEPS:.3g}, from t = {evaluated} to "
+    assert told in "".join(result.notes)
     assert result.contacts[0].cycle_change > STEADY_CHANGE
 
 

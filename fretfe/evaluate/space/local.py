@@ -121,8 +121,20 @@ def _fronts(
             done[key] = edge.solved(slip)
         left = {key: each for key, each in left.items() if done[key].local.reason == SLIDES}
     return tuple(
-        replace(front, stations=tuple(done[front.name, each.number] for each in front.stations))
+        _with_work(front, [done[front.name, each.number] for each in front.stations])
         for front in fronts
+    )
+
+
+def _with_work(front: Front, stations: Sequence[Station]) -> Front:
+    """A front with its solved stations, evenly spaced, and their friction work over its length."""
+    part = front.length / len(stations)
+    works = [each.local.work for each in stations if math.isfinite(each.local.work)]
+    return replace(
+        front,
+        stations=tuple(stations),
+        local_work=part * sum(works) if works else math.nan,
+        local_length=part * len(works),
     )
 
 

@@ -5,13 +5,16 @@ Tractions next to an edge stand with the asymptotes K_N √s and ΔK_T/√s. The
 slips has no term in 1/√s. K_T belongs to the contact that is kept from slipping: shown are
 therefore its increments, summed up over the steps like K_T itself, and the true change of the
 shear, which follows them beyond the slip zone and stays at the friction bound in it. Besides:
-counted cycles of an edge; forces, areas and work of solids, and factors along their fronts.
+counted cycles of an edge; forces, areas and work of solids, factors and slip zones along their
+fronts, and tractions next to one station of each contact.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,12 +22,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from fretfe._typing import Array, Bools
+from fretfe.case import Units
 from fretfe.evaluate.contacts import Contact, CountedCycles, Front, HalfSpaceRatios, Station
+from fretfe.evaluate.edge_tractions import HalfCycleEnd, half_cycle_ends
 from fretfe.evaluate.resultants import station_extremes
 from fretfe.history.solution import Solution
 from fretfe.report.figures.history import time_panels
 from fretfe.report.source import Shown, edge_title, force_unit, inward, when, work_unit
-from fretfe.report.texts import number
+from fretfe.report.texts import number, with_error
 from fretfe.report.theme import (
     BLUE,
     COLOURS,
@@ -82,9 +87,23 @@ FRONTS_INTRO = (
     "Stations along the boundary of the contact area, over their distance along it. K_N is that of "
     "the last state; ΔK_T, ΔK_S and their vector sum |ΔK| are ranges over the evaluated cycle. "
     "Error bars are meant to contain the true value with a probability of 95 %. d is the width of "
-    "the slip zone, inward, in the last half cycle, as found and as predicted by K_N and |ΔK|. "
-    "Grey: stations too near a free end."
+    "the slip zone, inward, in the last half cycle: by the plane problem next to each station, "
+    "whose error bar is the band around the line; by the formula, from K_N and |ΔK| alone; and by "
+    "the slip of the nodes of the solids, where there are enough of them in the zone. Grey: "
+    "stations too near a free end, where there is neither plane problem nor formula."
 )
+STATIONS_INTRO = (
+    "The station of each contact where |ΔK|/(f K_N) is largest, ends left out, at the two ends of "
+    "the last half cycle. Lines: the plane problem next to the station. Marks: the nodes of the "
+    "solids around it, as means over an element or so, which are too coarse to follow a short slip "
+    "zone. Above: the pressure. Below: the shear along the direction in which (K_T, K_S) varies "
+    "most; dotted: the friction bounds ±f p. Behind the slip zone the lines are pale, because "
+    "there the plane problem describes the contact less and less. It has a pressure of its own "
+    "there, and does not know the shear that was left there by what slid before the evaluated "
+    "cycle: only the change of the shear from one state to the other counts."
+)
+# Of a figure next to a station: slip zones and elements that it shows, at most to the middle.
+ZONES_SHOWN, ELEMENTS_SHOWN = 4, 6
 
 
 @dataclass(frozen=True)
@@ -414,15 +433,127 @@ def _ranges(axes: Axes, front: Front) -> None:
 
 
 def _zones(axes: Axes, front: Front) -> None:
+    """Slip zones by the plane problems with their band, by the formula, and by nodes."""
     arc = front.along("arc")
-    zones = [station.slip_zones[-1] if station.slip_zones else None for station in front.stations]
-    found = np.array([zone.reported_length if zone else np.nan for zone in zones])
-    spread = np.array([zone.spread if zone else np.nan for zone in zones])
-    predicted = np.array([zone.prediction if zone else np.nan for zone in zones])
-    _bars(axes, arc, found, spread, "found", BLUE)
-    axes.plot(arc, predicted, "--", color=VERMILLION, lw=1.1, label="predicted")
+    local, band, predicted, nodes, spread = np.array(
+        [_lengths(station) for station in front.stations]
+    ).T
+    if np.isfinite(local).any():
+        axes.fill_between(arc, local - band, local + band, color=BLUE, alpha=0.2, lw=0)
+        axes.plot(arc, local, ".-", ms=4, lw=1.1, color=BLUE, label="plane problem")
+    axes.plot(arc, predicted, "--", color=VERMILLION, lw=1.1, label="formula")
+    if np.isfinite(nodes).any():
+        axes.errorbar(
+            arc, nodes, spread, fmt="s", ms=3, elinewidth=0.6, color=GREEN, mfc="white",
+            label="nodes", zorder=1.5,
+        )  # fmt: skip
     axes.set_ylim(bottom=0.0)
-    legend_above(axes, columns=2)
+    legend_above(axes, columns=3)
+
+
+def _lengths(station: Station) -> tuple[float, ...]:
+    """The last slip zone by plane problem and bar, formula, nodes that resolve it and bar."""
+    if not station.slip_zones:
+        return (math.nan,) * 5
+    zone = station.slip_zones[-1]
+    nodes = (zone.reported_length, zone.spread) if zone.resolved else (math.nan, math.nan)
+    return (zone.reported_local, zone.local_spread, zone.prediction, *nodes)
+
+
+def station_plot(shown: Shown) -> Plot | None:
+    """Tractions next to the worst station of a contact of solids; None without any.
+
+    The worst is that of the largest |ΔK|/(f K_N) not too near an end of its front.
+    """
+    known = [
+        (front, station)
+        for front in shown.summary.fronts
+        for station in front.judged
+        if math.isfinite(station.range_over_k_n) and station.local.tractions
+    ]
+    if not known:
+        return None
+    front, station = max(known, key=lambda each: each[1].range_over_k_n)
+    ends = half_cycle_ends(shown.tractions, front, station, shown.run.loads.times)
+    if not ends:
+        return None
+    units, zone = shown.run.case.units, station.slip_zones[-1]
+
+    def draw(figure: Figure) -> None:
+        top, bottom = figure.subplots(2, 1, sharex=True)
+        draw_half_cycle(top, bottom, ends, station.size, units)
+        figure.align_ylabels()
+
+    caption = (
+        f"{number(station.arc, 3)} {units.length} along the front. The slip zone at the end is "
+        f"{with_error(zone.local, zone.local_spread)} {units.length} long by the plane problem, "
+        f"{number(zone.prediction, 3)} {units.length} by the formula; an element across the front "
+        f"is {number(station.size, 2)} {units.length}."
+    )
+    title = f"Station {shown.summary.name_of(station)}"
+    return make_plot(f"{shown.key}-station", title, caption, DOUBLE, draw)
+
+
+def draw_half_cycle(
+    top: Axes, bottom: Axes, ends: Sequence[HalfCycleEnd], size: float, units: Units
+) -> None:
+    """Tractions next to a station at the ends of its last half cycle, nodes as marks.
+
+    Args:
+        top: for p.
+        bottom: for q.
+        ends: in time order; at least one.
+        size: of an element across the front.
+        units: of the case.
+    """
+    for end, style in zip(ends, STYLES, strict=False):
+        _draw_end(top, bottom, end, style, f"t = {end.time:.6g} {units.time}")
+    top.plot([], [], color=GREY, ls="", marker="o", ms=3.5, mfc="white", label="nodes")
+    longest = max((end.slip for end in ends if math.isfinite(end.slip)), default=0.0)
+    reach = max(ZONES_SHOWN * longest, ELEMENTS_SHOWN * size)
+    bottom.set_xlim(-size, min(reach, *(float(end.plane.s[-1]) for end in ends)))
+    _fit_heights(top, bottom)
+    bottom.axhline(0, color=GREY, lw=0.6)
+    top.set_ylabel(f"p [{units.stress}]")
+    bottom.set_ylabel(f"q [{units.stress}]")
+    bottom.set_xlabel(f"distance from the front [{units.length}]")
+    legend_above(top, columns=3)
+
+
+def _draw_end(
+    top: Axes, bottom: Axes, end: HalfCycleEnd, style: tuple[str, str, str], label: str
+) -> None:
+    """One state: lines are pale behind the slip zone, where the mean of the shear is not known."""
+    colour, line, mark = style
+    marks: Any = {"ls": "", "marker": mark, "ms": 3.5, "mfc": "white", "color": colour}
+    pale: Any = {"color": colour, "lw": 1.0, "alpha": 0.35}
+    s, border = end.plane.s, int(np.count_nonzero(end.plane.s <= end.slip))
+    slips, sticks = slice(border), slice(max(border - 1, 0), None)
+    top.plot([], [], line, color=colour, lw=1.8, label=label)
+    for axes, values, nodes in (
+        (top, end.plane.pressure, end.nodes.pressure),
+        (bottom, end.plane.shear, end.nodes.shear),
+    ):
+        axes.plot(s[slips], values[slips], line, color=colour, lw=1.8)
+        axes.plot(s[sticks], values[sticks], line, **pale)
+        axes.plot(end.nodes.s, nodes, **marks)
+    for sign in (end.friction, -end.friction):
+        bottom.plot(s[sticks], sign * end.plane.pressure[sticks], ":", **pale)
+
+
+def _fit_heights(top: Axes, bottom: Axes) -> None:
+    """Limits by what is seen of the lines, p from zero."""
+    low, high = bottom.get_xlim()
+    for axes in (top, bottom):
+        seen = [
+            y[(x >= low) & (x <= high)]
+            for x, y in (np.asarray(line.get_data(), dtype=float) for line in axes.lines)
+            if len(x)
+        ]
+        heights = np.concatenate(seen)
+        most = 1.06 * float(np.abs(heights).max())
+        axes.set_ylim(0.0 if axes is top else -most, most)
+        plain_axis(axes, "y")
 
 
 def _bars(axes: Axes, arc: Array, values: Array, spread: Array, label: str, colour: str) -> None:

@@ -186,6 +186,12 @@ def _solid_sections(run: Result) -> tuple[Section, ...]:
     )
     sections = (
         _section("fronts", "Along the fronts", edges.FRONTS_INTRO, fronts),
+        _section(
+            "stations",
+            "Next to the worst stations",
+            edges.STATIONS_INTRO,
+            map(edges.station_plot, shown),
+        ),
         _section("areas", "Contacts over time", edges.AREAS_INTRO, areas),
         _section("loads", "Loads", "Shaded: the evaluated cycle.", [history.load_plot(run)]),
         _section("loops", "Hysteresis", history.SOLID_LOOPS_INTRO, loops),

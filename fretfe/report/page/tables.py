@@ -85,7 +85,10 @@ def _edge_cells(edge: Station) -> list[str]:
 
 
 def contact_table(run: Result) -> Table:
-    """One row per contact: forces over the cycle, its size at the end, whether that is steady."""
+    """One row per contact: forces over the cycle, its size at the end, whether that is steady.
+
+    Of solids a row for each patch, and one for the friction work along the fronts.
+    """
     units, evaluated = run.case.units, run.loads.cycle
     forces = [each for c in run.contacts for each in (c.normal_force, c.shear_force)]
     largest = max((float(np.abs(each).max(initial=0.0)) for each in forces), default=0.0)
@@ -94,7 +97,7 @@ def contact_table(run: Result) -> Table:
         title = (
             f"Contacts: P, |Q| in {force}, area in contact and what of it sticks at the end in "
             f"{units.length}², largest pressure in {units.stress}, friction work in "
-            f"{work_unit(run)}"
+            f"{work_unit(run)}, at fronts by the plane problems"
         )
         headers = ["P", "|Q|", "area", "sticks", "p_max", "work", "steady"]
     else:
@@ -111,6 +114,9 @@ def contact_table(run: Result) -> Table:
             ranges = [_range(each[cycle] / scale, digits=3) for each in carried]
             area = number(patch.contact_area[last], 3)
             table.add_row(f"  {patch.name}", *ranges, area, *[MISSING] * (len(headers) - 3))
+        if math.isfinite(contact.local_dissipation):
+            work = number(contact.local_dissipation, 3)
+            table.add_row("  at fronts", *[MISSING] * (len(headers) - 2), work, MISSING)
     return table
 
 
@@ -376,7 +382,7 @@ def front_texts(run: Result) -> tuple[str, ...]:
         f"stations. At {words[AGREES]} of {words.total()} the last slip zone found{by} "
         f"{_agreement(words)}"
     )
-    return tuple(filter(None, (*worst, text, _end_text(run, named))))
+    return tuple(filter(None, (*worst, text, _work_text(run), _end_text(run, named))))
 
 
 def _worst_text(run: Result, contact: Contact, front: Front) -> str:
@@ -389,17 +395,17 @@ def _worst_text(run: Result, contact: Contact, front: Front) -> str:
     if long is steep:
         marked = {"|ΔK|/(f K_N) and d are": steep}
     texts = [
-        f"{what} largest at {_place(run, station)}: {_factors(run, station)}"
+        f"{what} largest at {_place(run, contact, station)}: {_factors(run, station)}"
         for what, station in marked.items()
         if station is not None
     ]
     return f"{contact.name}, {front.name}: {'; '.join(texts)}." if texts else ""
 
 
-def _place(run: Result, station: Station) -> str:
+def _place(run: Result, contact: Contact, station: Station) -> str:
     point = ", ".join(number(float(x), 3) for x in station.point)
     along = f"{number(station.arc, 3)} {run.case.units.length} along the front"
-    return f"station {station.number}, {along} at ({point})"
+    return f"station {contact.name_of(station)}, {along} at ({point})"
 
 
 def _factors(run: Result, station: Station) -> str:
@@ -409,6 +415,25 @@ def _factors(run: Result, station: Station) -> str:
     return (
         f"K_N {k_n} {units.stress}/√{units.length}, |ΔK| {k_range} "
         f"{units.stress}·√{units.length}, d {slip} {units.length}"
+    )
+
+
+def _work_text(run: Result) -> str:
+    """The parts of fronts that their friction work by plane problems leaves out; empty if none."""
+    parts = []
+    for contact in run.contacts:
+        lost = [station for station in contact.stations if not math.isfinite(station.local.work)]
+        if lost and math.isfinite(contact.local_dissipation):
+            ends = sum(station.end for station in lost)
+            parts.append(
+                f"{1 - contact.local_share:.0%} of the length at {contact.name} ({len(lost)} of "
+                f"{len(contact.stations)} stations, {ends} of them near a free end)"
+            )
+    if not parts:
+        return ""
+    return (
+        "The friction work at fronts leaves out the parts whose stations have no plane problem: "
+        f"{', '.join(parts)}. The work of the nodes is that of the whole contact."
     )
 
 
@@ -427,8 +452,8 @@ def _end_text(run: Result, named: Sequence[tuple[Contact, Front]]) -> str:
     return (
         "Ends of open fronts are outside the edge formulas: the fields there are not those of an "
         f"edge. The largest |ΔK| is {with_error(station.k_range, station.k_range_spread)} "
-        f"{units.stress}·√{units.length}, by radii, elements and steps, at {contact.name}, "
-        f"{front.name}, {_place(run, station)}. {_end_slip(run, contact, front, station)}"
+        f"{units.stress}·√{units.length}, by radii, elements and steps, at "
+        f"{_place(run, contact, station)}. {_end_slip(run, contact, front, station)}"
     )
 
 
