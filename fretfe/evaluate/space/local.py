@@ -37,8 +37,10 @@ from fretfe.local.problem import (
 SAME_LOADS = 1e-9
 # Smallest half-width over that of the reference state with which a history can be followed.
 NARROWEST = 0.2
-# Powers of the gap: of a cylinder, whose fronts are straight, and of what is round.
-STRAIGHT, ROUND = 2.0, 3.0
+# Powers of the gap: of a cylinder, whose fronts are straight; of what is round, under shear; and
+# under twist, by which slip zones are within 1 % of those of a twisted sphere (Lubkin 1951) as far
+# as .3 of its radius.
+STRAIGHT, ROUND, TWISTED = 2.0, 3.0, 3.5
 # Where a front is concave the contact grows less; below this the pressure has a peak in its middle.
 LEAST_POWER = 1.5
 # Nodes whose slip in a half cycle is below this fraction of the largest have not slipped: before a
@@ -108,7 +110,11 @@ def _fronts(
     Where a contact would slide before the cycle, that is begun without any shear.
     """
     path = _Path.of(solution, contact)
-    left = {(front.name, each.number): (front, each) for front in fronts for each in front.stations}
+    left = {
+        (front.name, each.number): (front, each, twist)
+        for front, twist in ((front, _twist(front)) for front in fronts)
+        for each in front.stations
+    }
     done: dict[tuple[str, int], Station] = {}
     for late in (False, True) if path.cycle else (False,):
         posed = {key: _pose(path, *each, late) for key, each in left.items()}
@@ -259,14 +265,15 @@ class _Shape:
     length_bar: float
 
     @classmethod
-    def of(cls, front: Front, station: Station) -> _Shape:
-        """That of a station."""
+    def of(cls, front: Front, station: Station, twist: float) -> _Shape:
+        """That of a station of a front, where `_twist` of the shear is twist."""
         k_n, k_n_bar = _k_n_around(front, station)
         length, length_bar = _length_around(front, station)
         half_width = station.depth if length > HERTZIAN * station.depth else length
         bend = station.curvature * half_width
         locally = STRAIGHT + float(np.clip(bend, LEAST_POWER - STRAIGHT, 1.0))
-        power = ROUND if front.closed and bend > 0 else locally
+        round_power = ROUND + twist * (TWISTED - ROUND)
+        power = round_power if front.closed and bend > 0 else locally
         return cls(half_width, k_n, power, locally, k_n_bar, length_bar)
 
     def bar(self, length: float, first_order: float, range_bar: float) -> float:
@@ -372,7 +379,26 @@ class _Edge:
         return replace(zone, local=length, local_spread=spread)
 
 
-def _pose(path: _Path, front: Front, station: Station, late: bool) -> _Edge | str:
+def _twist(front: Front) -> float:
+    """Share of the shear that turns with a front, as under a twist; 0 where it does not turn.
+
+    Of the way in which (K_T, K_S) of all its stations vary most, the mean as they see it beside the
+    mean in space, which vanishes around a closed front under twist as the first does under a force.
+    """
+    histories = np.array([np.column_stack([each.k_t, each.k_s]) for each in front.stations])
+    states = np.isfinite(histories).all(axis=2).sum(axis=0) == len(histories)
+    frames = np.array([[each.frame.inward, each.frame.along] for each in front.stations])
+    if np.count_nonzero(states) < 2:
+        return 0.0
+    known = histories[:, states] - histories[:, states].mean(axis=1, keepdims=True)
+    varied = np.linalg.svd(known.swapaxes(0, 1).reshape(np.count_nonzero(states), -1))[2][0]
+    own = varied.reshape(-1, 2)
+    in_space = np.linalg.norm(np.einsum("nk,nkd->d", own, frames))
+    turning = np.linalg.norm(own.sum(axis=0))
+    return float(turning / (turning + in_space))
+
+
+def _pose(path: _Path, front: Front, station: Station, twist: float, late: bool) -> _Edge | str:
     """The plane problem of a station, or the reason why there is none.
 
     Nothing acts before the first state that is followed: what K_T and K_S have reached there is a
@@ -382,12 +408,13 @@ def _pose(path: _Path, front: Front, station: Station, late: bool) -> _Edge | st
         path: through the states.
         front: of the station.
         station: one of its stations.
+        twist: share of the shear along the front that turns with it.
         late: begin with the cycle, K_T and K_S counted from the middle of their ranges in it; else
             as early as the factors are known.
     """
     if reason := _unposed(station, path.friction):
         return reason
-    kept, shape = path.kept, _Shape.of(front, station)
+    kept, shape = path.kept, _Shape.of(front, station, twist)
     k = np.column_stack([station.k_t, station.k_s])[kept]
     k_i = station.k_i[kept] - station.k_i[kept[-1]]
     grown = 1 + 3 * k_i / (shape.k_n * shape.half_width)
