@@ -380,19 +380,23 @@ class _Edge:
 
 
 def _twist(front: Front) -> float:
-    """Share of the shear that turns with a front, as under a twist; 0 where it does not turn.
+    """Share of the shear that turns with a closed front, as under a twist; 0 for an open one.
 
     Of the way in which (K_T, K_S) of all its stations vary most, the mean as they see it beside the
     mean in space, which vanishes around a closed front under twist as the first does under a force.
     """
-    histories = np.array([np.column_stack([each.k_t, each.k_s]) for each in front.stations])
-    states = np.isfinite(histories).all(axis=2).sum(axis=0) == len(histories)
-    frames = np.array([[each.frame.inward, each.frame.along] for each in front.stations])
-    if np.count_nonzero(states) < 2:
+    if not front.closed:
         return 0.0
-    known = histories[:, states] - histories[:, states].mean(axis=1, keepdims=True)
-    varied = np.linalg.svd(known.swapaxes(0, 1).reshape(np.count_nonzero(states), -1))[2][0]
-    own = varied.reshape(-1, 2)
+    histories = np.array([np.column_stack([each.k_t, each.k_s]) for each in front.stations])
+    told = np.isfinite(histories[:, -1]).all(axis=1)
+    histories = histories[told]
+    known = np.isfinite(histories).all(axis=(0, 2))
+    if not told.any() or np.count_nonzero(known) < 2:
+        return 0.0
+    varied = (histories - histories[:, known].mean(axis=1, keepdims=True))[:, known]
+    by_state = varied.swapaxes(0, 1).reshape(np.count_nonzero(known), -1)
+    own = np.linalg.svd(by_state, full_matrices=False)[2][0].reshape(-1, 2)
+    frames = np.array([[each.frame.inward, each.frame.along] for each in front.stations])[told]
     in_space = np.linalg.norm(np.einsum("nk,nkd->d", own, frames))
     turning = np.linalg.norm(own.sum(axis=0))
     return float(turning / (turning + in_space))
