@@ -34,6 +34,7 @@ from fretfe.case import Units, antiplane_ratio, contact_modulus
 from fretfe.cli.app import app
 from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
 from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.slip import SlipBorder, cycle_states, slip_zones
 from fretfe.evaluate.space.local import EdgeBodies, add_local_problems, cycles_before
 from fretfe.evaluate.verdicts import judge
@@ -309,7 +310,28 @@ def test_a_front_alone_is_its_worst_station(solid: Result) -> None:
     assert run_station(worse, "main.1", None).name == "main.1.7"
     (plot,) = filter(None, map(station_plot, shown_contacts(worse)))
     assert plot.title == "Station main.1.7"
-    assert re.search(r"0\.112\d* ± 0\.00\d+ mm long by the plane problem, 0\.1 mm", plot.caption)
+    assert re.search(r"is 0\.112\d* ± 0\.00\d+ mm by the plane problem, 0\.1 mm", plot.caption)
+    vague = with_stations(
+        worse,
+        lambda each: replace(
+            each,
+            slip_zones=tuple(replace(zone, local_spread=0.1) for zone in each.slip_zones),
+        ),
+    )
+    (plot,) = filter(None, map(station_plot, shown_contacts(vague)))
+    assert "is known to no better than half of it by the plane problem" in plot.caption
+
+
+def test_nodes_are_those_of_the_nearest_row_where_elements_are_long(solid: Result) -> None:
+    (front,), history = solid.contacts[0].fronts, solid.contact_history("main")
+    station = front.stations[5]
+    narrow, small = replace(front, length=1e-3), replace(station, size=0.01)
+    nodes = edge_nodes(history, narrow, small, station.last, (0.0, 0.5))
+    near = edge_nodes(history, front, station, station.last, (0.0, 0.5))
+    assert 0 < len(nodes.nodes) < len(near.nodes)
+    along = np.abs((history.points - station.point) @ station.frame.along)
+    assert set(nodes.nodes) < set(near.nodes)
+    assert along[nodes.nodes].max() < 0.5 * along[near.nodes].max()
 
 
 def test_lines_are_pale_where_the_shear_is_not_known(model: StationModel) -> None:

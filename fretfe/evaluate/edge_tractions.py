@@ -135,8 +135,9 @@ def edge_nodes(
     """The nodes next to a station.
 
     In the plane those of the contact. Between solids those nearer to the station than to the next
-    ones, and an element to either side at least. The shear that counts is that along the direction
-    in which (K_T, K_S) varies most; in the plane inward.
+    ones, an element to either side at least, and the nearest row where elements are longer along
+    the front. The shear that counts is that along the direction in which (K_T, K_S) varies most; in
+    the plane inward.
 
     Args:
         contact: of the station.
@@ -153,24 +154,39 @@ def edge_nodes(
         return EdgeNodes(
             contact, nodes, s[nodes], np.full((len(nodes), 1), inward), np.arange(len(nodes))
         )
+    nodes, s = _around(contact, front, station, position, reach)
+    angle = np.radians(station.k_angle)
+    line = np.cos(angle) * station.frame.inward + np.sin(angle) * station.frame.along
+    rows = np.floor(s / station.size)
+    return EdgeNodes(
+        contact,
+        nodes,
+        s,
+        contact.frames[nodes, 1:] @ line,
+        np.unique(rows, return_inverse=True)[1],
+    )
+
+
+def _around(
+    contact: ContactHistory,
+    front: Front,
+    station: Station,
+    position: float,
+    reach: tuple[float, float],
+) -> tuple[Indices, Array]:
+    """(m,) nodes around a station of solids, and their distances from its front."""
     s, along, across = coordinates(contact.points, _frames(front, station), 0)
+    s = np.where(np.abs(across) <= station.depth, s - position, np.nan)
     half = max(front.length / len(front.stations) / 2, station.size)
     # Around a bent front sectors become narrower than an element inward.
     beside = np.abs((contact.points - station.point) @ station.frame.along) <= station.size
     beside &= np.abs(along * station.curvature) < np.pi / 2
-    near = ((np.abs(along) <= half) | beside) & (np.abs(across) <= station.depth)
-    s = np.where(near, s - position, np.nan)
-    nodes = _from_front(s, reach)
-    angle = np.radians(station.k_angle)
-    line = np.cos(angle) * station.frame.inward + np.sin(angle) * station.frame.along
-    rows = np.floor(s[nodes] / station.size)
-    return EdgeNodes(
-        contact,
-        nodes,
-        s[nodes],
-        contact.frames[nodes, 1:] @ line,
-        np.unique(rows, return_inverse=True)[1],
-    )
+    nodes = _from_front(np.where((np.abs(along) <= half) | beside, s, np.nan), reach)
+    if not len(nodes):
+        nodes = _from_front(s, reach)
+        aside = np.abs(along[nodes])
+        nodes = nodes[aside <= aside.min(initial=np.inf) + station.size]
+    return nodes, s[nodes]
 
 
 def _from_front(s: Array, reach: tuple[float, float]) -> Indices:

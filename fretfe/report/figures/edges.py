@@ -29,7 +29,7 @@ from fretfe.evaluate.resultants import station_extremes
 from fretfe.history.solution import Solution
 from fretfe.report.figures.history import time_panels
 from fretfe.report.source import Shown, edge_title, force_unit, inward, when, work_unit
-from fretfe.report.texts import number, with_error
+from fretfe.report.texts import MISSING, number, with_error
 from fretfe.report.theme import (
     BLUE,
     COLOURS,
@@ -94,13 +94,14 @@ FRONTS_INTRO = (
 )
 STATIONS_INTRO = (
     "The station of each contact where |ΔK|/(f K_N) is largest, ends left out, at the two ends of "
-    "the last half cycle. Lines: the plane problem next to the station. Marks: the nodes of the "
-    "solids around it, as means over an element or so, which are too coarse to follow a short slip "
-    "zone. Above: the pressure. Below: the shear along the direction in which (K_T, K_S) varies "
-    "most; dotted: the friction bounds ±f p. Behind the slip zone the lines are pale, because "
-    "there the plane problem describes the contact less and less. It has a pressure of its own "
-    "there, and does not know the shear that was left there by what slid before the evaluated "
-    "cycle: only the change of the shear from one state to the other counts."
+    "the last half cycle, over the distance from the front as it is then. Lines: the plane problem "
+    "next to the station. Marks: the nodes of the solids nearest to it, as means over an element "
+    "or so, which are too coarse to follow a short slip zone. Above: the pressure. Below: the "
+    "shear along the direction in which (K_T, K_S) varies most; dotted: the friction bounds ±f p. "
+    "Behind the slip zone the lines are pale, because there the plane problem describes the "
+    "contact less and less. It has a pressure of its own there, and does not know the shear that "
+    "was left there by what slid before the evaluated cycle: only the change of the shear from one "
+    "state to the other counts."
 )
 # Of a figure next to a station: slip zones and elements that it shows, at most to the middle.
 ZONES_SHOWN, ELEMENTS_SHOWN = 4, 6
@@ -441,6 +442,9 @@ def _zones(axes: Axes, front: Front) -> None:
     if np.isfinite(local).any():
         axes.fill_between(arc, local - band, local + band, color=BLUE, alpha=0.2, lw=0)
         axes.plot(arc, local, ".-", ms=4, lw=1.1, color=BLUE, label="plane problem")
+        known = np.pad(np.isfinite(local), 1)
+        alone = known[1:-1] & ~known[:-2] & ~known[2:]  # has no band
+        axes.errorbar(arc[alone], local[alone], band[alone], fmt="none", ecolor=BLUE, alpha=0.4)
     axes.plot(arc, predicted, "--", color=VERMILLION, lw=1.1, label="formula")
     if np.isfinite(nodes).any():
         axes.errorbar(
@@ -452,8 +456,11 @@ def _zones(axes: Axes, front: Front) -> None:
 
 
 def _lengths(station: Station) -> tuple[float, ...]:
-    """The last slip zone by plane problem and bar, formula, nodes that resolve it and bar."""
-    if not station.slip_zones:
+    """The last slip zone by plane problem and bar, formula, nodes that resolve it and bar.
+
+    None of them describes what is near a free end.
+    """
+    if not station.slip_zones or station.end:
         return (math.nan,) * 5
     zone = station.slip_zones[-1]
     nodes = (zone.reported_length, zone.spread) if zone.resolved else (math.nan, math.nan)
@@ -484,11 +491,12 @@ def station_plot(shown: Shown) -> Plot | None:
         draw_half_cycle(top, bottom, ends, station.size, units)
         figure.align_ylabels()
 
+    told = with_error(zone.reported_local, zone.local_spread)
+    length = f"{told} {units.length}" if told != MISSING else "known to no better than half of it"
     caption = (
-        f"{number(station.arc, 3)} {units.length} along the front. The slip zone at the end is "
-        f"{with_error(zone.local, zone.local_spread)} {units.length} long by the plane problem, "
-        f"{number(zone.prediction, 3)} {units.length} by the formula; an element across the front "
-        f"is {number(station.size, 2)} {units.length}."
+        f"{number(station.arc, 3)} {units.length} along the front. The length of the slip zone at "
+        f"the end is {length} by the plane problem, {number(zone.prediction, 3)} {units.length} by "
+        f"the formula; an element across the front is {number(station.size, 2)} {units.length}."
     )
     title = f"Station {shown.summary.name_of(station)}"
     return make_plot(f"{shown.key}-station", title, caption, DOUBLE, draw)
