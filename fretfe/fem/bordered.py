@@ -10,19 +10,29 @@ Schur variables:
 the compliance itself, while all displacements, those of the contact surfaces too, are eliminated
 sparsely. MUMPS computes the complement while it factorises. PETSc offers this, petsc4py does not
 bind it, so three PETSc functions are called through ctypes.
+
+Factors are symmetric, L D Lᵀ: half the operations of LU, and half the memory. MUMPS may update
+symmetric fronts with `dgemmt`, which OpenBLAS (0.3.32) does column by column at a tenth of the
+speed of `dgemm` (https://github.com/OpenMathLib/OpenBLAS/issues/4921). So `fretfe/_core/gemmt.cpp`
+has one in halves, which `_compat` loads before PETSc; a symmetric factorisation then takes two
+thirds of the time of LU, without it as long as LU or longer. In Debian's packages MUMPS does
+without `dgemmt`, and symmetric factors are the faster ones too.
 """
 
 from __future__ import annotations
 
 import ctypes
-from functools import cached_property
+import os
+from functools import cache, cached_property
+from pathlib import Path
 
 import numpy as np
 from scipy import sparse
 
 from fretfe._typing import Array
+from fretfe.environment import loaded_libraries
 from fretfe.errors import MemoryShortError, ModelError
-from fretfe.fem._compat import PETSc, petsc_library
+from fretfe.fem._compat import DGEMMT, PETSc, petsc_library
 
 # MUMPS control: the fill-reducing ordering. Approximate minimum degree is analysed several times
 # faster than nested dissection, which pays in three dimensions only.
@@ -37,6 +47,14 @@ INTERIOR_ONLY = 0
 OUT_OF_MEMORY = (-5, -7, -8, -9, -13, -17, -19, -20)
 
 
+# The environment variable that chooses the factors, for comparisons: "lu" or "symmetric".
+SWITCH = "FRETFE_FACTORS"
+# Unknowns and multipliers of the trial of a symmetric factorisation, large enough for blocks.
+TRIAL, TRIAL_BORDER = 160, 80
+# By this much of its largest entry may the compliance of the trial be off.
+TRIAL_TOLERANCE = 1e-12
+
+
 class BorderedFactor:
     """Factorisation of a symmetric matrix K, and the compliance B K⁻¹ Bᵀ. Collective.
 
@@ -44,7 +62,7 @@ class BorderedFactor:
         matrix: K, assembled.
         border: (n, N) B, all of it on every rank; zero at unknowns that are fixed in K.
         dimension: of space, 2 or 3.
-        symmetric: store one half of the factor only, and take three times as long.
+        symmetric: L D Lᵀ, not LU; the same on all ranks.
 
     Attributes:
         matrix: K.
@@ -107,13 +125,7 @@ class BorderedFactor:
         return solver
 
     def _unfactored(self, matrix: PETSc.Mat) -> PETSc.PC:
-        """A MUMPS factorisation that is not set up yet.
-
-        LU, although the matrix is symmetric, unless memory is short: twice the operations and the
-        memory, in a third less time, in space in a third of the time. The update of a symmetric
-        front needs `dgemmt`, which OpenBLAS (0.3.32) does column by column at a tenth of the speed
-        of `dgemm` (https://github.com/OpenMathLib/OpenBLAS/issues/4921).
-        """
+        """A MUMPS factorisation that is not set up yet."""
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         solver = PETSc.PC().create(matrix.comm)
         solver.setOperators(matrix)
@@ -124,6 +136,53 @@ class BorderedFactor:
         factor.setMumpsIcntl(ORDERING_CONTROL, self._ordering)
         factor.setMumpsCntl(PIVOTING_CONTROL, 0.0)
         return solver
+
+
+@cache
+def unsymmetric_because() -> str:
+    """Tell why the factors of bodies are LU here; empty where symmetric ones are used.
+
+    Symmetric ones must pass a trial, and MUMPS must take its updates from `gemmt.cpp` if it takes
+    them from a `dgemmt` at all. Each process finds out once, in milliseconds.
+
+    Raises:
+        ModelError: if the environment variable asks for another kind of factor.
+    """
+    asked = os.environ.get(SWITCH, "")
+    if asked not in ("", "lu", "symmetric"):
+        raise ModelError(f"{SWITCH}: expected lu or symmetric, found {asked}")
+    if asked == "lu":
+        return f"{SWITCH} asks for it"
+    calls = ctypes.c_long.in_dll(DGEMMT, "fretfe_dgemmt_calls")
+    before = calls.value
+    if (error := _trial_error()) > TRIAL_TOLERANCE:
+        return f"a symmetric factor was wrong in a trial (relative error {error:.1e})"
+    if calls.value == before and asked != "symmetric" and _needs_dgemmt():
+        return "MUMPS calls a dgemmt that may be slow, not that of fretfe"
+    return ""
+
+
+def _trial_error() -> float:
+    """Relative error of the compliance that a small symmetric factorisation gives."""
+    random = np.random.default_rng(7)
+    full = random.standard_normal((TRIAL, TRIAL))
+    full = full @ full.T + TRIAL * np.eye(TRIAL)
+    border = sparse.csr_matrix(random.standard_normal((TRIAL_BORDER, TRIAL)))
+    stored = sparse.csr_matrix(full)
+    csr = stored.indptr, stored.indices, stored.data
+    matrix = PETSc.Mat().createAIJ(full.shape, csr=csr, comm=PETSc.COMM_SELF)
+    try:
+        found = BorderedFactor(matrix, border, 2, symmetric=True).compliance
+    except ModelError:
+        return np.inf
+    expected = border @ np.linalg.solve(full, border.T.toarray())
+    return float(np.abs(found - expected).max() / np.abs(expected).max())
+
+
+def _needs_dgemmt() -> bool:
+    """Tell whether a library with MUMPS refers to a `dgemmt`, or what it refers to is unknown."""
+    libraries = loaded_libraries("mumps", "petsc")
+    return not libraries or any(b"\0dgemmt" in Path(each).read_bytes() for each in libraries)
 
 
 def _set_up(solver: PETSc.PC, multipliers: int = 0) -> None:
