@@ -9,7 +9,7 @@ Schur variables:
 
 the compliance itself, while all displacements, those of the contact surfaces too, are eliminated
 sparsely. MUMPS computes the complement while it factorises. PETSc offers this, petsc4py does not
-bind it, so three PETSc functions are called through ctypes.
+bind it, so a few PETSc functions are called through ctypes.
 
 Factors are symmetric, L D Lᵀ: half the operations of LU, and half the memory. MUMPS may update
 symmetric fronts with `dgemmt`, which OpenBLAS (0.3.32) does column by column at a tenth of the
@@ -43,6 +43,11 @@ PIVOTING_CONTROL = 1
 # MUMPS control: what a solve does with the Schur unknowns. 0: solve for all others, these zero.
 SCHUR_SOLVE_CONTROL = 26
 INTERIOR_ONLY = 0
+# MUMPS control: of the Schur complement of a symmetric matrix only one triangle is returned, the
+# lower one by columns unless this says by rows.
+SCHUR_CONTROL, BY_ROWS = 19, 1
+# Rows of a full matrix that are worked on at a time.
+BLOCK = 256
 # MUMPS errors: work space cannot be allocated, or is too small.
 OUT_OF_MEMORY = (-5, -7, -8, -9, -13, -17, -19, -20)
 
@@ -66,7 +71,7 @@ class BorderedFactor:
 
     Attributes:
         matrix: K.
-        compliance: (n, n), on rank 0; None elsewhere.
+        compliance: (n, n), on rank 0; None elsewhere. The factor is kept as long as this is.
     """
 
     def __init__(
@@ -88,17 +93,18 @@ class BorderedFactor:
         _call("MatFactorSetSchurIS", factor.handle, index_set.handle)
         _set_up(solver, count)
         self.compliance = _read_complement(factor, comm.rank, count)
-        self._bordered: PETSc.PC | None = None
+        # Without the bordered matrix, which only the solver refers to.
+        self._bordered: PETSc.Mat | None = None
         if comm.size == 1:
             factor.setMumpsIcntl(SCHUR_SOLVE_CONTROL, INTERIOR_ONLY)
-            self._bordered = solver
+            self._bordered = factor
 
     def solve(self, sides: list[PETSc.Vec]) -> list[PETSc.Vec]:
         """K⁻¹ times vectors, all at once: reading the factor is most of the work. Collective."""
         if not sides:
             return []
-        solver = self._bordered or self._plain
-        (rows, size), _ = solver.getOperators()[0].getSizes()
+        factor = self._bordered or self._plain
+        (rows, size), _ = factor.getSizes()
         own = len(sides[0].array)
         values = np.zeros((rows, len(sides)), order="F")
         for column, side in zip(values.T, sides, strict=True):
@@ -107,14 +113,14 @@ class BorderedFactor:
         rhs = PETSc.Mat().createDense(shape, array=values, comm=self.matrix.comm)
         rhs.assemble()
         found = rhs.duplicate()
-        solver.getFactorMatrix().matSolve(rhs, found)
+        factor.matSolve(rhs, found)
         solutions = [side.duplicate() for side in sides]
         for column, solution in zip(found.getDenseArray().T, solutions, strict=True):
             solution.array[:] = column[:own]
         return solutions
 
     @cached_property
-    def _plain(self) -> PETSc.PC:
+    def _plain(self) -> PETSc.Mat:
         """A factorisation of K alone.
 
         PETSc cannot solve with a distributed factor that has a Schur complement
@@ -122,7 +128,7 @@ class BorderedFactor:
         """
         solver = self._unfactored(self.matrix)
         _set_up(solver)
-        return solver
+        return solver.getFactorMatrix()
 
     def _unfactored(self, matrix: PETSc.Mat) -> PETSc.PC:
         """A MUMPS factorisation that is not set up yet."""
@@ -229,28 +235,30 @@ def _bordered(matrix: PETSc.Mat, border: sparse.csr_matrix, first: int) -> PETSc
 
 
 def _read_complement(factor: PETSc.Mat, rank: int, size: int) -> Array | None:
-    """(n, n) minus the Schur complement; rank 0 only."""
+    """(n, n) minus the Schur complement, in MUMPS' own memory; rank 0 only."""
     handle, status = ctypes.c_void_p(), ctypes.c_int()
-    _call(
-        "MatFactorCreateSchurComplement",
-        factor.handle,
-        ctypes.byref(handle),
-        ctypes.byref(status),
-    )
-    complement = _copy_dense(handle, size) if rank == 0 else None
-    _call("MatDestroy", ctypes.byref(handle))
-    return complement
-
-
-def _copy_dense(matrix: ctypes.c_void_p, size: int) -> Array:
-    """Copy of minus a sequential dense PETSc matrix, made exactly symmetric."""
+    schur = ctypes.byref(handle), ctypes.byref(status)
+    _call("MatFactorGetSchurComplement", factor.handle, *schur)
+    if rank > 0:
+        return None
     data = ctypes.POINTER(ctypes.c_double)()
-    _call("MatDenseGetArrayRead", matrix, ctypes.byref(data))
-    values = np.ctypeslib.as_array(data, shape=(size, size))
-    copy = values + values.T
-    copy *= -0.5
-    _call("MatDenseRestoreArrayRead", matrix, ctypes.byref(data))
-    return copy
+    _call("MatDenseGetArray", handle, ctypes.byref(data))
+    memory = (ctypes.c_double * size**2).from_address(ctypes.addressof(data.contents))
+    memory.factor = factor  # type: ignore[attr-defined]  # as long as the array, a view, is
+    _call("MatDenseRestoreArray", handle, ctypes.byref(data))
+    values = np.frombuffer(memory).reshape(size, size)
+    _negate_symmetric(values.T if factor.getMumpsIcntl(SCHUR_CONTROL) == BY_ROWS else values)
+    return values
+
+
+def _negate_symmetric(values: Array) -> None:
+    """Minus a symmetric matrix of which the upper triangle is known, in place."""
+    for begin in range(0, len(values), BLOCK):
+        end = begin + BLOCK
+        corner = values[begin:end, begin:end]
+        corner[:] = -np.triu(corner) - np.triu(corner, 1).T
+        values[begin:end, end:] *= -1.0
+        values[end:, begin:end] = values[begin:end, end:].T
 
 
 def _call(name: str, *arguments: object) -> None:
