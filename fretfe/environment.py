@@ -44,14 +44,17 @@ def versions() -> dict[str, str]:
     return found
 
 
-def blas_libraries() -> list[str]:
-    """BLAS libraries loaded into this process (Linux; empty elsewhere)."""
+def loaded_libraries(*words: str) -> list[str]:
+    """Libraries in this process with one of the words in their names (Linux; empty elsewhere)."""
     maps = Path("/proc/self/maps")
     if not maps.exists():
         return []
     paths = {line.split(maxsplit=5)[-1].strip() for line in maps.read_text().splitlines()}
+    names = {path: Path(path).name.lower() for path in paths}
     return sorted(
-        path for path in paths if "blas" in Path(path).name.lower() and ".so" in Path(path).name
+        path
+        for path, name in names.items()
+        if ".so" in name and any(word in name for word in words)
     )
 
 

@@ -12,7 +12,7 @@ from fretfe.case import Solid
 from fretfe.environment import machine_memory
 from fretfe.errors import ModelError
 from fretfe.mesh import cost
-from fretfe.mesh.cost import estimate_cost, needs_symmetric_factors
+from fretfe.mesh.cost import estimate_cost, refuse_too_large
 from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import Mesh
 
@@ -55,26 +55,15 @@ def test_what_is_behind_the_last_step_counts() -> None:
 
 def test_what_cannot_fit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     found = estimate_cost(mesh(), 2, nodes=40, steps=100)
-    assert not needs_symmetric_factors(found)
+    refuse_too_large(found)
     monkeypatch.setattr(cost, "machine_memory", lambda: 4 * GB)
-    large = replace(found, unknowns=2_000_000, memory=8.0 * GB, factors=0.0)
+    large = replace(found, unknowns=2_000_000, memory=8.0 * GB)
     expected = r"memory of this machine \(4 GB\), found one that needs about 8 GB \(2000000 unk"
     with pytest.raises(ModelError, match=expected) as caught:
-        needs_symmetric_factors(large)
+        refuse_too_large(large)
     assert "About 1000000 unknowns would fit: make the elements larger" in str(caught.value)
     monkeypatch.setattr(cost, "machine_memory", lambda: None)
-    assert not needs_symmetric_factors(large)
-
-
-def test_short_memory_asks_for_symmetric_factors(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = replace(estimate_cost(mesh(), 2, nodes=40, steps=1), memory=5.0 * GB, factors=4.0 * GB)
-    assert found.halved == pytest.approx(3.24 * GB)
-    for there, expected in ((6, False), (4, True)):
-        monkeypatch.setattr(cost, "machine_memory", lambda there=there: there * GB)
-        assert needs_symmetric_factors(found) is expected
-    monkeypatch.setattr(cost, "machine_memory", lambda: 3 * GB)
-    with pytest.raises(ModelError, match=r"needs about 3\.2 GB"):
-        needs_symmetric_factors(found)
+    refuse_too_large(large)
 
 
 def solid(cells: int, layers: int) -> Mesh:
@@ -96,6 +85,6 @@ def test_a_solid_that_cannot_fit_gets_a_proposal(monkeypatch: pytest.MonkeyPatch
     found = estimate_cost(solid(10, 10), 2, nodes=100, steps=100)
     monkeypatch.setattr(cost, "machine_memory", lambda: 4 * GB)
     with pytest.raises(ModelError, match="take fewer, longer layers along the edge") as caught:
-        needs_symmetric_factors(replace(found, unknowns=800_000, memory=32.0 * GB, factors=0.0))
+        refuse_too_large(replace(found, unknowns=800_000, memory=32.0 * GB))
     # a factor's memory grows with the power of 4/3
     assert f"About {800_000 / 8**0.75:.0f} unknowns would fit" in str(caught.value)

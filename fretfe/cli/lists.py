@@ -141,9 +141,10 @@ def info() -> None:
 
     Ends with an error that names what is missing if Gmsh does not load.
     """
-    from fretfe.environment import blas_libraries, reference_blas, versions
+    from fretfe.environment import loaded_libraries, reference_blas, versions
     from fretfe.fem import _compat
     from fretfe.fem._compat import MPI
+    from fretfe.fem.bordered import unsymmetric_because
     from fretfe.mesh.gmsh import import_gmsh
 
     if MPI.COMM_WORLD.rank != 0:
@@ -151,7 +152,9 @@ def info() -> None:
     for name, version in {**versions(), **_compat.versions()}.items():
         print(f"{name:12s} {version}")
     print(f"{'MPI ranks':12s} {MPI.COMM_WORLD.size}")
-    libraries = blas_libraries()
+    why = unsymmetric_because()
+    print(f"{'factors':12s} {f'LU: {why}' if why else 'symmetric'}")
+    libraries = loaded_libraries("blas")
     for library in libraries:
         print(f"{'BLAS':12s} {library}")
     for library in reference_blas(libraries):

@@ -45,7 +45,7 @@ def _print(checked: Checked) -> None:
 
     from fretfe.evaluate.resolution import coarse_contacts
     from fretfe.loads import most_added
-    from fretfe.mesh.cost import SLOW_FACTORS, needs_symmetric_factors
+    from fretfe.mesh.cost import refuse_too_large
 
     case, history = checked.case, checked.history
     console = Console()
@@ -77,8 +77,7 @@ def _print(checked: Checked) -> None:
         console.print(text, highlight=False)
     print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")
     print(f"Estimate: {checked.cost.text}")
-    if needs_symmetric_factors(checked.cost):
-        console.print(f"Note: {SLOW_FACTORS}", highlight=False)
+    refuse_too_large(checked.cost)
     console.print("The case is valid.")
 
 

@@ -12,6 +12,7 @@ import importlib.util
 import warnings
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,10 @@ WORK_SPACE = 4 * 128 * 2**20
 if _shortage := too_little_room(WORK_SPACE, "DOLFINx and its linear algebra may take"):
     # Libraries without room end the process while they are loaded.
     raise MemoryShortError(_shortage)
+# Where MUMPS is to find its dgemmt, which must be there before PETSc is: fretfe/fem/bordered.py.
+_kernels = importlib.util.find_spec("fretfe._core._kernels")
+assert _kernels is not None and _kernels.origin is not None, "fretfe is not installed"
+DGEMMT = ctypes.CDLL(str(Path(_kernels.origin).with_name("_gemmt.so")), ctypes.RTLD_GLOBAL)
 if importlib.util.find_spec("dolfinx_solver") is not None:
     # The wheel of 0.11 vendors PETSc and finds the MPI library itself, if it comes first. Debian's
     # 0.9 has none of that.
@@ -63,6 +68,12 @@ def petsc_library() -> ctypes.CDLL:
     # dolfinx.fem.petsc.get_petsc_lib. A function is found in what the library named here is linked
     # with, in Debian's packages as in the wheels from PyPI.
     return ctypes.CDLL(PETSc.__file__)
+
+
+# The dgemm that MUMPS calls is the one that PETSc is linked with.
+ctypes.c_void_p.in_dll(DGEMMT, "fretfe_dgemm").value = ctypes.cast(
+    petsc_library().dgemm_, ctypes.c_void_p
+).value
 
 
 def create_mesh(

@@ -9,20 +9,30 @@ Schur variables:
 
 the compliance itself, while all displacements, those of the contact surfaces too, are eliminated
 sparsely. MUMPS computes the complement while it factorises. PETSc offers this, petsc4py does not
-bind it, so three PETSc functions are called through ctypes.
+bind it, so a few PETSc functions are called through ctypes.
+
+Factors are symmetric, L D Lᵀ: half the operations of LU, and half the memory. MUMPS may update
+symmetric fronts with `dgemmt`, which OpenBLAS (0.3.32) does column by column at a tenth of the
+speed of `dgemm` (https://github.com/OpenMathLib/OpenBLAS/issues/4921). So `fretfe/_core/gemmt.cpp`
+has one in halves, which `_compat` loads before PETSc; a symmetric factorisation then takes two
+thirds of the time of LU, without it as long as LU or longer. In Debian's packages MUMPS does
+without `dgemmt`, and symmetric factors are the faster ones too.
 """
 
 from __future__ import annotations
 
 import ctypes
-from functools import cached_property
+import os
+from functools import cache, cached_property
+from pathlib import Path
 
 import numpy as np
 from scipy import sparse
 
 from fretfe._typing import Array
+from fretfe.environment import loaded_libraries
 from fretfe.errors import MemoryShortError, ModelError
-from fretfe.fem._compat import PETSc, petsc_library
+from fretfe.fem._compat import DGEMMT, PETSc, petsc_library
 
 # MUMPS control: the fill-reducing ordering. Approximate minimum degree is analysed several times
 # faster than nested dissection, which pays in three dimensions only.
@@ -33,8 +43,21 @@ PIVOTING_CONTROL = 1
 # MUMPS control: what a solve does with the Schur unknowns. 0: solve for all others, these zero.
 SCHUR_SOLVE_CONTROL = 26
 INTERIOR_ONLY = 0
+# MUMPS control: of the Schur complement of a symmetric matrix only one triangle is returned, the
+# lower one by columns unless this says by rows.
+SCHUR_CONTROL, BY_ROWS = 19, 1
+# Rows of a full matrix that are worked on at a time.
+BLOCK = 256
 # MUMPS errors: work space cannot be allocated, or is too small.
 OUT_OF_MEMORY = (-5, -7, -8, -9, -13, -17, -19, -20)
+
+
+# The environment variable that chooses the factors, for comparisons: "lu" or "symmetric".
+SWITCH = "FRETFE_FACTORS"
+# Unknowns and multipliers of the trial of a symmetric factorisation, large enough for blocks.
+TRIAL, TRIAL_BORDER = 160, 80
+# By this much of its largest entry may the compliance of the trial be off.
+TRIAL_TOLERANCE = 1e-12
 
 
 class BorderedFactor:
@@ -44,11 +67,11 @@ class BorderedFactor:
         matrix: K, assembled.
         border: (n, N) B, all of it on every rank; zero at unknowns that are fixed in K.
         dimension: of space, 2 or 3.
-        symmetric: store one half of the factor only, and take three times as long.
+        symmetric: L D Lᵀ, not LU; the same on all ranks.
 
     Attributes:
         matrix: K.
-        compliance: (n, n), on rank 0; None elsewhere.
+        compliance: (n, n), on rank 0; None elsewhere. The factor is kept as long as this is.
     """
 
     def __init__(
@@ -70,17 +93,18 @@ class BorderedFactor:
         _call("MatFactorSetSchurIS", factor.handle, index_set.handle)
         _set_up(solver, count)
         self.compliance = _read_complement(factor, comm.rank, count)
-        self._bordered: PETSc.PC | None = None
+        # Without the bordered matrix, which only the solver refers to.
+        self._bordered: PETSc.Mat | None = None
         if comm.size == 1:
             factor.setMumpsIcntl(SCHUR_SOLVE_CONTROL, INTERIOR_ONLY)
-            self._bordered = solver
+            self._bordered = factor
 
     def solve(self, sides: list[PETSc.Vec]) -> list[PETSc.Vec]:
         """K⁻¹ times vectors, all at once: reading the factor is most of the work. Collective."""
         if not sides:
             return []
-        solver = self._bordered or self._plain
-        (rows, size), _ = solver.getOperators()[0].getSizes()
+        factor = self._bordered or self._plain
+        (rows, size), _ = factor.getSizes()
         own = len(sides[0].array)
         values = np.zeros((rows, len(sides)), order="F")
         for column, side in zip(values.T, sides, strict=True):
@@ -89,14 +113,14 @@ class BorderedFactor:
         rhs = PETSc.Mat().createDense(shape, array=values, comm=self.matrix.comm)
         rhs.assemble()
         found = rhs.duplicate()
-        solver.getFactorMatrix().matSolve(rhs, found)
+        factor.matSolve(rhs, found)
         solutions = [side.duplicate() for side in sides]
         for column, solution in zip(found.getDenseArray().T, solutions, strict=True):
             solution.array[:] = column[:own]
         return solutions
 
     @cached_property
-    def _plain(self) -> PETSc.PC:
+    def _plain(self) -> PETSc.Mat:
         """A factorisation of K alone.
 
         PETSc cannot solve with a distributed factor that has a Schur complement
@@ -104,16 +128,10 @@ class BorderedFactor:
         """
         solver = self._unfactored(self.matrix)
         _set_up(solver)
-        return solver
+        return solver.getFactorMatrix()
 
     def _unfactored(self, matrix: PETSc.Mat) -> PETSc.PC:
-        """A MUMPS factorisation that is not set up yet.
-
-        LU, although the matrix is symmetric, unless memory is short: twice the operations and the
-        memory, in a third less time, in space in a third of the time. The update of a symmetric
-        front needs `dgemmt`, which OpenBLAS (0.3.32) does column by column at a tenth of the speed
-        of `dgemm` (https://github.com/OpenMathLib/OpenBLAS/issues/4921).
-        """
+        """A MUMPS factorisation that is not set up yet."""
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         solver = PETSc.PC().create(matrix.comm)
         solver.setOperators(matrix)
@@ -124,6 +142,53 @@ class BorderedFactor:
         factor.setMumpsIcntl(ORDERING_CONTROL, self._ordering)
         factor.setMumpsCntl(PIVOTING_CONTROL, 0.0)
         return solver
+
+
+@cache
+def unsymmetric_because() -> str:
+    """Tell why the factors of bodies are LU here; empty where symmetric ones are used.
+
+    Symmetric ones must pass a trial, and MUMPS must take its updates from `gemmt.cpp` if it takes
+    them from a `dgemmt` at all. Each process finds out once, in milliseconds.
+
+    Raises:
+        ModelError: if the environment variable asks for another kind of factor.
+    """
+    asked = os.environ.get(SWITCH, "")
+    if asked not in ("", "lu", "symmetric"):
+        raise ModelError(f"{SWITCH}: expected lu or symmetric, found {asked}")
+    if asked == "lu":
+        return f"{SWITCH} asks for it"
+    calls = ctypes.c_long.in_dll(DGEMMT, "fretfe_dgemmt_calls")
+    before = calls.value
+    if (error := _trial_error()) > TRIAL_TOLERANCE:
+        return f"a symmetric factor was wrong in a trial (relative error {error:.1e})"
+    if calls.value == before and asked != "symmetric" and _needs_dgemmt():
+        return "MUMPS calls a dgemmt that may be slow, not that of fretfe"
+    return ""
+
+
+def _trial_error() -> float:
+    """Relative error of the compliance that a small symmetric factorisation gives."""
+    random = np.random.default_rng(7)
+    full = random.standard_normal((TRIAL, TRIAL))
+    full = full @ full.T + TRIAL * np.eye(TRIAL)
+    border = sparse.csr_matrix(random.standard_normal((TRIAL_BORDER, TRIAL)))
+    stored = sparse.csr_matrix(full)
+    csr = stored.indptr, stored.indices, stored.data
+    matrix = PETSc.Mat().createAIJ(full.shape, csr=csr, comm=PETSc.COMM_SELF)
+    try:
+        found = BorderedFactor(matrix, border, 2, symmetric=True).compliance
+    except ModelError:
+        return np.inf
+    expected = border @ np.linalg.solve(full, border.T.toarray())
+    return float(np.abs(found - expected).max() / np.abs(expected).max())
+
+
+def _needs_dgemmt() -> bool:
+    """Tell whether a library with MUMPS refers to a `dgemmt`, or what it refers to is unknown."""
+    libraries = loaded_libraries("mumps", "petsc")
+    return not libraries or any(b"\0dgemmt" in Path(each).read_bytes() for each in libraries)
 
 
 def _set_up(solver: PETSc.PC, multipliers: int = 0) -> None:
@@ -170,28 +235,30 @@ def _bordered(matrix: PETSc.Mat, border: sparse.csr_matrix, first: int) -> PETSc
 
 
 def _read_complement(factor: PETSc.Mat, rank: int, size: int) -> Array | None:
-    """(n, n) minus the Schur complement; rank 0 only."""
+    """(n, n) minus the Schur complement, in MUMPS' own memory; rank 0 only."""
     handle, status = ctypes.c_void_p(), ctypes.c_int()
-    _call(
-        "MatFactorCreateSchurComplement",
-        factor.handle,
-        ctypes.byref(handle),
-        ctypes.byref(status),
-    )
-    complement = _copy_dense(handle, size) if rank == 0 else None
-    _call("MatDestroy", ctypes.byref(handle))
-    return complement
-
-
-def _copy_dense(matrix: ctypes.c_void_p, size: int) -> Array:
-    """Copy of minus a sequential dense PETSc matrix, made exactly symmetric."""
+    schur = ctypes.byref(handle), ctypes.byref(status)
+    _call("MatFactorGetSchurComplement", factor.handle, *schur)
+    if rank > 0:
+        return None
     data = ctypes.POINTER(ctypes.c_double)()
-    _call("MatDenseGetArrayRead", matrix, ctypes.byref(data))
-    values = np.ctypeslib.as_array(data, shape=(size, size))
-    copy = values + values.T
-    copy *= -0.5
-    _call("MatDenseRestoreArrayRead", matrix, ctypes.byref(data))
-    return copy
+    _call("MatDenseGetArray", handle, ctypes.byref(data))
+    memory = (ctypes.c_double * size**2).from_address(ctypes.addressof(data.contents))
+    memory.factor = factor  # type: ignore[attr-defined]  # as long as the array, a view, is
+    _call("MatDenseRestoreArray", handle, ctypes.byref(data))
+    values = np.frombuffer(memory).reshape(size, size)
+    _negate_symmetric(values.T if factor.getMumpsIcntl(SCHUR_CONTROL) == BY_ROWS else values)
+    return values
+
+
+def _negate_symmetric(values: Array) -> None:
+    """Minus a symmetric matrix of which the upper triangle is known, in place."""
+    for begin in range(0, len(values), BLOCK):
+        end = begin + BLOCK
+        corner = values[begin:end, begin:end]
+        corner[:] = -np.triu(corner) - np.triu(corner, 1).T
+        values[begin:end, end:] *= -1.0
+        values[end:, begin:end] = values[begin:end, end:].T
 
 
 def _call(name: str, *arguments: object) -> None:

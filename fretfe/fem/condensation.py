@@ -31,8 +31,8 @@ from scipy.spatial import cKDTree
 from fretfe._typing import Array, Indices
 from fretfe.bodies.definition import Constraint, DistributedLoad
 from fretfe.bodies.rigid_modes import rigid_motions
-from fretfe.fem._compat import PETSc
-from fretfe.fem.bordered import BorderedFactor
+from fretfe.fem._compat import MPI, PETSc
+from fretfe.fem.bordered import BorderedFactor, unsymmetric_because
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.restraints import Restraints
 from fretfe.fem.timing import Clock
@@ -88,7 +88,6 @@ class Body:
         operator: (n, p*gdim) weighted relative displacements of the contact nodes by those of the
             points; the same on all ranks.
         clock: for timings.
-        symmetric: of the factor, as for `BorderedFactor`.
 
     Attributes:
         elastic: space and operators of the body.
@@ -104,8 +103,6 @@ class Body:
         surface_points: Array,
         operator: sparse.csr_matrix,
         clock: Clock,
-        *,
-        symmetric: bool = False,
     ) -> None:
         self.elastic = elastic
         self._index_map = elastic.space.dofmap.index_map
@@ -124,6 +121,7 @@ class Body:
             self._loads = [elastic.load_vector(load) for load in loads]
         unknowns = elastic.gdim * self._index_map.size_global
         with clock("condensation", f"{elastic.name}, {unknowns} unknowns"):
+            symmetric = elastic.comm.allreduce(not unsymmetric_because(), op=MPI.LAND)
             self._factor = BorderedFactor(matrix, self._border(), elastic.gdim, symmetric=symmetric)
         with clock("load columns"):
             self.condensed = self._condense()

@@ -27,17 +27,21 @@ from fretfe.contact.interface import Interface, coordinate_range
 from fretfe.contact.march import March
 from fretfe.contact.state import ContactState, StepLoads, StepTable
 from fretfe.fem._compat import MPI
+from fretfe.fem.bordered import unsymmetric_because
 from fretfe.fem.condensation import Body, CondensedBody
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.parallel import find_group, on_root, together
 from fretfe.fem.reduction import ReducedBody, build_interface, weighted_operator
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
-from fretfe.mesh.cost import SLOW_FACTORS, estimate_cost, needs_symmetric_factors
+from fretfe.mesh.cost import estimate_cost, refuse_too_large
 from fretfe.mesh.mesh import BodyMesh, Mesh, body_unknowns
 from fretfe.surface.checks import load_mesh
 
 LoadMesh = Callable[[], Mesh]
+
+# Of notes; the reason follows.
+LARGER_FACTORS = "the factors of the bodies are LU, which takes more time and memory"
 
 
 @dataclass(frozen=True)
@@ -102,13 +106,14 @@ class Model:
             surfaces = on_root(comm, lambda: contact_surfaces(definition, mesh))  # type: ignore[arg-type]
             self.surfaces = surfaces
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
-            symmetric = on_root(comm, lambda: _symmetric_factors(case, mesh, pairs))  # type: ignore[arg-type]
-        self.notes: tuple[str, ...] = (SLOW_FACTORS,) if symmetric else ()
+            on_root(comm, lambda: _refuse_too_large(case, mesh, pairs))  # type: ignore[arg-type]
+        why = unsymmetric_because()
+        self.notes: tuple[str, ...] = (f"{LARGER_FACTORS}: {why}",) if why else ()
         self._definition = definition
         work = comm.bcast(_work(definition, mesh, case.model.degree) if mesh else None)
         self._group = find_group(comm, work)
         tasks = self._hand_out(mesh, pairs)
-        self.bodies = together(comm, lambda: self._condense(tasks, clock, symmetric))
+        self.bodies = together(comm, lambda: self._condense(tasks, clock))
         with clock("interface"):
             condensed = self._collect()
             self._reduction = on_root(
@@ -145,7 +150,7 @@ class Model:
         points = [self.surfaces[name].displacement_points(degree) for name in body.surfaces]
         return _Task(mesh.bodies[body.name], np.vstack(points), weighted_operator(body.name, pairs))
 
-    def _condense(self, tasks: dict[int, _Task], clock: Clock, symmetric: bool) -> dict[str, Body]:
+    def _condense(self, tasks: dict[int, _Task], clock: Clock) -> dict[str, Body]:
         """The bodies of this rank's group."""
         comm, bodies = self._group.comm, {}
         for number in self._group.bodies:
@@ -156,13 +161,7 @@ class Model:
             points, operator = comm.bcast((task.points, task.operator) if task else None)
             loads = list(self._definition.loads)
             bodies[body.name] = Body(
-                elastic,
-                list(body.constraints),
-                loads,
-                points,
-                operator,
-                clock,
-                symmetric=symmetric,
+                elastic, list(body.constraints), loads, points, operator, clock
             )
         return bodies
 
@@ -220,10 +219,10 @@ class Model:
         }
 
 
-def _symmetric_factors(case: Case, mesh: Mesh, pairs: tuple[Pair, ...]) -> bool:
-    """Tell whether memory is short; on rank 0. Refuses what cannot fit."""
+def _refuse_too_large(case: Case, mesh: Mesh, pairs: tuple[Pair, ...]) -> None:
+    """Refuse what cannot fit into memory; on rank 0."""
     nodes = sum(len(pair.coupling.weights) for pair in pairs)
-    return needs_symmetric_factors(estimate_cost(mesh, case.model.degree, nodes, steps=0))
+    refuse_too_large(estimate_cost(mesh, case.model.degree, nodes, steps=0))
 
 
 def _work(definition: ModelDefinition, mesh: Mesh, degree: int) -> list[float]:

@@ -25,12 +25,6 @@ ENTRIES_IN_SPACE, POWER_IN_SPACE = 51.0, 4 / 3
 # Bytes for an entry of a factor; for an unknown's rows of the stiffness, mesh and spaces; for
 # everything that does not grow.
 PER_ENTRY, PER_UNKNOWN, ALWAYS = 10.0, 1200.0, 2.0e8
-# Memory of a symmetric factor over that of another one, which takes a third of the time in space.
-SYMMETRIC = 0.56
-SLOW_FACTORS = (
-    "memory is short: the factors of the bodies are symmetric ones, which take half the space and "
-    "about three times as long"
-)
 # Displacements of degree 1 over elements, in large meshes of triangles and of tetrahedra; unknowns
 # of meshes that fit everywhere.
 UNKNOWNS_PER_ELEMENT, FEWEST_UNKNOWNS = {2: 1.0, 3: 0.54}, 1000
@@ -66,7 +60,6 @@ class Cost:
         tractions: unknown tractions at the contact nodes.
         steps: of the load history.
         memory: bytes.
-        factors: those of them that hold the factors of the bodies.
         seconds: with one thread, pictures and report included.
         behind: those of them behind the last step.
         dimension: 2 of a plane case, 3 of a solid one.
@@ -76,15 +69,9 @@ class Cost:
     tractions: int
     steps: int
     memory: float
-    factors: float
     seconds: float
     behind: float
     dimension: int
-
-    @property
-    def halved(self) -> float:
-        """Bytes with symmetric factors, which take longer."""
-        return self.memory - (1 - SYMMETRIC) * self.factors
 
     @property
     def text(self) -> str:
@@ -114,8 +101,7 @@ def estimate_cost(
     tractions = dimension * nodes
     entries = sum(_factor_entries(n, dimension) for n in bodies)
     dense = 8.0 * MATRICES * tractions**2
-    factors = PER_ENTRY * entries
-    memory = ALWAYS + factors + PER_UNKNOWN * sum(bodies) + dense
+    memory = ALWAYS + PER_ENTRY * entries + PER_UNKNOWN * sum(bodies) + dense
     factor, power = FACTORISING[dimension]
     preparation = sum(factor * n**power + ASSEMBLING[dimension] * n for n in bodies)
     interface = ORDERS * INTERFACE * tractions**3
@@ -124,7 +110,7 @@ def estimate_cost(
     behind = unknowns * (EDGES[dimension] * stations + FIELDS[dimension] * states)
     behind += DRAWING + PICTURES[dimension] * unknowns
     seconds = STARTING + preparation + interface + march + behind
-    return Cost(unknowns, tractions, steps, memory, factors, seconds, behind, dimension)
+    return Cost(unknowns, tractions, steps, memory, seconds, behind, dimension)
 
 
 def least_memory(elements: float, dimension: int) -> float:
@@ -147,22 +133,20 @@ def _factor_entries(unknowns: int, dimension: int) -> float:
     return unknowns * max(ENTRIES * math.log2(unknowns) - FEWER, FEWEST)
 
 
-def needs_symmetric_factors(cost: Cost) -> bool:
-    """Tell whether a run fits into the memory of this machine with symmetric factors only.
+def refuse_too_large(cost: Cost) -> None:
+    """Refuse a run that does not fit into the memory of this machine.
 
     Raises:
-        ModelError: if it does not fit with these either; says what would.
+        ModelError: says what would fit.
     """
     there = machine_memory()
     if there is None or cost.memory <= there:
-        return False
-    if cost.halved <= there:
-        return True
+        return
     power = 1.0 if cost.dimension == 2 else 1 / POWER_IN_SPACE
-    fits = cost.unknowns * (there / cost.halved) ** power
+    fits = cost.unknowns * (there / cost.memory) ** power
     raise ModelError(
         f"expected a model that fits into the memory of this machine ({_rounded(there / 2**30)} "
-        f"GB), found one that needs about {_rounded(cost.halved / 2**30)} GB ({cost.unknowns} "
+        f"GB), found one that needs about {_rounded(cost.memory / 2**30)} GB ({cost.unknowns} "
         f"unknowns, {cost.tractions} contact tractions). About {_rounded(fits)} unknowns would "
         f"fit: {PROPOSALS[cost.dimension]}"
     )

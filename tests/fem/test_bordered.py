@@ -3,6 +3,10 @@
 
 from __future__ import annotations
 
+import ctypes
+import os
+import subprocess
+import sys
 from collections.abc import Iterator
 
 import blocks
@@ -12,10 +16,14 @@ from petsc_garbage import replace_meshes
 from scipy import sparse
 
 from fretfe._typing import Array
+from fretfe.case import Solid
 from fretfe.errors import ModelError
-from fretfe.fem._compat import MPI, PETSc
+from fretfe.fem import bordered
+from fretfe.fem._compat import DGEMMT, MPI, PETSc
 from fretfe.fem.bordered import BorderedFactor
 from fretfe.fem.elasticity import ElasticBody, Material
+from fretfe.mesh.load import extrude
+from fretfe.mesh.mesh import Mesh
 
 pytestmark = pytest.mark.mpi
 
@@ -86,9 +94,99 @@ def test_solution_is_that_of_dense_algebra(
     np.testing.assert_array_equal(dense(matrix), full)
 
 
-def test_a_singular_matrix_is_an_error_in_words() -> None:
+@pytest.mark.parametrize("symmetric", [False, True])
+def test_a_singular_matrix_is_an_error_in_words(symmetric: bool) -> None:
     full = sparse.csr_matrix(np.ones((20, 20)))
     csr = full.indptr, full.indices, full.data
     singular = PETSc.Mat().createAIJ(full.shape, csr=csr, comm=MPI.COMM_SELF)
     with pytest.raises(ModelError, match="20 unknowns cannot be factorised: a pivot is zero"):
-        BorderedFactor(singular, border(20), 2, symmetric=False)
+        BorderedFactor(singular, border(20), 2, symmetric=symmetric)
+
+
+def test_both_kinds_of_factor_agree_for_a_solid() -> None:
+    """With fronts of several hundred unknowns, whose updates are in blocks."""
+    comm = MPI.COMM_WORLD
+    lines = blocks.graded(0.0, 1.0, 8), blocks.graded(0.0, 1.0, 8)
+    flat = Mesh({"b": blocks.block("b", *lines)})
+    mesh = extrude(flat, Solid(length=1.0, skew=0.0, layers=6)) if comm.rank == 0 else None
+    material = Material(2e5, 0.3, 0.0, "strain")
+    body = ElasticBody(comm, mesh.bodies["b"] if mesh else None, material, 2)
+    replace_meshes(body.mesh)
+    nodes = body.boundary_nodes("b_left")
+    matrix = body.stiffness(np.sort((nodes[:, None] * 3 + np.arange(3)).ravel()).astype(np.int32))
+    random = np.random.default_rng(4)
+    operator = sparse.random(300, matrix.size[0], 0.003, format="csr", random_state=random)
+    side = matrix.createVecRight()
+    side.array[:] = np.cos(np.arange(*side.getOwnershipRange()))
+    found = []
+    for symmetric in (False, True):
+        factor = BorderedFactor(matrix, operator, 3, symmetric=symmetric)
+        found.append((factor.compliance, factor.solve([side])[0].array))
+    for lu, ldl in zip(*found, strict=True):
+        if lu is not None:
+            np.testing.assert_allclose(ldl, lu, rtol=0, atol=1e-12 * np.abs(lu).max())
+
+
+@pytest.fixture
+def anew() -> Iterator[None]:
+    """The kind of factors is found out in this test, and again afterwards."""
+    bordered.unsymmetric_because.cache_clear()
+    yield
+    bordered.unsymmetric_because.cache_clear()
+
+
+@pytest.mark.usefixtures("anew")
+def test_factors_are_symmetric(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(bordered.SWITCH, raising=False)
+    assert bordered.unsymmetric_because() == ""
+
+
+@pytest.mark.usefixtures("anew")
+def test_the_kind_of_factors_can_be_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(bordered.SWITCH, "lu")
+    assert bordered.unsymmetric_because() == "FRETFE_FACTORS asks for it"
+    bordered.unsymmetric_because.cache_clear()
+    monkeypatch.setenv(bordered.SWITCH, "cholesky")
+    with pytest.raises(ModelError, match="expected lu or symmetric, found cholesky"):
+        bordered.unsymmetric_because()
+
+
+@pytest.mark.usefixtures("anew")
+def test_a_wrong_update_means_lu(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where MUMPS calls a dgemmt, this one adds nothing; elsewhere the trial itself is wrong."""
+    monkeypatch.delenv(bordered.SWITCH, raising=False)
+    nothing = ctypes.CFUNCTYPE(None)(lambda: None)
+    dgemm = ctypes.c_void_p.in_dll(DGEMMT, "fretfe_dgemm")
+    before, dgemm.value = dgemm.value, ctypes.cast(nothing, ctypes.c_void_p).value
+    if not bordered._needs_dgemmt():
+        monkeypatch.setattr(bordered, "_trial_error", lambda: 1.0)
+    try:
+        assert bordered.unsymmetric_because().startswith("a symmetric factor was wrong in a trial")
+    finally:
+        dgemm.value = before
+
+
+PETSC_FIRST = """
+try:
+    import dolfinx_solver
+except ImportError:
+    pass
+import petsc4py.PETSc
+from fretfe.fem.bordered import _needs_dgemmt, unsymmetric_because
+print(_needs_dgemmt(), unsymmetric_because())
+"""
+
+
+@pytest.mark.skipif(MPI.COMM_WORLD.size > 1, reason="starts a process")
+@pytest.mark.parametrize("asked", ["", "symmetric"])
+def test_a_slow_update_means_lu_unless_asked_for(asked: str) -> None:
+    """Where PETSc was there before fretfe, MUMPS has found the dgemmt of OpenBLAS."""
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", PETSC_FIRST],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, bordered.SWITCH: asked},
+    )
+    slow = done.stdout.startswith("True") and not asked
+    assert ("MUMPS calls a dgemmt that may be slow" in done.stdout) is slow
