@@ -6,7 +6,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from fretfe.bodies.definition import ModelDefinition, Pair, contact_surfaces, couple_contacts
+from fretfe.bodies.definition import (
+    ModelDefinition,
+    Pair,
+    contact_surfaces,
+    couple_contacts,
+    require_above_absolute_zero,
+)
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import Case
 from fretfe.environment import rank_from_environment
@@ -69,6 +75,7 @@ def check(case: Case) -> Checked | None:
         return None
     history, mesh = build_history(case), _first_mesh(case)
     definition = held_model(case, mesh)
+    require_above_absolute_zero(case, definition, history)
     pairs = couple_contacts(case, contact_surfaces(definition, mesh))
     restrained = modes_restrained_by_contact(definition, mesh)
     return Checked(case, history, mesh, definition, pairs, restrained)

@@ -3,16 +3,27 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 
 import numpy as np
 
 from fretfe._typing import Array, Indices
+from fretfe.bodies.point_values import OUTSIDE, PointValues, read_points
 from fretfe.case import Case, unit_vector
-from fretfe.case.loads import DisplacementLoad, PlatenLoad, RotationLoad, TiltLoad, TractionLoad
+from fretfe.case.base import ABSOLUTE_ZERO
+from fretfe.case.loads import (
+    DisplacementLoad,
+    PlatenLoad,
+    RotationLoad,
+    TemperatureLoad,
+    TiltLoad,
+    TractionLoad,
+)
 from fretfe.contact.interface import Coordinate
-from fretfe.errors import ModelError
-from fretfe.mesh.mesh import Mesh
+from fretfe.errors import CaseError, ModelError
+from fretfe.loads import History
+from fretfe.mesh.mesh import Mesh, place_text
 from fretfe.surface.mortar import Coupling, couple
 from fretfe.surface.surface import Surface, build_surface
 
@@ -26,12 +37,16 @@ class Material:
         poisson: Poisson's ratio.
         density: mass per volume, zero if no load needs it.
         plane: "strain" or "stress"; without meaning in three dimensions.
+        expansion: coefficient of thermal expansion, zero if no load needs it.
+        reference_temperature: without thermal strain.
     """
 
     young: float
     poisson: float
     density: float
     plane: str
+    expansion: float = 0.0
+    reference_temperature: float = 0.0
 
     @property
     def shear_modulus(self) -> float:
@@ -52,6 +67,19 @@ class Material:
         mu, lame = self.shear_modulus, self.first_lame
         return (lame + 3 * mu) / (lame + mu)
 
+    def initial_stress(self, strain: Array) -> Array:
+        """(m, 3, 3) stress without which initial strains (m, 3, 3) would deform a body.
+
+        In plane strain nothing moves along z, in plane stress nothing holds it there.
+        """
+        stress = 2 * self.shear_modulus * strain
+        strained = strain[:, :2, :2] if self.plane == "stress" else strain
+        trace = np.trace(strained, axis1=1, axis2=2)
+        stress += self.first_lame * trace[:, None, None] * np.eye(3)
+        if self.plane == "stress":
+            stress[:, 2, 2] = 0.0
+        return stress
+
 
 @dataclass(frozen=True)
 class DistributedLoad:
@@ -59,10 +87,13 @@ class DistributedLoad:
 
     Attributes:
         channel: name of the load in the case file.
-        kind: "traction" (along `direction`), "normal" (outward traction), or "rotation".
-        boundary: physical group of a traction, "" for a rotation.
+        kind: "traction" (along `direction`), "normal" (outward traction), "rotation" or
+            "temperature".
+        boundary: physical group of a traction, "" for what acts in the volume.
         direction: unit vector of a traction; axis of a rotation.
         centre: a point on the axis of a rotation.
+        field: temperatures.
+        bodies: that a temperature acts on; () for all.
     """
 
     channel: str
@@ -70,6 +101,16 @@ class DistributedLoad:
     boundary: str = ""
     direction: tuple[float, ...] = ()
     centre: tuple[float, ...] = ()
+    field: PointValues | None = None
+    bodies: tuple[str, ...] = ()
+
+    def initial_strain(self, body: str, material: Material, places: Array) -> Array | None:
+        """(m, 3, 3) initial strain of a body at places (m, d); None if the load causes none."""
+        if self.kind != "temperature" or (self.bodies and body not in self.bodies):
+            return None
+        assert self.field is not None
+        change = self.field.at(places) - material.reference_temperature
+        return material.expansion * change[:, None, None] * np.eye(3)
 
 
 @dataclass(frozen=True)
@@ -141,17 +182,29 @@ class ModelDefinition:
     bodies: tuple[BodyDefinition, ...]
     loads: tuple[DistributedLoad, ...]
 
+    @property
+    def digest(self) -> str:
+        """Text that is equal for loads with the same values at points."""
+        found = hashlib.sha256()
+        for load in self.loads:
+            if load.field is not None:
+                found.update(load.field.points.tobytes() + load.field.values.tobytes())
+        return found.hexdigest()
+
 
 def define_model(case: Case, mesh: Mesh) -> ModelDefinition:
     """Translate a case into bodies, coordinates and loads.
 
     Raises:
         ModelError: if a body has no contact surface.
+        CaseError: if values at points cannot be read, or do not reach as far as the bodies.
     """
-    gdim = next(iter(mesh.bodies.values())).points.shape[1]
+    gdim = mesh.dimension
+    loads = distributed_loads(case, gdim)
+    for load in loads:
+        _require_points_around(case, load, mesh)
     return ModelDefinition(
-        bodies=tuple(_define_body(case, mesh, name, gdim) for name in case.bodies),
-        loads=distributed_loads(case, gdim),
+        bodies=tuple(_define_body(case, mesh, name, gdim) for name in case.bodies), loads=loads
     )
 
 
@@ -176,7 +229,14 @@ def _define_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyDefinition
     body = case.bodies[name]
     return BodyDefinition(
         name=name,
-        material=Material(body.young, body.poisson, body.density or 0.0, case.model.plane),
+        material=Material(
+            body.young,
+            body.poisson,
+            body.density or 0.0,
+            case.model.plane,
+            body.expansion or 0.0,
+            body.reference_temperature or 0.0,
+        ),
         constraints=tuple(constraint for constraint, _, _ in constrained),
         coordinates=tuple(
             Coordinate(constraint.label, name, control, channel)
@@ -264,10 +324,19 @@ def _direction_name(direction: tuple[float, ...]) -> str:
 
 
 def distributed_loads(case: Case, gdim: int) -> tuple[DistributedLoad, ...]:
-    """Tractions and rotations of a case, in its order."""
+    """All loads of a case that are spread over boundaries or bodies, in its order.
+
+    Raises:
+        CaseError: if a file with values at points is not as expected.
+    """
     loads = []
     for name, load in case.loads.items():
-        if isinstance(load, RotationLoad):
+        if isinstance(load, TemperatureLoad):
+            field = _temperatures(case, load, gdim)
+            loads.append(
+                DistributedLoad(name, "temperature", field=field, bodies=load.bodies or ())
+            )
+        elif isinstance(load, RotationLoad):
             axis = unit_vector(load.axis, 3)
             loads.append(DistributedLoad(name, "rotation", "", axis, load.centre))
         elif isinstance(load, TractionLoad) and load.direction == "normal":
@@ -276,6 +345,61 @@ def distributed_loads(case: Case, gdim: int) -> tuple[DistributedLoad, ...]:
             direction = unit_vector(load.direction, gdim)
             loads.append(DistributedLoad(name, "traction", load.boundary, direction))
     return tuple(loads)
+
+
+def _temperatures(case: Case, load: TemperatureLoad, gdim: int) -> PointValues:
+    if load.value is not None:
+        return PointValues(np.zeros((1, gdim)), np.array([load.value]))
+    if load.file is None:
+        return PointValues(np.array(load.points), np.array(load.values))
+    found = read_points(case.resolve(load.file), gdim, "T")
+    if found.values.min() < ABSOLUTE_ZERO:
+        raise CaseError(
+            f"{case.resolve(load.file)}: column 'T': expected temperatures >= {ABSOLUTE_ZERO:g} "
+            f"(absolute zero, in degrees Celsius), found {found.values.min():g}"
+        )
+    return found
+
+
+def _require_points_around(case: Case, load: DistributedLoad, mesh: Mesh) -> None:
+    """Check that values at points reach as far as what they are for.
+
+    Raises:
+        CaseError: names the place that is farthest outside.
+    """
+    if load.field is None:
+        return
+    for name in load.bodies or case.bodies:
+        places = mesh.bodies[name].points
+        farthest, excess = load.field.outside(places)
+        if excess > OUTSIDE:
+            raise CaseError(
+                f"{case.source}: loads.{load.channel}: expected points that reach as far as the "
+                f"body {name!r}, whose node at {place_text(places[farthest])} is farther from "
+                f"their middle by {100 * excess:.3g} % than their outermost ones"
+            )
+
+
+def require_above_absolute_zero(case: Case, definition: ModelDefinition, history: History) -> None:
+    """Check that no temperature of a history is below absolute zero.
+
+    Raises:
+        CaseError: names the first load that would be.
+    """
+    for load in definition.loads:
+        if load.kind != "temperature":
+            continue
+        assert load.field is not None
+        parts = history.values[:, history.channels.index(load.channel)]
+        for name in load.bodies or case.bodies:
+            start = case.bodies[name].reference_temperature or 0.0
+            coldest = float((start + np.outer(parts, load.field.values - start)).min())
+            if coldest < ABSOLUTE_ZERO:
+                raise CaseError(
+                    f"{case.source}: loads.{load.channel}.history: expected temperatures >= "
+                    f"{ABSOLUTE_ZERO:g} (absolute zero, in degrees Celsius), found {coldest:g} in "
+                    f"the body {name!r}, whose reference temperature is {start:g}"
+                )
 
 
 @dataclass(frozen=True)

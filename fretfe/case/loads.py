@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -13,11 +14,14 @@ from fretfe.case.base import (
     Axis,
     Count,
     Direction,
+    Name,
     NotNegative,
     Number,
+    Point,
     Positive,
     SurfaceDirection,
     Table,
+    Temperature,
     Text,
     Vector,
 )
@@ -150,6 +154,33 @@ class Channel(Table):
     )
 
 
+BETWEEN_POINTS = (
+    "linear in between, in triangles or tetrahedra of points that span the space, else along their "
+    "line or plane and constant across it. They must reach as far as what they are for."
+)
+
+
+def require_values(points: Sequence[Sequence[float]] | None, values: Any) -> None:
+    """Check that there is one value for each point, and that points have the same dimension.
+
+    Raises:
+        ValueError: if not.
+    """
+    found = "none" if values is None else str(len(values))
+    if points is None:
+        if values is not None:
+            raise ValueError(f"expected 'values' with 'points' only, found {found} values")
+        return
+    if values is None or len(points) != len(values):
+        raise ValueError(
+            f"expected as many values as points, found {len(points)} points and {found} values"
+        )
+    if len({len(point) for point in points}) > 1:
+        raise ValueError("expected points that all have 2, or all have 3 coordinates, found both")
+    if len(set(points)) < len(points):
+        raise ValueError("expected every point once, found one of them twice")
+
+
 class PlatenLoad(Channel):
     """A boundary that moves as one rigid piece and does not turn, unless it has a tilt."""
 
@@ -229,13 +260,52 @@ class RotationLoad(Channel):
     )
 
 
-Load = PlatenLoad | TiltLoad | TractionLoad | DisplacementLoad | RotationLoad
+class TemperatureLoad(Channel):
+    """A change of temperature, by which bodies expand."""
+
+    type: Literal["temperature"] = Field(
+        description='"temperature": thermal strain, expansion * (T - reference_temperature) of '
+        "each body. The history is the part of the way from the reference temperature to the one "
+        "given here: 0 none, 1 all of it."
+    )
+    value: Temperature | None = Field(
+        default=None,
+        description="Temperature everywhere, in degrees Celsius. Exactly one of value, points and "
+        "file must be given.",
+    )
+    points: tuple[Point, ...] | None = Field(
+        default=None, min_length=2, description=f"Points with a temperature; {BETWEEN_POINTS}"
+    )
+    values: tuple[Temperature, ...] | None = Field(
+        default=None, description="Temperatures, one for each point."
+    )
+    file: Text | None = Field(
+        default=None,
+        description="CSV file with columns x, y (and z of solids) and T, relative to the folder of "
+        "the case file, used as points are.",
+    )
+    bodies: tuple[Name, ...] | None = Field(
+        default=None, min_length=1, description="Bodies that it acts on; all without this key."
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        given = [key for key in ("value", "points", "file") if getattr(self, key) is not None]
+        if len(given) != 1:
+            listed = " and ".join(map(repr, given)) or "none"
+            raise ValueError(f"expected exactly one of 'value', 'points', 'file', found {listed}")
+        require_values(self.points, self.values)
+        return self
+
+
+Load = PlatenLoad | TiltLoad | TractionLoad | DisplacementLoad | RotationLoad | TemperatureLoad
 LOADS: dict[str, type[Channel]] = {
     "platen": PlatenLoad,
     "tilt": TiltLoad,
     "traction": TractionLoad,
     "displacement": DisplacementLoad,
     "rotation": RotationLoad,
+    "temperature": TemperatureLoad,
 }
 
 
@@ -250,6 +320,7 @@ AnyLoad = Annotated[
     | Annotated[TiltLoad, Tag(f"{TAG}tilt")]
     | Annotated[TractionLoad, Tag(f"{TAG}traction")]
     | Annotated[DisplacementLoad, Tag(f"{TAG}displacement")]
-    | Annotated[RotationLoad, Tag(f"{TAG}rotation")],
+    | Annotated[RotationLoad, Tag(f"{TAG}rotation")]
+    | Annotated[TemperatureLoad, Tag(f"{TAG}temperature")],
     Discriminator(_load_type),
 ]

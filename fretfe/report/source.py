@@ -54,6 +54,8 @@ def load_unit(case: Case, name: str) -> str:
         return units.stress
     if load.type == "rotation":
         return f"1/{units.time}"
+    if load.type == "temperature":
+        return "1"
     if load.type == "tilt":
         return "rad" if load.control == "rotation" else f"{units.force}·{units.length}"
     prescribed = load.type == "displacement" or load.control == "displacement"
