@@ -11,6 +11,7 @@ from fretfe.bodies.definition import (
     Pair,
     contact_surfaces,
     couple_contacts,
+    layer_notes,
     require_above_absolute_zero,
 )
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
@@ -44,6 +45,11 @@ class Checked:
     definition: ModelDefinition
     pairs: Sequence[Pair]
     restrained_modes: Mapping[str, str]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Things that a reader of its results should know, in words."""
+        return layer_notes(self.case, self.definition, self.mesh)
 
     @property
     def cost(self) -> Cost:

@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from fretfe.case import Case, unit_vector
 from fretfe.case.base import ABSOLUTE_ZERO
 from fretfe.case.loads import (
     DisplacementLoad,
+    EigenstrainLoad,
     PlatenLoad,
     RotationLoad,
     TemperatureLoad,
@@ -23,9 +25,10 @@ from fretfe.case.loads import (
 from fretfe.contact.interface import Coordinate
 from fretfe.errors import CaseError, ModelError
 from fretfe.loads import History
-from fretfe.mesh.mesh import Mesh, place_text
+from fretfe.mesh.elements import CORNERS
+from fretfe.mesh.mesh import BodyMesh, Mesh, place_text
 from fretfe.surface.mortar import Coupling, couple
-from fretfe.surface.surface import Surface, build_surface
+from fretfe.surface.surface import Surface, boundary_surface, build_surface
 
 
 @dataclass(frozen=True)
@@ -82,18 +85,67 @@ class Material:
 
 
 @dataclass(frozen=True)
+class Layer:
+    """Initial strain below some surfaces of a body, equal in all directions of the surface.
+
+    Attributes:
+        surfaces: of the body.
+        depths: (n,) below them, increasing from 0.
+        values: (n,) strains there.
+    """
+
+    surfaces: tuple[Surface, ...]
+    depths: Array
+    values: Array
+
+    def strain(self, places: Array) -> Array:
+        """(m, 3, 3) strain at places (m, d) of the body."""
+        depth, normals = self._depth(places)
+        size = np.interp(depth, self.depths, self.values)
+        across = np.zeros((len(places), 3))
+        across[:, : places.shape[1]] = normals
+        directions = np.eye(3) - across[:, :, None] * across[:, None, :]
+        return np.asarray(size[:, None, None] * directions)
+
+    def _depth(self, places: Array) -> tuple[Array, Array]:
+        """(m,) distance from the nearest surface, and (m, d) its outward normal there."""
+        depth, normals = np.full(len(places), np.inf), np.zeros(places.shape)
+        for surface in self.surfaces:
+            nearest, own = surface.nearest(places)
+            away = places - nearest
+            height = np.sum(away * own, axis=1)
+            # Places of a surface are samples: it is their tangent plane, as far as the next one.
+            spacing = np.ptp(surface.nodes, axis=1).max() / FEWEST_SAMPLES
+            beside = np.linalg.norm(away - height[:, None] * own, axis=1) - spacing
+            found = np.hypot(height, np.maximum(beside, 0.0))
+            nearer = found < depth
+            depth, normals = np.where(nearer, found, depth), np.where(nearer[:, None], own, normals)
+        return depth, normals
+
+    def height_of_elements(self, mesh: BodyMesh) -> float:
+        """Largest depth to which an element with a facet on the surfaces reaches."""
+        corners = mesh.cells[:, : CORNERS[mesh.cell]]
+        depth, _ = self._depth(mesh.points)
+        below = depth[corners]
+        at_surface = below < FLAT * np.ptp(mesh.points, axis=0).max()
+        touching = at_surface.sum(axis=1) >= mesh.points.shape[1]
+        return float(below[touching].max())
+
+
+@dataclass(frozen=True)
 class DistributedLoad:
     """A load per unit of its channel that is spread over a boundary or the volume.
 
     Attributes:
         channel: name of the load in the case file.
-        kind: "traction" (along `direction`), "normal" (outward traction), "rotation" or
-            "temperature".
+        kind: "traction" (along `direction`), "normal" (outward traction), "rotation",
+            "temperature" or "eigenstrain".
         boundary: physical group of a traction, "" for what acts in the volume.
         direction: unit vector of a traction; axis of a rotation.
         centre: a point on the axis of a rotation.
-        field: temperatures.
+        at_points: temperatures.
         bodies: that a temperature acts on; () for all.
+        layers: of an eigenstrain, by body.
     """
 
     channel: str
@@ -101,15 +153,18 @@ class DistributedLoad:
     boundary: str = ""
     direction: tuple[float, ...] = ()
     centre: tuple[float, ...] = ()
-    field: PointValues | None = None
+    at_points: PointValues | None = None
     bodies: tuple[str, ...] = ()
+    layers: Mapping[str, Layer] = field(default_factory=dict)
 
     def initial_strain(self, body: str, material: Material, places: Array) -> Array | None:
         """(m, 3, 3) initial strain of a body at places (m, d); None if the load causes none."""
+        if body in self.layers:
+            return self.layers[body].strain(places)
         if self.kind != "temperature" or (self.bodies and body not in self.bodies):
             return None
-        assert self.field is not None
-        change = self.field.at(places) - material.reference_temperature
+        assert self.at_points is not None
+        change = self.at_points.at(places) - material.reference_temperature
         return material.expansion * change[:, None, None] * np.eye(3)
 
 
@@ -152,6 +207,12 @@ class Constraint:
 
 
 AXES = "xyz"
+# A place is on a surface if it is nearer to it than this part of the extent of the body.
+FLAT = 1e-6
+# Of a facet along each of its edges there are more samples than this.
+FEWEST_SAMPLES = 8
+# Height of an element over the distance of two depths from which it does not see both.
+FINEST = 1.01
 # What a coordinate calls the moment and the rotation of a tilt.
 TILT_CONTROLS = {"moment": "force", "rotation": "displacement"}
 
@@ -187,8 +248,8 @@ class ModelDefinition:
         """Text that is equal for loads with the same values at points."""
         found = hashlib.sha256()
         for load in self.loads:
-            if load.field is not None:
-                found.update(load.field.points.tobytes() + load.field.values.tobytes())
+            if load.at_points is not None:
+                found.update(load.at_points.points.tobytes() + load.at_points.values.tobytes())
         return found.hexdigest()
 
 
@@ -200,7 +261,7 @@ def define_model(case: Case, mesh: Mesh) -> ModelDefinition:
         CaseError: if values at points cannot be read, or do not reach as far as the bodies.
     """
     gdim = mesh.dimension
-    loads = distributed_loads(case, gdim)
+    loads = distributed_loads(case, mesh)
     for load in loads:
         _require_points_around(case, load, mesh)
     return ModelDefinition(
@@ -323,19 +384,19 @@ def _direction_name(direction: tuple[float, ...]) -> str:
     return "(" + ", ".join(f"{v:.4g}" for v in direction) + ")"
 
 
-def distributed_loads(case: Case, gdim: int) -> tuple[DistributedLoad, ...]:
+def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
     """All loads of a case that are spread over boundaries or bodies, in its order.
 
     Raises:
         CaseError: if a file with values at points is not as expected.
     """
-    loads = []
+    loads, gdim = [], mesh.dimension
     for name, load in case.loads.items():
-        if isinstance(load, TemperatureLoad):
-            field = _temperatures(case, load, gdim)
-            loads.append(
-                DistributedLoad(name, "temperature", field=field, bodies=load.bodies or ())
-            )
+        if isinstance(load, EigenstrainLoad):
+            loads.append(DistributedLoad(name, "eigenstrain", layers=_layers(load, mesh)))
+        elif isinstance(load, TemperatureLoad):
+            given, own = _temperatures(case, load, gdim), load.bodies or ()
+            loads.append(DistributedLoad(name, "temperature", at_points=given, bodies=own))
         elif isinstance(load, RotationLoad):
             axis = unit_vector(load.axis, 3)
             loads.append(DistributedLoad(name, "rotation", "", axis, load.centre))
@@ -345,6 +406,34 @@ def distributed_loads(case: Case, gdim: int) -> tuple[DistributedLoad, ...]:
             direction = unit_vector(load.direction, gdim)
             loads.append(DistributedLoad(name, "traction", load.boundary, direction))
     return tuple(loads)
+
+
+def _layers(load: EigenstrainLoad, mesh: Mesh) -> dict[str, Layer]:
+    """Layers of the bodies that have some of the surfaces."""
+    layers = {}
+    for name, body in mesh.bodies.items():
+        own = [surface for surface in load.surfaces if surface in body.boundaries]
+        if own:
+            surfaces = tuple(boundary_surface(body, surface) for surface in own)
+            layers[name] = Layer(surfaces, np.array(load.depths), np.array(load.values))
+    return layers
+
+
+def layer_notes(case: Case, definition: ModelDefinition, mesh: Mesh) -> tuple[str, ...]:
+    """Layers of initial strain that elements below their surfaces do not resolve, in words."""
+    notes = []
+    for load in definition.loads:
+        for name, layer in load.layers.items():
+            height, changes = layer.height_of_elements(mesh.bodies[name]), np.diff(layer.depths)
+            if len(changes) and height > FINEST * changes.min():
+                unit = case.units.length
+                notes.append(
+                    f"loads.{load.channel}: elements below the surfaces of {name} are up to "
+                    f"{height:.3g} {unit} high, next to depths that differ by {changes.min():.3g} "
+                    f"{unit}: there the mesh does not follow the strain, which is linear in an "
+                    "element, and the layer stretches and bends the body by a wrong amount"
+                )
+    return tuple(notes)
 
 
 def _temperatures(case: Case, load: TemperatureLoad, gdim: int) -> PointValues:
@@ -367,11 +456,11 @@ def _require_points_around(case: Case, load: DistributedLoad, mesh: Mesh) -> Non
     Raises:
         CaseError: names the place that is farthest outside.
     """
-    if load.field is None:
+    if load.at_points is None:
         return
     for name in load.bodies or case.bodies:
         places = mesh.bodies[name].points
-        farthest, excess = load.field.outside(places)
+        farthest, excess = load.at_points.outside(places)
         if excess > OUTSIDE:
             raise CaseError(
                 f"{case.source}: loads.{load.channel}: expected points that reach as far as the "
@@ -389,11 +478,11 @@ def require_above_absolute_zero(case: Case, definition: ModelDefinition, history
     for load in definition.loads:
         if load.kind != "temperature":
             continue
-        assert load.field is not None
+        assert load.at_points is not None
         parts = history.values[:, history.channels.index(load.channel)]
         for name in load.bodies or case.bodies:
             start = case.bodies[name].reference_temperature or 0.0
-            coldest = float((start + np.outer(parts, load.field.values - start)).min())
+            coldest = float((start + np.outer(parts, load.at_points.values - start)).min())
             if coldest < ABSOLUTE_ZERO:
                 raise CaseError(
                     f"{case.source}: loads.{load.channel}.history: expected temperatures >= "

@@ -7,6 +7,7 @@ from fretfe.case.base import BoundarySelector, Selector, file_kind, unit_vector
 from fretfe.case.loads import (
     CsvPoints,
     DisplacementLoad,
+    EigenstrainLoad,
     Hold,
     Load,
     PlatenLoad,
@@ -56,6 +57,7 @@ __all__ = [
     "Cycle",
     "DisplacementLoad",
     "Edges",
+    "EigenstrainLoad",
     "Geometry",
     "Hold",
     "Load",

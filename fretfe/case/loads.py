@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -298,7 +299,47 @@ class TemperatureLoad(Channel):
         return self
 
 
-Load = PlatenLoad | TiltLoad | TractionLoad | DisplacementLoad | RotationLoad | TemperatureLoad
+class EigenstrainLoad(Channel):
+    """Strain that a treatment of surfaces, such as shot peening, has put below them."""
+
+    type: Literal["eigenstrain"] = Field(
+        description='"eigenstrain": initial strain below surfaces, the same in all directions of '
+        "the surface and none across it. The history is a factor of values."
+    )
+    surfaces: tuple[Text, ...] = Field(
+        min_length=1, description="Physical groups of the surfaces that it lies below."
+    )
+    depths: tuple[NotNegative, ...] = Field(
+        min_length=1,
+        description="Depths below the surfaces, in length units, increasing from 0.",
+    )
+    values: tuple[Number, ...] = Field(
+        min_length=1,
+        description="Strains at the depths, positive where the layer would grow; linear in "
+        "between, and below the last depth as there.",
+    )
+
+    @model_validator(mode="after")
+    def _profile(self) -> Self:
+        if len(self.depths) != len(self.values):
+            raise ValueError(
+                "expected as many values as depths, "
+                f"found {len(self.depths)} depths and {len(self.values)} values"
+            )
+        if self.depths[0] != 0 or any(b <= a for a, b in pairwise(self.depths)):
+            raise ValueError(f"expected depths that increase from 0, found {list(self.depths)}")
+        return self
+
+
+Load = (
+    PlatenLoad
+    | TiltLoad
+    | TractionLoad
+    | DisplacementLoad
+    | RotationLoad
+    | TemperatureLoad
+    | EigenstrainLoad
+)
 LOADS: dict[str, type[Channel]] = {
     "platen": PlatenLoad,
     "tilt": TiltLoad,
@@ -306,6 +347,7 @@ LOADS: dict[str, type[Channel]] = {
     "displacement": DisplacementLoad,
     "rotation": RotationLoad,
     "temperature": TemperatureLoad,
+    "eigenstrain": EigenstrainLoad,
 }
 
 
@@ -321,6 +363,7 @@ AnyLoad = Annotated[
     | Annotated[TractionLoad, Tag(f"{TAG}traction")]
     | Annotated[DisplacementLoad, Tag(f"{TAG}displacement")]
     | Annotated[RotationLoad, Tag(f"{TAG}rotation")]
-    | Annotated[TemperatureLoad, Tag(f"{TAG}temperature")],
+    | Annotated[TemperatureLoad, Tag(f"{TAG}temperature")]
+    | Annotated[EigenstrainLoad, Tag(f"{TAG}eigenstrain")],
     Discriminator(_load_type),
 ]

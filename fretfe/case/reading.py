@@ -13,7 +13,14 @@ import tomli_w
 from pydantic import TypeAdapter, ValidationError
 
 from fretfe.case.base import AXES, Name, Table
-from fretfe.case.loads import AnyLoad, Load, RotationLoad, TemperatureLoad, TiltLoad
+from fretfe.case.loads import (
+    AnyLoad,
+    EigenstrainLoad,
+    Load,
+    RotationLoad,
+    TemperatureLoad,
+    TiltLoad,
+)
 from fretfe.case.messages import complaint, field_problems
 from fretfe.case.model import Case, Key, Problem, cross_problems
 from fretfe.case.overrides import with_overrides
@@ -298,5 +305,5 @@ def _directions(case: Case) -> Iterator[tuple[Key, str | tuple[float, ...]]]:
             yield from ((("loads", name, "points", i), point) for i, point in points)
         elif isinstance(load, RotationLoad | TiltLoad):
             yield ("loads", name, "centre"), load.centre
-        else:
+        elif not isinstance(load, EigenstrainLoad):
             yield ("loads", name, "direction"), load.direction

@@ -20,6 +20,7 @@ from fretfe.bodies.definition import (
     Pair,
     contact_surfaces,
     couple_contacts,
+    layer_notes,
 )
 from fretfe.bodies.rigid_modes import held_model
 from fretfe.case import Case
@@ -103,7 +104,8 @@ class Model:
             self.surfaces = surfaces
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
             symmetric = on_root(comm, lambda: _symmetric_factors(case, mesh, pairs))  # type: ignore[arg-type]
-        self.notes: tuple[str, ...] = (SLOW_FACTORS,) if symmetric else ()
+        layers = on_root(comm, lambda: layer_notes(case, definition, mesh))  # type: ignore[arg-type]
+        self.notes: tuple[str, ...] = (*((SLOW_FACTORS,) if symmetric else ()), *layers)
         self._definition = definition
         work = comm.bcast(_work(definition, mesh, case.model.degree) if mesh else None)
         self._group = find_group(comm, work)

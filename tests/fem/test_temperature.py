@@ -45,7 +45,7 @@ BOTTOM_Y = Constraint("bottom y", "b_bottom", (0.0, 1.0))
 
 def hot(points: Any, values: Any, name: str = "hot", **options: Any) -> DistributedLoad:
     field = PointValues(np.array(points, dtype=float), np.array(values, dtype=float))
-    return DistributedLoad(name, "temperature", field=field, **options)
+    return DistributedLoad(name, "temperature", at_points=field, **options)
 
 
 def material(plane: str = "strain") -> Material:
@@ -233,23 +233,31 @@ SIZES = {"upper_width": 20.0, "lower_width": 30.0, "lower_height": 30.0, "upper_
 PAD = {"upper_radius": 50.0, "lower_radius": 0.0, "size": 0.02, "zone": 1.0, **SIZES}
 
 
-@pytest.mark.parametrize("plane", ["strain", "stress"])
-def test_mismatch_is_a_bulk_tension(plane: str, solved: Solve) -> None:
+MISMATCHES: dict[str, dict[str, Any]] = {
+    "temperature": {"type": "temperature", "value": REFERENCE + 100.0, "bodies": ["lower"]},
+    "eigenstrain": {
+        "type": "eigenstrain",
+        "surfaces": ["lower_contact"],
+        "depths": [0.0],
+        "values": [3e-4],
+    },
+}
+
+
+@pytest.mark.parametrize(
+    ("kind", "plane"),
+    [("temperature", "strain"), ("temperature", "stress"), ("eigenstrain", "strain")],
+)
+def test_mismatch_is_a_bulk_tension(kind: str, plane: str, solved: Solve) -> None:
     """K_T of the expansion of one body is that of E alpha dT/(1 - nu) (stress: E alpha dT)."""
-    change = 100.0
     steel = {"young": 210e3, "poisson": 0.3}
     loads = {
         "press": press(),
         "shear": {**shear(0.0), "history": [HOLD, {"hold": True, "until": 3.0}]},
         "pull": pull(0.0),
-        "heat": {
-            "type": "temperature",
-            "value": REFERENCE + change,
-            "bodies": ["lower"],
-            "history": [HOLD, wave(1.0)],
-        },
+        "heat": {**MISMATCHES[kind], "history": [HOLD, wave(1.0)]},
     }
-    tension = 210e3 * 3e-6 * change / (0.7 if plane == "strain" else 1.0)
+    tension = 210e3 * 3e-4 / (0.7 if plane == "strain" else 1.0)
     own = {
         "upper": steel,
         "lower": {**steel, "expansion": 3e-6, "reference_temperature": REFERENCE},
