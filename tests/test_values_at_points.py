@@ -87,7 +87,7 @@ BAD_FILES = {
         "x,y,T\n0,0,20\n1,0,3\n0,0,4\n",
         "line 4, column 'x': expected a point of its own, not that of line 2 again, found 0",
     ),
-    "cold": ("x,y,T\n-9,-9,20\n9,9,-300\n", "column 'T': expected temperatures >= -273.15"),
+    "cold": ("x,y,T\n-9,-9,-300\n9,9,20\n", "line 2, column 'T': expected a number >= -273.15"),
     "elsewhere": (
         "x,y,T\n0,5,20\n1,5,3\n1,6,4\n",
         "loads.heat: expected points that reach as far as the body 'upper', whose node at (0, 0)",
@@ -140,7 +140,7 @@ KEYS: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "no values": ({"points": [[0, 0], [1, 0]]}, "found 2 points and none values"),
     "alone": ({"value": 1.0, "values": [1]}, "expected 'values' with 'points' only"),
-    "mixed": ({"points": [[0, 0], [1, 0, 0]], "values": [1, 2]}, "all have 2, or all have 3"),
+    "mixed": ({"points": [[0, 0], [1, 0, 0]], "values": [1, 2]}, "points of 2 coordinates or of 3"),
     "twice": ({"points": [[0, 0], [0, 0]], "values": [1, 2]}, "expected every point once"),
     "cold point": (
         {"points": [[0, 0], [0, 1]], "values": [1, -500]},
@@ -211,3 +211,58 @@ def test_other_values_are_another_problem(tmp_path: Path) -> None:
         case = parse_case(_named(warm(file="t.csv")), tmp_path / "case.toml")
         digests.append(define_model(case, mesh()).digest)
     assert digests[0] == digests[2] != digests[1]
+
+
+def pulled(**keys: Any) -> dict[str, Any]:
+    """A pressure on a side of the upper body of `mesh`."""
+    own = {
+        "type": "traction",
+        "boundary": "upper_right",
+        "direction": "normal",
+        "history": [{"ramp": -5.0, "until": 1.0, "steps": 2}],
+        **keys,
+    }
+    return _named(pad(loads={"press": press(), "p": own}))
+
+
+TRACTIONS: dict[str, tuple[str, dict[str, Any], str]] = {
+    "column": (
+        "x,y,p\n0,0,1\n2,1,2\n",
+        {},
+        "loads.p.file: {}: line 1: expected one column 'value'",
+    ),
+    "empty": ("", {}, "loads.p.file: {}: expected a header row"),
+    "nan": ("x,y,value\n0,0,1\n2,1,nan\n", {}, "line 3, column 'value': expected a finite number"),
+    "elsewhere": (
+        "x,y,value\n2,0,1\n2,0.5,2\n",
+        {},
+        "loads.p: expected points that reach as far as the boundary 'upper_right', whose node at "
+        "(2, 1) is farther from their middle by 200 %",
+    ),
+    "both": (
+        "",
+        {"points": [[2, 0], [2, 1]], "values": [1, 2]},
+        "loads.p: expected one of 'points' and 'file', found both",
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "keys", "expected"), TRACTIONS.values(), ids=TRACTIONS)
+def test_bad_tractions(tmp_path: Path, text: str, keys: dict[str, Any], expected: str) -> None:
+    path = tmp_path / "p.csv"
+    path.write_text(text)
+    with pytest.raises(CaseError, match=re.escape(expected.format(path))):
+        define_model(parse_case(pulled(file="p.csv", **keys), tmp_path / "case.toml"), mesh())
+
+
+def test_tractions_at_points() -> None:
+    data = pulled(points=[[2, 0], [2, 1]], values=[1, 2])
+    (load,) = define_model(parse_case(data), mesh()).loads
+    assert load.at_points is not None
+    np.testing.assert_allclose(load.at_points.at(np.array([[2.0, 0.25]])), 1.25)
+    (reason,) = (
+        each for each in obstacles(parse_case(pad(loads=data["loads"]))) if "loads.p:" in each
+    )
+    assert reason.endswith("expected a uniform traction, found values at points")
+    with pytest.raises(CaseError, match=r"loads\.p\.value: unknown key"):
+        parse_case(pulled(value=3.0))

@@ -11,9 +11,11 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.bodies.point_values import OUTSIDE, PointValues, read_points
-from fretfe.case import Case, unit_vector
+from fretfe.case import Case, complaint, unit_vector
 from fretfe.case.base import ABSOLUTE_ZERO
 from fretfe.case.loads import (
+    AccelerationLoad,
+    ChannelAtPoints,
     DisplacementLoad,
     EigenstrainLoad,
     PlatenLoad,
@@ -139,11 +141,11 @@ class DistributedLoad:
     Attributes:
         channel: name of the load in the case file.
         kind: "traction" (along `direction`), "normal" (outward traction), "rotation",
-            "temperature" or "eigenstrain".
+            "acceleration", "temperature" or "eigenstrain".
         boundary: physical group of a traction, "" for what acts in the volume.
-        direction: unit vector of a traction; axis of a rotation.
+        direction: unit vector of a traction or an acceleration; axis of a rotation.
         centre: a point on the axis of a rotation.
-        at_points: temperatures.
+        at_points: temperatures, or factors of a traction.
         bodies: that a temperature acts on; () for all.
         layers: of an eigenstrain, by body.
     """
@@ -156,6 +158,22 @@ class DistributedLoad:
     at_points: PointValues | None = None
     bodies: tuple[str, ...] = ()
     layers: Mapping[str, Layer] = field(default_factory=dict)
+
+    def body_force(self, material: Material, places: Array) -> Array | None:
+        """(m, d) force per volume at places (m, d), by a unit of its amplitude; None without any.
+
+        A rotation's amplitude is the square of the angular speed.
+        """
+        size = places.shape[1]
+        if self.kind == "acceleration":
+            return np.tile(material.density * np.array(self.direction), (len(places), 1))
+        if self.kind != "rotation":
+            return None
+        arms = places - np.array(self.centre[:size])
+        if size == 3:  # in the plane the axis is normal to it
+            axis = np.array(self.direction)
+            arms = arms - np.outer(arms @ axis, axis)
+        return np.asarray(material.density * arms)
 
     def initial_strain(self, body: str, material: Material, places: Array) -> Array | None:
         """(m, 3, 3) initial strain of a body at places (m, d); None if the load causes none."""
@@ -395,16 +413,25 @@ def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
         if isinstance(load, EigenstrainLoad):
             loads.append(DistributedLoad(name, "eigenstrain", layers=_layers(load, mesh)))
         elif isinstance(load, TemperatureLoad):
-            given, own = _temperatures(case, load, gdim), load.bodies or ()
+            given = (
+                _values(case, name, load, gdim, "T", ABSOLUTE_ZERO)
+                if load.value is None
+                else PointValues(np.zeros((1, gdim)), np.array([load.value]))
+            )
+            own = load.bodies or ()
             loads.append(DistributedLoad(name, "temperature", at_points=given, bodies=own))
+        elif isinstance(load, AccelerationLoad):
+            direction = unit_vector(load.direction, gdim)
+            loads.append(DistributedLoad(name, "acceleration", direction=direction))
         elif isinstance(load, RotationLoad):
             axis = unit_vector(load.axis, 3)
             loads.append(DistributedLoad(name, "rotation", "", axis, load.centre))
-        elif isinstance(load, TractionLoad) and load.direction == "normal":
-            loads.append(DistributedLoad(name, "normal", load.boundary))
         elif isinstance(load, TractionLoad):
-            direction = unit_vector(load.direction, gdim)
-            loads.append(DistributedLoad(name, "traction", load.boundary, direction))
+            kind, direction = "normal", ()
+            if load.direction != "normal":
+                kind, direction = "traction", unit_vector(load.direction, gdim)
+            factors = _values(case, name, load, gdim, "value") if load.at_points else None
+            loads.append(DistributedLoad(name, kind, load.boundary, direction, at_points=factors))
     return tuple(loads)
 
 
@@ -436,18 +463,17 @@ def layer_notes(case: Case, definition: ModelDefinition, mesh: Mesh) -> tuple[st
     return tuple(notes)
 
 
-def _temperatures(case: Case, load: TemperatureLoad, gdim: int) -> PointValues:
-    if load.value is not None:
-        return PointValues(np.zeros((1, gdim)), np.array([load.value]))
+def _values(
+    case: Case, name: str, load: ChannelAtPoints, gdim: int, column: str, least: float = -np.inf
+) -> PointValues:
+    """Values that a load has at points, or in the column of a file; at least so large."""
     if load.file is None:
+        assert load.points is not None and load.values is not None
         return PointValues(np.array(load.points), np.array(load.values))
-    found = read_points(case.resolve(load.file), gdim, "T")
-    if found.values.min() < ABSOLUTE_ZERO:
-        raise CaseError(
-            f"{case.resolve(load.file)}: column 'T': expected temperatures >= {ABSOLUTE_ZERO:g} "
-            f"(absolute zero, in degrees Celsius), found {found.values.min():g}"
-        )
-    return found
+    try:
+        return read_points(case.resolve(load.file), gdim, column, least)
+    except CaseError as error:
+        raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
 
 
 def _require_points_around(case: Case, load: DistributedLoad, mesh: Mesh) -> None:
@@ -459,13 +485,18 @@ def _require_points_around(case: Case, load: DistributedLoad, mesh: Mesh) -> Non
     if load.at_points is None:
         return
     for name in load.bodies or case.bodies:
-        places = mesh.bodies[name].points
-        farthest, excess = load.at_points.outside(places)
+        body, what = mesh.bodies[name], f"the body {name!r}"
+        places = body.points
+        if load.boundary:
+            facets = body.boundaries.get(load.boundary, np.zeros(0, dtype=np.int64))
+            places = places[np.unique(facets)]
+            what = f"the boundary {load.boundary!r}"
+        farthest, excess = load.at_points.outside(places) if len(places) else (0, 0.0)
         if excess > OUTSIDE:
             raise CaseError(
-                f"{case.source}: loads.{load.channel}: expected points that reach as far as the "
-                f"body {name!r}, whose node at {place_text(places[farthest])} is farther from "
-                f"their middle by {100 * excess:.3g} % than their outermost ones"
+                f"{case.source}: loads.{load.channel}: expected points that reach as far as "
+                f"{what}, whose node at {place_text(places[farthest])} is farther from their "
+                f"middle by {100 * excess:.3g} % than their outermost ones"
             )
 
 
@@ -476,9 +507,8 @@ def require_above_absolute_zero(case: Case, definition: ModelDefinition, history
         CaseError: names the first load that would be.
     """
     for load in definition.loads:
-        if load.kind != "temperature":
+        if load.kind != "temperature" or load.at_points is None:
             continue
-        assert load.at_points is not None
         parts = history.values[:, history.channels.index(load.channel)]
         for name in load.bodies or case.bodies:
             start = case.bodies[name].reference_temperature or 0.0

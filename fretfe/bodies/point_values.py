@@ -94,13 +94,14 @@ def _gauge(points: Array, places: Array) -> Array:
     return largest
 
 
-def read_points(path: Path, dimension: int, column: str) -> PointValues:
+def read_points(path: Path, dimension: int, column: str, least: float = -np.inf) -> PointValues:
     """Points and a value at each of them from the columns of a CSV file.
 
     Args:
         path: of the file; its other columns do not matter.
         dimension: number of coordinates, columns x, y and, of solids, z.
         column: that has the values.
+        least: that they may be.
 
     Raises:
         CaseError: file, line and column of what is not as expected.
@@ -116,4 +117,7 @@ def read_points(path: Path, dimension: int, column: str) -> PointValues:
         row = int(again[0])
         before = table.lines[int(first[inverse.ravel()[row]])]
         table.complain(row, axes[0], f"a point of its own, not that of line {before} again")
+    low = np.flatnonzero(table.columns[column] < least)
+    if low.size:
+        table.complain(int(low[0]), column, f"a number >= {least:g}")
     return PointValues(points, table.columns[column])

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from fretfe.case.base import BoundarySelector, Selector, file_kind, unit_vector
 from fretfe.case.loads import (
+    AccelerationLoad,
     CsvPoints,
     DisplacementLoad,
     EigenstrainLoad,
@@ -49,6 +50,7 @@ from fretfe.case.tables import (
 )
 
 __all__ = [
+    "AccelerationLoad",
     "Body",
     "BoundarySelector",
     "Case",

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
@@ -161,25 +160,45 @@ BETWEEN_POINTS = (
 )
 
 
-def require_values(points: Sequence[Sequence[float]] | None, values: Any) -> None:
-    """Check that there is one value for each point, and that points have the same dimension.
+class ChannelAtPoints(Channel):
+    """Base of loads that may be given by values at points."""
 
-    Raises:
-        ValueError: if not.
-    """
-    found = "none" if values is None else str(len(values))
-    if points is None:
-        if values is not None:
-            raise ValueError(f"expected 'values' with 'points' only, found {found} values")
-        return
-    if values is None or len(points) != len(values):
-        raise ValueError(
-            f"expected as many values as points, found {len(points)} points and {found} values"
-        )
-    if len({len(point) for point in points}) > 1:
-        raise ValueError("expected points that all have 2, or all have 3 coordinates, found both")
-    if len(set(points)) < len(points):
-        raise ValueError("expected every point once, found one of them twice")
+    points: tuple[Point, ...] | None = Field(
+        default=None, min_length=2, description=f"Points with a value; {BETWEEN_POINTS}"
+    )
+    values: tuple[Number, ...] | None = Field(
+        default=None, description="Values, one for each point."
+    )
+    file: Text | None = Field(
+        default=None,
+        description="CSV file with columns x, y (and z of solids) and T, of a traction value, "
+        "relative to the folder of the case file; used as points and values are.",
+    )
+
+    @property
+    def at_points(self) -> bool:
+        """True if it is given by values at points."""
+        return self.points is not None or self.file is not None
+
+    @model_validator(mode="after")
+    def _one_value_each(self) -> Self:
+        points, values = self.points, self.values
+        found = "none" if values is None else str(len(values))
+        if points is None:
+            if values is not None:
+                raise ValueError(f"expected 'values' with 'points' only, found {found} values")
+            return self
+        if values is None or len(points) != len(values):
+            raise ValueError(
+                f"expected as many values as points, found {len(points)} points and {found} values"
+            )
+        if self.file is not None:
+            raise ValueError("expected one of 'points' and 'file', found both")
+        if len({len(point) for point in points}) > 1:
+            raise ValueError("expected points of 2 coordinates or of 3, found both")
+        if len(set(points)) < len(points):
+            raise ValueError("expected every point once, found one of them twice")
+        return self
 
 
 class PlatenLoad(Channel):
@@ -221,8 +240,11 @@ class TiltLoad(Channel):
     )
 
 
-class TractionLoad(Channel):
-    """A uniform traction on a boundary."""
+class TractionLoad(ChannelAtPoints):
+    """A traction on a boundary, uniform unless it has values at points.
+
+    These are factors of the history.
+    """
 
     type: Literal["traction"] = Field(description='"traction": force per area on a boundary.')
     boundary: Text = Field(description="Physical group of the boundary.")
@@ -261,7 +283,20 @@ class RotationLoad(Channel):
     )
 
 
-class TemperatureLoad(Channel):
+class AccelerationLoad(Channel):
+    """Body force density * acceleration in all bodies, as that of gravity."""
+
+    type: Literal["acceleration"] = Field(
+        description='"acceleration": body force density * acceleration in all bodies, as by '
+        "gravity. The history is the acceleration, in length over time squared."
+    )
+    direction: Direction = Field(
+        description='Direction of the force: "x", "y", "z" or a vector (its length does not '
+        "matter). What is accelerated feels a force in the opposite direction."
+    )
+
+
+class TemperatureLoad(ChannelAtPoints):
     """A change of temperature, by which bodies expand."""
 
     type: Literal["temperature"] = Field(
@@ -274,16 +309,8 @@ class TemperatureLoad(Channel):
         description="Temperature everywhere, in degrees Celsius. Exactly one of value, points and "
         "file must be given.",
     )
-    points: tuple[Point, ...] | None = Field(
-        default=None, min_length=2, description=f"Points with a temperature; {BETWEEN_POINTS}"
-    )
     values: tuple[Temperature, ...] | None = Field(
         default=None, description="Temperatures, one for each point."
-    )
-    file: Text | None = Field(
-        default=None,
-        description="CSV file with columns x, y (and z of solids) and T, relative to the folder of "
-        "the case file, used as points are.",
     )
     bodies: tuple[Name, ...] | None = Field(
         default=None, min_length=1, description="Bodies that it acts on; all without this key."
@@ -295,7 +322,6 @@ class TemperatureLoad(Channel):
         if len(given) != 1:
             listed = " and ".join(map(repr, given)) or "none"
             raise ValueError(f"expected exactly one of 'value', 'points', 'file', found {listed}")
-        require_values(self.points, self.values)
         return self
 
 
@@ -337,6 +363,7 @@ Load = (
     | TractionLoad
     | DisplacementLoad
     | RotationLoad
+    | AccelerationLoad
     | TemperatureLoad
     | EigenstrainLoad
 )
@@ -346,6 +373,7 @@ LOADS: dict[str, type[Channel]] = {
     "traction": TractionLoad,
     "displacement": DisplacementLoad,
     "rotation": RotationLoad,
+    "acceleration": AccelerationLoad,
     "temperature": TemperatureLoad,
     "eigenstrain": EigenstrainLoad,
 }
@@ -363,6 +391,7 @@ AnyLoad = Annotated[
     | Annotated[TractionLoad, Tag(f"{TAG}traction")]
     | Annotated[DisplacementLoad, Tag(f"{TAG}displacement")]
     | Annotated[RotationLoad, Tag(f"{TAG}rotation")]
+    | Annotated[AccelerationLoad, Tag(f"{TAG}acceleration")]
     | Annotated[TemperatureLoad, Tag(f"{TAG}temperature")]
     | Annotated[EigenstrainLoad, Tag(f"{TAG}eigenstrain")],
     Discriminator(_load_type),

@@ -12,6 +12,7 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from fretfe.case.base import Name, Table, unit_vector
 from fretfe.case.loads import (
+    AccelerationLoad,
     AnyLoad,
     DisplacementLoad,
     Load,
@@ -49,7 +50,7 @@ def cross_problems(
         *_platen_problems(contacts, supports, loads),
         *_platen_direction_problems(loads),
         *_displacement_problems(supports, loads),
-        *_rotation_problems(bodies, loads),
+        *_density_problems(bodies, loads),
         *_temperature_problems(bodies, loads),
     ]
 
@@ -172,13 +173,15 @@ def _displacement_problems(
         used.setdefault(component, f"loads.{name}")
 
 
-def _rotation_problems(bodies: Mapping[str, Body], loads: Mapping[str, Load]) -> Iterator[Problem]:
+def _density_problems(bodies: Mapping[str, Body], loads: Mapping[str, Load]) -> Iterator[Problem]:
     missing = [f"bodies.{name}.density" for name, body in bodies.items() if body.density is None]
     for name, load in loads.items():
-        if isinstance(load, RotationLoad) and missing:
+        if isinstance(load, RotationLoad | AccelerationLoad) and missing:
+            article = "a" if isinstance(load, RotationLoad) else "an"
             yield Problem(
                 ("loads", name),
-                f"a rotation needs the density of every body, missing: {', '.join(missing)}",
+                f"{article} {load.type} needs the density of every body, missing: "
+                f"{', '.join(missing)}",
             )
 
 

@@ -15,6 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 from fretfe.case.base import AXES, Name, Table
 from fretfe.case.loads import (
     AnyLoad,
+    ChannelAtPoints,
     EigenstrainLoad,
     Load,
     RotationLoad,
@@ -300,10 +301,10 @@ def _directions(case: Case) -> Iterator[tuple[Key, str | tuple[float, ...]]]:
         if support.direction is not None:
             yield ("supports", name, "direction"), support.direction
     for name, load in case.loads.items():
-        if isinstance(load, TemperatureLoad):
+        if isinstance(load, ChannelAtPoints):
             points = enumerate(load.points or ())
             yield from ((("loads", name, "points", i), point) for i, point in points)
-        elif isinstance(load, RotationLoad | TiltLoad):
+        if isinstance(load, RotationLoad | TiltLoad):
             yield ("loads", name, "centre"), load.centre
-        elif not isinstance(load, EigenstrainLoad):
+        elif not isinstance(load, TemperatureLoad | EigenstrainLoad):
             yield ("loads", name, "direction"), load.direction

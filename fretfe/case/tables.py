@@ -145,7 +145,7 @@ class Body(Table):
     density: Positive | None = Field(
         default=None,
         description="Mass density in consistent units (mm, N, s: t/mm^3); > 0. "
-        "Needed in every body when a load is a rotation.",
+        "Needed in every body when a load is a rotation or an acceleration.",
     )
     expansion: Number | None = Field(
         default=None,

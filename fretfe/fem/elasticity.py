@@ -22,6 +22,7 @@ from dolfinx.mesh import meshtags_from_entities
 
 from fretfe._typing import Array, Indices
 from fretfe.bodies.definition import DistributedLoad, Material
+from fretfe.bodies.point_values import PointValues
 from fretfe.fem._compat import (
     MPI,
     PETSc,
@@ -223,9 +224,9 @@ class ElasticBody:
         if initial is not None:
             form = self._work(in_space_of(initial, self.gdim))
             return assemble_vector(compiled(self.comm, fem.form, form))
-        if load.kind == "rotation":
-            form = ufl.inner(self._centrifugal(load), test) * ufl.dx
-            return assemble_vector(compiled(self.comm, fem.form, form))
+        force = self.body_force(load)
+        if force is not None:
+            return assemble_vector(compiled(self.comm, fem.form, ufl.inner(force, test) * ufl.dx))
         if load.boundary not in self.groups:
             zero = fem.Function(self.space)  # owns the memory that its vector views
             return zero.x.petsc_vec.copy()
@@ -234,6 +235,8 @@ class ElasticBody:
             traction = ufl.FacetNormal(self.mesh)
         else:
             traction = fem.Constant(self.mesh, np.array(load.direction[: self.gdim]))
+        if load.at_points is not None:
+            traction = self._factors(load, load.at_points) * traction
         form = ufl.inner(traction, test) * measure(self.groups[load.boundary])
         return assemble_vector(compiled(self.comm, fem.form, form))
 
@@ -254,16 +257,29 @@ class ElasticBody:
             self._initial_stresses[load.channel] = found
         return self._initial_stresses[load.channel]
 
-    def _centrifugal(self, load: DistributedLoad) -> Any:
-        """Body force at unit angular speed: density times the vector from the axis."""
-        arm = ufl.SpatialCoordinate(self.mesh) - fem.Constant(
-            self.mesh, np.array(load.centre[: self.gdim])
-        )
-        density = fem.Constant(self.mesh, self.material.density)
-        if self.gdim == 2:  # the axis is normal to the plane
-            return density * arm
-        axis = fem.Constant(self.mesh, np.array(load.direction))
-        return density * (arm - ufl.inner(arm, axis) * axis)
+    def body_force(self, load: DistributedLoad) -> fem.Function | None:
+        """Force per volume (gdim,) of a unit of a load, None without any.
+
+        It is linear in the place, as the space is in which the places of elements lie.
+        """
+        space = fem.functionspace(self.mesh, ("Lagrange", self.order, (self.gdim,)))
+        places = space.tabulate_dof_coordinates()[:, : self.gdim]
+        force = load.body_force(self.material, places)
+        if force is None:
+            return None
+        found = fem.Function(space)
+        found.x.array[:] = force.ravel()
+        return found
+
+    def _factors(self, load: DistributedLoad, given: PointValues) -> fem.Function:
+        """Values at points of a traction, at the nodes of its boundary."""
+        space = fem.functionspace(self.mesh, ("Lagrange", self.degree))
+        facets = self.facet_tags.find(self.groups[load.boundary])
+        nodes = fem.locate_dofs_topological(space, self.mesh.topology.dim - 1, facets)
+        factors = fem.Function(space)
+        places = space.tabulate_dof_coordinates()[nodes, : self.gdim]
+        factors.x.array[nodes] = given.at(places)
+        return factors
 
     def element_nodes(self) -> Array:
         """(m, k, d) places of the nodes of this rank's m elements, in VTK's order.

@@ -333,7 +333,7 @@ class InteractionForm:
         elastic: the body.
         surfaces: names of its contact surfaces.
         upper: whether it is body 1 of the contact.
-        loads: distributed loads, whose initial strains count.
+        loads: distributed loads, whose initial strains and body forces count.
     """
 
     def __init__(
@@ -363,11 +363,16 @@ class InteractionForm:
         self._compiled = compiled(
             mesh.comm, fem.compile_form, mesh.comm, integral, flags=COMPILER_FLAGS
         )
-        self._initial = [elastic.initial_stress(load) for load in loads]
-        first = next((each for each in self._initial if each is not None), None)
-        if first is not None:
+        # Of each load the stress of its initial strain, and its body force.
+        self._of_loads = [
+            (elastic.initial_stress(load), elastic.body_force(load)) for load in loads
+        ]
+        if any(each is not None for pair in self._of_loads for each in pair):
             self._whole = fem.functionspace(mesh, ("DG", 0, (size,)))
-            self._held = fem.Function(first.function_space)
+            self._held = fem.Function(fem.functionspace(mesh, ("Lagrange", 1, (3, 3))))
+            self._force = fem.Function(
+                fem.functionspace(mesh, ("Lagrange", elastic.order, (size,)))
+            )
             integral = self._load_integral(around)
             self._load_constants = extract_constants(integral)
             self._compiled_loads = compiled(
@@ -400,19 +405,21 @@ class InteractionForm:
     def load_products(self, tip: Tip, tube: Tube) -> Array:
         """(d, l) what this rank adds to I for each mode by a unit of each load of the body.
 
-        That is what initial strains add to the integral over displacements, in which the stress
-        is that of the whole strain.
+        That is what initial strains and body forces add to the integral over displacements, in
+        which the stress is that of the whole strain.
         """
-        found = np.zeros((self._size, len(self._initial)))
+        found = np.zeros((self._size, len(self._of_loads)))
         self._look_at(tip, tube)
-        for number, initial in enumerate(self._initial):
-            if initial is None:
+        for number, parts in enumerate(self._of_loads):
+            if all(part is None for part in parts):
                 continue
+            given = self._held, self._force
+            for function, part in zip(given, parts, strict=True):
+                function.x.array[:] = 0.0 if part is None else part.x.array
             cells = self._cells.within(tip, tube, 0.0)
             facets = self._facets.within(tip, tube, 0.0)
-            self._held.x.array[:] = initial.x.array
             form = form_on(
-                self._compiled_loads, self._whole, self._load_constants, cells, facets, [self._held]
+                self._compiled_loads, self._whole, self._load_constants, cells, facets, given
             )
             vector = np.zeros(len(self._whole.dofmap.list) * self._size)
             fem.assemble_vector(vector, form)
@@ -464,20 +471,21 @@ class InteractionForm:
         return whole * around.dx - around.opened * lost * around.ds
 
     def _load_integral(self, around: _Surroundings) -> Any:
-        """The part of initial strains e0, by their stress s0 = D e0.
+        """The part of body forces b and initial strains e0, these by their stress s0 = D e0.
 
         With the stress s = D (e - e0), the crack-tip field (a) and the extension v = q times the
         direction ahead,
 
-            I = int (s_ij ua_i,k v_k,j + sa_ij u_i,k v_k,j - sa:(e - e0) v_k,k) + sa:e0,k v_k dV
+            I = int (s_ij ua_i,k v_k,j + sa_ij u_i,k v_k,j - sa:(e - e0) v_k,k)
+                + (sa:e0,k - b_i ua_i,k) v_k dV
 
         and what is lost through open surfaces; sa:e0 = ea:s0.
         """
         axes, test = around.place.axes, ufl.TestFunction(self._whole)
         given = in_space_of(self._held, self._size)
         held = axes * given * axes.T
-        ahead = axes.T * ufl.as_vector([float(axis == 1) for axis in range(self._size)])
-        growth = axes * ufl.dot(ufl.grad(given), ahead) * axes.T
+        ahead = ufl.as_vector([float(axis == 1) for axis in range(self._size)])
+        growth = axes * ufl.dot(ufl.grad(given), axes.T * ahead) * axes.T
         spread = _spread(around)
         inside, leak = [], []
         for field in around.fields:
@@ -485,6 +493,7 @@ class InteractionForm:
             inside.append(
                 ufl.inner(strain, ufl.tr(spread) * held + around.weight * growth)
                 - ufl.inner(held, field.gradient * spread)
+                - around.weight * ufl.inner(axes * self._force, field.gradient * ahead)
             )
             leak.append(around.normal[1] * ufl.inner(strain, held))
         whole, lost = (

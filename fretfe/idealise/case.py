@@ -73,6 +73,8 @@ def _load_obstacles(case: Case) -> Iterator[str]:
             if load.control != "force":
                 yield f"{key}: expected control = 'force', found {load.control!r} (the approach "
                 "of half-planes is not determined)"
+        elif isinstance(load, TractionLoad) and load.at_points:
+            yield f"{key}: expected a uniform traction, found values at points"
         elif isinstance(load, TractionLoad) and load.boundary in SIDES:
             if not _along_x(load):
                 yield f"{key}: expected a bulk tension along x, found {load.direction!r}"
