@@ -6,7 +6,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from fretfe.bodies.definition import ModelDefinition, Pair, contact_surfaces, couple_contacts
+from fretfe.bodies.definition import (
+    ModelDefinition,
+    Pair,
+    contact_surfaces,
+    couple_contacts,
+    layer_notes,
+    require_above_absolute_zero,
+)
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import Case
 from fretfe.environment import rank_from_environment
@@ -40,6 +47,11 @@ class Checked:
     restrained_modes: Mapping[str, str]
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """Things that a reader of its results should know, in words."""
+        return layer_notes(self.case, self.definition, self.mesh)
+
+    @property
     def cost(self) -> Cost:
         """Estimate of memory and time, of the first mesh if it refines itself."""
         nodes = sum(len(pair.coupling.weights) for pair in self.pairs)
@@ -69,6 +81,7 @@ def check(case: Case) -> Checked | None:
         return None
     history, mesh = build_history(case), _first_mesh(case)
     definition = held_model(case, mesh)
+    require_above_absolute_zero(case, definition, history)
     pairs = couple_contacts(case, contact_surfaces(definition, mesh))
     restrained = modes_restrained_by_contact(definition, mesh)
     return Checked(case, history, mesh, definition, pairs, restrained)

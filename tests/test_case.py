@@ -412,7 +412,8 @@ def test_a_misspelt_required_key_is_one_problem() -> None:
     text = message(bodies__pad__young=ABSENT, bodies__pad__yuong=1.0, bodies__pad__colour=1)
     assert text.splitlines() == [
         "b1.toml: bodies.pad.yuong: unknown key; did you mean 'young', which is required?",
-        "b1.toml: bodies.pad.colour: unknown key, expected one of 'young', 'poisson', 'density'",
+        "b1.toml: bodies.pad.colour: unknown key, expected one of 'young', 'poisson', 'density', "
+        "'expansion', 'reference_temperature'",
     ]
     # only in the same table, and once
     text = message(bodies__pad__young=ABSENT, bodies__substrate__yuong=1.0, bodies__pad__poison=0.3)
@@ -493,6 +494,11 @@ CONTRADICTIONS = {
     "rotation": (
         {"loads__spin": load("rotation", centre=[0, 0]), "bodies__pad__density": 1.0},
         "loads.spin: a rotation needs the density of every body, missing: bodies.substrate.density",
+    ),
+    "acceleration": (
+        {"loads__fall": load("acceleration", direction="y"), "bodies__pad__density": 1.0},
+        "loads.fall: an acceleration needs the density of every body, missing: "
+        "bodies.substrate.density",
     ),
 }
 

@@ -3,18 +3,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.case import Case, unit_vector
-from fretfe.case.loads import DisplacementLoad, PlatenLoad, RotationLoad, TiltLoad, TractionLoad
+from fretfe.bodies.point_values import OUTSIDE, PointValues, read_points
+from fretfe.case import Case, complaint, unit_vector
+from fretfe.case.base import ABSOLUTE_ZERO
+from fretfe.case.loads import (
+    AccelerationLoad,
+    ChannelAtPoints,
+    DisplacementLoad,
+    EigenstrainLoad,
+    PlatenLoad,
+    RotationLoad,
+    TemperatureLoad,
+    TiltLoad,
+    TractionLoad,
+)
 from fretfe.contact.interface import Coordinate
-from fretfe.errors import ModelError
-from fretfe.mesh.mesh import Mesh
+from fretfe.errors import CaseError, ModelError
+from fretfe.loads import History
+from fretfe.mesh.elements import CORNERS
+from fretfe.mesh.mesh import BodyMesh, Mesh, place_text
 from fretfe.surface.mortar import Coupling, couple
-from fretfe.surface.surface import Surface, build_surface
+from fretfe.surface.surface import Surface, boundary_surface, build_surface
 
 
 @dataclass(frozen=True)
@@ -26,12 +42,16 @@ class Material:
         poisson: Poisson's ratio.
         density: mass per volume, zero if no load needs it.
         plane: "strain" or "stress"; without meaning in three dimensions.
+        expansion: coefficient of thermal expansion, zero if no load needs it.
+        reference_temperature: without thermal strain.
     """
 
     young: float
     poisson: float
     density: float
     plane: str
+    expansion: float = 0.0
+    reference_temperature: float = 0.0
 
     @property
     def shear_modulus(self) -> float:
@@ -52,6 +72,67 @@ class Material:
         mu, lame = self.shear_modulus, self.first_lame
         return (lame + 3 * mu) / (lame + mu)
 
+    def initial_stress(self, strain: Array) -> Array:
+        """(m, 3, 3) stress without which initial strains (m, 3, 3) would deform a body.
+
+        In plane strain nothing moves along z, in plane stress nothing holds it there.
+        """
+        stress = 2 * self.shear_modulus * strain
+        strained = strain[:, :2, :2] if self.plane == "stress" else strain
+        trace = np.trace(strained, axis1=1, axis2=2)
+        stress += self.first_lame * trace[:, None, None] * np.eye(3)
+        if self.plane == "stress":
+            stress[:, 2, 2] = 0.0
+        return stress
+
+
+@dataclass(frozen=True)
+class Layer:
+    """Initial strain below some surfaces of a body, equal in all directions of the surface.
+
+    Attributes:
+        surfaces: of the body.
+        depths: (n,) below them, increasing from 0.
+        values: (n,) strains there.
+    """
+
+    surfaces: tuple[Surface, ...]
+    depths: Array
+    values: Array
+
+    def strain(self, places: Array) -> Array:
+        """(m, 3, 3) strain at places (m, d) of the body."""
+        depth, normals = self._depth(places)
+        size = np.interp(depth, self.depths, self.values)
+        across = np.zeros((len(places), 3))
+        across[:, : places.shape[1]] = normals
+        directions = np.eye(3) - across[:, :, None] * across[:, None, :]
+        return np.asarray(size[:, None, None] * directions)
+
+    def _depth(self, places: Array) -> tuple[Array, Array]:
+        """(m,) distance from the nearest surface, and (m, d) its outward normal there."""
+        depth, normals = np.full(len(places), np.inf), np.zeros(places.shape)
+        for surface in self.surfaces:
+            nearest, own = surface.nearest(places)
+            away = places - nearest
+            height = np.sum(away * own, axis=1)
+            # Places of a surface are samples: it is their tangent plane, as far as the next one.
+            spacing = np.ptp(surface.nodes, axis=1).max() / FEWEST_SAMPLES
+            beside = np.linalg.norm(away - height[:, None] * own, axis=1) - spacing
+            found = np.hypot(height, np.maximum(beside, 0.0))
+            nearer = found < depth
+            depth, normals = np.where(nearer, found, depth), np.where(nearer[:, None], own, normals)
+        return depth, normals
+
+    def height_of_elements(self, mesh: BodyMesh) -> float:
+        """Largest depth to which an element with a facet on the surfaces reaches."""
+        corners = mesh.cells[:, : CORNERS[mesh.cell]]
+        depth, _ = self._depth(mesh.points)
+        below = depth[corners]
+        at_surface = below < FLAT * np.ptp(mesh.points, axis=0).max()
+        touching = at_surface.sum(axis=1) >= mesh.points.shape[1]
+        return float(below[touching].max())
+
 
 @dataclass(frozen=True)
 class DistributedLoad:
@@ -59,10 +140,14 @@ class DistributedLoad:
 
     Attributes:
         channel: name of the load in the case file.
-        kind: "traction" (along `direction`), "normal" (outward traction), or "rotation".
-        boundary: physical group of a traction, "" for a rotation.
-        direction: unit vector of a traction; axis of a rotation.
+        kind: "traction" (along `direction`), "normal" (outward traction), "rotation",
+            "acceleration", "temperature" or "eigenstrain".
+        boundary: physical group of a traction, "" for what acts in the volume.
+        direction: unit vector of a traction or an acceleration; axis of a rotation.
         centre: a point on the axis of a rotation.
+        at_points: temperatures, or factors of a traction.
+        bodies: that a temperature acts on; () for all.
+        layers: of an eigenstrain, by body.
     """
 
     channel: str
@@ -70,6 +155,35 @@ class DistributedLoad:
     boundary: str = ""
     direction: tuple[float, ...] = ()
     centre: tuple[float, ...] = ()
+    at_points: PointValues | None = None
+    bodies: tuple[str, ...] = ()
+    layers: Mapping[str, Layer] = field(default_factory=dict)
+
+    def body_force(self, material: Material, places: Array) -> Array | None:
+        """(m, d) force per volume at places (m, d), by a unit of its amplitude; None without any.
+
+        A rotation's amplitude is the square of the angular speed.
+        """
+        size = places.shape[1]
+        if self.kind == "acceleration":
+            return np.tile(material.density * np.array(self.direction), (len(places), 1))
+        if self.kind != "rotation":
+            return None
+        arms = places - np.array(self.centre[:size])
+        if size == 3:  # in the plane the axis is normal to it
+            axis = np.array(self.direction)
+            arms = arms - np.outer(arms @ axis, axis)
+        return np.asarray(material.density * arms)
+
+    def initial_strain(self, body: str, material: Material, places: Array) -> Array | None:
+        """(m, 3, 3) initial strain of a body at places (m, d); None if the load causes none."""
+        if body in self.layers:
+            return self.layers[body].strain(places)
+        if self.kind != "temperature" or (self.bodies and body not in self.bodies):
+            return None
+        assert self.at_points is not None
+        change = self.at_points.at(places) - material.reference_temperature
+        return material.expansion * change[:, None, None] * np.eye(3)
 
 
 @dataclass(frozen=True)
@@ -111,6 +225,12 @@ class Constraint:
 
 
 AXES = "xyz"
+# A place is on a surface if it is nearer to it than this part of the extent of the body.
+FLAT = 1e-6
+# Of a facet along each of its edges there are more samples than this.
+FEWEST_SAMPLES = 8
+# Height of an element over the distance of two depths from which it does not see both.
+FINEST = 1.01
 # What a coordinate calls the moment and the rotation of a tilt.
 TILT_CONTROLS = {"moment": "force", "rotation": "displacement"}
 
@@ -141,17 +261,29 @@ class ModelDefinition:
     bodies: tuple[BodyDefinition, ...]
     loads: tuple[DistributedLoad, ...]
 
+    @property
+    def digest(self) -> str:
+        """Text that is equal for loads with the same values at points."""
+        found = hashlib.sha256()
+        for load in self.loads:
+            if load.at_points is not None:
+                found.update(load.at_points.points.tobytes() + load.at_points.values.tobytes())
+        return found.hexdigest()
+
 
 def define_model(case: Case, mesh: Mesh) -> ModelDefinition:
     """Translate a case into bodies, coordinates and loads.
 
     Raises:
         ModelError: if a body has no contact surface.
+        CaseError: if values at points cannot be read, or do not reach as far as the bodies.
     """
-    gdim = next(iter(mesh.bodies.values())).points.shape[1]
+    gdim = mesh.dimension
+    loads = distributed_loads(case, mesh)
+    for load in loads:
+        _require_points_around(case, load, mesh)
     return ModelDefinition(
-        bodies=tuple(_define_body(case, mesh, name, gdim) for name in case.bodies),
-        loads=distributed_loads(case, gdim),
+        bodies=tuple(_define_body(case, mesh, name, gdim) for name in case.bodies), loads=loads
     )
 
 
@@ -176,7 +308,14 @@ def _define_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyDefinition
     body = case.bodies[name]
     return BodyDefinition(
         name=name,
-        material=Material(body.young, body.poisson, body.density or 0.0, case.model.plane),
+        material=Material(
+            body.young,
+            body.poisson,
+            body.density or 0.0,
+            case.model.plane,
+            body.expansion or 0.0,
+            body.reference_temperature or 0.0,
+        ),
         constraints=tuple(constraint for constraint, _, _ in constrained),
         coordinates=tuple(
             Coordinate(constraint.label, name, control, channel)
@@ -263,19 +402,123 @@ def _direction_name(direction: tuple[float, ...]) -> str:
     return "(" + ", ".join(f"{v:.4g}" for v in direction) + ")"
 
 
-def distributed_loads(case: Case, gdim: int) -> tuple[DistributedLoad, ...]:
-    """Tractions and rotations of a case, in its order."""
-    loads = []
+def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
+    """All loads of a case that are spread over boundaries or bodies, in its order.
+
+    Raises:
+        CaseError: if a file with values at points is not as expected.
+    """
+    loads, gdim = [], mesh.dimension
     for name, load in case.loads.items():
-        if isinstance(load, RotationLoad):
+        if isinstance(load, EigenstrainLoad):
+            loads.append(DistributedLoad(name, "eigenstrain", layers=_layers(load, mesh)))
+        elif isinstance(load, TemperatureLoad):
+            given = (
+                _values(case, name, load, gdim, "T", ABSOLUTE_ZERO)
+                if load.value is None
+                else PointValues(np.zeros((1, gdim)), np.array([load.value]))
+            )
+            own = load.bodies or ()
+            loads.append(DistributedLoad(name, "temperature", at_points=given, bodies=own))
+        elif isinstance(load, AccelerationLoad):
+            direction = unit_vector(load.direction, gdim)
+            loads.append(DistributedLoad(name, "acceleration", direction=direction))
+        elif isinstance(load, RotationLoad):
             axis = unit_vector(load.axis, 3)
             loads.append(DistributedLoad(name, "rotation", "", axis, load.centre))
-        elif isinstance(load, TractionLoad) and load.direction == "normal":
-            loads.append(DistributedLoad(name, "normal", load.boundary))
         elif isinstance(load, TractionLoad):
-            direction = unit_vector(load.direction, gdim)
-            loads.append(DistributedLoad(name, "traction", load.boundary, direction))
+            kind, direction = "normal", ()
+            if load.direction != "normal":
+                kind, direction = "traction", unit_vector(load.direction, gdim)
+            factors = _values(case, name, load, gdim, "value") if load.at_points else None
+            loads.append(DistributedLoad(name, kind, load.boundary, direction, at_points=factors))
     return tuple(loads)
+
+
+def _layers(load: EigenstrainLoad, mesh: Mesh) -> dict[str, Layer]:
+    """Layers of the bodies that have some of the surfaces."""
+    layers = {}
+    for name, body in mesh.bodies.items():
+        own = [surface for surface in load.surfaces if surface in body.boundaries]
+        if own:
+            surfaces = tuple(boundary_surface(body, surface) for surface in own)
+            layers[name] = Layer(surfaces, np.array(load.depths), np.array(load.values))
+    return layers
+
+
+def layer_notes(case: Case, definition: ModelDefinition, mesh: Mesh) -> tuple[str, ...]:
+    """Layers of initial strain that elements below their surfaces do not resolve, in words."""
+    notes = []
+    for load in definition.loads:
+        for name, layer in load.layers.items():
+            height, changes = layer.height_of_elements(mesh.bodies[name]), np.diff(layer.depths)
+            if len(changes) and height > FINEST * changes.min():
+                unit = case.units.length
+                notes.append(
+                    f"loads.{load.channel}: elements below the surfaces of {name} are up to "
+                    f"{height:.3g} {unit} high, next to depths that differ by {changes.min():.3g} "
+                    f"{unit}: there the mesh does not follow the strain, which is linear in an "
+                    "element, and the layer stretches and bends the body by a wrong amount"
+                )
+    return tuple(notes)
+
+
+def _values(
+    case: Case, name: str, load: ChannelAtPoints, gdim: int, column: str, least: float = -np.inf
+) -> PointValues:
+    """Values that a load has at points, or in the column of a file; at least so large."""
+    if load.file is None:
+        assert load.points is not None and load.values is not None
+        return PointValues(np.array(load.points), np.array(load.values))
+    try:
+        return read_points(case.resolve(load.file), gdim, column, least)
+    except CaseError as error:
+        raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
+
+
+def _require_points_around(case: Case, load: DistributedLoad, mesh: Mesh) -> None:
+    """Check that values at points reach as far as what they are for.
+
+    Raises:
+        CaseError: names the place that is farthest outside.
+    """
+    if load.at_points is None:
+        return
+    for name in load.bodies or case.bodies:
+        body, what = mesh.bodies[name], f"the body {name!r}"
+        places = body.points
+        if load.boundary:
+            facets = body.boundaries.get(load.boundary, np.zeros(0, dtype=np.int64))
+            places = places[np.unique(facets)]
+            what = f"the boundary {load.boundary!r}"
+        farthest, excess = load.at_points.outside(places) if len(places) else (0, 0.0)
+        if excess > OUTSIDE:
+            raise CaseError(
+                f"{case.source}: loads.{load.channel}: expected points that reach as far as "
+                f"{what}, whose node at {place_text(places[farthest])} is farther from their "
+                f"middle by {100 * excess:.3g} % than their outermost ones"
+            )
+
+
+def require_above_absolute_zero(case: Case, definition: ModelDefinition, history: History) -> None:
+    """Check that no temperature of a history is below absolute zero.
+
+    Raises:
+        CaseError: names the first load that would be.
+    """
+    for load in definition.loads:
+        if load.kind != "temperature" or load.at_points is None:
+            continue
+        parts = history.values[:, history.channels.index(load.channel)]
+        for name in load.bodies or case.bodies:
+            start = case.bodies[name].reference_temperature or 0.0
+            coldest = float((start + np.outer(parts, load.at_points.values - start)).min())
+            if coldest < ABSOLUTE_ZERO:
+                raise CaseError(
+                    f"{case.source}: loads.{load.channel}.history: expected temperatures >= "
+                    f"{ABSOLUTE_ZERO:g} (absolute zero, in degrees Celsius), found {coldest:g} in "
+                    f"the body {name!r}, whose reference temperature is {start:g}"
+                )
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 from fretfe.case.base import BoundarySelector, Selector, file_kind, unit_vector
 from fretfe.case.loads import (
+    AccelerationLoad,
     CsvPoints,
     DisplacementLoad,
+    EigenstrainLoad,
     Hold,
     Load,
     PlatenLoad,
@@ -14,6 +16,7 @@ from fretfe.case.loads import (
     Ramp,
     RotationLoad,
     Segment,
+    TemperatureLoad,
     TiltLoad,
     TractionLoad,
     Wave,
@@ -47,6 +50,7 @@ from fretfe.case.tables import (
 )
 
 __all__ = [
+    "AccelerationLoad",
     "Body",
     "BoundarySelector",
     "Case",
@@ -55,6 +59,7 @@ __all__ = [
     "Cycle",
     "DisplacementLoad",
     "Edges",
+    "EigenstrainLoad",
     "Geometry",
     "Hold",
     "Load",
@@ -69,6 +74,7 @@ __all__ = [
     "Selector",
     "Solid",
     "Support",
+    "TemperatureLoad",
     "TiltLoad",
     "TractionLoad",
     "Units",

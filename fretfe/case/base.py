@@ -46,6 +46,9 @@ _Finite = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, 
 Number = Annotated[_Finite, AfterValidator(_zero_or_not_tiny)]
 Positive = Annotated[_Finite, Field(gt=0), AfterValidator(_not_tiny)]
 NotNegative = Annotated[Number, Field(ge=0)]
+# Degrees Celsius, or kelvins where the reference is in kelvins too: colder is nothing.
+ABSOLUTE_ZERO = -273.15
+Temperature = Annotated[_Finite, Field(ge=ABSOLUTE_ZERO)]
 Count = Annotated[int, Field(strict=True, ge=1, le=MOST_STEPS)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$", max_length=100)]
 Text = Annotated[str, Field(strict=True, min_length=1, max_length=1000)]

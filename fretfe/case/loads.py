@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -13,11 +14,14 @@ from fretfe.case.base import (
     Axis,
     Count,
     Direction,
+    Name,
     NotNegative,
     Number,
+    Point,
     Positive,
     SurfaceDirection,
     Table,
+    Temperature,
     Text,
     Vector,
 )
@@ -150,6 +154,53 @@ class Channel(Table):
     )
 
 
+BETWEEN_POINTS = (
+    "linear in between, in triangles or tetrahedra of points that span the space, else along their "
+    "line or plane and constant across it. They must reach as far as what they are for."
+)
+
+
+class ChannelAtPoints(Channel):
+    """Base of loads that may be given by values at points."""
+
+    points: tuple[Point, ...] | None = Field(
+        default=None, min_length=2, description=f"Points with a value; {BETWEEN_POINTS}"
+    )
+    values: tuple[Number, ...] | None = Field(
+        default=None, description="Values, one for each point."
+    )
+    file: Text | None = Field(
+        default=None,
+        description="CSV file with columns x, y (and z of solids) and T, of a traction value, "
+        "relative to the folder of the case file; used as points and values are.",
+    )
+
+    @property
+    def at_points(self) -> bool:
+        """True if it is given by values at points."""
+        return self.points is not None or self.file is not None
+
+    @model_validator(mode="after")
+    def _one_value_each(self) -> Self:
+        points, values = self.points, self.values
+        found = "none" if values is None else str(len(values))
+        if points is None:
+            if values is not None:
+                raise ValueError(f"expected 'values' with 'points' only, found {found} values")
+            return self
+        if values is None or len(points) != len(values):
+            raise ValueError(
+                f"expected as many values as points, found {len(points)} points and {found} values"
+            )
+        if self.file is not None:
+            raise ValueError("expected one of 'points' and 'file', found both")
+        if len({len(point) for point in points}) > 1:
+            raise ValueError("expected points of 2 coordinates or of 3, found both")
+        if len(set(points)) < len(points):
+            raise ValueError("expected every point once, found one of them twice")
+        return self
+
+
 class PlatenLoad(Channel):
     """A boundary that moves as one rigid piece and does not turn, unless it has a tilt."""
 
@@ -189,8 +240,11 @@ class TiltLoad(Channel):
     )
 
 
-class TractionLoad(Channel):
-    """A uniform traction on a boundary."""
+class TractionLoad(ChannelAtPoints):
+    """A traction on a boundary, uniform unless it has values at points.
+
+    These are factors of the history.
+    """
 
     type: Literal["traction"] = Field(description='"traction": force per area on a boundary.')
     boundary: Text = Field(description="Physical group of the boundary.")
@@ -229,13 +283,99 @@ class RotationLoad(Channel):
     )
 
 
-Load = PlatenLoad | TiltLoad | TractionLoad | DisplacementLoad | RotationLoad
+class AccelerationLoad(Channel):
+    """Body force density * acceleration in all bodies, as that of gravity."""
+
+    type: Literal["acceleration"] = Field(
+        description='"acceleration": body force density * acceleration in all bodies, as by '
+        "gravity. The history is the acceleration, in length over time squared."
+    )
+    direction: Direction = Field(
+        description='Direction of the force: "x", "y", "z" or a vector (its length does not '
+        "matter). What is accelerated feels a force in the opposite direction."
+    )
+
+
+class TemperatureLoad(ChannelAtPoints):
+    """A change of temperature, by which bodies expand."""
+
+    type: Literal["temperature"] = Field(
+        description='"temperature": thermal strain, expansion * (T - reference_temperature) of '
+        "each body. The history is the part of the way from the reference temperature to the one "
+        "given here: 0 none, 1 all of it."
+    )
+    value: Temperature | None = Field(
+        default=None,
+        description="Temperature everywhere, in degrees Celsius. Exactly one of value, points and "
+        "file must be given.",
+    )
+    values: tuple[Temperature, ...] | None = Field(
+        default=None, description="Temperatures, one for each point."
+    )
+    bodies: tuple[Name, ...] | None = Field(
+        default=None, min_length=1, description="Bodies that it acts on; all without this key."
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        given = [key for key in ("value", "points", "file") if getattr(self, key) is not None]
+        if len(given) != 1:
+            listed = " and ".join(map(repr, given)) or "none"
+            raise ValueError(f"expected exactly one of 'value', 'points', 'file', found {listed}")
+        return self
+
+
+class EigenstrainLoad(Channel):
+    """Strain that a treatment of surfaces, such as shot peening, has put below them."""
+
+    type: Literal["eigenstrain"] = Field(
+        description='"eigenstrain": initial strain below surfaces, the same in all directions of '
+        "the surface and none across it. The history is a factor of values."
+    )
+    surfaces: tuple[Text, ...] = Field(
+        min_length=1, description="Physical groups of the surfaces that it lies below."
+    )
+    depths: tuple[NotNegative, ...] = Field(
+        min_length=1,
+        description="Depths below the surfaces, in length units, increasing from 0.",
+    )
+    values: tuple[Number, ...] = Field(
+        min_length=1,
+        description="Strains at the depths, positive where the layer would grow; linear in "
+        "between, and below the last depth as there.",
+    )
+
+    @model_validator(mode="after")
+    def _profile(self) -> Self:
+        if len(self.depths) != len(self.values):
+            raise ValueError(
+                "expected as many values as depths, "
+                f"found {len(self.depths)} depths and {len(self.values)} values"
+            )
+        if self.depths[0] != 0 or any(b <= a for a, b in pairwise(self.depths)):
+            raise ValueError(f"expected depths that increase from 0, found {list(self.depths)}")
+        return self
+
+
+Load = (
+    PlatenLoad
+    | TiltLoad
+    | TractionLoad
+    | DisplacementLoad
+    | RotationLoad
+    | AccelerationLoad
+    | TemperatureLoad
+    | EigenstrainLoad
+)
 LOADS: dict[str, type[Channel]] = {
     "platen": PlatenLoad,
     "tilt": TiltLoad,
     "traction": TractionLoad,
     "displacement": DisplacementLoad,
     "rotation": RotationLoad,
+    "acceleration": AccelerationLoad,
+    "temperature": TemperatureLoad,
+    "eigenstrain": EigenstrainLoad,
 }
 
 
@@ -250,6 +390,9 @@ AnyLoad = Annotated[
     | Annotated[TiltLoad, Tag(f"{TAG}tilt")]
     | Annotated[TractionLoad, Tag(f"{TAG}traction")]
     | Annotated[DisplacementLoad, Tag(f"{TAG}displacement")]
-    | Annotated[RotationLoad, Tag(f"{TAG}rotation")],
+    | Annotated[RotationLoad, Tag(f"{TAG}rotation")]
+    | Annotated[AccelerationLoad, Tag(f"{TAG}acceleration")]
+    | Annotated[TemperatureLoad, Tag(f"{TAG}temperature")]
+    | Annotated[EigenstrainLoad, Tag(f"{TAG}eigenstrain")],
     Discriminator(_load_type),
 ]

@@ -69,6 +69,8 @@ REASONS = {
     "follow from the displacements; take 0.49 for rubber)",
     ("degree", "less_than_equal"): " (1 or 2)",
     ("order", "less_than_equal"): " (1 or 2)",
+    ("reference_temperature", "greater_than_equal"): " (absolute zero, in degrees Celsius)",
+    ("value", "greater_than_equal"): " (absolute zero, in degrees Celsius)",
     ("steps_per_cycle", "greater_than_equal"): " (fewer cannot follow a wave)",
 }
 COMPARISONS = {

@@ -11,7 +11,16 @@ from typing import Any, NamedTuple, Self
 from pydantic import Field, PrivateAttr, model_validator
 
 from fretfe.case.base import Name, Table, unit_vector
-from fretfe.case.loads import AnyLoad, DisplacementLoad, Load, PlatenLoad, RotationLoad, TiltLoad
+from fretfe.case.loads import (
+    AccelerationLoad,
+    AnyLoad,
+    DisplacementLoad,
+    Load,
+    PlatenLoad,
+    RotationLoad,
+    TemperatureLoad,
+    TiltLoad,
+)
 from fretfe.case.tables import Body, Contact, Cycle, Edges, Geometry, Model, Output, Support, Units
 
 Key = tuple[str | int, ...]
@@ -41,7 +50,8 @@ def cross_problems(
         *_platen_problems(contacts, supports, loads),
         *_platen_direction_problems(loads),
         *_displacement_problems(supports, loads),
-        *_rotation_problems(bodies, loads),
+        *_density_problems(bodies, loads),
+        *_temperature_problems(bodies, loads),
     ]
 
 
@@ -163,13 +173,44 @@ def _displacement_problems(
         used.setdefault(component, f"loads.{name}")
 
 
-def _rotation_problems(bodies: Mapping[str, Body], loads: Mapping[str, Load]) -> Iterator[Problem]:
+def _density_problems(bodies: Mapping[str, Body], loads: Mapping[str, Load]) -> Iterator[Problem]:
     missing = [f"bodies.{name}.density" for name, body in bodies.items() if body.density is None]
     for name, load in loads.items():
-        if isinstance(load, RotationLoad) and missing:
+        if isinstance(load, RotationLoad | AccelerationLoad) and missing:
+            article = "a" if isinstance(load, RotationLoad) else "an"
             yield Problem(
                 ("loads", name),
-                f"a rotation needs the density of every body, missing: {', '.join(missing)}",
+                f"{article} {load.type} needs the density of every body, missing: "
+                f"{', '.join(missing)}",
+            )
+
+
+def _temperature_problems(
+    bodies: Mapping[str, Body], loads: Mapping[str, Load]
+) -> Iterator[Problem]:
+    """Temperatures of bodies that are not there, or whose expansion is not known."""
+    for name, load in loads.items():
+        if not isinstance(load, TemperatureLoad):
+            continue
+        for number, body in enumerate(load.bodies or ()):
+            if body not in bodies:
+                expected = ", ".join(map(repr, bodies)) or "none"
+                yield Problem(
+                    ("loads", name, "bodies", number),
+                    f"expected one of the bodies {expected}, found {body!r}",
+                )
+        missing = [
+            f"bodies.{body}.{key}"
+            for body in bodies
+            if load.bodies is None or body in load.bodies
+            for key in ("expansion", "reference_temperature")
+            if getattr(bodies[body], key) is None
+        ]
+        if missing:
+            yield Problem(
+                ("loads", name),
+                "a temperature needs expansion and reference_temperature of every body that it "
+                f"acts on, missing: {', '.join(missing)}",
             )
 
 

@@ -13,7 +13,15 @@ import tomli_w
 from pydantic import TypeAdapter, ValidationError
 
 from fretfe.case.base import AXES, Name, Table
-from fretfe.case.loads import AnyLoad, Load, RotationLoad, TiltLoad
+from fretfe.case.loads import (
+    AnyLoad,
+    ChannelAtPoints,
+    EigenstrainLoad,
+    Load,
+    RotationLoad,
+    TemperatureLoad,
+    TiltLoad,
+)
 from fretfe.case.messages import complaint, field_problems
 from fretfe.case.model import Case, Key, Problem, cross_problems
 from fretfe.case.overrides import with_overrides
@@ -210,6 +218,8 @@ def _with_full_paths(case: Case) -> dict[str, Any]:
         if key in geometry:
             geometry[key] = _full(case, geometry[key])
     for load in data.get("loads", {}).values():
+        if "file" in load:
+            load["file"] = _full(case, load["file"])
         for segment in load["history"]:
             if "csv" in segment:
                 segment["csv"] = _full(case, segment["csv"])
@@ -291,7 +301,10 @@ def _directions(case: Case) -> Iterator[tuple[Key, str | tuple[float, ...]]]:
         if support.direction is not None:
             yield ("supports", name, "direction"), support.direction
     for name, load in case.loads.items():
+        if isinstance(load, ChannelAtPoints):
+            points = enumerate(load.points or ())
+            yield from ((("loads", name, "points", i), point) for i, point in points)
         if isinstance(load, RotationLoad | TiltLoad):
             yield ("loads", name, "centre"), load.centre
-        else:
+        elif not isinstance(load, TemperatureLoad | EigenstrainLoad):
             yield ("loads", name, "direction"), load.direction

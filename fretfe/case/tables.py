@@ -19,6 +19,7 @@ from fretfe.case.base import (
     Positive,
     Selector,
     Table,
+    Temperature,
     Text,
     Vector,
     file_problem,
@@ -144,7 +145,16 @@ class Body(Table):
     density: Positive | None = Field(
         default=None,
         description="Mass density in consistent units (mm, N, s: t/mm^3); > 0. "
-        "Needed in every body when a load is a rotation.",
+        "Needed in every body when a load is a rotation or an acceleration.",
+    )
+    expansion: Number | None = Field(
+        default=None,
+        description="Coefficient of thermal expansion, per degree. Needed, with "
+        "reference_temperature, in every body that a temperature load acts on.",
+    )
+    reference_temperature: Temperature | None = Field(
+        default=None,
+        description="Temperature without thermal strain, in degrees Celsius.",
     )
 
     @property

@@ -66,6 +66,8 @@ def _print(checked: Checked) -> None:
     for name, motion in checked.restrained_modes.items():
         text = f"Note: without contact {name} is free {motion}."
         console.print(text, highlight=False, markup=False)
+    for note in checked.notes:
+        console.print(f"Note: {note}.", highlight=False, markup=False)
     cycle = "no cycle to evaluate"
     if history.cycle is not None:
         first, last = (history.times[state] for state in history.cycle)

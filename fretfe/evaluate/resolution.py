@@ -17,7 +17,13 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.case import Case, contact_modulus, unit_vector
 from fretfe.case import Contact as ContactTable
-from fretfe.case.loads import DisplacementLoad, PlatenLoad, RotationLoad, TractionLoad
+from fretfe.case.loads import (
+    AccelerationLoad,
+    DisplacementLoad,
+    PlatenLoad,
+    RotationLoad,
+    TractionLoad,
+)
 from fretfe.errors import MeshError
 from fretfe.evaluate.contacts import Contact, SlipZone, Station
 from fretfe.evaluate.factors import WANTED_NODES
@@ -410,7 +416,7 @@ def _normal_force(
     case: Case, mesh: Mesh, history: History, contact: str, initial: InitialGap, normal: Array
 ) -> Array | None:
     """(T,) normal force P per unit thickness; None if equilibrium alone does not give it."""
-    if any(isinstance(load, RotationLoad) for load in case.loads.values()):
+    if any(isinstance(each, RotationLoad | AccelerationLoad) for each in case.loads.values()):
         return None
     for surface, sign in ((initial.surface1, -1.0), (initial.surface2, 1.0)):
         own = mesh.bodies[surface.body].boundaries
@@ -464,7 +470,9 @@ def _force(case: Case, mesh: Mesh, history: History, body: str) -> Array:
 
 
 def _resultant(load: TractionLoad, mesh: Mesh, body: str) -> Array:
-    """(d,) force of a unit traction; NaN if its boundary is no single curve or surface."""
+    """(d,) force of a unit traction; NaN if it varies, or its boundary is no single surface."""
+    if load.at_points:
+        return np.full(mesh.dimension, np.nan)
     try:
         surface = build_surface(mesh.bodies[body], load.boundary)
     except MeshError:

@@ -3,10 +3,11 @@
 
 The stress of elements is poor at a surface with a traction that ends there. But of the stress at a
 contact surface all is known from the contact itself, sigma_nn = -p and sigma_nt = q, except what
-acts along the surface: Hooke's law gives it from the strain along the surface,
+acts along the surface: Hooke's law gives it from the strain along the surface, less what is due
+to initial strains e0,
 
-    sigma_t = E/(1 - nu^2) eps_t - nu/(1 - nu) p    in plane strain,
-    sigma_t = E eps_t - nu p                        in plane stress,
+    sigma_t = E/(1 - nu^2) (eps_t - e0_t - nu e0_z) - nu/(1 - nu) p    in plane strain,
+    sigma_t = E (eps_t - e0_t) - nu p                                  in plane stress,
 
 and eps_t is best at the Gauss points of the facets, as many as the degree of the displacements,
 where the error of the slope of a finite-element function is of one order higher (Barlow 1976).
@@ -44,11 +45,15 @@ class SurfaceStrain:
 
     Attributes:
         arc: (g,) place of the points along the arc of the contact, increasing.
+        places: (g, d) their coordinates.
+        tangents: (g, d) unit tangents of the surface.
         slopes: (g, k, d) factors by which the displacements of k nodes make the strain.
         nodes: (g, k) numbers of these nodes among `Surface.displacement_points`.
     """
 
     arc: Array
+    places: Array
+    tangents: Array
     slopes: Array
     nodes: Indices
 
@@ -72,11 +77,14 @@ class SurfaceStrain:
         )
         facets = surface.displacement_facets(degree)
         count = places.shape[0] * places.shape[1]
-        arc = arc_of(contact, places.reshape(count, -1))
+        flat = places.reshape(count, -1)
+        arc = arc_of(contact, flat)
         order = np.argsort(arc)
         weights = np.einsum("qk,fqd->fqkd", slopes, along).reshape(count, -1, along.shape[2])
         nodes = np.repeat(facets, len(at), axis=0)
-        return cls(arc[order], weights[order], nodes[order])
+        tangents = stretch.reshape(count, -1)
+        tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
+        return cls(arc[order], flat[order], tangents[order], weights[order], nodes[order])
 
     def values(self, displacement: Array) -> Array:
         """(g,) strain by displacements (p, d) of the surface."""
@@ -92,13 +100,22 @@ def arc_of(contact: ContactHistory, places: Array) -> Array:
 
 
 def tangential_stress(strain: Array, pressure: Array, body: Body, plane: Plane) -> Array:
-    """Stress along the surface from the strain along it and the pressure; all of one shape."""
+    """Stress along the surface from the strain along it and the pressure; all of one shape.
+
+    The strain is without the initial one, `free_strain`.
+    """
     contraction = body.poisson / (1 - body.poisson) if plane == "strain" else body.poisson
     return plane_modulus(body, plane) * strain - contraction * pressure
 
 
+def free_strain(strain: Array, tangents: Array, body: Body, plane: Plane) -> Array:
+    """(g,) strain along a surface that initial strains (g, 3, 3) cause where nothing hinders it."""
+    along = np.einsum("gi,gij,gj->g", tangents, strain[:, :2, :2], tangents)
+    return np.asarray(along + body.poisson * strain[:, 2, 2] if plane == "strain" else along)
+
+
 def surface_tensor(
-    tangential: Array, traction: Array, frames: Array, body: Body, plane: Plane
+    tangential: Array, traction: Array, frames: Array, body: Body, plane: Plane, across: Array
 ) -> Array:
     """(N, 4) stress xx, yy, zz, xy at a surface; the same in both bodies but for `tangential`.
 
@@ -108,6 +125,7 @@ def surface_tensor(
         frames: (N, 2, 2) normal and tangent.
         body: that the surface belongs to.
         plane: of the model.
+        across: (N,) initial strain along z.
     """
     p, q = traction.T
     normal, tangent = frames[:, 0], frames[:, 1]
@@ -117,8 +135,9 @@ def surface_tensor(
         + q[:, None, None] * (both + both.swapaxes(1, 2))
         + tangential[:, None, None] * np.einsum("ni,nj->nij", tangent, tangent)
     )
-    across = body.poisson * (tangential - p) if plane == "strain" else 0.0 * p
-    return np.stack([tensor[:, 0, 0], tensor[:, 1, 1], across, tensor[:, 0, 1]], axis=1)
+    held = body.poisson * (tangential - p) - body.young * across
+    along_z = held if plane == "strain" else 0.0 * p
+    return np.stack([tensor[:, 0, 0], tensor[:, 1, 1], along_z, tensor[:, 0, 1]], axis=1)
 
 
 @dataclass(frozen=True)

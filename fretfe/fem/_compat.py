@@ -10,6 +10,7 @@ from __future__ import annotations
 import ctypes
 import importlib.util
 import warnings
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -123,6 +124,7 @@ def form_on(
     constants: list[Any],
     cells: npt.NDArray[np.int32],
     facets: npt.NDArray[np.int32],
+    coefficients: Sequence[dolfinx.fem.Function] = (),
 ) -> dolfinx.fem.Form:
     """A compiled linear form on parts of the mesh of its space.
 
@@ -134,6 +136,7 @@ def form_on(
         cells: own cells of this rank, for the integral over the volume.
         facets: exterior facets of this rank, for the integral over the boundary; ghosts are left
             out.
+        coefficients: all that the form has.
     """
     mesh = space.mesh
     kinds = dolfinx.fem.IntegralType
@@ -142,11 +145,17 @@ def form_on(
         arguments.append(mesh.topology.dim - 1)
     sides = dolfinx.fem.compute_integration_domains(*arguments)
     parts = {kinds.cell: [(1, cells)], kinds.exterior_facet: [(1, sides)]}
-    # The form is searched for its constants each time: a short one that has the same constants.
-    short = replace(compiled, ufl_form=sum(ufl.inner(each, each) for each in constants))
+    # The form is searched for its constants each time: a short one that has the same ones.
+    own = (*constants, *coefficients)
+    short = replace(compiled, ufl_form=sum(ufl.inner(each, each) for each in own))
     # Arguments have other names in 0.9, in the same order.
     return dolfinx.fem.create_form(
-        short, [space], mesh, parts, {}, {constant: constant for constant in constants}
+        short,
+        [space],
+        mesh,
+        parts,
+        {each: each for each in coefficients},
+        {constant: constant for constant in constants},
     )
 
 

@@ -155,9 +155,10 @@ BACKEND = FemBackend()
 
 def model_key(case: Case) -> str:
     """Text that is equal for two cases that can be solved with one model."""
-    file = case.geometry.file
+    files = (case.geometry.file, *(getattr(load, "file", None) for load in case.loads.values()))
+    places = [str(case.resolve(file).absolute()) for file in files if file is not None]
     # The label of the unit of length decides how a STEP file is read.
-    place = f"{case.resolve(file).absolute()} {case.units.length} " if file is not None else ""
+    place = f"{' '.join(places)} {case.units.length} " if places else ""
     return place + repr(case.model_dump(mode="json", exclude=FREE))
 
 

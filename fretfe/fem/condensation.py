@@ -91,6 +91,7 @@ class Body:
 
     Attributes:
         elastic: space and operators of the body.
+        loads: distributed loads.
         surface_unknowns: (p*gdim,) global numbers of the displacements of the surface points.
         condensed: on rank 0, None elsewhere.
     """
@@ -108,6 +109,7 @@ class Body:
         self._index_map = elastic.space.dofmap.index_map
         self._operator = operator
         self._surface_points = surface_points
+        self.loads = tuple(loads)
         self._retain()
         with clock("assembly"):
             self._restraints = Restraints(elastic, constraints)
@@ -409,6 +411,20 @@ class Body:
             displacement.x.scatter_forward()
             recovered.append(displacement)
         return recovered
+
+    def initial_stress(self, amplitudes: Array) -> fem.Function | None:
+        """Stress (3, 3) of the initial strains of load amplitudes (l,); None without any."""
+        found = [self.elastic.initial_stress(load) for load in self.loads]
+        parts = [
+            (amplitude, part)
+            for amplitude, part in zip(amplitudes, found, strict=True)
+            if part is not None
+        ]
+        if not parts:
+            return None
+        total = fem.Function(parts[0][1].function_space)
+        total.x.array[:] = sum(amplitude * part.x.array for amplitude, part in parts)
+        return total
 
     def _forces(self, traction: Array, coordinates: Array, amplitudes: Array) -> PETSc.Vec:
         """Nodal forces by tractions, constrained boundaries and loads."""

@@ -22,6 +22,7 @@ from dolfinx.mesh import meshtags_from_entities
 
 from fretfe._typing import Array, Indices
 from fretfe.bodies.definition import DistributedLoad, Material
+from fretfe.bodies.point_values import PointValues
 from fretfe.fem._compat import (
     MPI,
     PETSc,
@@ -42,6 +43,7 @@ FOLDER, LOCK = "fretfe", "lock"
 TIMEOUT = 120
 # Components of a stress that are written, those that do not follow from others.
 PLANE_COMPONENTS = ((0, 0), (1, 1), (0, 1))
+PLANE_TENSOR = ((0, 0), (1, 1), (2, 2), (0, 1))
 COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
@@ -136,6 +138,7 @@ class ElasticBody:
         self.mesh = create_mesh(comm, cells, points, cell, order)
         self.space = fem.functionspace(self.mesh, ("Lagrange", degree, (gdim,)))
         self.groups, self.facet_tags = self._tag_boundaries(mesh, cell, order)
+        self._initial_stresses: dict[str, fem.Function | None] = {}
 
     def _tag_boundaries(
         self, mesh: BodyMesh | None, cell: str, order: int
@@ -170,12 +173,16 @@ class ElasticBody:
         return Elasticity.of(self.mesh, self.material).stress(strain)
 
     def _energy(self, displacement: Any) -> Any:
+        return self._work(self.stress(displacement))
+
+    def _work(self, stress: Any) -> Any:
+        """Work of a stress (UFL) in a test function."""
         test = ufl.TestFunction(self.space)
         measure = ufl.dx
         if self.mesh.topology.cell_name() == "hexahedron":
             # As many points in each direction as in a quadrilateral that it may be extruded from.
             measure = ufl.dx(metadata={"quadrature_degree": 2 * (self.degree + self.order)})
-        return ufl.inner(self.stress(displacement), ufl.sym(ufl.grad(test))) * measure
+        return ufl.inner(stress, ufl.sym(ufl.grad(test))) * measure
 
     def stiffness(self, constrained: npt.NDArray[np.int32]) -> PETSc.Mat:
         """Stiffness matrix with unit rows and columns at constrained degrees of freedom.
@@ -213,9 +220,13 @@ class ElasticBody:
     def load_vector(self, load: DistributedLoad) -> PETSc.Vec:
         """Nodal forces of a load of unit amplitude; zero if its boundary is on another body."""
         test = ufl.TestFunction(self.space)
-        if load.kind == "rotation":
-            form = ufl.inner(self._centrifugal(load), test) * ufl.dx
+        initial = self.initial_stress(load)
+        if initial is not None:
+            form = self._work(in_space_of(initial, self.gdim))
             return assemble_vector(compiled(self.comm, fem.form, form))
+        force = self.body_force(load)
+        if force is not None:
+            return assemble_vector(compiled(self.comm, fem.form, ufl.inner(force, test) * ufl.dx))
         if load.boundary not in self.groups:
             zero = fem.Function(self.space)  # owns the memory that its vector views
             return zero.x.petsc_vec.copy()
@@ -224,19 +235,51 @@ class ElasticBody:
             traction = ufl.FacetNormal(self.mesh)
         else:
             traction = fem.Constant(self.mesh, np.array(load.direction[: self.gdim]))
+        if load.at_points is not None:
+            traction = self._factors(load, load.at_points) * traction
         form = ufl.inner(traction, test) * measure(self.groups[load.boundary])
         return assemble_vector(compiled(self.comm, fem.form, form))
 
-    def _centrifugal(self, load: DistributedLoad) -> Any:
-        """Body force at unit angular speed: density times the vector from the axis."""
-        arm = ufl.SpatialCoordinate(self.mesh) - fem.Constant(
-            self.mesh, np.array(load.centre[: self.gdim])
-        )
-        density = fem.Constant(self.mesh, self.material.density)
-        if self.gdim == 2:  # the axis is normal to the plane
-            return density * arm
-        axis = fem.Constant(self.mesh, np.array(load.direction))
-        return density * (arm - ufl.inner(arm, axis) * axis)
+    def initial_stress(self, load: DistributedLoad) -> fem.Function | None:
+        """Stress (3, 3) of the initial strain of a unit of a load in the body, None without any.
+
+        It is linear between the corners of elements, as the strain is that displacements of
+        degree 2 can follow. A load has one name and is looked at once.
+        """
+        if load.channel not in self._initial_stresses:
+            space = fem.functionspace(self.mesh, ("Lagrange", 1, (3, 3)))
+            places = space.tabulate_dof_coordinates()[:, : self.gdim]
+            strain = load.initial_strain(self.name, self.material, places)
+            found = None
+            if strain is not None:
+                found = fem.Function(space)
+                found.x.array[:] = self.material.initial_stress(strain).ravel()
+            self._initial_stresses[load.channel] = found
+        return self._initial_stresses[load.channel]
+
+    def body_force(self, load: DistributedLoad) -> fem.Function | None:
+        """Force per volume (gdim,) of a unit of a load, None without any.
+
+        It is linear in the place, as the space is in which the places of elements lie.
+        """
+        space = fem.functionspace(self.mesh, ("Lagrange", self.order, (self.gdim,)))
+        places = space.tabulate_dof_coordinates()[:, : self.gdim]
+        force = load.body_force(self.material, places)
+        if force is None:
+            return None
+        found = fem.Function(space)
+        found.x.array[:] = force.ravel()
+        return found
+
+    def _factors(self, load: DistributedLoad, given: PointValues) -> fem.Function:
+        """Values at points of a traction, at the nodes of its boundary."""
+        space = fem.functionspace(self.mesh, ("Lagrange", self.degree))
+        facets = self.facet_tags.find(self.groups[load.boundary])
+        nodes = fem.locate_dofs_topological(space, self.mesh.topology.dim - 1, facets)
+        factors = fem.Function(space)
+        places = space.tabulate_dof_coordinates()[nodes, : self.gdim]
+        factors.x.array[nodes] = given.at(places)
+        return factors
 
     def element_nodes(self) -> Array:
         """(m, k, d) places of the nodes of this rank's m elements, in VTK's order.
@@ -252,20 +295,31 @@ class ElasticBody:
         """(m, k, d) displacement at the nodes of this rank's elements."""
         return displacement.x.array.reshape(-1, self.gdim)[self._element_nodes]
 
-    def element_stresses(self, displacement: fem.Function) -> Array:
+    def element_stresses(
+        self, displacement: fem.Function, initial: fem.Function | None = None
+    ) -> Array:
         """(m, k, 4 or 6) stress xx, yy, zz, xy, yz, xz at the nodes of this rank's elements.
 
-        Each element has its own, exactly that of its displacement.
+        Each element has its own, exactly that of its displacement less the initial one.
         """
         self._given.x.array[:] = displacement.x.array
         cells = np.arange(len(self._element_nodes), dtype=np.int32)
         values = self._stress_expression.eval(self.mesh, cells)
         values = values.reshape(*self._element_nodes.shape, -1)
-        if self.gdim == 3:
-            return values
-        xx, yy, xy = np.moveaxis(values, 2, 0)
-        zz = 0.0 * xx if self.material.plane == "stress" else self.material.poisson * (xx + yy)
-        return np.stack([xx, yy, zz, xy], axis=2)
+        if self.gdim == 2:
+            xx, yy, xy = np.moveaxis(values, 2, 0)
+            zz = 0.0 * xx if self.material.plane == "stress" else self.material.poisson * (xx + yy)
+            values = np.stack([xx, yy, zz, xy], axis=2)
+        if initial is not None:
+            table = initial.function_space.element.basix_element.tabulate(
+                0, np.ascontiguousarray(self._element_points[self._element_order])
+            )[0, :, :, 0]
+            nodes = initial.function_space.dofmap.list[: len(values)]
+            tensors = initial.x.array.reshape(-1, 3, 3)[nodes]
+            here = np.einsum("kn,mnij->mkij", table, tensors)
+            pairs = PLANE_TENSOR if self.gdim == 2 else COMPONENTS
+            values = values - np.stack([here[..., i, j] for i, j in pairs], axis=2)
+        return values
 
     @cached_property
     def _element_order(self) -> Indices:
@@ -292,6 +346,11 @@ class ElasticBody:
         components = ufl.as_vector([stress[pair] for pair in pairs])
         points = self._element_points[self._element_order]
         return compiled(self.comm, expression, components, points)
+
+
+def in_space_of(tensor: Any, size: int) -> Any:
+    """Components (size, size) of a tensor (3, 3) in UFL."""
+    return ufl.as_matrix([[tensor[i, j] for j in range(size)] for i in range(size)])
 
 
 def _mesh_type(mesh: BodyMesh) -> tuple[str, str, int, int, int]:

@@ -18,7 +18,7 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.bodies.definition import Material
 from fretfe.errors import OutputError
 from fretfe.fem._compat import cells_around
-from fretfe.fem.elasticity import COMPONENTS, ElasticBody
+from fretfe.fem.elasticity import COMPONENTS, PLANE_TENSOR, ElasticBody
 from fretfe.fem.model import Model, Request, Share
 from fretfe.fem.parallel import Lead
 from fretfe.fem.probes import Probe, measure
@@ -26,8 +26,6 @@ from fretfe.files import disk_reason
 from fretfe.local.problem import Batch, EdgeSlip
 from fretfe.results.field_files import FieldWriter
 
-# Of a plane body: xx, yy, zz, xy, which is what `ElasticBody.element_stresses` has.
-IN_PLANE = ((0, 0), (1, 1), (2, 2), (0, 1))
 # Reference coordinates may leave an element by this much; bounding boxes grow by this part.
 TOLERANCE = 1e-8
 NEWTON_STEPS = 12
@@ -141,7 +139,9 @@ class Recovery:
                 if body in self._model.bodies
             }
         fields = self._model.recover_fields(shares)
-        inner = [self._stress(places, self._points, field) for field in fields]
+        inner = [
+            self._stress(places, self._points, *each) for each in zip(fields, shares, strict=True)
+        ]
         return list(zip(self._surfaces(fields), inner, strict=False))
 
     def element_nodes(self) -> dict[str, Array]:
@@ -154,8 +154,15 @@ class Recovery:
         (field,) = self._model.recover_fields([share])
         bodies = {name: (self._model.bodies[name].elastic, u) for name, u in field.items()}
         moved = self._gather({b: e.element_displacements(u) for b, (e, u) in bodies.items()})
-        stress = self._gather({b: e.element_stresses(u) for b, (e, u) in bodies.items()})
-        return {"displacement": list(moved.values()), "stress": list(stress.values())}
+        initial = self._initial(share)
+        stress = {b: e.element_stresses(u, initial[b]) for b, (e, u) in bodies.items()}
+        return {"displacement": list(moved.values()), "stress": list(self._gather(stress).values())}
+
+    def _initial(self, share: Share) -> dict[str, fem.Function | None]:
+        """Stress of the initial strain of each body of this rank's group."""
+        return {
+            name: body.initial_stress(share[name][2]) for name, body in self._model.bodies.items()
+        }
 
     def _surfaces(self, fields: Sequence[dict[str, fem.Function]]) -> list[Moved]:
         model, found = self._model, []
@@ -177,8 +184,12 @@ class Recovery:
         places: Places,
         points: Mapping[tuple[str, int], StressPoints],
         field: Mapping[str, fem.Function],
+        share: Share,
     ) -> dict[tuple[str, int], Array]:
-        own = {key: (at.found, at.stress(field[places[key][0]])) for key, at in points.items()}
+        initial, own = self._initial(share), {}
+        for key, at in points.items():
+            body = places[key][0]
+            own[key] = at.found, at.stress(field[body], initial[body])
         whole = {key: np.full((len(at), 4), np.nan) for key, (_, at) in places.items()}
         for part in self._model.comm.gather(own) or []:
             for key, (found, values) in part.items():
@@ -249,14 +260,26 @@ class StressPoints:
     """
 
     def __init__(self, elastic: ElasticBody, points: Array) -> None:
-        self._pairs = IN_PLANE if elastic.gdim == 2 else COMPONENTS
+        self._pairs = PLANE_TENSOR if elastic.gdim == 2 else COMPONENTS
         cells, reference, self.found = _locate(elastic, points)
+        self._cells, self._reference = cells, reference
         self._operator = _operator(elastic, cells, reference, self._pairs)
 
-    def stress(self, displacement: fem.Function) -> Array:
-        """(f, 4 or 6) stress xx, yy, zz, xy, yz, xz of a displacement, that of the element."""
-        values = self._operator @ displacement.x.array
-        return np.asarray(values.reshape(len(self.found), len(self._pairs)))
+    def stress(self, displacement: fem.Function, initial: fem.Function | None = None) -> Array:
+        """(f, 4 or 6) stress xx, yy, zz, xy, yz, xz of a displacement, that of the element.
+
+        Args:
+            displacement: of the body.
+            initial: stress (3, 3) of initial strains, which is taken off.
+        """
+        values = (self._operator @ displacement.x.array).reshape(len(self.found), -1)
+        if initial is not None:
+            shares = _tabulated(initial.function_space, self._reference)[0]
+            nodes = initial.function_space.dofmap.list[self._cells]
+            tensors = initial.x.array.reshape(-1, 3, 3)[nodes]
+            here = np.einsum("fn,fnij->fij", shares, tensors)
+            values = values - np.stack([here[:, i, j] for i, j in self._pairs], axis=1)
+        return np.asarray(values)
 
 
 def _locate(elastic: ElasticBody, points: Array) -> tuple[Indices, Array, Indices]:

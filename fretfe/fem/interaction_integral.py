@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,8 +15,9 @@ from dolfinx import fem
 from ufl.algorithms.analysis import extract_constants
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.bodies.definition import DistributedLoad
 from fretfe.fem._compat import form_on
-from fretfe.fem.elasticity import ElasticBody, Elasticity, compiled
+from fretfe.fem.elasticity import ElasticBody, Elasticity, compiled, in_space_of
 
 # Distances below this fraction of the reach are zero.
 SMALLEST = 1e-9
@@ -295,8 +297,35 @@ class _Places:
         )
 
 
+@dataclass(frozen=True)
+class _Surroundings:
+    """Station, tip fields and weight in UFL.
+
+    Attributes:
+        place: a place.
+        fields: of all modes.
+        material: of the body.
+        weight: q.
+        slopes: (d,) of q.
+        normal: (d,) of the surface, in the axes of the front.
+        opened: q on open surfaces, 0 elsewhere.
+        dx: over the volume.
+        ds: over the surface.
+    """
+
+    place: FrontPlace
+    fields: list[TipField]
+    material: Elasticity
+    weight: Any
+    slopes: list[Any]
+    normal: Any
+    opened: Any
+    dx: Any
+    ds: Any
+
+
 class InteractionForm:
-    """The interaction integral of one body as a linear functional of its displacement.
+    """The interaction integral of one body as a linear functional of its displacement and loads.
 
     Construction is collective.
 
@@ -304,9 +333,16 @@ class InteractionForm:
         elastic: the body.
         surfaces: names of its contact surfaces.
         upper: whether it is body 1 of the contact.
+        loads: distributed loads, whose initial strains and body forces count.
     """
 
-    def __init__(self, elastic: ElasticBody, surfaces: list[str], upper: bool) -> None:
+    def __init__(
+        self,
+        elastic: ElasticBody,
+        surfaces: list[str],
+        upper: bool,
+        loads: Sequence[DistributedLoad] = (),
+    ) -> None:
         mesh, size = elastic.mesh, elastic.gdim
         self._size = size
         # One test function for each mode: what they have in common is computed once.
@@ -321,11 +357,27 @@ class InteractionForm:
         cells = np.arange(mesh.topology.index_map(dim).size_local, dtype=np.int32)
         facets = np.concatenate([elastic.facet_tags.find(elastic.groups[s]) for s in surfaces])
         self._cells, self._facets = _Places(mesh, dim, cells), _Places(mesh, dim - 1, facets)
-        integral = self._integral(elastic)
+        around = self._surroundings(elastic)
+        integral = self._integral(around)
         self._constants = extract_constants(integral)
         self._compiled = compiled(
             mesh.comm, fem.compile_form, mesh.comm, integral, flags=COMPILER_FLAGS
         )
+        # Of each load the stress of its initial strain, and its body force.
+        self._of_loads = [
+            (elastic.initial_stress(load), elastic.body_force(load)) for load in loads
+        ]
+        if any(each is not None for pair in self._of_loads for each in pair):
+            self._whole = fem.functionspace(mesh, ("DG", 0, (size,)))
+            self._held = fem.Function(fem.functionspace(mesh, ("Lagrange", 1, (3, 3))))
+            self._force = fem.Function(
+                fem.functionspace(mesh, ("Lagrange", elastic.order, (size,)))
+            )
+            integral = self._load_integral(around)
+            self._load_constants = extract_constants(integral)
+            self._compiled_loads = compiled(
+                mesh.comm, fem.compile_form, mesh.comm, integral, flags=COMPILER_FLAGS
+            )
 
     def products(self, tip: Tip, tube: Tube, displacements: Array) -> Array:
         """(d, n) what this rank adds to this body's part of I, for each mode and displacement.
@@ -335,11 +387,7 @@ class InteractionForm:
             tube: what to integrate over.
             displacements: (m, d, n) of the body's nodes on this rank, owned and ghosted.
         """
-        self._point.value[:] = tip.point
-        self._frame.value[:] = tip.frame
-        self._curvature.value = tip.curvature
-        self._reach.value = tube.reach
-        self._half_length.value = tube.half_length
+        self._look_at(tip, tube)
         # Where the weight is 1 there is nothing to count in the plane; in space it varies along the
         # front.
         inner = INNER * tube.reach if self._size == 2 else 0.0
@@ -354,7 +402,38 @@ class InteractionForm:
         functionals = vector.reshape(-1, self._size, self._size)[nodes]
         return np.einsum("nmk,nkj->mj", functionals, displacements[self._numbers[nodes]])
 
-    def _integral(self, elastic: ElasticBody) -> Any:
+    def load_products(self, tip: Tip, tube: Tube) -> Array:
+        """(d, l) what this rank adds to I for each mode by a unit of each load of the body.
+
+        That is what initial strains and body forces add to the integral over displacements, in
+        which the stress is that of the whole strain.
+        """
+        found = np.zeros((self._size, len(self._of_loads)))
+        self._look_at(tip, tube)
+        for number, parts in enumerate(self._of_loads):
+            if all(part is None for part in parts):
+                continue
+            given = self._held, self._force
+            for function, part in zip(given, parts, strict=True):
+                function.x.array[:] = 0.0 if part is None else part.x.array
+            cells = self._cells.within(tip, tube, 0.0)
+            facets = self._facets.within(tip, tube, 0.0)
+            form = form_on(
+                self._compiled_loads, self._whole, self._load_constants, cells, facets, given
+            )
+            vector = np.zeros(len(self._whole.dofmap.list) * self._size)
+            fem.assemble_vector(vector, form)
+            found[:, number] = vector.reshape(-1, self._size).sum(axis=0)
+        return found
+
+    def _look_at(self, tip: Tip, tube: Tube) -> None:
+        self._point.value[:] = tip.point
+        self._frame.value[:] = tip.frame
+        self._curvature.value = tip.curvature
+        self._reach.value = tube.reach
+        self._half_length.value = tube.half_length
+
+    def _surroundings(self, elastic: ElasticBody) -> _Surroundings:
         mesh = elastic.mesh
         metadata = {"quadrature_degree": QUADRATURE_DEGREE[mesh.topology.cell_name()]}
         dx, ds = (
@@ -366,13 +445,22 @@ class InteractionForm:
         place = front_place(offset, self._frame, self._curvature, nothing)
         material = Elasticity.of(mesh, elastic.material)
         weight, slopes = self._weight(place)
-        normal = place.axes * ufl.FacetNormal(mesh)
-        opened = ufl.conditional(ufl.lt(place.ahead, -BLUNT * self._reach), weight, 0.0)
-        slope = ufl.grad(ufl.TestFunction(self._space))
-        inside, leak = [], []
-        for field in tip_fields(place, self._side, material, nothing):
-            inside.append(_volume_flux(place, field, material, weight, slopes))
-            leak.append(_face_flux(field, normal))
+        return _Surroundings(
+            place=place,
+            fields=tip_fields(place, self._side, material, nothing),
+            material=material,
+            weight=weight,
+            slopes=slopes,
+            normal=place.axes * ufl.FacetNormal(mesh),
+            opened=ufl.conditional(ufl.lt(place.ahead, -BLUNT * self._reach), weight, 0.0),
+            dx=dx,
+            ds=ds,
+        )
+
+    def _integral(self, around: _Surroundings) -> Any:
+        place, slope = around.place, ufl.grad(ufl.TestFunction(self._space))
+        inside = [_volume_flux(around, field) for field in around.fields]
+        leak = [_face_flux(field, around.normal) for field in around.fields]
         whole, lost = (
             sum(
                 ufl.inner(place.axes.T * flux * place.axes, slope[mode, :, :])
@@ -380,7 +468,38 @@ class InteractionForm:
             )
             for fluxes in (inside, leak)
         )
-        return whole * dx - opened * lost * ds
+        return whole * around.dx - around.opened * lost * around.ds
+
+    def _load_integral(self, around: _Surroundings) -> Any:
+        """The part of body forces b and initial strains e0, these by their stress s0 = D e0.
+
+        With the stress s = D (e - e0), the crack-tip field (a) and the extension v = q times the
+        direction ahead,
+
+            I = int (s_ij ua_i,k v_k,j + sa_ij u_i,k v_k,j - sa:(e - e0) v_k,k)
+                + (sa:e0,k - b_i ua_i,k) v_k dV
+
+        and what is lost through open surfaces; sa:e0 = ea:s0.
+        """
+        axes, test = around.place.axes, ufl.TestFunction(self._whole)
+        given = in_space_of(self._held, self._size)
+        held = axes * given * axes.T
+        ahead = ufl.as_vector([float(axis == 1) for axis in range(self._size)])
+        growth = axes * ufl.dot(ufl.grad(given), axes.T * ahead) * axes.T
+        spread = _spread(around)
+        inside, leak = [], []
+        for field in around.fields:
+            strain = ufl.sym(field.gradient)
+            inside.append(
+                ufl.inner(strain, ufl.tr(spread) * held + around.weight * growth)
+                - ufl.inner(held, field.gradient * spread)
+                - around.weight * ufl.inner(axes * self._force, field.gradient * ahead)
+            )
+            leak.append(around.normal[1] * ufl.inner(strain, held))
+        whole, lost = (
+            sum(test[m] * each for m, each in enumerate(parts)) for parts in (inside, leak)
+        )
+        return whole * around.dx - around.opened * lost * around.ds
 
     def _weight(self, place: FrontPlace) -> tuple[Any, list[Any]]:
         """The weight q and its slopes (d,) in the axes of the front.
@@ -405,27 +524,22 @@ class InteractionForm:
         return around * along, [*slopes, around * fall * place.stretch / self._half_length]
 
 
-def _volume_flux(
-    place: FrontPlace, field: TipField, material: Elasticity, weight: Any, slopes: list[Any]
-) -> Any:
-    """(d, d) what the gradient of the displacement is multiplied with, in the axes of the front.
-
-    Args:
-        place: where.
-        field: of the crack tip.
-        material: of the body.
-        weight: q.
-        slopes: (d,) of q.
-    """
-    size = len(slopes)
+def _spread(around: _Surroundings) -> Any:
+    """(d, d) gradient of the extension of the crack, q along the direction ahead."""
+    size = len(around.slopes)
     spread = np.full((size, size), 0, dtype=object)
-    spread[1] = slopes
+    spread[1] = around.slopes
     if size == 3:
-        spread[2, 2] = -place.bend * weight
-    spread = ufl.as_matrix(spread.tolist())
-    flux = material.stress(ufl.sym(field.gradient * spread)) + field.stress * spread.T
+        spread[2, 2] = -around.place.bend * around.weight
+    return ufl.as_matrix(spread.tolist())
+
+
+def _volume_flux(around: _Surroundings, field: TipField) -> Any:
+    """(d, d) what the gradient of the displacement is multiplied with, in the axes of the front."""
+    spread, weight = _spread(around), around.weight
+    flux = around.material.stress(ufl.sym(field.gradient * spread)) + field.stress * spread.T
     flux -= ufl.tr(spread) * field.stress
-    ahead = ufl.as_vector([weight if axis == 1 else 0 for axis in range(size)])
+    ahead = ufl.as_vector([weight if axis == 1 else 0 for axis in range(len(around.slopes))])
     return flux + ufl.outer(field.divergence, ahead)
 
 

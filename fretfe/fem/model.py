@@ -20,6 +20,7 @@ from fretfe.bodies.definition import (
     Pair,
     contact_surfaces,
     couple_contacts,
+    layer_notes,
 )
 from fretfe.bodies.rigid_modes import held_model
 from fretfe.case import Case
@@ -108,7 +109,8 @@ class Model:
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
             on_root(comm, lambda: _refuse_too_large(case, mesh, pairs))  # type: ignore[arg-type]
         why = unsymmetric_because()
-        self.notes: tuple[str, ...] = (f"{LARGER_FACTORS}: {why}",) if why else ()
+        layers = on_root(comm, lambda: layer_notes(case, definition, mesh))  # type: ignore[arg-type]
+        self.notes: tuple[str, ...] = (*((f"{LARGER_FACTORS}: {why}",) if why else ()), *layers)
         self._definition = definition
         work = comm.bcast(_work(definition, mesh, case.model.degree) if mesh else None)
         self._group = find_group(comm, work)

@@ -145,10 +145,12 @@ def measure(
     """
     fields = _displacements(model, model.recover_fields(shares))
     forms = _forms(model, probes)
+    # All bodies have the same loads.
+    amplitudes = np.array([next(iter(share.values()))[2] for share in shares])
     found = []
     for number, probe in enumerate(probes, start=1):
         say(f"edge factors: {number} of {len(probes)}")
-        found.append(_integrate(probe, forms, fields))
+        found.append(_integrate(probe, forms, fields, amplitudes))
     gathered = model.comm.gather(found) or []
     return [
         _whole(model.case, probe, [sum(place) for place in zip(*of_probe, strict=True)])
@@ -172,12 +174,22 @@ def _forms(model: Model, probes: Sequence[Probe]) -> Forms:
         for name, upper in zip(probe.bodies, UPPER, strict=True):
             if name in model.bodies and (name, upper) not in forms:
                 surfaces = list(model.body_definition(name).surfaces)
-                forms[name, upper] = InteractionForm(model.bodies[name].elastic, surfaces, upper)
+                body = model.bodies[name]
+                forms[name, upper] = InteractionForm(body.elastic, surfaces, upper, body.loads)
     return forms
 
 
-def _integrate(probe: Probe, forms: Forms, fields: dict[str, Array]) -> list[Array]:
-    """For each place of a probe: (R, d, J) what this rank adds to its integrals."""
+def _integrate(
+    probe: Probe, forms: Forms, fields: dict[str, Array], amplitudes: Array
+) -> list[Array]:
+    """For each place of a probe: (R, d, J) what this rank adds to its integrals.
+
+    Args:
+        probe: what to integrate.
+        forms: of its bodies.
+        fields: (m, d, n) displacements of the bodies by n fields.
+        amplitudes: (n, l) of the loads in these fields.
+    """
     results = []
     for tips, frame, numbers, tubes in zip(
         probe.tips, probe.frames, probe.fields, probe.tubes, strict=True
@@ -187,8 +199,10 @@ def _integrate(probe: Probe, forms: Forms, fields: dict[str, Array]) -> list[Arr
             if (name, upper) not in forms:
                 continue
             displacements = fields[name][..., list(numbers)]
+            form, own = forms[name, upper], amplitudes[list(numbers)]
             for r, tube in enumerate(tubes):
-                integrals[r] += forms[name, upper].products(tip, tube, displacements)
+                integrals[r] += form.products(tip, tube, displacements)
+                integrals[r] += form.load_products(tip, tube) @ own.T
         results.append(integrals)
     return results
 

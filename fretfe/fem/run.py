@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
-from fretfe.bodies.definition import Pair
+from fretfe.bodies.definition import Pair, require_above_absolute_zero
 from fretfe.case import Case, Wave, antiplane_ratio, contact_modulus
 from fretfe.contact.interface import Place
 from fretfe.contact.recorder import Recorder
@@ -297,10 +297,12 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     """Solve all steps; one that fails ends the history and keeps what was computed."""
     reduction, march = prepared.model.reduction, prepared.march
     cycles = _Cycles(history, most_added(case, history, prepared.model.dimension))
+    require_above_absolute_zero(case, reduction.definition, cycles.longest)
     steps = step_loads(case, cycles.longest, reduction.interface, reduction.definition)
     places = [_place(prepared.model, pair) for pair in reduction.pairs]
     channels = [load.channel for load in reduction.definition.loads]
-    storage = options.storage({**_compat.versions(), "mesh": prepared.digest})
+    identity = {"mesh": prepared.digest, "values at points": reduction.definition.digest}
+    storage = options.storage({**_compat.versions(), **identity})
     recorder = Recorder(march, places, steps, channels, case.model.degree, storage)
     if recorder.steps_done:
         until = next(end for end in cycles.ends if end >= recorder.steps_done)

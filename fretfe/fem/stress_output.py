@@ -24,6 +24,7 @@ from fretfe.evaluate.surface_stress import (
     EdgeValue,
     SurfaceStrain,
     edge_stress,
+    free_strain,
     surface_tensor,
     tangential_stress,
 )
@@ -42,12 +43,24 @@ BESIDE = 0.5
 
 @dataclass(frozen=True)
 class _Site:
-    """A contact with its patches, and the surfaces of its bodies."""
+    """A contact with its patches, and the surfaces of its bodies.
+
+    Attributes:
+        patches: of the contact.
+        summaries: of the patches.
+        surfaces: of body 1 and body 2.
+        strains: along them.
+        initial: (l, 2, g) initial strains there by a unit of each load: free strain along the
+            surface, and along z.
+        depths: at which the stress is looked at.
+        place: what the file knows of the contact.
+    """
 
     patches: tuple[ContactHistory, ...]
     summaries: tuple[Contact, ...]
     surfaces: tuple[Surface, Surface]
     strains: tuple[SurfaceStrain, SurfaceStrain]
+    initial: tuple[Array, Array]
     depths: Array
     place: StressSite
 
@@ -91,9 +104,10 @@ def write_stress(
     length = fields.states_at_once()
     for start in range(0, len(writer.states), length):
         block = [int(each) for each in writer.states[start : start + length]]
-        found = fields.stress(writer.places, state_requests(recorder, block))
-        for state, (moved, inner) in zip(block, found, strict=True):
-            writer.add(state, moved, inner)
+        requests = state_requests(recorder, block)
+        found = fields.stress(writer.places, requests)
+        for state, request, (moved, inner) in zip(block, requests, found, strict=True):
+            writer.add(state, request.amplitudes, moved, inner)
     writer.close()
 
 
@@ -136,16 +150,26 @@ class _Writer:
         except OSError as error:
             raise self._error(error) from error
 
-    def add(self, state: int, moved: dict[str, Array], inner: dict[tuple[str, int], Array]) -> None:
+    def add(
+        self,
+        state: int,
+        amplitudes: Array,
+        moved: dict[str, Array],
+        inner: dict[tuple[str, int], Array],
+    ) -> None:
         """Write a state.
 
         Args:
             state: its number.
+            amplitudes: (l,) of the distributed loads.
             moved: displacements of all surfaces.
             inner: stress at `places`.
         """
         self._file.add(
-            {site.contact: self._values(site, state, moved, inner) for site in self._sites}
+            {
+                site.contact: self._values(site, state, amplitudes, moved, inner)
+                for site in self._sites
+            }
         )
 
     def close(self) -> None:
@@ -163,7 +187,12 @@ class _Writer:
             raise self._error(error) from error
 
     def _values(
-        self, site: _Site, state: int, moved: dict[str, Array], inner: dict[tuple[str, int], Array]
+        self,
+        site: _Site,
+        state: int,
+        amplitudes: Array,
+        moved: dict[str, Array],
+        inner: dict[tuple[str, int], Array],
     ) -> dict[str, Any]:
         """Values of a state at a contact; as of `StressWriter.add`."""
         first = site.patches[0]
@@ -172,7 +201,8 @@ class _Writer:
         stress = np.full((2, len(self._depths), len(first.arc), 4), np.nan)
         smooth = []
         for number, (surface, strain) in enumerate(zip(site.surfaces, site.strains, strict=True)):
-            found = strain.values(moved[surface.name])
+            free, across = np.tensordot(amplitudes, site.initial[number], axes=1)
+            found = strain.values(moved[surface.name]) - free
             own = self._tangential(site, number, strain.arc, found, traction)
             smooth.append(own + np.interp(strain.arc, first.arc, traction[:, 0]))
             below = self._depths > 0
@@ -181,7 +211,12 @@ class _Writer:
                 at_nodes = np.interp(first.arc, strain.arc, found, left=np.nan, right=np.nan)
                 tangential = self._tangential(site, number, first.arc, at_nodes, traction)
                 stress[number, ~below] = surface_tensor(
-                    tangential, traction, first.frames, self._body(site, number), self._plane
+                    tangential,
+                    traction,
+                    first.frames,
+                    self._body(site, number),
+                    self._plane,
+                    np.interp(first.arc, strain.arc, across),
                 )
         edges = [self._edge(site, state, smooth, *edge) for edge in site.edges]
         self._note(site, edges)
@@ -259,8 +294,30 @@ def _site(
     points, normals = (np.array(each) for each in zip(*seen, strict=True))
     degree = model.case.model.degree
     strains = [SurfaceStrain.of(surface, degree, pair) for surface in surfaces]
+    initial = [_initial_strains(model, *each) for each in zip(bodies, strains, strict=True)]
     place = StressSite(pair.pair, pair.arc, pair.frames, bodies, points, normals, edges)
-    return _Site(patches, own, surfaces, (strains[0], strains[1]), depths, place)
+    return _Site(
+        patches,
+        own,
+        surfaces,
+        (strains[0], strains[1]),
+        (initial[0], initial[1]),
+        depths,
+        place,
+    )
+
+
+def _initial_strains(model: Model, body: str, strain: SurfaceStrain) -> Array:
+    """(l, 2, g) initial strains at a surface, as of `_Site`."""
+    loads, material = model.reduction.definition.loads, model.body_definition(body).material
+    found = np.zeros((len(loads), 2, len(strain.arc)))
+    for own, load in zip(found, loads, strict=True):
+        initial = load.initial_strain(body, material, strain.places)
+        if initial is not None:
+            constants, plane = model.case.bodies[body], model.case.model.plane
+            own[0] = free_strain(initial, strain.tangents, constants, plane)
+            own[1] = initial[:, 2, 2]
+    return found
 
 
 def _below(surface: Surface, points: Array, depths: Array) -> tuple[Array, Array]:

@@ -73,14 +73,17 @@ def _load_obstacles(case: Case) -> Iterator[str]:
             if load.control != "force":
                 yield f"{key}: expected control = 'force', found {load.control!r} (the approach "
                 "of half-planes is not determined)"
+        elif isinstance(load, TractionLoad) and load.at_points:
+            yield f"{key}: expected a uniform traction, found values at points"
         elif isinstance(load, TractionLoad) and load.boundary in SIDES:
             if not _along_x(load):
                 yield f"{key}: expected a bulk tension along x, found {load.direction!r}"
         elif not (isinstance(load, TractionLoad) and load.boundary == TOP):
             where = getattr(load, "boundary", "everywhere")
+            article = "an" if load.type[0] in "ae" else "a"
             yield (
                 f"{key}: expected a platen force or a traction on {TOP!r}, or a tension on a side "
-                f"of the block, found a {load.type} ({where})"
+                f"of the block, found {article} {load.type} ({where})"
             )
 
 

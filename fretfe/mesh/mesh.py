@@ -197,6 +197,8 @@ def named_boundaries(case: Case) -> Iterator[tuple[str, str]]:
         boundary = getattr(load, "boundary", None)
         if boundary is not None:
             yield f"loads.{name}.boundary", boundary
+        for number, surface in enumerate(getattr(load, "surfaces", ()), start=1):
+            yield f"loads.{name}.surfaces[item {number}]", surface
 
 
 def _contact_problems(mesh: Mesh, case: Case) -> Iterator[str]:

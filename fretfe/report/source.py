@@ -54,6 +54,10 @@ def load_unit(case: Case, name: str) -> str:
         return units.stress
     if load.type == "rotation":
         return f"1/{units.time}"
+    if load.type == "acceleration":
+        return f"{units.length}/{units.time}^2"
+    if load.type == "temperature" or load.type == "eigenstrain":
+        return "1"
     if load.type == "tilt":
         return "rad" if load.control == "rotation" else f"{units.force}·{units.length}"
     prescribed = load.type == "displacement" or load.control == "displacement"

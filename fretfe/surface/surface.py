@@ -287,12 +287,22 @@ def build_surface(mesh: BodyMesh, name: str) -> Surface:
             orientation.
     """
     facets = mesh.boundaries[name]  # each with the body on its left
-    shape, degree = KINDS[mesh.points.shape[1], facets.shape[1]]
+    shape = KINDS[mesh.points.shape[1], facets.shape[1]][0]
     where = f"surface {name!r} of body {mesh.name!r}"
     if shape == "line":
         facets = facets[chain_order(facets, where)]
     else:
         _require_orientation(facets[:, : CORNERS[shape]], where)
+    return _surface(mesh, name, facets)
+
+
+def boundary_surface(mesh: BodyMesh, name: str) -> Surface:
+    """Surface of boundary `name`, in the plane of any number of curves, open or closed."""
+    return _surface(mesh, name, mesh.boundaries[name])
+
+
+def _surface(mesh: BodyMesh, name: str, facets: Indices) -> Surface:
+    shape, degree = KINDS[mesh.points.shape[1], facets.shape[1]]
     nodes = mesh.points[facets]
     numbers, facets = _renumbered(facets, CORNERS[shape])
     normals = _nodal_normals(nodes, facets, shape, degree)

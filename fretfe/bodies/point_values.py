@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Values given at points, from a case or a CSV file, and what they are in between."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.case.base import AXES
+from fretfe.errors import CaseError
+from fretfe.loads.csv_file import read_table
+
+# Points whose extent across a line or plane is below this fraction of their extent lie on it.
+FLAT = 1e-6
+# How much farther from the middle of the points than their hull a place may be, over the distance
+# of the hull: edges of other meshes cut corners off curved surfaces.
+OUTSIDE = 0.02
+
+
+@dataclass(frozen=True)
+class PointValues:
+    """Values at points, linear in triangles or tetrahedra between them; see `at`.
+
+    Attributes:
+        points: (n, d), no two of them the same; one for a value that is the same everywhere.
+        values: (n,).
+    """
+
+    points: Array
+    values: Array
+
+    def at(self, places: Array) -> Array:
+        """(m,) values at places (m, d).
+
+        Points on a line or a plane count for everything across it. A place outside of the points
+        has the value of the place on their hull in the direction of their middle.
+        """
+        axes, own, local = self._flattened(places)
+        if len(axes) == 0:
+            return np.full(len(places), self.values[0])
+        if len(axes) == 1:
+            order = np.argsort(own[:, 0])
+            return np.interp(local[:, 0], own[order, 0], self.values[order])
+        # Imported where it is needed: SciPy's interpolation takes a second.
+        from scipy.interpolate import LinearNDInterpolator
+
+        linear = LinearNDInterpolator(own, self.values)
+        found = linear(local)
+        missing = np.isnan(found)
+        # Next to the hull from inside: round-off would leave it again.
+        inside = local[missing] / (np.maximum(_gauge(own, local[missing]), 1) * (1 + 1e-9))[:, None]
+        found[missing] = linear(inside)
+        return np.asarray(found)
+
+    def outside(self, places: Array) -> tuple[int, float]:
+        """Place (m, d) that is farthest outside of the points, and how far over their extent.
+
+        Zero, or less, where it is inside.
+        """
+        axes, own, local = self._flattened(places)
+        if len(axes) == 0:
+            return 0, 0.0
+        gauge = _gauge(own, local)
+        farthest = int(np.argmax(gauge))
+        return farthest, float(gauge[farthest] - 1)
+
+    def _flattened(self, places: Array) -> tuple[Array, Array, Array]:
+        """Directions (r, d) in which the points differ; points and places along them from there.
+
+        Both are seen from the middle of the points.
+        """
+        middle = self.points.mean(axis=0)
+        _, sizes, axes = np.linalg.svd(self.points - middle, full_matrices=False)
+        axes = axes[sizes > FLAT * sizes[0]]
+        return axes, (self.points - middle) @ axes.T, (places - middle) @ axes.T
+
+
+def _gauge(points: Array, places: Array) -> Array:
+    """(m,) distance of places from the middle, 0, of points, over that of their hull there."""
+    if points.shape[1] == 1:
+        low, high = points.min(), points.max()
+        return np.maximum(places[:, 0] / high, places[:, 0] / low)
+    from scipy.spatial import ConvexHull
+
+    # A·x + b = 0 on a facet, b < 0 as 0 is inside.
+    *normals, offsets = ConvexHull(points).equations.T
+    facets = np.unique((np.array(normals) / -offsets).T.round(12), axis=0)
+    largest = np.full(len(places), -np.inf)
+    for facet in facets:
+        np.maximum(largest, places @ facet, out=largest)
+    return largest
+
+
+def read_points(path: Path, dimension: int, column: str, least: float = -np.inf) -> PointValues:
+    """Points and a value at each of them from the columns of a CSV file.
+
+    Args:
+        path: of the file; its other columns do not matter.
+        dimension: number of coordinates, columns x, y and, of solids, z.
+        column: that has the values.
+        least: that they may be.
+
+    Raises:
+        CaseError: file, line and column of what is not as expected.
+    """
+    axes = AXES[:dimension]
+    table = read_table(path, (*axes, column))
+    points = np.stack([table.columns[axis] for axis in axes], axis=1)
+    if len(points) < 2:
+        raise CaseError(f"{path}: expected at least 2 points, found {len(points)}")
+    _, first, inverse = np.unique(points, axis=0, return_index=True, return_inverse=True)
+    again = np.flatnonzero(first[inverse.ravel()] != np.arange(len(points)))
+    if again.size:
+        row = int(again[0])
+        before = table.lines[int(first[inverse.ravel()[row]])]
+        table.complain(row, axes[0], f"a point of its own, not that of line {before} again")
+    low = np.flatnonzero(table.columns[column] < least)
+    if low.size:
+        table.complain(int(low[0]), column, f"a number >= {least:g}")
+    return PointValues(points, table.columns[column])
