@@ -50,6 +50,8 @@ FAINT = 3e-3
 LEAST_BEND = 0.5
 # Of stations next to each other so many have fits that do not see the same nodes.
 INDEPENDENT = 3
+# Variance of the middle of a parabola through many points over that of their mean.
+LESS = 2.25
 # A pressure that falls behind a front over nearly all of the half-width is that of Hertz, over all.
 HERTZIAN = 0.85
 # Share of what the shape of the contact adds to the first order of a slip zone that is left open.
@@ -249,7 +251,9 @@ class _Shape:
     much as at the station: the pressure falls behind K_N √s as that of a Hertzian contact of the
     half-width `length`. Closed fronts shrink all around the contact as the stick zone does, as
     those of an ellipse: with its half axis b and the first order d1 its slip zones are
-    d = b (1 - (1 - 3 d1/b)^(1/3)) (Vermeulen and Johnson).
+    d = b (1 - (1 - 3 d1/b)^(1/3)) (Vermeulen and Johnson). Between the axes of an ellipse that is
+    so to 1 % if b is the geometric mean of half of the chord along `inward` and of the distance of
+    the tangent from the centre.
 
     Attributes:
         half_width, k_n, power: of the contact.
@@ -269,7 +273,7 @@ class _Shape:
         """That of a station of a front, where `_twist` of the shear is twist."""
         k_n, k_n_bar = _k_n_around(front, station)
         length, length_bar = _length_around(front, station)
-        half_width = station.depth if length > HERTZIAN * station.depth else length
+        half_width = _width(front, station) if length > HERTZIAN * station.depth else length
         bend = station.curvature * half_width
         locally = STRAIGHT + float(np.clip(bend, LEAST_POWER - STRAIGHT, 1.0))
         round_power = ROUND + twist * (TWISTED - ROUND)
@@ -465,30 +469,43 @@ def _along(front: Front, station: Station, arc: Array) -> Array:
     return s - front.length * np.round(s / front.length) if front.closed else s
 
 
+def _width(front: Front, station: Station) -> float:
+    """Half-width of a Hertzian contact, as of `_Shape`."""
+    if not front.closed:
+        return station.depth
+    centre = front.along("point").mean(axis=0)
+    to_centre = float((centre - station.point) @ station.frame.inward)
+    return math.sqrt(station.depth * to_centre) if to_centre > 0 else station.depth
+
+
 def _length_around(front: Front, station: Station) -> tuple[float, float]:
-    """Median of `length` around a station, and its error bar over it by their scatter."""
-    lengths = front.along("length")[_around(front, station)]
-    middle = float(np.nanmedian(lengths))
-    scatter = INTERVAL * float(np.nanstd(lengths)) / math.sqrt(len(lengths))
-    return middle, scatter / middle
+    """`length` of a station by the median of `length` over `depth` around it, and relative bar.
+
+    The bar is by their scatter.
+    """
+    around = _around(front, station)
+    shares = front.along("length")[around] / front.along("depth")[around]
+    middle = float(np.nanmedian(shares))
+    scatter = INTERVAL * float(np.nanstd(shares)) / math.sqrt(len(shares))
+    return middle * station.depth, scatter / middle
 
 
 def _k_n_around(front: Front, station: Station) -> tuple[float, float]:
-    """K_N in the last state by a straight line through those around a station, and relative bar.
+    """K_N in the last state by a parabola through those around a station, and relative bar.
 
     The bar is that of fits as good as those, of which `INDEPENDENT` do not see the same nodes, and
-    by their scatter about the line.
+    by their scatter about the parabola.
     """
     stations = [front.stations[number] for number in _around(front, station)]
     told = [each for each in stations if math.isfinite(each.reported_k_n)]
     k_n, bars = np.array([each.last_k_n for each in told]).T
     s = _along(front, station, np.array([each.arc for each in told]))
-    order = 1 if len(told) > INDEPENDENT else 0
+    order = min(2, len(s) - 1)
     weights = 1 / np.maximum(bars, 1e-3 * k_n)
-    line = np.polynomial.Polynomial.fit(s, k_n, order, w=weights) if order else _mean(k_n)
-    rest = INTERVAL * float(np.std(k_n - line(s))) / math.sqrt(len(told))
-    own = float(np.median(bars)) / math.sqrt(min(len(told), INDEPENDENT))
-    middle = float(line(0.0))
+    parabola = np.polynomial.Polynomial.fit(s, k_n, order, w=weights) if order else _mean(k_n)
+    rest = INTERVAL * float(np.std(k_n - parabola(s))) / math.sqrt(len(s))
+    own = float(np.median(bars)) * (math.sqrt(LESS / INDEPENDENT) if len(s) > INDEPENDENT else 1.0)
+    middle = float(parabola(0.0))
     return middle, math.hypot(own, rest) / middle
 
 
