@@ -43,6 +43,7 @@ def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = Fal
 def _print(checked: Checked) -> None:
     from rich.console import Console
 
+    from fretfe.checked import propose
     from fretfe.evaluate.resolution import coarse_contacts
     from fretfe.loads import most_added
     from fretfe.mesh.cost import SLOW_FACTORS, needs_symmetric_factors
@@ -79,6 +80,8 @@ def _print(checked: Checked) -> None:
     print(f"Estimate: {checked.cost.text}")
     if needs_symmetric_factors(checked.cost):
         console.print(f"Note: {SLOW_FACTORS}", highlight=False)
+    for proposal in propose(checked):
+        console.print(f"Proposal: {proposal}", highlight=False, markup=False)
     console.print("The case is valid.")
 
 
