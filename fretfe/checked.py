@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from fretfe.bodies.definition import (
@@ -15,13 +15,18 @@ from fretfe.bodies.definition import (
     require_above_absolute_zero,
 )
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
-from fretfe.case import Case
+from fretfe.case import Case, parse_case
 from fretfe.environment import rank_from_environment
+from fretfe.errors import FretfeError
+from fretfe.evaluate.resolution import proposed_sizes
 from fretfe.loads import History, build_history
 from fretfe.mesh.cost import Cost, estimate_cost
+from fretfe.mesh.load import size_key
 from fretfe.mesh.mesh import Mesh
 from fretfe.surface.checks import load_mesh
 
+# Accuracy for which an element size is proposed; sizes up to this factor larger are as good.
+PROPOSED, LIKE = 0.03, 1.05
 # Extremes of the loads in a cycle, and the last state.
 EXTREMES = 3
 
@@ -69,6 +74,55 @@ def _field_states(case: Case, steps: int) -> int:
     if isinstance(wanted, str):
         return min(steps, {"none": 0, "last": 1, "extremes": EXTREMES, "all": steps}[wanted])
     return len(wanted)
+
+
+def propose(checked: Checked) -> Iterator[str]:
+    """The element size for an accuracy of K_N and |ΔK| at stations of solids, and its memory.
+
+    The accuracy is the tolerance of the case, 3 % without one. Nothing is said in the plane.
+    """
+    case, mesh = checked.case, checked.mesh
+    if mesh.dimension == 2:
+        return
+    tolerance = case.edges.tolerance or PROPOSED
+    sizes = []
+    for each in proposed_sizes(case, mesh, checked.history, tolerance):
+        if each.reason:
+            yield f"contact {each.contact}: no element size is proposed, as {each.reason}"
+        else:
+            sizes.append(each)
+    if not sizes:
+        return
+    least = min(sizes, key=lambda each: each.size)
+    unit = case.units.length
+    why = (
+        f"for K_N and ΔK to {tolerance:.0%} at all stations: {least.length / least.size:.0f} over "
+        f"the half-width of {least.length:.2g} {unit} expected in contact {least.contact} at P = "
+        f"{least.force:.4g}"
+    )
+    key, now = size_key(case)
+    if not key:
+        yield f"make the elements {least.size:g} {unit} long at the fronts, {why}"
+    elif now <= LIKE * least.size:
+        yield f"{key} = {now:g} is likely to be small enough {why}"
+    else:
+        yield f"set {key} = {least.size:g} {why}: {_taken(case, key, least.size)}"
+
+
+def _taken(case: Case, key: str, size: float) -> str:
+    """Unknowns and memory of a case with another element size, in words."""
+    data = case.model_dump(mode="json", exclude_unset=True)
+    data.get("edges", {}).pop("tolerance", None)
+    table, name = data["geometry"], key.removeprefix("geometry.")
+    if name.startswith("parameters."):
+        table = table.setdefault("parameters", {})
+    table[name.removeprefix("parameters.")] = size
+    try:
+        finer = check(parse_case(data, source=case.source, trust_geo=case.trust_geo))
+    except FretfeError as error:
+        return f"that cannot be solved ({error})"
+    assert finer is not None
+    return f"{finer.cost.unknowns} unknowns, about {finer.cost.memory / 2**30:.2g} GB"
 
 
 def check(case: Case) -> Checked | None:

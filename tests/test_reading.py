@@ -15,7 +15,7 @@ import pytest
 from stored_runs import RUNS, edit_numbers, solved, write_run
 
 from fretfe.errors import OutputError
-from fretfe.evaluate.refinement import Pass, Refinement, StationValues
+from fretfe.evaluate.refinement import Change, Pass, Refinement, StationValues
 from fretfe.history.solution import ContactHistory
 from fretfe.history.state_array import StateArray
 from fretfe.results.reader import load_result, restored_refinement
@@ -58,7 +58,8 @@ def test_arrays_are_read(tmp_path: Path, name: str) -> None:
 
 def test_a_refinement_is_restored() -> None:
     edge = StationValues("main", "left", 1239.0, 35.6, (0.077, 0.076), 0.3, 0.4)
-    refinement = Refinement(0.01, (Pass(6000, 0.01, (edge,), True, 0.5),), False, "enough")
+    change = Change("main", "left", "K_N", 0, 1239.0, 0.5)
+    refinement = Refinement(0.01, (Pass(6000, 0.01, (edge,), True, (change,)),), False, "enough")
     numbers = as_numbers(replace(solved("analytic"), refinement=refinement), {})
     assert restored_refinement(numbers["refinement"]) == refinement
 

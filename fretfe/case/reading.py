@@ -280,12 +280,6 @@ def _plane_only(case: Case) -> Iterator[Problem]:
     if case.model.thickness != 1:
         found = f"{case.model.thickness:g}"
         yield Problem(("model", "thickness"), f"expected 1 on a mesh of solids, found {found}")
-    if case.edges.tolerance is not None:
-        yield Problem(
-            ("edges", "tolerance"),
-            "expected a plane mesh, because a mesh of solids cannot be refined here; leave the "
-            "tolerance out and set the element sizes of the geometry",
-        )
 
 
 def _is_axis(axis: str | tuple[float, ...], dimension: int) -> bool:

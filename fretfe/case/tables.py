@@ -106,7 +106,8 @@ class Geometry(Table):
     )
     size: Positive | None = Field(
         default=None,
-        description="Element size on the contact surfaces of a CAD file, in length units.",
+        description="Element size on the contact surfaces of a CAD file, in length units; that of "
+        "the first mesh of solids that refine themselves.",
     )
     merge: Positive | None = Field(
         default=None,
@@ -221,8 +222,8 @@ class Edges(Table):
         default=None,
         le=0.1,
         description="Relative change of K_N, ΔK_T and the slip-zone lengths from one mesh to the "
-        "next, at every contact edge, of solids of their means along each front, below which the "
-        "mesh is fine enough; 0 < tolerance <= 0.1.",
+        "next, at every contact edge, of solids of K_N and ΔK at every station not near an end, "
+        "below which the mesh is fine enough; 0 < tolerance <= 0.1.",
     )
     unknowns: Count = Field(
         default=200_000,

@@ -43,6 +43,7 @@ def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = Fal
 def _print(checked: Checked) -> None:
     from rich.console import Console
 
+    from fretfe.checked import propose
     from fretfe.evaluate.resolution import coarse_contacts
     from fretfe.loads import most_added
     from fretfe.mesh.cost import refuse_too_large
@@ -80,6 +81,8 @@ def _print(checked: Checked) -> None:
     print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")
     print(f"Estimate: {checked.cost.text}")
     refuse_too_large(checked.cost)
+    for proposal in propose(checked):
+        console.print(f"Proposal: {proposal}", highlight=False, markup=False)
     console.print("The case is valid.")
 
 

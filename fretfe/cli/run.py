@@ -121,8 +121,7 @@ def _print_numbers(console: Console, result: Result) -> None:
         contact_table,
         cycle_table,
         front_texts,
-        limit_table,
-        mesh_table,
+        refinement_tables,
         station_table,
     )
     from fretfe.report.texts import print_whole
@@ -130,8 +129,7 @@ def _print_numbers(console: Console, result: Result) -> None:
     for text in front_texts(result) if result.solid else ():
         console.print(text, highlight=False, markup=False)
     tables = [contact_table(result), station_table(result), cycle_table(result)]
-    if result.refinement is not None:
-        tables += [mesh_table(result.refinement), limit_table(result.refinement)]
+    tables += refinement_tables(result.refinement)
     for table in tables:
         if table is not None:
             print_whole(table)

@@ -2,27 +2,32 @@
 """Convergence of a mesh that refines itself.
 
 Each pass solves the whole history on one mesh. From two passes follows how much the results still
-change; `resolution` tells where the next mesh has to be finer. Numbers of single stations of solids
-scatter with the ragged border of a discrete contact area; means along their fronts do not.
+change; `resolution` tells where the next mesh has to be finer. A station of a plane contact is an
+edge, which has a name; the stations of solids are compared by their places.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from fretfe._typing import Array
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.history.solution import Solution
 
+# Reads one number of a station.
+Measure = Callable[[Station], float]
 # Slip zones shorter than this fraction of the rise do not matter; they are not resolved.
 SHORTEST_SLIP = 1e-3
 # Changes shrink at least by this factor from pass to pass where values are extrapolated.
 SHRINKING = 0.7
 # Share of the stations of a front that must have a number for its mean.
 KNOWN = 0.5
+# A range of (K_T, K_S) below this part of the largest one along its front need not converge.
+LEAST_RANGE = 0.2
 
 
 @dataclass(frozen=True)
@@ -38,6 +43,8 @@ class StationValues:
         slip: lengths of the last slip zones in time order; NaN where unknown.
         rise: distance from the front in which the pressure rises to its largest value.
         friction: coefficient.
+        number: of the station along its front.
+        k_t_scale: least value that changes of K_T are compared with.
     """
 
     contact: str
@@ -47,6 +54,8 @@ class StationValues:
     slip: tuple[float, ...]
     rise: float
     friction: float
+    number: int = 0
+    k_t_scale: float = 0.0
 
     @property
     def key(self) -> tuple[str, str, int]:
@@ -67,9 +76,44 @@ class StationValues:
         shortest = SHORTEST_SLIP * self.rise
         return (
             abs(self.k_n),
-            max(abs(self.k_t), shortest * self.friction * self.k_n),
+            max(abs(self.k_t), shortest * self.friction * self.k_n, self.k_t_scale),
             *(max(length, shortest) for length in self.slip),
         )
+
+
+@dataclass(frozen=True)
+class Change:
+    """Largest change of a number along a front from one mesh to the next.
+
+    Attributes:
+        contact: name of the contact.
+        front: name of its front.
+        quantity: one of `KINDS`.
+        station: number of the station where it changed most, along the front of the finer mesh.
+        value: there on the finer mesh.
+        change: relative to its scale; NaN if it is not known on both meshes.
+    """
+
+    contact: str
+    front: str
+    quantity: str
+    station: int
+    value: float
+    change: float
+
+    @property
+    def size(self) -> float:
+        """The change; infinite if it is not known."""
+        return self.change if math.isfinite(self.change) else math.inf
+
+    @property
+    def text(self) -> str:
+        """The change in words."""
+        changed = f"{self.change:.2%}" if math.isfinite(self.change) else "not known twice"
+        return f"{self.quantity} at {self.contact}, {self.front}, station {self.station}: {changed}"
+
+
+KINDS = ("K_N", "ΔK", "d")
 
 
 @dataclass(frozen=True)
@@ -81,15 +125,30 @@ class Pass:
         smallest_element: at the contacts, along the surface.
         stations: values at each station.
         resolved: whether the mesh resolved rise and slip zones at all stations.
-        change: largest change of any value from the pass before, relative to its scale; infinite if
-            there is nothing to compare with.
+        changes: of each kind of value along each front, from the pass before; none if there is
+            nothing to compare with.
     """
 
     unknowns: int
     smallest_element: float
     stations: tuple[StationValues, ...]
     resolved: bool
-    change: float
+    changes: tuple[Change, ...]
+
+    @property
+    def worst(self) -> Change | None:
+        """The largest of all changes; None without any."""
+        return max(self.changes, key=lambda each: each.size, default=None)
+
+    @property
+    def change(self) -> float:
+        """Largest change of any value; infinite if there is nothing to compare with."""
+        return self.worst.size if self.worst else math.inf
+
+    def of_kind(self, quantity: str) -> float:
+        """Largest change of a kind of value; infinite if there is nothing to compare with."""
+        sizes = [each.size for each in self.changes if each.quantity == quantity]
+        return max(sizes, default=math.inf)
 
 
 @dataclass(frozen=True)
@@ -110,8 +169,13 @@ class Refinement:
 
     @property
     def limits(self) -> tuple[tuple[StationValues, tuple[float, ...]], ...]:
-        """The stations of the last pass, and the limit of each of their values."""
+        """The edges of the last pass, and the limit of each of their values.
+
+        Stations of solids scatter: their values have no limits that could be told.
+        """
         last = self.passes[-1].stations if self.passes else ()
+        if any(station.number for station in last):
+            return ()
         return tuple(
             (each, tuple(extrapolate(self.history(each, v)) for v in range(len(each.values))))
             for each in last
@@ -142,22 +206,145 @@ def extrapolate(values: Sequence[float]) -> float:
     return last - after**2 / (after - before)
 
 
-def changes_by_kind(
+def edge_changes(
     before: Sequence[StationValues], after: Sequence[StationValues]
-) -> tuple[float, float, float]:
-    """Largest relative change of K_N, of K_T and of slip lengths; infinite if one is unknown."""
-    if not after or [each.key for each in before] != [each.key for each in after]:
-        return math.inf, math.inf, math.inf
-    changes = [0.0, 0.0, 0.0]
-    for old, new in zip(before, after, strict=True):
-        for place, (value, other, scale) in enumerate(
-            zip(old.values, new.values, new.scales, strict=True)
-        ):
-            difference = abs(other - value)
+) -> tuple[Change, ...]:
+    """Changes at edges of plane contacts; none unless both passes have the same ones."""
+    if [each.key for each in before] != [each.key for each in after]:
+        return ()
+    return _largest(after, [each.values for each in before])
+
+
+def station_changes(
+    before: Sequence[Contact],
+    contacts: Sequence[Contact],
+    solution: Solution,
+    after: Sequence[StationValues],
+) -> tuple[Change, ...]:
+    """Changes at the stations of solids, from the values before in the same places.
+
+    Places that were too near an end before are not compared.
+
+    Args:
+        before: contacts on the coarser mesh.
+        contacts: those on the finer one.
+        solution: on the finer one.
+        after: its values, as of `solid_values`.
+    """
+    references: list[tuple[float, ...] | None] = []
+    for contact in contacts:
+        fronts = [front for old in before if old.pair == contact.pair for front in old.fronts]
+        for front in contact.fronts:
+            twin = nearest_front(front, fronts)
+            count = len(front.judged)
+            if twin is None or not count:
+                references += [(math.nan, math.nan)] * count
+                continue
+            places = np.array([station.point for station in front.judged])
+            measures = (*_measures(solution, contact), lambda _: 0.0)
+            *values, judged = at_places(twin, places, measures)
+            references += [
+                tuple(float(value[place]) for value in values) if judged[place] == 0 else None
+                for place in range(count)
+            ]
+    known = any(front.judged for contact in before for front in contact.fronts)
+    return _largest(after, references) if known else ()
+
+
+def _largest(
+    after: Sequence[StationValues], references: Sequence[Sequence[float] | None]
+) -> tuple[Change, ...]:
+    """For each front and kind of value the largest change from the references, if there are any."""
+    worst: dict[tuple[str, str, str], Change] = {}
+    for new, old in zip(after, references, strict=True):
+        if old is None:
+            continue
+        for place, (value, was, scale) in enumerate(zip(new.values, old, new.scales, strict=True)):
+            difference = abs(value - was)
             change = difference / scale if difference else 0.0
-            kind = min(place, 2)
-            changes[kind] = max(changes[kind], change if math.isfinite(change) else math.inf)
-    return changes[0], changes[1], changes[2]
+            quantity = KINDS[min(place, 2)]
+            found = Change(new.contact, new.front, quantity, new.number, value, change)
+            key = new.contact, new.front, quantity
+            if key not in worst or found.size > worst[key].size:
+                worst[key] = found
+    return tuple(worst.values())
+
+
+def _measures(solution: Solution, contact: Contact) -> tuple[Measure, Measure]:
+    """K_N and the range of (K_T, K_S) of stations of solids; zero without friction or cycle."""
+    (history,) = (each for each in solution.contacts if each.name == contact.pair)
+    if history.friction.max() > 0 and solution.cycle is not None:
+        return (lambda each: each.reported_k_n), (lambda each: each.reported_range)
+    return (lambda each: each.reported_k_n), (lambda _: 0.0)
+
+
+def solid_values(contacts: Sequence[Contact], solution: Solution) -> tuple[StationValues, ...]:
+    """Values that must converge at all stations of solids that are not too near an end.
+
+    Slip zones follow from K_N and the range of (K_T, K_S) by the plane problem of each station.
+    """
+    friction = {each.name: float(each.friction.max()) for each in solution.contacts}
+    found = []
+    for contact in contacts:
+        k_n, k_range = _measures(solution, contact)
+        for front in contact.fronts:
+            largest = np.nanmax(numbers(front.judged, k_range), initial=0.0)
+            found += [
+                StationValues(
+                    contact=contact.name,
+                    front=front.name,
+                    k_n=k_n(station),
+                    k_t=k_range(station),
+                    slip=(),
+                    rise=float(np.fmin(station.depth, station.length)),
+                    friction=friction[contact.pair],
+                    number=station.number,
+                    k_t_scale=LEAST_RANGE * float(largest),
+                )
+                for station in front.judged
+            ]
+    return tuple(found)
+
+
+def numbers(stations: Sequence[Station], measure: Measure) -> Array:
+    """(n,) a number of stations."""
+    return np.array([float(measure(station)) for station in stations])
+
+
+def nearest_front(front: Front, others: Sequence[Front]) -> Front | None:
+    """The front among others that runs nearest to the stations of one; None without any."""
+    points = front.along("point")
+
+    def distance(other: Front) -> float:
+        gaps = np.linalg.norm(points[:, None] - other.along("point"), axis=2)
+        return float(gaps.min(axis=1).mean())
+
+    return min(
+        (other for other in others if other.closed == front.closed), key=distance, default=None
+    )
+
+
+def at_places(front: Front, points: Array, measures: Sequence[Measure]) -> Iterator[Array]:
+    """Numbers (n,) of a front at the places of its line that are nearest to points (n, 3).
+
+    Linear between the stations; NaN where a neighbour has none, or is an end.
+    """
+    places = front.along("point")
+    ends = np.roll(places, -1, axis=0) if front.closed else places[1:]
+    starts = places[: len(ends)]
+    lines = ends - starts
+    share = np.einsum("nmd,md->nm", points[:, None] - starts, lines) / np.sum(lines**2, axis=1)
+    share = np.clip(share, 0.0, 1.0)
+    gaps = np.linalg.norm(starts + share[..., None] * lines - points[:, None], axis=2)
+    first = gaps.argmin(axis=1)
+    part = share[np.arange(len(points)), first]
+    second = (first + 1) % len(places)
+    for measure in measures:
+        values = numbers(front.stations, measure)
+        values[front.along("end").astype(bool)] = np.nan
+        # A place on a station needs no neighbour.
+        terms = (part < 1, (1 - part) * values[first]), (part > 0, part * values[second])
+        yield np.sum([np.where(used, term, 0.0) for used, term in terms], axis=0)
 
 
 def front_means(contacts: Sequence[Contact], solution: Solution) -> tuple[StationValues, ...]:

@@ -25,7 +25,7 @@ from fretfe.case.loads import (
     TractionLoad,
 )
 from fretfe.errors import MeshError
-from fretfe.evaluate.contacts import Contact, SlipZone, Station
+from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.evaluate.factors import WANTED_NODES
 from fretfe.evaluate.plane.section import main_patch, plane_front
 from fretfe.evaluate.refinement import SHORTEST_SLIP, StationValues
@@ -33,6 +33,7 @@ from fretfe.evaluate.slip import cycle_states
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
 from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.sizing import FinePlaces
 from fretfe.surface.checks import InitialGap, initial_gaps
 from fretfe.surface.surface import Surface, build_surface
 
@@ -47,6 +48,15 @@ BLIND = 4
 SMALLEST_ELEMENT = 1e-4
 # Slip lengths that are reported and must converge: those of the last loading and unloading.
 ZONES = 2
+# Error bar of |ΔK| at single stations of solids, times the elements over the half-width of the
+# contact: .37 on spheres with 8 and with 12 of them.
+BAR_TIMES_ELEMENTS = 0.36
+# Elements over the radius of a front below which there is no K_N.
+PER_RADIUS = 6.0
+# Nodes in contact of solids that are likely to show its fronts.
+NODES_WITH_FRONTS = 200
+# Elements along fronts of solids become smaller by factors between these from mesh to mesh.
+LEAST_FINER, MOST_FINER = 1.4, 2.0
 # A direction is along the surface if its part along the normal is below this.
 PARALLEL = 1e-3
 # The estimate is good to about this fraction of the width: it must not cry wolf.
@@ -140,6 +150,52 @@ def needed_sizes(
     ):
         intervals += _station_intervals(solution, history, contact, station, values, 2.0**-level)
     return tuple(intervals)
+
+
+def fine_places(
+    solution: Solution, history: ContactHistory, contact: Contact, tolerance: float
+) -> Iterator[FinePlaces]:
+    """Places along the fronts of a contact of solids, with the element sizes of the next mesh.
+
+    Those are as small as the tolerance is likely to need, for the half-width at each station, but
+    smaller than they were by no more than a factor. Where no front is known all nodes under
+    pressure are to be finer, so that there are enough of them.
+    """
+    cycle = cycle_states(solution.cycle)
+    states = cycle if len(cycle) else np.array([len(solution.times) - 1])
+    known = [front for front in contact.fronts if front.judged]
+    for front in known:
+        yield _along(front, states, tolerance)
+    pressed = history.traction[int(states[-1]), :, 0] > 0
+    if not known and pressed.any():
+        count = np.count_nonzero(pressed)
+        finer = np.clip(math.sqrt(NODES_WITH_FRONTS / count), MOST_FINER, BLIND)
+        size = float(np.sqrt(np.median(history.weights[pressed])) / finer)
+        yield FinePlaces(history.points[pressed], np.full(count, size))
+
+
+def _along(front: Front, states: Indices, tolerance: float) -> FinePlaces:
+    """Places along a front, wherever it is in some states; those near its ends aside."""
+    stations = front.judged
+    before = np.array([station.size for station in stations])
+    scale = np.array([np.fmin(station.depth, station.length) for station in stations])
+    wanted = np.where(np.isfinite(scale), scale * tolerance / BAR_TIMES_ELEMENTS, 0.0)
+    sizes = np.clip(wanted, before / MOST_FINER, before / LEAST_FINER)
+    positions = np.nan_to_num([station.position[states] for station in stations])
+    low, high = positions.min(axis=1), positions.max(axis=1)
+    inward = np.array([station.frame.inward for station in stations])
+    points = np.array([station.point for station in stations]) + low[:, None] * inward
+    table = np.column_stack([points, (high - low)[:, None] * inward, sizes])
+    arc = np.array([station.arc for station in stations])
+    count = math.ceil(front.length / sizes.min())
+    fine = np.linspace(
+        0.0 if front.closed else arc[0], front.length if front.closed else arc[-1], count
+    )
+    period = front.length if front.closed else None
+    rows = np.transpose([np.interp(fine, arc, column, period=period) for column in table.T])
+    shares = np.linspace(0.0, 1.0, math.ceil((high - low).max() / sizes.min()) + 1)
+    along = [rows[:, :3] + share * rows[:, 3:6] for share in shares]
+    return FinePlaces(np.vstack(along), np.tile(rows[:, 6], len(shares)))
 
 
 def hopeless(solution: Solution, contacts: Sequence[Contact]) -> str:
@@ -250,23 +306,100 @@ def coarse_contacts(case: Case, mesh: Mesh, history: History) -> Iterator[str]:
         mesh: its mesh.
         history: its loads.
     """
+    for name, initial, normal, force in _pressed(case, mesh, history):
+        if force > 0:
+            yield from _warning(case, name, initial, normal, force)
+
+
+def _pressed(
+    case: Case, mesh: Mesh, history: History
+) -> Iterator[tuple[str, InitialGap, Array, float]]:
+    """Each contact with its initial gap, its normal (d,), and its smallest P in the cycle.
+
+    P is that at the end without a cycle, and NaN if equilibrium alone does not give it.
+    """
+    states = cycle_states(history.cycle)
     for name, initial in initial_gaps(mesh, case).items():
         nearest = int(np.argmin(initial.gap))
         normal = initial.surface2.normals[initial.facet2[nearest]].mean(axis=0)
         normal /= np.linalg.norm(normal)
         force = _normal_force(case, mesh, history, name, initial, normal)
-        states = cycle_states(history.cycle)
-        pressed = force[states if len(states) else [-1]] if force is not None else np.zeros(1)
-        if pressed.min() > 0:
-            yield from _warning(case, name, initial, normal, float(pressed.min()))
+        smallest = np.nan if force is None else force[states if len(states) else [-1]].min()
+        yield name, initial, normal, float(smallest)
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """Element size at the fronts of a contact of solids that a tolerance is likely to need.
+
+    Attributes:
+        contact: name.
+        force: smallest P in the cycle.
+        length: half-width expected there; of a rounding the one that grows as fast with P.
+        size: of the elements; NaN where it is not known.
+        reason: why it is not.
+    """
+
+    contact: str
+    force: float
+    length: float = math.nan
+    size: float = math.nan
+    reason: str = ""
+
+
+def proposed_sizes(
+    case: Case, mesh: Mesh, history: History, tolerance: float
+) -> Iterator[Proposal]:
+    """For each contact of solids the element size that K_N and |ΔK| are likely to need.
+
+    Args:
+        case: of the contacts.
+        mesh: its mesh, of any element size that shows the gap.
+        history: its loads.
+        tolerance: wanted relative error bar at all stations.
+    """
+    for name, initial, normal, force in _pressed(case, mesh, history):
+        if math.isnan(force):
+            reason = "equilibrium alone does not give its normal force"
+            yield Proposal(name, force, reason=reason)
+        elif force <= 0:
+            yield Proposal(name, force, reason="the loads do not press it together all the time")
+        else:
+            yield _proposal(case, name, initial, normal, force, tolerance)
+
+
+def _proposal(
+    case: Case, name: str, initial: InitialGap, normal: Array, force: float, tolerance: float
+) -> Proposal:
+    load, carrier = _load(case, initial, force), _carrier(case.contacts[name], initial)
+    long, short = _half_axes(initial, carrier, normal, load)[0]
+    largest = math.inf
+    if math.isfinite(long):
+        largest = short**2 / long / PER_RADIUS
+    solid = case.geometry.solid
+    if not math.isfinite(short) and solid is not None and not solid.skew and not normal[2]:
+        # The section of a straight extrusion, as a cylinder with the same growth of its half-width.
+        along = initial.points @ [normal[1], -normal[0], 0.0]
+        grown = [half_width(along, initial.gap, x * load / solid.length)[0] for x in (1.0, 0.5)]
+        short = (grown[0] - grown[1]) / (1 - math.sqrt(0.5))
+    if not math.isfinite(short):
+        reason = "its gap is neither that of a paraboloid nor of a section with one lowest place"
+        return Proposal(name, force, reason=reason)
+    size = min(short * tolerance / BAR_TIMES_ELEMENTS, largest)
+    return Proposal(name, force, short, float(f"{size:.2g}"))
+
+
+def _load(case: Case, initial: InitialGap, force: float) -> float:
+    """P/E* of a contact."""
+    body1, body2 = case.bodies[initial.surface1.body], case.bodies[initial.surface2.body]
+    return force / contact_modulus(body1, body2, case.model.plane)
 
 
 def _warning(
     case: Case, name: str, initial: InitialGap, normal: Array, force: float
 ) -> Iterator[str]:
-    body1, body2 = case.bodies[initial.surface1.body], case.bodies[initial.surface2.body]
-    load = force / contact_modulus(body1, body2, case.model.plane)
-    carrier, solid = _carrier(case.contacts[name], initial), len(normal) == 3
+    load, carrier = _load(case, initial, force), _carrier(case.contacts[name], initial)
+    solid = len(normal) == 3
     expected = _across_ellipse if solid else _across_strip
     width, count = expected(initial, carrier, normal, load)
     if count < MARGIN * WANTED_NODES:
@@ -302,27 +435,40 @@ def _across_ellipse(
 
     Infinite where the gap is not that of a paraboloid or of a cylinder.
     """
-    plane = np.linalg.svd(normal[None])[2][1:]
-    lowest = initial.points[np.argmin(initial.gap)]
-    places = (initial.points - lowest) @ plane.T
-    from_lowest = np.linalg.norm(carrier.nodes.mean(axis=1) - lowest, axis=1)
-    size = float(carrier.sizes[np.argmin(from_lowest)])
-    width, across = narrow_half_width(places, initial.gap, load, ELEMENTS * size)
+    (_, width), across = _half_axes(initial, carrier, normal, load)
     if not np.isfinite(width):
         return np.inf, WANTED_NODES
-    near = from_lowest <= max(width, 2 * size)
-    lengths = np.ptp(carrier.nodes[near] @ (across @ plane), axis=1)
-    return width, round(2 * width / float(np.median(lengths)))
+    from_lowest = _from_lowest(initial, carrier)
+    near = from_lowest <= max(width, 2 * float(carrier.sizes[np.argmin(from_lowest)]))
+    lengths = np.ptp(carrier.nodes[near] @ across, axis=1)
+    return float(width), round(2 * width / float(np.median(lengths)))
 
 
-def narrow_half_width(
+def _half_axes(
+    initial: InitialGap, carrier: Surface, normal: Array, load: float
+) -> tuple[Array, Array]:
+    """Half axes (2,) of a contact of solids as of `expected_half_axes`; direction (3,) across."""
+    plane = np.linalg.svd(normal[None])[2][1:]
+    places = (initial.points - initial.points[np.argmin(initial.gap)]) @ plane.T
+    size = float(carrier.sizes[np.argmin(_from_lowest(initial, carrier))])
+    half_axes, across = expected_half_axes(places, initial.gap, load, ELEMENTS * size)
+    return half_axes, across @ plane
+
+
+def _from_lowest(initial: InitialGap, carrier: Surface) -> Array:
+    """(f,) distances of facets from the place of the smallest gap."""
+    lowest = initial.points[np.argmin(initial.gap)]
+    return np.asarray(np.linalg.norm(carrier.nodes.mean(axis=1) - lowest, axis=1))
+
+
+def expected_half_axes(
     places: Array, gap: Array, load: float, nearest: float
-) -> tuple[float, Array]:
-    """Smaller half axis of a contact between half-spaces, and its direction (2,) in the plane.
+) -> tuple[Array, Array]:
+    """Half axes (2,) a >= b of a contact between half-spaces; direction (2,) of b in the plane.
 
     The gap near its lowest place is taken for a paraboloid. The contact of a cylinder ends where
-    the surfaces do: half-planes under the mean force per length. Infinite where the gap is no
-    paraboloid.
+    the surfaces do: half-planes under the mean force per length, and a is infinite. Both are where
+    the gap is no paraboloid.
 
     Args:
         places: (n, 2) from the lowest one.
@@ -331,7 +477,7 @@ def narrow_half_width(
         nearest: gaps up to this distance are looked at in any case.
     """
     inside = np.ones(len(gap), dtype=bool)
-    missed = np.inf
+    missed, none = np.inf, np.full(2, np.inf)
     for _ in range(FITS):
         (x, y), g = places[inside].T, gap[inside]
         terms = np.stack([np.ones_like(x), x, y, x * x / 2, x * y, y * y / 2], axis=1)
@@ -339,15 +485,15 @@ def narrow_half_width(
         missed = np.ptp(g) and np.std(terms @ found - g) / np.std(g)
         curvatures, axes = np.linalg.eigh([[found[3], found[4]], [found[4], found[5]]])
         if curvatures[1] <= 0:
-            return np.inf, axes[:, 1]
+            return none, axes[:, 1]
         own = places @ axes
         half_axes = hertz_half_axes(np.maximum(curvatures, STRAIGHT * curvatures[1]), load)
         length = np.ptp(own[:, 0])
         if 2 * half_axes[0] > length:
-            half_axes = np.array([length, np.sqrt(4 * load / (length * np.pi * curvatures[1]))])
+            half_axes = np.array([np.inf, np.sqrt(4 * load / (length * np.pi * curvatures[1]))])
         inside = np.sum((own / half_axes) ** 2, axis=1) < REACH**2
         inside |= np.sum(own**2, axis=1) < nearest**2
-    return (float(half_axes[1]) if missed < RESIDUAL else np.inf), axes[:, 1]
+    return (half_axes if missed < RESIDUAL else none), axes[:, 1]
 
 
 def hertz_half_axes(curvatures: Array, load: float) -> Array:

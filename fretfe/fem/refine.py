@@ -15,32 +15,47 @@ from typing import Any
 
 import numpy as np
 
+from fretfe._typing import Array
 from fretfe.backends.protocol import DEFAULTS, RunOptions
-from fretfe.case import Case, parse_case
+from fretfe.case import Case
 from fretfe.errors import FretfeError, MeshError, OutputError, StoppedError
-from fretfe.evaluate.refinement import Pass, Refinement, changes_by_kind, front_means
-from fretfe.evaluate.resolution import Interval, hopeless, needed_sizes, resolves, station_values
+from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.refinement import (
+    Pass,
+    Refinement,
+    edge_changes,
+    solid_values,
+    station_changes,
+)
+from fretfe.evaluate.resolution import (
+    Interval,
+    fine_places,
+    hopeless,
+    needed_sizes,
+    resolves,
+    station_values,
+)
 from fretfe.fem._compat import MPI
 from fretfe.fem.parallel import agreed_stop, on_root
 from fretfe.fem.run import solve
 from fretfe.files import disk_reason, replace_text
-from fretfe.history.solution import Solution
+from fretfe.history.solution import ContactHistory, Solution
+from fretfe.mesh.load import makes_solids
 from fretfe.mesh.mesh import Mesh, count_unknowns
-from fretfe.mesh.sizing import Source, apply_fine_sizes
+from fretfe.mesh.sizing import FinePlaces, Source, apply_fine_sizes, refine_near
 from fretfe.mesh.templates import find_template
 from fretfe.results.model import Result
 from fretfe.results.run_folder import are_unchanged, with_digest
 from fretfe.surface.checks import load_mesh
 from fretfe.surface.surface import build_surface
 
-# More passes than this do not help: the element size at the edges has been halved eight times.
-MOST_PASSES = 12
+# More passes than this do not help: the element size at the edges has been halved eight times. Of
+# solids each pass takes minutes, and one and a half to twice the memory of the one before.
+MOST_PASSES, MOST_SOLID_PASSES = 12, 6
 # In the folder of the states: what makes the next mesh.
 NOTE = "refinement.json"
-# Sizes of a mesh over those of the mesh before: each costs three to five times as much.
-FINER = 1.4
-# Parameters of templates that are element sizes in the contact.
-SIZES = ("size", "edge_size", "end_size", "length_size")
+# Layers of swept bodies over those of the mesh before; what a template calls their thickness.
+FINER, SWEPT = 1.4, "length_size"
 # Passes that may be needed to find the edges and to resolve their slip zones.
 UNRESOLVED_PASSES = 3
 # Largest growth of the element size per distance from the edges.
@@ -61,7 +76,12 @@ class Passes(ABC):
         self._announce = announce
         self._edges, self._tolerance = case.edges, case.edges.tolerance
         self._done: tuple[Pass, ...] = ()
+        # Passes of an earlier run, of which one may follow those that are done.
+        self._recorded: tuple[Pass, ...] = ()
         self._mesh: Mesh | None = None
+
+    # Largest number of meshes.
+    most = MOST_PASSES
 
     @abstractmethod
     def _make_mesh(self) -> Mesh:
@@ -80,8 +100,8 @@ class Passes(ABC):
         """The sizes that make the next mesh, for JSON."""
 
     @abstractmethod
-    def _follow(self, note: dict[str, Any]) -> None:
-        """Plan the next mesh as noted."""
+    def _follow(self, note: dict[str, Any], last: Result) -> None:
+        """Plan the next mesh as noted, after a last result."""
 
     def options(self, options: RunOptions, keep: Callable[[Result], None]) -> RunOptions:
         """Options of the next pass, which has a folder of its own for its states."""
@@ -116,11 +136,13 @@ class Passes(ABC):
             OutputError: if the note is not as it was written.
         """
         refinement = last.refinement if last is not None else None
-        if states is None or refinement is None or not (states / NOTE).is_file():
+        if states is None or last is None or refinement is None:
+            return False
+        if not (states / NOTE).is_file():
             return False
         note = _read_note(states / NOTE)
-        self._done = refinement.passes[: note["passes"]]
-        self._follow(note)
+        self._done, self._recorded = refinement.passes[: note["passes"]], refinement.passes
+        self._follow(note, last)
         return True
 
     def load(self) -> Mesh:
@@ -150,13 +172,15 @@ class Passes(ABC):
         if result.failure is not None:
             return self._refinement(reason=str(result.failure))
         before = self._done[-1] if self._done else None
-        self._done += (self._pass(result, mesh),)
-        last = self._done[-1]
+        number = len(self._done)
+        known = number < len(self._recorded)
+        last = self._recorded[number] if known else self._pass(result, mesh)
+        self._done += (last,)
         self._announce(f"mesh {len(self._done)}: {_change_text(before, last)}")
         if before is not None and before.resolved and self._fine_enough(last):
             return self._refinement("the results no longer change", converged=True)
-        if len(self._done) == MOST_PASSES:
-            return self._refinement(f"{MOST_PASSES} meshes were not enough")
+        if len(self._done) == self.most:
+            return self._refinement(f"{self.most} meshes were not enough")
         if reason := self._hopeless(result):
             return self._refinement(reason)
         self._make_finer(result, mesh)
@@ -189,68 +213,94 @@ def _read_note(path: Path) -> dict[str, Any]:
 def _change_text(before: Pass | None, last: Pass) -> str:
     if before is None and last.stations:
         return "shows where the contact edges are"
-    if not math.isfinite(last.change):
+    if last.worst is None:
         return "no edge factors yet"
-    return f"edge factors and slip zones changed by up to {last.change:.2%}"
+    return f"largest change: {last.worst.text}"
 
 
-def is_solid(case: Case) -> bool:
-    """True if a template makes the bodies, and they are solid."""
-    template = case.geometry.template
-    return template is not None and (
-        case.geometry.solid is not None or find_template(template).solid
-    )
+class _SolidPasses(Passes):
+    """Meshes of solids: the first is that of the case, later ones are finer along the fronts."""
 
-
-class SolidPasses(Passes):
-    """Meshes of a template of solids, or of one that is extruded; the first is that of the case."""
+    most = MOST_SOLID_PASSES
 
     def __init__(self, case: Case, announce: Callable[[str], None]) -> None:
         super().__init__(case, announce)
-        self._level = 0
+        self._places = FinePlaces(np.empty((0, 3)), np.empty(0))
+        self._before: tuple[Contact, ...] = ()
 
     def _noted(self) -> dict[str, Any]:
-        return {"level": self._level}
+        return {"points": self._places.points.tolist(), "sizes": self._places.sizes.tolist()}
 
-    def _follow(self, note: dict[str, Any]) -> None:
-        self._level = note["level"]
+    def _follow(self, note: dict[str, Any], last: Result) -> None:
+        points = np.reshape(note["points"], (-1, 3))
+        self._places, self._before = FinePlaces(points, np.array(note["sizes"])), last.contacts
 
     def _make_mesh(self) -> Mesh:
-        return load_mesh(finer_case(self._case, FINER**self._level))
+        size = partial(refine_near, self._places, LARGEST_GROWTH)
+        return load_mesh(finer_sweep(self._case, FINER ** len(self._done)), size)
 
     def _pass(self, result: Result, mesh: Mesh) -> Pass:
         assert result.solution is not None
-        values = front_means(result.contacts, result.solution)
-        before = self._done[-1] if self._done else None
+        values = solid_values(result.contacts, result.solution)
+        changes = station_changes(self._before, result.contacts, result.solution, values)
         sizes = [station.size for each in result.contacts for station in each.stations]
         return Pass(
             unknowns=self._unknowns(mesh),
             smallest_element=min(sizes, default=math.nan),
             stations=values,
             resolved=bool(values) and all(math.isfinite(x) for each in values for x in each.values),
-            change=max(changes_by_kind(before.stations if before else (), values)),
+            changes=changes,
         )
 
     def _make_finer(self, result: Result, mesh: Mesh) -> None:
-        self._level += 1
+        assert result.solution is not None
+        self._before = result.contacts
+        self._places = _front_places(self._case, mesh, result.solution, result.contacts)
 
 
-def finer_case(case: Case, factor: float) -> Case:
-    """The same case with elements at the edge of a contact that are smaller by a factor."""
-    geometry = case.geometry
-    assert geometry.template is not None
-    data = case.model_dump(mode="json", exclude_unset=True)
-    sizes = {
-        each.name: geometry.parameters.get(each.name, each.default) / factor
-        for each in find_template(geometry.template, length=case.units.length).parameters
-        if each.name in SIZES
-    }
-    data["geometry"]["parameters"] = {**geometry.parameters, **sizes}
+def finer_sweep(case: Case, factor: float) -> Case:
+    """The same case with thinner layers by a factor where its bodies are swept.
+
+    The layers of a template are thinner if the elements of its sections are smaller, too.
+    """
+    geometry, changed = case.geometry, dict[str, Any]()
     if geometry.solid is not None:
-        data["geometry"]["solid"]["layers"] = math.ceil(geometry.solid.layers * factor - 1e-9)
-    # The mesh of these sizes, which does not refine itself.
-    data["edges"].pop("tolerance")
-    return parse_case(data, source=case.source, trust_geo=case.trust_geo)
+        layers = math.ceil(geometry.solid.layers * factor - 1e-9)
+        changed["solid"] = geometry.solid.model_copy(update={"layers": layers})
+    elif geometry.template is not None:
+        known = find_template(geometry.template, length=case.units.length).parameters
+        sizes = {each.name: each.default for each in known if each.is_size}
+        if SWEPT in sizes:
+            sizes |= {name: x for name, x in geometry.parameters.items() if name in sizes}
+            finer = {name: size / factor for name, size in sizes.items()}
+            changed["parameters"] = {**geometry.parameters, **finer}
+    return case.model_copy(update={"geometry": geometry.model_copy(update=changed)})
+
+
+def _front_places(
+    case: Case, mesh: Mesh, solution: Solution, contacts: Sequence[Contact]
+) -> FinePlaces:
+    """Fine places of the next mesh on both surfaces, or in the plane mesh that is extruded."""
+    histories = {each.name: each for each in solution.contacts}
+    points, sizes = [np.empty((0, 3))], [np.empty(0)]
+    for contact in contacts:
+        history = histories[contact.pair]
+        for places in fine_places(solution, history, contact, case.edges.tolerance or 0.0):
+            for on_body in _on_bodies(case, mesh, history, places.points):
+                points.append(on_body)
+                sizes.append(places.sizes)
+    together = np.vstack(points)
+    if case.geometry.solid is not None:
+        lean = math.tan(math.radians(case.geometry.solid.skew))
+        together = together - together[:, 2:] * [lean, 0.0, 1.0]
+    return FinePlaces(together, np.concatenate(sizes))
+
+
+def _on_bodies(case: Case, mesh: Mesh, history: ContactHistory, points: Array) -> Iterator[Array]:
+    """Places (n, d) of both surfaces of a contact that are nearest to points (n, d)."""
+    contact = case.contacts[history.pair]
+    for body, name in ((history.body1, contact.surface1), (history.body2, contact.surface2)):
+        yield build_surface(mesh.bodies[body], name).nearest(points)[0]
 
 
 def growth_for(tolerance: float, degree: int) -> float:
@@ -272,7 +322,7 @@ def starting_mesh(case: Case) -> Mesh:
 
 
 def _passes_of(case: Case, options: RunOptions) -> Passes:
-    kind = SolidPasses if is_solid(case) else _PlanePasses
+    kind = _SolidPasses if makes_solids(case) else _PlanePasses
     return kind(case, options.announce)
 
 
@@ -369,7 +419,7 @@ class _PlanePasses(Passes):
         sources = [{"points": each.points.tolist(), "size": each.size} for each in self._sources]
         return {"level": self._level, "sources": sources}
 
-    def _follow(self, note: dict[str, Any]) -> None:
+    def _follow(self, note: dict[str, Any], last: Result) -> None:
         self._level = note["level"]
         self._sources = tuple(
             Source(np.array(each["points"]), each["size"]) for each in note["sources"]
@@ -391,7 +441,7 @@ class _PlanePasses(Passes):
             stations=values,
             resolved=all(math.isfinite(each.k_n) for each in values)
             and resolves(solution, needed_sizes(solution, contacts, 0)),
-            change=max(changes_by_kind(before.stations if before else (), values)),
+            changes=edge_changes(before.stations if before else (), values),
         )
 
     def _hopeless(self, result: Result) -> str:
@@ -414,10 +464,8 @@ def _sources(
     contacts = {contact.name: contact for contact in solution.contacts}
     for each in intervals:
         history = contacts[each.contact]
-        contact = case.contacts[history.pair]
         count = math.ceil((each.high - each.low) / each.size) + 1
         arc = np.linspace(each.low, each.high, count)
         points = np.stack([np.interp(arc, history.arc, x) for x in history.points.T], axis=1)
-        for body, name in ((history.body1, contact.surface1), (history.body2, contact.surface2)):
-            surface = build_surface(mesh.bodies[body], name)
-            yield Source(surface.nearest(points)[0], each.size)
+        for places in _on_bodies(case, mesh, history, points):
+            yield Source(places, each.size)

@@ -71,7 +71,8 @@ def grouped_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
 
     Args:
         case: validated case.
-        size: sets element sizes in place of those of the geometry; can be pickled.
+        size: sets element sizes of plane bodies in place of those of the geometry, and changes
+            those of solids; can be pickled.
 
     Raises:
         CaseError: if the template or its parameters are not valid, a direction does not fit, a
@@ -79,7 +80,7 @@ def grouped_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
         MeshError: if there is no valid mesh with all the groups that the case names.
     """
     with naming_case(case):
-        mesh = _mesh_of_case(case, None if size is None else partial(_in_the_plane, case, size))
+        mesh = _mesh_of_case(case, size)
         if case.geometry.solid is not None:
             mesh = _extruded_mesh(case, mesh)
         check_groups(mesh, case)
@@ -87,15 +88,42 @@ def grouped_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
     return mesh
 
 
-def _in_the_plane(case: Case, size: SetSizes, gmsh: ModuleType) -> None:
-    """Set the sizes of a mesh that refines itself, or raise an error where the bodies are solid."""
-    if gmsh.model.getDimension() == 3 or case.geometry.solid is not None:
-        text = (
-            "expected none, as the bodies are solid and come from a file; of solids only the "
-            "meshes of templates refine themselves; give smaller elements instead"
-        )
-        raise CaseError(complaint(case.source, ("edges", "tolerance"), text))
-    size(gmsh)
+def makes_solids(case: Case) -> bool:
+    """True if the geometry of a case that refines itself makes solid bodies.
+
+    Of CAD files those have an element size, that of the first mesh.
+    """
+    geometry = case.geometry
+    if geometry.solid is not None:
+        return True
+    if geometry.template is not None:
+        return find_template(geometry.template).solid
+    assert geometry.file is not None
+    kind, path = file_kind(geometry.file), case.resolve(geometry.file)
+    if kind is GMSH_SCRIPT and case.trust_geo and not file_fault(path):
+        return read_template(path).solid
+    return kind is CAD and geometry.size is not None
+
+
+def size_key(case: Case) -> tuple[str, float]:
+    """Key of the element size at contact edges, and its value; empty text where there is none."""
+    geometry = case.geometry
+    if geometry.template is not None:
+        template = find_template(geometry.template, length=case.units.length)
+    elif geometry.size is not None:
+        return "geometry.size", geometry.size
+    else:
+        assert geometry.file is not None
+        path = case.resolve(geometry.file)
+        if file_kind(geometry.file) is not GMSH_SCRIPT:
+            return "", math.nan
+        template = read_template(path)
+    sizes = {each.name: each.default for each in template.parameters if each.is_size}
+    for name in ("edge_size", "size"):
+        if name in sizes:
+            value = geometry.parameters.get(name, sizes[name])
+            return f"geometry.parameters.{name}", value
+    return "", math.nan
 
 
 def _extruded_mesh(case: Case, mesh: Mesh) -> Mesh:
@@ -124,7 +152,7 @@ def _mesh_of_case(case: Case, size: SetSizes | None) -> Mesh:
         assert geometry.file is not None
         return _mesh_of_file(case, geometry.file, size)
     template = find_template(geometry.template, length=case.units.length)
-    if size is not None:
+    if size is not None and not makes_solids(case):
         _refuse_sizes(case, template)
     return mesh_template(template, geometry.parameters, geometry.order, size)
 
@@ -176,7 +204,7 @@ def _mesh_of_script(case: Case, path: Path, size: SetSizes | None) -> Mesh:
             f"have, found {', '.join(given)}"
         )
         raise CaseError(complaint(case.source, ("geometry", "parameters"), text))
-    if size is not None:
+    if size is not None and not makes_solids(case):
         _refuse_sizes(case, template)
     return mesh_script(template, given, case.geometry.order, size)
 
@@ -184,16 +212,33 @@ def _mesh_of_script(case: Case, path: Path, size: SetSizes | None) -> Mesh:
 def _mesh_of_cad_file(case: Case, path: Path, size: SetSizes | None) -> Mesh:
     geometry = case.geometry
     _require_names(case, CAD)
-    if (size is None) == (geometry.size is None):
-        found = "none" if size is None else f"{geometry.size:g} together with edges.tolerance"
-        text = f"expected an element size for {path.name}, or edges.tolerance, found {found}"
+    if size is None and geometry.size is None:
+        text = f"expected an element size for {path.name}, or edges.tolerance, found none"
         raise CaseError(complaint(case.source, ("geometry", "size"), text))
-    if size is None:
-        contacts = case.contacts.values()
-        surfaces = [name for each in contacts for name in (each.surface1, each.surface2)]
-        size = partial(_even_sizes, dict.fromkeys(surfaces, geometry.size or 0.0))
+    set_sizes = partial(_cad_sizes, case, size)
     model = partial(cad_model, path, geometry, case.units.length)
-    return mesh_model(model, path, geometry.order, size, geometry.size or math.inf)
+    return mesh_model(model, path, geometry.order, set_sizes, geometry.size or math.inf)
+
+
+def _cad_sizes(case: Case, size: SetSizes | None, gmsh: ModuleType) -> None:
+    """Set even sizes on whole contact surfaces, and then those of a mesh that refines itself.
+
+    Raises:
+        CaseError: if such a mesh is plane and has an element size, or is solid and has none.
+    """
+    geometry, contacts = case.geometry, case.contacts.values()
+    solid = geometry.solid is not None or gmsh.model.getDimension() == 3
+    if size is not None and solid == (geometry.size is None):
+        expected = "that of the first mesh" if solid else "none"
+        found = "none" if geometry.size is None else f"{geometry.size:g}"
+        text = f"expected {expected} together with edges.tolerance, as the bodies are "
+        text += f"{'solid' if solid else 'plane'}, found {found}"
+        raise CaseError(complaint(case.source, ("geometry", "size"), text))
+    if geometry.size is not None:
+        surfaces = [name for each in contacts for name in (each.surface1, each.surface2)]
+        _even_sizes(dict.fromkeys(surfaces, geometry.size), gmsh)
+    if size is not None:
+        size(gmsh)
 
 
 def _even_sizes(sizes: Mapping[str, float], gmsh: ModuleType) -> None:

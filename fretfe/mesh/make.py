@@ -148,7 +148,7 @@ def mesh_template(
         template: What to mesh.
         parameters: Values that differ from the defaults of the template.
         order: Polynomial order of the elements.
-        size: Sets element sizes in place of those of the template.
+        size: Sets element sizes in place of those of the template, or changes them.
 
     Raises:
         CaseError: A parameter is unknown, out of range or at odds with another.
@@ -158,8 +158,8 @@ def mesh_template(
     known = {each.name: each.default for each in template.parameters} | {**parameters}
     smallest = min(known[each.name] for each in template.parameters if each.is_size)
     what = f"template '{template.name}'"
-    # A mesh that refines itself begins with few elements, and counts them.
-    smallest = smallest if size is None else math.inf
+    # A plane mesh that refines itself begins with few elements, and counts them.
+    smallest = smallest if size is None or template.solid else math.inf
     fineness = smallest, known["growth"]
     raw = _meshed(model, what, order, size, fineness, lambda: None)
     return mesh_from_raw(raw, what)

@@ -51,6 +51,14 @@ class Source:
 
 
 @dataclass(frozen=True)
+class FinePlaces:
+    """Fine places of solids: elements of `sizes` (n,) at points (n, 3)."""
+
+    points: Array
+    sizes: Array
+
+
+@dataclass(frozen=True)
 class Sizes:
     """Element sizes of a geometry.
 
@@ -125,6 +133,39 @@ def apply_sizes_on_faces(gmsh: ModuleType, sizes: Mapping[str, float], growth: f
             fields.append(_graded(gmsh, _distance(gmsh, "SurfacesList", faces), size, growth))
     _use_smallest(gmsh, fields)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", AROUND_CIRCLE)
+
+
+def refine_near(places: FinePlaces, growth: float, gmsh: ModuleType) -> None:
+    """Make the next mesh of the current model finer near some places, and elsewhere as it was.
+
+    Args:
+        places: in the plane of the model if that is plane; the third coordinate is zero.
+        growth: of the element size per distance from them.
+        gmsh: the library, with a model whose element sizes are set in whatever way.
+    """
+    from scipy.spatial import cKDTree
+
+    if not len(places.sizes):
+        return
+    points = places.points
+    if gmsh.model.getDimension() == 2:
+        mirrored = [mirror(points[:, :2]) for mirror in _mirrors(gmsh)]
+        points = np.column_stack([np.vstack(mirrored), np.zeros(len(points) * len(mirrored))])
+    own = np.tile(places.sizes, len(points) // len(places.sizes))
+    # So that the nearest place tells the size anywhere, near to others with finer elements too.
+    sizes = [np.min(own + growth * np.linalg.norm(points - point, axis=1)) for point in points]
+    smallest, tree = min(sizes), cKDTree(points)
+
+    def size_at(_dim: int, _tag: int, x: float, y: float, z: float, before: float) -> float:
+        reach = (before - smallest) / growth
+        if reach <= 0:
+            return before
+        distance, nearest = tree.query((x, y, z), distance_upper_bound=reach)
+        if nearest == len(sizes):
+            return before
+        return float(min(before, sizes[nearest] + growth * distance))
+
+    gmsh.model.mesh.setSizeCallback(size_at)
 
 
 def curves_of_groups(gmsh: ModuleType) -> dict[str, list[int]]:

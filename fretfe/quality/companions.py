@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,10 +12,11 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.case import Case, parse_case
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
+from fretfe.evaluate.refinement import Measure, at_places, nearest_front, numbers
 from fretfe.evaluate.verdicts import BORDER_ELEMENTS, BORDER_FRACTION
 from fretfe.loads import History
 from fretfe.mesh.templates import find_template
-from fretfe.quality.rows import CONSTANT_NORMAL, Measure, Pairs, Place, Row, Verdict, numbers
+from fretfe.quality.rows import CONSTANT_NORMAL, Pairs, Place, Row, Verdict
 from fretfe.results.model import Result
 
 MEAN, START, MESH = "about another mean", "from another start", "on a coarser mesh"
@@ -274,39 +275,3 @@ MESH_QUANTITIES: tuple[tuple[str, Measure, Measure], ...] = (
     ("ΔK", lambda each: each.reported_range, lambda each: each.k_range_spread),
     ("d", reported_d, _d_bar),
 )
-
-
-def nearest_front(front: Front, others: Sequence[Front]) -> Front | None:
-    """The front among others that runs nearest to the stations of one; None without any."""
-    points = front.along("point")
-
-    def distance(other: Front) -> float:
-        gaps = np.linalg.norm(points[:, None] - other.along("point"), axis=2)
-        return float(gaps.min(axis=1).mean())
-
-    return min(
-        (other for other in others if other.closed == front.closed), key=distance, default=None
-    )
-
-
-def at_places(front: Front, points: Array, measures: Sequence[Measure]) -> Iterator[Array]:
-    """Numbers (n,) of a front at the places of its line that are nearest to points (n, 3).
-
-    Linear between the stations; NaN where a neighbour has none, or is an end.
-    """
-    places = front.along("point")
-    ends = np.roll(places, -1, axis=0) if front.closed else places[1:]
-    starts = places[: len(ends)]
-    lines = ends - starts
-    share = np.einsum("nmd,md->nm", points[:, None] - starts, lines) / np.sum(lines**2, axis=1)
-    share = np.clip(share, 0.0, 1.0)
-    gaps = np.linalg.norm(starts + share[..., None] * lines - points[:, None], axis=2)
-    first = gaps.argmin(axis=1)
-    part = share[np.arange(len(points)), first]
-    second = (first + 1) % len(places)
-    for measure in measures:
-        values = numbers(front.stations, measure)
-        values[front.along("end").astype(bool)] = np.nan
-        # A place on a station needs no neighbour.
-        terms = (part < 1, (1 - part) * values[first]), (part > 0, part * values[second])
-        yield np.sum([np.where(used, term, 0.0) for used, term in terms], axis=0)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -19,6 +19,7 @@ from fretfe._typing import Array, Bools
 from fretfe.evaluate import analyse_tractions
 from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, Front, SlipZone, Station
 from fretfe.evaluate.plane.section import plane_front
+from fretfe.evaluate.refinement import numbers
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.verdicts import (
     AGREES,
@@ -33,8 +34,6 @@ from fretfe.evaluate.verdicts import (
 )
 from fretfe.results.model import Result
 
-# Reads one number of a station.
-Measure = Callable[[Station], float]
 Verdict = Literal["pass", "FAIL", "outside", "depends", "unknown", "-"]
 # Of a row, by the word of a verdict on a slip zone; "-" for all others.
 VERDICTS: dict[str, Verdict] = {
@@ -178,11 +177,6 @@ class Place:
 
 
 EVERYWHERE = Place()
-
-
-def numbers(stations: Sequence[Station], measure: Measure) -> Array:
-    """(n,) a number of stations."""
-    return np.array([float(measure(station)) for station in stations])
 
 
 def own_rows(result: Result) -> Iterator[Row]:

@@ -9,13 +9,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+import tomli_w
 from pad_cases import STEEL, TOP, cylinder, pad, pad_text, press, shear
 from typer.testing import CliRunner
 
+from fretfe.analytic.profiles import FlatRounded
 from fretfe.backends.protocol import Observer, RunOptions
 from fretfe.case import load_case, parse_case
 from fretfe.cli.app import app
-from fretfe.evaluate.resolution import coarse_contacts
+from fretfe.evaluate.resolution import (
+    BAR_TIMES_ELEMENTS,
+    Proposal,
+    coarse_contacts,
+    proposed_sizes,
+)
 from fretfe.fem.backend import BACKEND
 from fretfe.loads import build_history
 from fretfe.surface.checks import load_mesh
@@ -26,6 +33,11 @@ DEMOS = Path(__file__).parents[2] / "demos"
 def foreseen(tables: dict[str, Any]) -> list[str]:
     case = parse_case(tables)
     return list(coarse_contacts(case, load_mesh(case), build_history(case)))
+
+
+def proposals(tables: dict[str, Any]) -> list[Proposal]:
+    case = parse_case(tables)
+    return list(proposed_sizes(case, load_mesh(case), build_history(case), 0.03))
 
 
 @pytest.mark.parametrize("size", [0.25, 0.15])
@@ -90,6 +102,63 @@ def test_the_width_of_solids(template: str, parameters: dict[str, float], width:
     assert float(re.findall(r"half-width ([\d.]+)", text)[0]) == pytest.approx(width, rel=0.02)
     count = int(re.findall(r"about (\d+) nodes across", text)[0])
     assert count == pytest.approx(2 * width / parameters["size"], abs=1)
+
+
+STRAIGHT = {"solid": {"length": 4.0, "layers": 1}}
+PUNCH = {"flat_half_width": 1.0, "radius": 8.0, "edge_size": 0.04, "growth": 0.5}
+
+
+@pytest.mark.parametrize(
+    ("geometry", "length"),
+    [
+        # a³ = 3 P R/(4 E*), and the smaller half axis of an ellipse, whose tips need more elements.
+        (
+            {"template": "sphere", "parameters": {"size": 0.3}},
+            (0.75 * 2900 * 50 / 115385) ** (1 / 3),
+        ),
+        # Half-planes under the mean force per length, a² = 4 P R/(π E*).
+        (
+            {"template": "cylinder_finite", "parameters": {"size": 0.2}},
+            (4 * 290 * 30 / np.pi / 115385) ** 0.5,
+        ),
+    ],
+)
+def test_the_size_for_three_percent(geometry: dict[str, Any], length: float) -> None:
+    (found,) = proposals({**SOLIDS, "geometry": geometry})
+    assert found.length == pytest.approx(length, rel=0.02)
+    assert found.size == pytest.approx(length * 0.03 / BAR_TIMES_ELEMENTS, rel=0.07)
+
+
+def test_a_straight_section_is_a_cylinder_that_grows_as_fast() -> None:
+    round_pad = {**cylinder(size=0.1), **STRAIGHT}
+    (found,) = proposals({**SOLIDS, "geometry": round_pad})
+    # As before, on four millimetres.
+    assert found.length == pytest.approx((4 * 725 * 50 / np.pi / 115385) ** 0.5, rel=0.03)
+    (punch,) = proposals(
+        {**SOLIDS, "geometry": {"template": "flat_rounded", "parameters": PUNCH, **STRAIGHT}}
+    )
+    profile = FlatRounded(1.0, 8.0, 115385.0)
+    grown = [float(profile.half_width(load)) for load in (725.0, 362.5)]
+    assert punch.length == pytest.approx((grown[0] - grown[1]) / (1 - 0.5**0.5), rel=0.05)
+    assert punch.length < 0.5
+
+
+def test_no_size_is_proposed_where_it_is_not_known() -> None:
+    driven = {**SOLIDS["loads"]["press"], "control": "displacement"}
+    (found,) = proposals({**SOLIDS, "loads": {"press": driven}})
+    assert np.isnan(found.size) and "equilibrium alone" in found.reason
+
+
+def test_check_proposes_a_size_with_its_memory(tmp_path: Path) -> None:
+    path = tmp_path / "ball.toml"
+    geometry = {"template": "sphere", "parameters": {"size": 0.3, "growth": 0.7}}
+    path.write_text(tomli_w.dumps({**SOLIDS, "geometry": geometry}))
+    out = " ".join(CliRunner().invoke(app, ["check", str(path)]).stdout.split())
+    assert "Proposal: set geometry.parameters.size = 0.082 for K_N and ΔK to 3% at all" in out
+    assert re.search(r"expected in contact main at P = 2900: \d+ unknowns, about [\d.]+ GB", out)
+    set_size = ["check", str(path), "--set", "geometry.parameters.size=0.08"]
+    out = " ".join(CliRunner().invoke(app, set_size).stdout.split())
+    assert "geometry.parameters.size = 0.08 is likely to be small enough" in out
 
 
 def test_a_fine_sphere_and_the_dovetail_of_solids_are_quiet() -> None:

@@ -11,11 +11,10 @@ from pad_cases import pad, press
 
 from fretfe._typing import Array
 from fretfe.case import parse_case
-from fretfe.errors import CaseError
 from fretfe.fem.refine import starting_mesh
 from fretfe.mesh.elements import facet_measures
 from fretfe.mesh.make import mesh_template
-from fretfe.mesh.mesh import BodyMesh, Mesh, body_unknowns, mesh_summary
+from fretfe.mesh.mesh import BodyMesh, Mesh, body_unknowns, count_unknowns, mesh_summary
 from fretfe.mesh.templates import find_template, template_directory
 
 SIDES = {"left", "right", "back", "front", "contact"}
@@ -123,11 +122,12 @@ def test_layers_are_thin_at_the_ends() -> None:
     assert ratios == pytest.approx(1.4)
 
 
-def test_meshes_of_solids_from_files_do_not_refine_themselves() -> None:
+def test_scripts_of_solids_refine_themselves_as_templates_do() -> None:
     pressed = {"loads": {"press": press(steps=1)}, "edges": {"tolerance": 0.05}}
-    script = {"file": str(template_directory() / "sphere.geo")}
-    extruded = {"file": str(template_directory() / "cylinder.geo")}
-    for geometry in (script, extruded | {"solid": {"length": 4.0, "layers": 2}}):
-        case = parse_case(pad(geometry=geometry, **pressed), trust_geo=True)
-        with pytest.raises(CaseError, match=r"edges.tolerance: expected none, as the bodies are"):
-            starting_mesh(case)
+    ball = {"parameters": {"size": 0.35, "growth": 0.6}}
+    extruded = {"parameters": {"size": 0.1}, "solid": {"length": 4.0, "layers": 2}}
+    for name, geometry in (("sphere", ball), ("cylinder", extruded)):
+        sources = {"template": name}, {"file": str(template_directory() / f"{name}.geo")}
+        cases = [parse_case(pad(geometry=geometry | x, **pressed), trust_geo=True) for x in sources]
+        first, second = (count_unknowns(starting_mesh(case), 2) for case in cases)
+        assert first == second

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ from fretfe.mesh.cad import Shapes, cad_model
 from fretfe.mesh.elements import facet_measures
 from fretfe.mesh.gmsh import gmsh_model
 from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.sizing import apply_fine_sizes
 from fretfe.surface.checks import load_mesh
 
 FORCE = 600.0
@@ -254,8 +256,10 @@ def test_sizes_come_from_the_case_or_from_refinement(folder: Path) -> None:
     without = {key: value for key, value in coarse(folder).items() if key != "size"}
     assert "geometry.size: expected an element size" in refusal(without, CaseError)
     case = parse_case(case_of(coarse(folder), edges={"tolerance": 0.01}))
-    with pytest.raises(CaseError, match=r"geometry.size: .* found 0.4 together with edges"):
-        load_mesh(case, lambda _: None)
+    with pytest.raises(
+        CaseError, match=r"geometry.size: expected none together .* plane, found 0.4"
+    ):
+        load_mesh(case, partial(apply_fine_sizes, (), 0.3, ()))
 
 
 def drawn(path: Path, *, split: bool = True) -> Path:

@@ -19,7 +19,7 @@ from stored_runs import REASON, RUNS, edit_numbers, solved, write_many_contacts,
 
 from fretfe.case import parse_case
 from fretfe.errors import OutputError
-from fretfe.evaluate.refinement import Pass, Refinement, StationValues
+from fretfe.evaluate.refinement import Pass, Refinement, StationValues, edge_changes
 from fretfe.report.page.html import (
     HEADERS,
     PLANE_TERMS,
@@ -385,11 +385,13 @@ def test_frictionless_contact_has_a_report(tmp_path: Path) -> None:
 
 def test_refinement_is_shown(tmp_path: Path) -> None:
 
-    def done(unknowns: int, k_n: float) -> Pass:
-        edge = StationValues("main", "left", k_n, 35.6, (0.077, 0.076), 0.3, 0.4)
-        return Pass(unknowns, 0.01, (edge,), True, 0.1)
-
-    refinement = Refinement(0.01, (done(1000, 1200.0), done(2000, 1236.0)), False, "too <large>")
+    first, second = (
+        StationValues("main", "left", k_n, 35.6, (0.077, 0.076), 0.3, 0.4)
+        for k_n in (1200.0, 1236.0)
+    )
+    changes = edge_changes([first], [second])
+    passes = Pass(1000, 0.01, (first,), True, ()), Pass(2000, 0.01, (second,), True, changes)
+    refinement = Refinement(0.01, passes, False, "too <large>")
     write_results(tmp_path, replace(solved("analytic"), refinement=refinement))
     page = check_alone(render(tmp_path))
     assert [row[:4] for row in page.rows("Changes from mesh to mesh")][1][

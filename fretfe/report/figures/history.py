@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -13,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from fretfe._typing import Array, Indices
 from fretfe.case import Case
 from fretfe.evaluate.contacts import Contact
-from fretfe.evaluate.refinement import Refinement, changes_by_kind
+from fretfe.evaluate.refinement import KINDS, Refinement
 from fretfe.evaluate.resultants import shear_direction
 from fretfe.history.solution import OPEN, Solution
 from fretfe.history.state_array import blocks
@@ -445,8 +443,7 @@ def refinement_plot(refinement: Refinement) -> Plot | None:
     passes = refinement.passes
     if len(passes) < 2:
         return None
-    pairs = itertools.pairwise(passes)
-    changes = np.array([changes_by_kind(old.stations, new.stations) for old, new in pairs])
+    changes = np.array([[done.of_kind(kind) for kind in KINDS] for done in passes[1:]])
     unknowns = [done.unknowns for done in passes[1:]]
     if not np.any(np.isfinite(changes) & (changes > 0)):
         return None
@@ -457,7 +454,7 @@ def refinement_plot(refinement: Refinement) -> Plot | None:
             changes.T,
             ("o-", "s--", "^:"),
             (BLUE, VERMILLION, GREEN),
-            ("K_N", "ΔK_T", "slip zones"),
+            KINDS,
             strict=True,
         ):
             shown = np.where(np.isfinite(values) & (values > 0), values, np.nan)

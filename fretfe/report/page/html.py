@@ -31,8 +31,7 @@ from fretfe.report.page.tables import (
     contact_table,
     cycle_table,
     edge_answers,
-    limit_table,
-    mesh_table,
+    refinement_tables,
     station_table,
     summary,
     timing_table,
@@ -272,7 +271,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         plots=plots or draw_plots(run),
         certificate=_certificate_rows(run),
         checks=tuple(own_rows(run)) if _solved(run.solution) else (),
-        meshes=[mesh_table(run.refinement), limit_table(run.refinement)] if run.refinement else [],
+        meshes=refinement_tables(run.refinement),
         timings=timing_table(run.seconds),
         # The case as it was understood.
         case_text=tomli_w.dumps(

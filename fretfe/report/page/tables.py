@@ -18,7 +18,7 @@ from rich.table import Table
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
-from fretfe.evaluate.refinement import Refinement, StationValues, changes_by_kind
+from fretfe.evaluate.refinement import KINDS, Refinement
 from fretfe.evaluate.verdicts import AGREES, NO_ZONE, judge, last_verdict
 from fretfe.report.source import force_unit, shown_stations, work_unit
 from fretfe.report.texts import (
@@ -148,27 +148,42 @@ def _steady(contact: Contact) -> str:
     return "yes" if contact.steady else "no"
 
 
-def mesh_table(refinement: Refinement) -> Table:
+def refinement_tables(refinement: Refinement | None) -> list[Table]:
+    """Tables of a run that refined its mesh itself; none if it did not."""
+    if refinement is None:
+        return []
+    limits = _limit_table if refinement.limits else _reached_table
+    return [_mesh_table(refinement), limits(refinement)]
+
+
+def _mesh_table(refinement: Refinement) -> Table:
     """One row per mesh of a run that refined its mesh itself, with the changes from the last."""
-    headers = ("mesh", "unknowns", "smallest element", "K_N", "K_T", "slip zones")
+    headers = ("mesh", "unknowns", "smallest element", "K_N", "ΔK", "slip zones")
     table = plain_table("Changes from mesh to mesh", headers, text=0)
-    before: tuple[StationValues, ...] = ()
     for place, done in enumerate(refinement.passes, start=1):
-        changes = changes_by_kind(before, done.stations)
         table.add_row(
             str(place),
             str(done.unknowns),
             number(done.smallest_element, 3),
-            *(percent(change) for change in changes[:2]),
-            percent(changes[2]) if any(edge.slip for edge in done.stations) else MISSING,
+            *(percent(done.of_kind(kind)) for kind in KINDS[:2]),
+            percent(done.of_kind(KINDS[2])) if any(x.slip for x in done.stations) else MISSING,
         )
-        before = done.stations
     return table
 
 
-def limit_table(refinement: Refinement) -> Table:
+def _reached_table(refinement: Refinement) -> Table:
+    """The largest last changes along each front of solids, and the stations."""
+    headers = ("contact", "front", "value", "station", "found", "change")
+    table = plain_table("Largest changes from the mesh before", headers, text=3)
+    for each in refinement.passes[-1].changes if refinement.passes else ():
+        place = each.contact, each.front, each.quantity, str(each.station)
+        table.add_row(*place, number(each.value), percent(each.change))
+    return table
+
+
+def _limit_table(refinement: Refinement) -> Table:
     """Limits that the values at each edge tend to over the sequence of meshes."""
-    headers = ("contact", "edge", "K_N", "K_T", "slip zones")
+    headers = ("contact", "edge", "K_N", "ΔK", "slip zones")
     table = plain_table("Limits that the meshes tend to", headers, text=2)
     for edge, limits in refinement.limits:
         slip = " / ".join(number(limit, 3) for limit in limits[2:])
