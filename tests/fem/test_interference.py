@@ -72,6 +72,7 @@ def test_ring_on_a_shaft(plane: str, friction: float) -> None:
     assert whole[:, 0].mean() == pytest.approx(solid, rel=0.01)
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("solid", [False, True], ids=["plane", "solid"])
 def test_blocks_between_walls(solid: bool) -> None:
     """p = M d/(h1 + h2) for the modulus M of uniaxial strain; a gap is closed first."""
