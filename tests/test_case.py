@@ -495,6 +495,10 @@ CONTRADICTIONS = {
         {"loads__spin": load("rotation", centre=[0, 0]), "bodies__pad__density": 1.0},
         "loads.spin: a rotation needs the density of every body, missing: bodies.substrate.density",
     ),
+    "interference": (
+        {"loads__fit": load("interference", contact="seat")},
+        "loads.fit.contact: expected one of the contacts 'flank', found 'seat'",
+    ),
     "acceleration": (
         {"loads__fall": load("acceleration", direction="y"), "bodies__pad__density": 1.0},
         "loads.fall: an acceleration needs the density of every body, missing: "

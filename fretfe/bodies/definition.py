@@ -18,6 +18,7 @@ from fretfe.case.loads import (
     ChannelAtPoints,
     DisplacementLoad,
     EigenstrainLoad,
+    InterferenceLoad,
     PlatenLoad,
     RotationLoad,
     TemperatureLoad,
@@ -141,13 +142,14 @@ class DistributedLoad:
     Attributes:
         channel: name of the load in the case file.
         kind: "traction" (along `direction`), "normal" (outward traction), "rotation",
-            "acceleration", "temperature" or "eigenstrain".
+            "acceleration", "temperature", "eigenstrain" or "interference".
         boundary: physical group of a traction, "" for what acts in the volume.
         direction: unit vector of a traction or an acceleration; axis of a rotation.
         centre: a point on the axis of a rotation.
         at_points: temperatures, or factors of a traction.
         bodies: that a temperature acts on; () for all.
         layers: of an eigenstrain, by body.
+        contact: of an interference.
     """
 
     channel: str
@@ -158,6 +160,7 @@ class DistributedLoad:
     at_points: PointValues | None = None
     bodies: tuple[str, ...] = ()
     layers: Mapping[str, Layer] = field(default_factory=dict)
+    contact: str = ""
 
     def body_force(self, material: Material, places: Array) -> Array | None:
         """(m, d) force per volume at places (m, d), by a unit of its amplitude; None without any.
@@ -420,6 +423,8 @@ def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
             )
             own = load.bodies or ()
             loads.append(DistributedLoad(name, "temperature", at_points=given, bodies=own))
+        elif isinstance(load, InterferenceLoad):
+            loads.append(DistributedLoad(name, "interference", contact=load.contact))
         elif isinstance(load, AccelerationLoad):
             direction = unit_vector(load.direction, gdim)
             loads.append(DistributedLoad(name, "acceleration", direction=direction))

@@ -296,6 +296,16 @@ class AccelerationLoad(Channel):
     )
 
 
+class InterferenceLoad(Channel):
+    """A press fit: surfaces of a contact that are larger than they are drawn."""
+
+    type: Literal["interference"] = Field(
+        description='"interference": overlap of the surfaces of a contact, along its normal, on '
+        "top of their initial gap. The history is in length units."
+    )
+    contact: Name = Field(description="Contact whose surfaces overlap.")
+
+
 class TemperatureLoad(ChannelAtPoints):
     """A change of temperature, by which bodies expand."""
 
@@ -364,6 +374,7 @@ Load = (
     | DisplacementLoad
     | RotationLoad
     | AccelerationLoad
+    | InterferenceLoad
     | TemperatureLoad
     | EigenstrainLoad
 )
@@ -374,6 +385,7 @@ LOADS: dict[str, type[Channel]] = {
     "displacement": DisplacementLoad,
     "rotation": RotationLoad,
     "acceleration": AccelerationLoad,
+    "interference": InterferenceLoad,
     "temperature": TemperatureLoad,
     "eigenstrain": EigenstrainLoad,
 }
@@ -392,6 +404,7 @@ AnyLoad = Annotated[
     | Annotated[DisplacementLoad, Tag(f"{TAG}displacement")]
     | Annotated[RotationLoad, Tag(f"{TAG}rotation")]
     | Annotated[AccelerationLoad, Tag(f"{TAG}acceleration")]
+    | Annotated[InterferenceLoad, Tag(f"{TAG}interference")]
     | Annotated[TemperatureLoad, Tag(f"{TAG}temperature")]
     | Annotated[EigenstrainLoad, Tag(f"{TAG}eigenstrain")],
     Discriminator(_load_type),

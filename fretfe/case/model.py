@@ -15,6 +15,7 @@ from fretfe.case.loads import (
     AccelerationLoad,
     AnyLoad,
     DisplacementLoad,
+    InterferenceLoad,
     Load,
     PlatenLoad,
     RotationLoad,
@@ -52,6 +53,7 @@ def cross_problems(
         *_displacement_problems(supports, loads),
         *_density_problems(bodies, loads),
         *_temperature_problems(bodies, loads),
+        *_interference_problems(contacts, loads),
     ]
 
 
@@ -212,6 +214,16 @@ def _temperature_problems(
                 "a temperature needs expansion and reference_temperature of every body that it "
                 f"acts on, missing: {', '.join(missing)}",
             )
+
+
+def _interference_problems(
+    contacts: Mapping[str, Contact], loads: Mapping[str, Load]
+) -> Iterator[Problem]:
+    for name, load in loads.items():
+        if isinstance(load, InterferenceLoad) and load.contact not in contacts:
+            expected = ", ".join(map(repr, contacts)) or "none"
+            text = f"expected one of the contacts {expected}, found {load.contact!r}"
+            yield Problem(("loads", name, "contact"), text)
 
 
 class Contradiction(ValueError):

@@ -17,6 +17,7 @@ from fretfe.case.loads import (
     AnyLoad,
     ChannelAtPoints,
     EigenstrainLoad,
+    InterferenceLoad,
     Load,
     RotationLoad,
     TemperatureLoad,
@@ -300,5 +301,5 @@ def _directions(case: Case) -> Iterator[tuple[Key, str | tuple[float, ...]]]:
             yield from ((("loads", name, "points", i), point) for i, point in points)
         if isinstance(load, RotationLoad | TiltLoad):
             yield ("loads", name, "centre"), load.centre
-        elif not isinstance(load, TemperatureLoad | EigenstrainLoad):
+        elif not isinstance(load, TemperatureLoad | EigenstrainLoad | InterferenceLoad):
             yield ("loads", name, "direction"), load.direction

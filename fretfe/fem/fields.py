@@ -272,7 +272,7 @@ class StressPoints:
             displacement: of the body.
             initial: stress (3, 3) of initial strains, which is taken off.
         """
-        values = (self._operator @ displacement.x.array).reshape(len(self.found), -1)
+        values = (self._operator @ displacement.x.array).reshape(len(self.found), len(self._pairs))
         if initial is not None:
             shares = _tabulated(initial.function_space, self._reference)[0]
             nodes = initial.function_space.dofmap.list[self._cells]

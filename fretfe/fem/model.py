@@ -189,7 +189,7 @@ class Model:
     ) -> Reduction:
         assert pairs is not None
         coordinates = [c for body in definition.bodies for c in body.coordinates]
-        interface, reduced = build_interface(condensed, list(pairs), coordinates)
+        interface, reduced = build_interface(condensed, list(pairs), coordinates, definition.loads)
         return Reduction(definition, interface, reduced, pairs)
 
     def body_definition(self, body: str) -> BodyDefinition:

@@ -10,7 +10,7 @@ from scipy import sparse
 from scipy.linalg.lapack import dpstrf
 
 from fretfe._typing import Array, Indices
-from fretfe.bodies.definition import Pair
+from fretfe.bodies.definition import DistributedLoad, Pair
 from fretfe.contact.interface import Coordinate, DenseCompliance, Interface, coordinate_range
 from fretfe.fem.condensation import CondensedBody
 
@@ -74,7 +74,10 @@ class ReducedBody:
 
 
 def build_interface(
-    bodies: list[CondensedBody], pairs: list[Pair], coordinates: list[Coordinate]
+    bodies: list[CondensedBody],
+    pairs: list[Pair],
+    coordinates: list[Coordinate],
+    loads: Sequence[DistributedLoad] = (),
 ) -> tuple[Interface, dict[str, ReducedBody]]:
     """Assemble the interface problem.
 
@@ -82,6 +85,7 @@ def build_interface(
         bodies: condensed bodies.
         pairs: contact pairs.
         coordinates: one for each constraint of each body, in the order of `bodies`.
+        loads: distributed loads, of which interferences close gaps whatever the bodies do.
 
     Returns:
         The interface problem, whose coordinates include the rigid modes, and the reduced bodies.
@@ -101,6 +105,11 @@ def build_interface(
     }
     for name, body in reduced.items():
         body.add_to(system, coordinate_range(everything, name))
+    nodes = _node_ranges(pairs)
+    for number, load in enumerate(loads):
+        if load.contact:
+            rows = nodes[load.contact]
+            system["loads"][rows.start * d : rows.stop * d : d, number] -= roots[rows]
     if sum(body.held for body in bodies) > 1:
         decouple_dependent(system)
     gap = np.zeros((len(roots), d))
@@ -110,7 +119,7 @@ def build_interface(
         gap=gap.ravel(),
         roots=roots,
         coordinates=tuple(everything),
-        contacts=_node_ranges(pairs),
+        contacts=nodes,
         compliance=DenseCompliance(system.pop("compliance")),
         **system,
     )

@@ -80,7 +80,7 @@ def _load_obstacles(case: Case) -> Iterator[str]:
                 yield f"{key}: expected a bulk tension along x, found {load.direction!r}"
         elif not (isinstance(load, TractionLoad) and load.boundary == TOP):
             where = getattr(load, "boundary", "everywhere")
-            article = "an" if load.type[0] in "ae" else "a"
+            article = "an" if load.type[0] in "aei" else "a"
             yield (
                 f"{key}: expected a platen force or a traction on {TOP!r}, or a tension on a side "
                 f"of the block, found {article} {load.type} ({where})"

@@ -56,6 +56,8 @@ def load_unit(case: Case, name: str) -> str:
         return f"1/{units.time}"
     if load.type == "acceleration":
         return f"{units.length}/{units.time}^2"
+    if load.type == "interference":
+        return units.length
     if load.type == "temperature" or load.type == "eigenstrain":
         return "1"
     if load.type == "tilt":

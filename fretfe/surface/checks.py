@@ -154,8 +154,8 @@ def _interpenetration(name: str, initial: InitialGap, unit: str) -> Iterator[str
         f" {-initial.gap[deepest]:.4g} {unit} at {place(initial.points[deepest])}, over"
         f" {extent}; expected at most {allowed[deepest]:.2g} {unit}"
         " there, which the mesh does not resolve. Move the bodies until they touch or stand"
-        " apart, and let a load bring them together. An intended interference (press fit) is not"
-        " supported"
+        " apart, and let a load bring them together. For a press fit let them touch, and give"
+        " the overlap by a load of type 'interference'"
     )
 
 

@@ -87,14 +87,18 @@ PROFILES = {
 
 def stress_of(found: Run) -> tuple[Array, Array]:
     """Depths (m,) and stress (m, 4 or 6) of the block at the nodes of its elements, at the end."""
+    last = len(found.results), found.steps[-1].amplitudes if found.steps else None
+    count, amplitudes = found.model.comm.bcast(last)
+    fields = found.fields(count - 1)
+    if "lower" not in fields:
+        return np.empty(0), np.empty((0, 4))
     body = found.model.bodies["lower"]
-    amplitudes = found.steps[-1].amplitudes
-    field = found.fields(len(found.results) - 1)["lower"]
-    stress = body.elastic.element_stresses(field, body.initial_stress(amplitudes))
+    stress = body.elastic.element_stresses(fields["lower"], body.initial_stress(amplitudes))
     nodes = body.elastic.element_nodes()
     return nodes.reshape(-1, nodes.shape[2])[:, 1], stress.reshape(-1, stress.shape[2])
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("name", PROFILES)
 @pytest.mark.parametrize(
     ("plane", "solid"), [("strain", False), ("stress", False), ("strain", True)]
@@ -112,10 +116,13 @@ def test_a_held_body_has_the_stress_and_its_contact_feels_nothing(
     heights, stress = stress_of(treated)
     modulus = YOUNG / (1 - POISSON) if plane == "strain" else YOUNG
     sizes = -modulus * profile(heights, depths, values)
+    plain_stress = stress_of(plain)[1]
+    if not len(heights):  # of another rank
+        return
     expected = np.zeros_like(stress)
     expected[:, 0] = sizes
     expected[:, 2] = sizes if plane == "strain" else 0.0
-    expected += stress_of(plain)[1]
+    expected += plain_stress
     # Exact: lines of the mesh are where the profile bends.
     assert np.abs(stress - expected).max() < 1e-9 * np.abs(sizes).max()
 

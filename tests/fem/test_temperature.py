@@ -84,6 +84,7 @@ def stress_of(body: Body, amplitude: float = 1.0) -> tuple[Array, Array]:
     return elastic.element_nodes().reshape(-1, elastic.gdim), stress.reshape(-1, stress.shape[2])
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
 @pytest.mark.parametrize(
     ("plane", "along", "across"), [("stress", 1.0, 0.0), ("strain", 1 / 0.7, 1 / 0.7)]
@@ -114,6 +115,7 @@ def test_nothing_in_another_body_and_in_a_body_that_does_not_expand() -> None:
         np.testing.assert_array_equal(stress, 0.0)
 
 
+@pytest.mark.mpi
 def test_tube_with_a_logarithmic_temperature() -> None:
     """Hoop stress at the bore, E alpha dT/(2 (1 - nu) ln(b/a)) (1 - 2 b^2 ln(b/a)/(b^2 - a^2))."""
     inner, outer, change = 1.0, 2.0, 80.0
@@ -206,6 +208,7 @@ HEATING = {
 }
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("gap", [0.01, 0.0], ids=["curved", "conforming"])
 @pytest.mark.parametrize("solid", [False, True], ids=["plane", "solid"])
 def test_free_expansion_scales_the_gap(solid: bool, gap: float) -> None:
