@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from fretfe.backends.meshes import starting_mesh
 from fretfe.bodies.definition import ModelDefinition, Pair, contact_surfaces, couple_contacts
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import Case
@@ -86,7 +87,4 @@ def make_mesh(case: Case) -> Mesh | None:
 def _first_mesh(case: Case) -> Mesh:
     if case.edges.tolerance is None:
         return load_mesh(case)
-    # The first mesh of a refinement is a part of solving.
-    from fretfe.fem.refine import starting_mesh
-
     return starting_mesh(case)

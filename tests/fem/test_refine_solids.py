@@ -11,9 +11,9 @@ from cycled_sphere import FRICTION, PEAK, cycles, tables
 from pad_cases import pad, press
 
 from fretfe.backends import RunOptions
+from fretfe.backends.meshes import FINER, finer_case, is_solid, starting_mesh
 from fretfe.case import Case, parse_case
 from fretfe.fem.backend import BACKEND
-from fretfe.fem.refine import FINER, finer_case, is_solid, starting_mesh
 from fretfe.mesh.mesh import count_unknowns
 
 
