@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from fretfe.backends.meshes import starting_mesh
 from fretfe.bodies.definition import (
     ModelDefinition,
     Pair,
@@ -153,7 +154,4 @@ def make_mesh(case: Case) -> Mesh | None:
 def _first_mesh(case: Case) -> Mesh:
     if case.edges.tolerance is None:
         return load_mesh(case)
-    # The first mesh of a refinement is a part of solving.
-    from fretfe.fem.refine import starting_mesh
-
     return starting_mesh(case)

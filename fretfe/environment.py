@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The environment of a run: versions and the linear-algebra library in use."""
+"""The environment of a run: versions and the linear-algebra library in use.
+
+What is installed is looked up by functions that import `metadata` themselves: help needs none.
+"""
 
 from __future__ import annotations
 
-import importlib.metadata
 import math
 import os
 import platform
@@ -35,11 +37,13 @@ LITTLE_ROOM = 400 * 2**20
 
 def versions() -> dict[str, str]:
     """Versions of Python and of the packages that take part in a run."""
+    from importlib import metadata
+
     found = {"python": platform.python_version()}
     for name in PACKAGES:
         try:
-            found[name] = importlib.metadata.version(name)
-        except importlib.metadata.PackageNotFoundError:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
             found[name] = "not installed"
     return found
 
@@ -129,8 +133,10 @@ def missing_package(error: BaseException) -> str:
     """Advice on a module that fretfe requires and that is not there; empty for other errors."""
     if not isinstance(error, ModuleNotFoundError):
         return ""
+    from importlib import metadata
+
     module = (error.name or "").partition(".")[0]
-    required = importlib.metadata.requires("fretfe") or []
+    required = metadata.requires("fretfe") or []
     for name in (re.split(r"[^\w-]", each)[0] for each in required if "extra ==" not in each):
         if module == name.replace("-", "_"):
             return (

@@ -6,22 +6,17 @@ from __future__ import annotations
 import signal
 import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TaskID,
-    TextColumn,
-    TimeRemainingColumn,
-)
-from rich.status import Status
 
 from fretfe.backends import Observer
 from fretfe.cli.options import Verbosity
-from fretfe.quality.comparison import Benchmark, Row, print_rows
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
+    from fretfe.quality.comparison import Benchmark, Row
 
 # What ends a process from outside: a user, a queue or `timeout`.
 DEFAULTS: dict[signal.Signals, Any] = {
@@ -55,13 +50,7 @@ class StepReport(Observer):
         self._bar: Progress | None = None
         self._task: TaskID | None = None
         if console.is_terminal and rank == 0 and verbosity is Verbosity.NORMAL:
-            columns = (
-                TextColumn("{task.description}"),
-                BarColumn(),
-                MofNCompleteColumn(),
-                TimeRemainingColumn(),
-            )
-            self._bar = Progress(*columns, console=console, transient=True)
+            self._bar = _bar(console)
 
     def __enter__(self) -> StepReport:
         """Show the bar and listen to signals."""
@@ -120,6 +109,19 @@ class StepReport(Observer):
         signal.signal(number, DEFAULTS[number] if before is None else before)
 
 
+def _bar(console: Console) -> Progress:
+    # Imported where it is needed: most runs write to a file.
+    from rich import progress
+
+    columns = (
+        progress.TextColumn("{task.description}"),
+        progress.BarColumn(),
+        progress.MofNCompleteColumn(),
+        progress.TimeRemainingColumn(),
+    )
+    return progress.Progress(*columns, console=console, transient=True)
+
+
 class PhaseReport(StepReport):
     """Progress of several runs of a case: each is named where it begins."""
 
@@ -141,6 +143,8 @@ class BenchmarkReport(Observer):
 
     def __init__(self, *, quiet: bool) -> None:
         self.console = Console(quiet=quiet)
+        from rich.status import Status
+
         self._status = Status("", console=Console(stderr=True, quiet=quiet))
 
     def phase(self, text: str) -> None:
@@ -150,5 +154,7 @@ class BenchmarkReport(Observer):
 
     def show(self, benchmark: Benchmark, rows: Sequence[Row]) -> None:
         """Print the rows of a benchmark."""
+        from fretfe.quality.comparison import print_rows
+
         self._status.stop()
         print_rows(self.console, benchmark, rows)

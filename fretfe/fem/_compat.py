@@ -8,6 +8,7 @@ distribution needs. All other modules of `fretfe.fem` import DOLFINx through her
 from __future__ import annotations
 
 import ctypes
+import importlib.metadata
 import importlib.util
 import warnings
 from collections.abc import Sequence
@@ -32,12 +33,26 @@ if _shortage := too_little_room(WORK_SPACE, "DOLFINx and its linear algebra may 
 _kernels = importlib.util.find_spec("fretfe._core._kernels")
 assert _kernels is not None and _kernels.origin is not None, "fretfe is not installed"
 DGEMMT = ctypes.CDLL(str(Path(_kernels.origin).with_name("_gemmt.so")), ctypes.RTLD_GLOBAL)
-if importlib.util.find_spec("dolfinx_solver") is not None:
-    # The wheel of 0.11 vendors PETSc and finds the MPI library itself, if it comes first. Debian's
-    # 0.9 has none of that.
+# Distributions that replace files of the wheel of 0.11, or of one another.
+RIVALS = ("petsc", "petsc4py", "slepc", "slepc4py", "dolfinx-solver-complex")
+
+
+def _may_be_spoiled() -> bool:
+    """True if another PETSc stands beside or before that of the wheel; Debian's 0.9 is no wheel."""
+    wheel, petsc = (importlib.util.find_spec(name) for name in ("dolfinx_solver", "petsc4py"))
+    if wheel is None or petsc is None:
+        return wheel is not None
+    wheel_folder, folder = (Path(each.origin or "").parents[1] for each in (wheel, petsc))
+    names = (importlib.metadata.Distribution.discover(name=name) for name in RIVALS)
+    return wheel_folder != folder or any(map(any, names))
+
+
+if _may_be_spoiled():
+    # The wheel says what to remove. It reads all that is installed for that: 0.1 s, or more.
     import dolfinx_solver  # noqa: F401
 
 try:
+    # It finds the MPI library that those of the wheel are linked with: it comes first.
     from mpi4py import MPI
     from petsc4py import PETSc
 

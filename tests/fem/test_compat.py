@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import ctypes
+from importlib.util import find_spec
+from pathlib import Path
 
 import basix.ufl
 import numpy as np
@@ -194,3 +196,17 @@ def test_versions_name_what_is_loaded() -> None:
         part.isdecimal() for name in ("dolfinx", "petsc") for part in found[name].split(".")[:2]
     )
     assert found["mpi"].startswith(("MPICH", "Open MPI")) and found["mpi"].isprintable()
+
+
+IMPORT_BESIDE = "import sys; sys.path.append(sys.argv[1]); import fretfe.fem"
+
+
+@pytest.mark.skipif(find_spec("dolfinx_solver") is None, reason="not the wheel of DOLFINx")
+def test_the_wheel_refuses_another_petsc(tmp_path: Path) -> None:
+    assert python("-c", IMPORT_BESIDE, str(tmp_path)).returncode == 0
+    metadata = tmp_path / "petsc4py-3.20.0.dist-info" / "METADATA"
+    metadata.parent.mkdir()
+    metadata.write_text("Metadata-Version: 2.1\nName: petsc4py\nVersion: 3.20.0\n")
+    refused = python("-c", IMPORT_BESIDE, str(tmp_path))
+    assert refused.returncode == 1
+    assert "Uninstall petsc4py" in refused.stderr

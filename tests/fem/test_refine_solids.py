@@ -15,10 +15,10 @@ from pad_cases import pad, press
 from told import Told
 
 from fretfe.backends import RunOptions
+from fretfe.backends.meshes import FINER, finer_sweep, starting_mesh
 from fretfe.case import Case, parse_case
 from fretfe.errors import CaseError
 from fretfe.fem.backend import BACKEND
-from fretfe.fem.refine import FINER, finer_sweep, starting_mesh
 from fretfe.mesh.gmsh import gmsh_model
 from fretfe.mesh.load import grouped_mesh, makes_solids
 from fretfe.mesh.mesh import count_unknowns

@@ -10,8 +10,8 @@ import pytest
 from pad_cases import pad, press
 
 from fretfe._typing import Array
+from fretfe.backends.meshes import starting_mesh
 from fretfe.case import parse_case
-from fretfe.fem.refine import starting_mesh
 from fretfe.mesh.elements import facet_measures
 from fretfe.mesh.make import mesh_template
 from fretfe.mesh.mesh import BodyMesh, Mesh, body_unknowns, count_unknowns, mesh_summary

@@ -9,13 +9,16 @@ units of the case.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import BSpline, make_lsq_spline
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.surface.surface import edges_once
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 CUBIC = 3
 # Nodes whose normals are averaged at a station.
@@ -141,6 +144,9 @@ class Normals:
 
 def _spline(place: Array, rows: Array, pieces: int, closed: bool) -> BSpline:
     """Cubic spline with even pieces through rows (m, 3) at places (m,), by least squares."""
+    # Imported where it is needed: plane contacts have no curve, and it takes a quarter of a second.
+    from scipy.interpolate import make_lsq_spline
+
     period = place[-1]
     inner = np.linspace(0.0, period, pieces + 1)
     if closed:  # three rounds: the middle one knows of no seam
