@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from fretfe._typing import Array
-from fretfe.evaluate.resolution import expected_half_axes, half_width, hertz_half_axes
+from fretfe.evaluate.resolution import expected_contact, half_width, hertz_half_axes
 
 X = np.linspace(-8.0, 8.0, 641)
 
@@ -47,7 +47,12 @@ def _displaced(u: float, a: float, b: float, axis: float) -> float:
 
 def test_the_width_of_a_paraboloid_and_its_direction() -> None:
     places, gap = paraboloid(0.004, 0.02)
-    (_, width), across = expected_half_axes(places, gap, 0.01, 0.1)
+    found = expected_contact(places, gap, 0.01, 0.1)
+    (a, width), across = found.half_axes, found.across
+    # p0 sqrt(2/b) and p0 sqrt(2/a) at the ends of the half axes.
+    assert found.peak == pytest.approx(0.015 / (np.pi * a * width))
+    assert found.k_n(width / a**2) == pytest.approx(found.peak * np.sqrt(2 / width))
+    assert found.k_n(a / width**2) == pytest.approx(found.peak * np.sqrt(2 / a))
     assert width == pytest.approx(hertz_half_axes(np.array([0.004, 0.02]), 0.01)[1], rel=1e-6)
     assert abs(across @ [-np.sin(0.4), np.cos(0.4)]) == pytest.approx(1.0, abs=1e-9)
 
@@ -55,13 +60,18 @@ def test_the_width_of_a_paraboloid_and_its_direction() -> None:
 def test_a_cylinder_between_its_ends() -> None:
     places, gap = paraboloid(0.0, 0.02, turned=0.0)
     # a² = 4 P R/(π E*) with P per length
-    (long, width), _ = expected_half_axes(places, gap, 0.01, 0.1)
+    found = expected_contact(places, gap, 0.01, 0.1)
+    long, width = found.half_axes
     assert long == np.inf
+    # p0 = 2 P/(π a) of P per length.
+    assert found.k_n(0.0) == pytest.approx(
+        0.02 / 8 / (np.pi * width) * np.sqrt(2 / width), rel=2e-3
+    )
     assert width == pytest.approx(np.sqrt(4 * 0.01 / 8 / 0.02 / np.pi), rel=2e-3)
 
 
 def test_nothing_is_said_where_the_gap_is_no_paraboloid() -> None:
     places, saddle = paraboloid(-0.02, -0.01)
-    assert np.isinf(expected_half_axes(places, saddle, 0.01, 0.1)[0]).all()
+    assert np.isinf(expected_contact(places, saddle, 0.01, 0.1).half_axes).all()
     bumps = 0.01 * (2 - np.cos(3 * places[:, 0]) - np.cos(3 * places[:, 1]))
-    assert np.isinf(expected_half_axes(places, bumps, 0.01, 4.0)[0]).all()
+    assert np.isinf(expected_contact(places, bumps, 0.01, 4.0).half_axes).all()

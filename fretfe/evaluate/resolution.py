@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -372,7 +372,7 @@ def _proposal(
     case: Case, name: str, initial: InitialGap, normal: Array, force: float, tolerance: float
 ) -> Proposal:
     load, carrier = _load(case, initial, force), _carrier(case.contacts[name], initial)
-    long, short = _half_axes(initial, carrier, normal, load)[0]
+    long, short = _hertz(initial, carrier, normal, load).half_axes
     largest = math.inf
     if math.isfinite(long):
         largest = short**2 / long / PER_RADIUS
@@ -435,24 +435,33 @@ def _across_ellipse(
 
     Infinite where the gap is not that of a paraboloid or of a cylinder.
     """
-    (_, width), across = _half_axes(initial, carrier, normal, load)
+    found = _hertz(initial, carrier, normal, load)
+    width = found.half_axes[1]
     if not np.isfinite(width):
         return np.inf, WANTED_NODES
     from_lowest = _from_lowest(initial, carrier)
     near = from_lowest <= max(width, 2 * float(carrier.sizes[np.argmin(from_lowest)]))
-    lengths = np.ptp(carrier.nodes[near] @ across, axis=1)
+    lengths = np.ptp(carrier.nodes[near] @ found.across, axis=1)
     return float(width), round(2 * width / float(np.median(lengths)))
 
 
-def _half_axes(
-    initial: InitialGap, carrier: Surface, normal: Array, load: float
-) -> tuple[Array, Array]:
-    """Half axes (2,) of a contact of solids as of `expected_half_axes`; direction (3,) across."""
+def hertz_contact(case: Case, mesh: Mesh, name: str, force: float) -> HertzContact | None:
+    """A contact of solids by Hertz under P; None where the gap is no paraboloid or cylinder."""
+    initial = initial_gaps(mesh, case)[name]
+    nearest = int(np.argmin(initial.gap))
+    normal = initial.surface2.normals[initial.facet2[nearest]].mean(axis=0)
+    carrier, modulus = _carrier(case.contacts[name], initial), force / _load(case, initial, force)
+    found = _hertz(initial, carrier, normal / np.linalg.norm(normal), force / modulus)
+    return replace(found, peak=found.peak * modulus) if math.isfinite(found.half_axes[1]) else None
+
+
+def _hertz(initial: InitialGap, carrier: Surface, normal: Array, load: float) -> HertzContact:
+    """A contact of solids under P/E* as of `expected_contact`, with the direction (3,) across."""
     plane = np.linalg.svd(normal[None])[2][1:]
     places = (initial.points - initial.points[np.argmin(initial.gap)]) @ plane.T
     size = float(carrier.sizes[np.argmin(_from_lowest(initial, carrier))])
-    half_axes, across = expected_half_axes(places, initial.gap, load, ELEMENTS * size)
-    return half_axes, across @ plane
+    found = expected_contact(places, initial.gap, load, ELEMENTS * size)
+    return replace(found, across=found.across @ plane)
 
 
 def _from_lowest(initial: InitialGap, carrier: Surface) -> Array:
@@ -461,14 +470,36 @@ def _from_lowest(initial: InitialGap, carrier: Surface) -> Array:
     return np.asarray(np.linalg.norm(carrier.nodes.mean(axis=1) - lowest, axis=1))
 
 
-def expected_half_axes(
-    places: Array, gap: Array, load: float, nearest: float
-) -> tuple[Array, Array]:
-    """Half axes (2,) a >= b of a contact between half-spaces; direction (2,) of b in the plane.
+@dataclass(frozen=True)
+class HertzContact:
+    """A contact between half-spaces, or a cylinder between its ends.
+
+    Attributes:
+        half_axes: (2,) a >= b; a is infinite of a cylinder, both where the gap is neither.
+        across: (2,) direction of b in the tangent plane, (3,) in space.
+        peak: largest pressure, over E* if the load is.
+    """
+
+    half_axes: Array
+    across: Array
+    peak: float
+
+    def k_n(self, curvature: float) -> float:
+        """K_N = p0 sqrt(2 g) where the front has a curvature g³ a² b² = 1/curvature.
+
+        g is 1/b beside a cylinder. Source: the pressure p0 sqrt(1 - x²/a² - y²/b²) next to its
+        border; checked with circles and at the ends of the half axes.
+        """
+        a, b = self.half_axes
+        g = 1 / b if math.isinf(a) else (curvature * (a * b) ** 2) ** (-1 / 3)
+        return float(self.peak * math.sqrt(2 * g))
+
+
+def expected_contact(places: Array, gap: Array, load: float, nearest: float) -> HertzContact:
+    """The contact that is expected between half-spaces with an initial gap.
 
     The gap near its lowest place is taken for a paraboloid. The contact of a cylinder ends where
-    the surfaces do: half-planes under the mean force per length, and a is infinite. Both are where
-    the gap is no paraboloid.
+    the surfaces do: half-planes under the mean force per length.
 
     Args:
         places: (n, 2) from the lowest one.
@@ -478,6 +509,7 @@ def expected_half_axes(
     """
     inside = np.ones(len(gap), dtype=bool)
     missed, none = np.inf, np.full(2, np.inf)
+    peak = np.nan
     for _ in range(FITS):
         (x, y), g = places[inside].T, gap[inside]
         terms = np.stack([np.ones_like(x), x, y, x * x / 2, x * y, y * y / 2], axis=1)
@@ -485,15 +517,16 @@ def expected_half_axes(
         missed = np.ptp(g) and np.std(terms @ found - g) / np.std(g)
         curvatures, axes = np.linalg.eigh([[found[3], found[4]], [found[4], found[5]]])
         if curvatures[1] <= 0:
-            return none, axes[:, 1]
+            return HertzContact(none, axes[:, 1], np.nan)
         own = places @ axes
         half_axes = hertz_half_axes(np.maximum(curvatures, STRAIGHT * curvatures[1]), load)
-        length = np.ptp(own[:, 0])
+        length, peak = np.ptp(own[:, 0]), 1.5 * load / (np.pi * half_axes.prod())
         if 2 * half_axes[0] > length:
             half_axes = np.array([np.inf, np.sqrt(4 * load / (length * np.pi * curvatures[1]))])
+            peak = 2 * load / (np.pi * length * half_axes[1])
         inside = np.sum((own / half_axes) ** 2, axis=1) < REACH**2
         inside |= np.sum(own**2, axis=1) < nearest**2
-    return (half_axes if missed < RESIDUAL else none), axes[:, 1]
+    return HertzContact(half_axes if missed < RESIDUAL else none, axes[:, 1], float(peak))
 
 
 def hertz_half_axes(curvatures: Array, load: float) -> Array:

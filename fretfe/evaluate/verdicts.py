@@ -182,16 +182,26 @@ def _beside_formula(
 
 def _judge_local(station: Station, zone: SlipZone) -> Verdict:
     """Compare the length by the plane problem with the slip of the nodes and (11) or (8)."""
-    found = f"{zone.local:.3g} ± {zone.local_spread:.2g} by the plane problem next to the front"
-    if zone.resolved:
-        open_between = math.hypot(zone.spread, zone.local_spread) + BORDER_ELEMENTS * station.size
-        if abs(zone.length - zone.local) > open_between:
-            return Verdict(
-                DIFFERS,
-                f"nodes slip over {zone.length:.3g} ± {zone.spread:.2g}, but {found}: K_N, K_T and "
-                "K_S do not describe what happens there",
-                open_between,
-            )
+    nodes = beside_nodes(station, zone)
+    return nodes if nodes.word == DIFFERS else beside_formula(station, zone)
+
+
+def beside_nodes(station: Station, zone: SlipZone) -> Verdict:
+    """Compare the length by the plane problem with the slip of the nodes, if that is resolved."""
+    if not zone.resolved or zone.gross:
+        return Verdict(NO_VERDICT, f"nodes tell no length: {_unresolved(station, zone)}")
+    open_between = math.hypot(zone.spread, zone.local_spread) + BORDER_ELEMENTS * station.size
+    found = f"nodes slip over {zone.length:.3g} ± {zone.spread:.2g}, but {_by_plane_problem(zone)}"
+    if abs(zone.length - zone.local) > open_between:
+        reason = f"{found}: K_N, K_T and K_S do not describe what happens there"
+        return Verdict(DIFFERS, reason, open_between)
+    reason = f"both error bars, and {BORDER_ELEMENTS:g} elements"
+    return Verdict(AGREES, reason, open_between)
+
+
+def beside_formula(station: Station, zone: SlipZone) -> Verdict:
+    """Compare the length by the plane problem with (11) or (8)."""
+    found = _by_plane_problem(zone)
     without = _no_formula(station, zone)
     if without:
         seen = "which the slip of the nodes confirms" if zone.resolved else "by that alone"
@@ -201,6 +211,10 @@ def _judge_local(station: Station, zone: SlipZone) -> Verdict:
     within = math.hypot(zone.local_spread, BORDER_FRACTION * zone.local)
     reason = f"{found}; the asymptote's own error there is about {error:.1%}"
     return _beside_formula(zone.local, zone.prediction, error, within, reason)
+
+
+def _by_plane_problem(zone: SlipZone) -> str:
+    return f"{zone.local:.3g} ± {zone.local_spread:.2g} by the plane problem next to the front"
 
 
 def _no_formula(station: Station, zone: SlipZone) -> str:

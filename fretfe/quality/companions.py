@@ -16,7 +16,7 @@ from fretfe.evaluate.refinement import Measure, at_places, nearest_front, number
 from fretfe.evaluate.verdicts import BORDER_ELEMENTS, BORDER_FRACTION
 from fretfe.loads import History
 from fretfe.mesh.templates import find_template
-from fretfe.quality.rows import CONSTANT_NORMAL, Pairs, Place, Row, Verdict
+from fretfe.quality.rows import CONSTANT_NORMAL, Pairs, Place, Row, Verdict, subjects
 from fretfe.results.model import Result
 
 MEAN, START, MESH = "about another mean", "from another start", "on a coarser mesh"
@@ -244,13 +244,15 @@ def _front_rows(name: str, contact: Contact, front: Front, twin: Front | None) -
         f"elements {COARSER:g} times as large: the error bars of both meshes, that of a factor of "
         f"the case {LARGEST_BAR:.0%} at most"
     )
-    for quantity, measure, bar in MESH_QUANTITIES:
-        values, bars = numbers(stations, measure), numbers(stations, bar)
-        references, other = at_places(twin, places, [measure, bar])
-        # Slip zones of a fraction of their front need not be known to a tenth of themselves.
-        own = bars if quantity == "d" else np.minimum(bars, LARGEST_BAR * np.abs(values))
-        pairs = Pairs(values, references, np.hypot(own, other))
-        yield at.over_stations(f"{quantity} {MESH}", pairs, reason)
+    for subject, chosen in subjects(contact, front):
+        points = np.array([station.point for station in chosen])
+        for quantity, measure, bar in MESH_QUANTITIES:
+            values, bars = numbers(chosen, measure), numbers(chosen, bar)
+            references, other = at_places(twin, points, [measure, bar])
+            # Slip zones of a fraction of their front need not be known to a tenth of themselves.
+            own = bars if quantity == "d" else np.minimum(bars, LARGEST_BAR * np.abs(values))
+            pairs = Pairs(values, references, np.hypot(own, other))
+            yield subject.over_stations(f"{quantity} {MESH}", pairs, reason)
 
 
 def reported_d(station: Station) -> float:
@@ -259,9 +261,10 @@ def reported_d(station: Station) -> float:
     return zone.reported_length if zone else math.nan
 
 
-def _d_bar(station: Station) -> float:
-    zone = _resolved_zone(station)
-    return zone.spread if zone else math.nan
+def _told_d(station: Station) -> tuple[float, float]:
+    """Length of the last slip zone and its error bar, by the plane problem, else by the nodes."""
+    zone = station.slip_zones[-1] if station.slip_zones else None
+    return (math.nan, math.nan) if zone is None or zone.gross else zone.told
 
 
 def _resolved_zone(station: Station) -> SlipZone | None:
@@ -273,5 +276,5 @@ def _resolved_zone(station: Station) -> SlipZone | None:
 MESH_QUANTITIES: tuple[tuple[str, Measure, Measure], ...] = (
     ("K_N", lambda each: each.reported_k_n, lambda each: each.last_k_n[1]),
     ("ΔK", lambda each: each.reported_range, lambda each: each.k_range_spread),
-    ("d", reported_d, _d_bar),
+    ("d", lambda each: _told_d(each)[0], lambda each: _told_d(each)[1]),
 )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -20,6 +20,7 @@ from fretfe.evaluate import analyse_tractions
 from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, Front, SlipZone, Station
 from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.refinement import numbers
+from fretfe.evaluate.resolution import hertz_contact
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.verdicts import (
     AGREES,
@@ -28,10 +29,14 @@ from fretfe.evaluate.verdicts import (
     DIFFERS,
     NOT_RESOLVED,
     OUTSIDE,
+    beside_formula,
+    beside_nodes,
     judge,
     last_verdict,
     withheld,
 )
+from fretfe.evaluate.verdicts import Verdict as ZoneVerdict
+from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
 
 Verdict = Literal["pass", "FAIL", "outside", "depends", "unknown", "-"]
@@ -203,6 +208,27 @@ def limit_rows(result: Result) -> Iterator[Row]:
             continue
         reason = f"limit of the model; beyond it {limit.consequence}"
         yield at.compared(limit.quantity, limit.found, 0.0, limit.limit, reason, "unknown")
+
+
+def hertz_rows(result: Result) -> Iterator[Row]:
+    """K_N at the station of the largest |ΔK| of each front of solids, whose mesh is there."""
+    if not result.bodies or not result.solid:
+        return
+    mesh = Mesh(dict(result.bodies))
+    for contact in result.contacts:
+        worst = [_worst(contact, front) for front in contact.fronts]
+        for at, station in filter(None, worst):
+            force = float(contact.normal_force[station.last])
+            expected = hertz_contact(result.case, mesh, contact.pair, force)
+            if expected is None:
+                reason = "the gap is neither that of a paraboloid nor of a cylinder"
+                yield at.missing("K_N, by Hertz", reason)
+                continue
+            k_n, bar = station.last_k_n
+            known = expected.k_n(station.curvature)
+            reason = f"its error bar and {SHEAR_AGREEMENT:.0%}, as the bodies are not half-spaces"
+            tolerance = math.hypot(bar, SHEAR_AGREEMENT * known)
+            yield at.compared("K_N, by Hertz", k_n, known, tolerance, reason, "outside")
 
 
 def _solution_rows(result: Result) -> Iterator[Row]:
@@ -382,35 +408,99 @@ def _front_rows(contact: Contact, front: Front) -> Iterator[Row]:
                 f"{reasons[len(reasons) // 2]}"
             )
             yield at.missing(quantity, text, "unknown")
+    yield from _half_space_rows(at, front)
     ranges = numbers(stations, lambda each: each.k_range)
     spread = numbers(stations, lambda each: each.k_range_parts.extraction)
     largest = np.nanmax(ranges, initial=0.0)
     pairs = Pairs(ranges, ranges + spread, np.full(len(ranges), REACH_AGREEMENT * largest))
     reason = f"half the spread over reaches and lengths, {REACH_AGREEMENT:.0%} of the largest"
     yield at.over_stations("ΔK, other reach", pairs, reason)
+    for place, chosen in subjects(contact, front):
+        yield from _slip_rows(place, chosen)
+
+
+def subjects(contact: Contact, front: Front) -> Iterator[tuple[Place, tuple[Station, ...]]]:
+    """Subjects of rows about a front of solids: its stations, and that of the largest |ΔK|."""
+    if front.judged:
+        yield Place(contact.name, front.name), front.judged
+    if worst := _worst(contact, front):
+        yield worst[0], worst[1:]
+
+
+def _worst(contact: Contact, front: Front) -> tuple[Place, Station] | None:
+    """The station of the largest |ΔK| known, as a subject of rows; None without any."""
+    station = front.worst
+    if station is None:
+        return None
+    return Place(contact.name, f"{front.name}, station {station.number}"), station
+
+
+def _half_space_rows(at: Place, front: Front) -> Iterator[Row]:
+    """Factors around an elliptical front over those of half-spaces under the same forces."""
+    ratios = front.half_space_ratios
+    if ratios.reason:
+        yield at.missing("K_N and ΔK, by half-spaces", ratios.reason)
+        return
+    reason = "no free parameter, but the bodies are not half-spaces: outside, use K as computed"
+    for quantity, ratio in (("K_N", ratios.pressure), ("K_T, K_S", ratios.shear)):
+        label = f"{quantity} / by half-spaces"
+        yield at.compared(label, ratio, 1.0, SHEAR_AGREEMENT, reason, "outside")
+
+
+def _slip_rows(at: Place, stations: Sequence[Station]) -> Iterator[Row]:
+    """Slip zones by the plane problems, or by the nodes, with formulas, and with one another."""
     for half in (1, 2):
         zones = [(each, each.slip_zones[half - 3]) for each in stations if len(each.slip_zones) > 1]
         label = f"d, by formula, half cycle {half}"
         if zones:
-            yield _formula_row(at, label, zones)
+            yield _zone_row(at, label, zones, _formula_pair)
         else:
             yield at.missing(label, last_verdict(stations[len(stations) // 2]).reason)
+    last = [(each, each.slip_zones[-1]) for each in stations if each.slip_zones]
+    solved = [(each, zone) for each, zone in last if math.isfinite(zone.reported_local)]
+    if solved:
+        yield _zone_row(at, "d, plane problem, by nodes", solved, _nodes_pair)
 
 
-def _formula_row(at: Place, label: str, zones: Sequence[tuple[Station, SlipZone]]) -> Row:
-    """Slip zones found and predicted at the stations where formulas hold.
+# A verdict, and what it compares.
+Pair = tuple[ZoneVerdict, float, float]
 
-    Where none does, the most frequent word, and a reason for it.
+
+def _formula_pair(station: Station, zone: SlipZone) -> Pair:
+    verdict = judge(station, zone)
+    if verdict.word == DIFFERS and math.isfinite(zone.reported_local):
+        # It may be the slip of the nodes that differs.
+        verdict = beside_formula(station, zone)
+    return verdict, zone.told[0], zone.prediction
+
+
+def _nodes_pair(station: Station, zone: SlipZone) -> Pair:
+    return beside_nodes(station, zone), zone.local, zone.length
+
+
+def _zone_row(
+    at: Place,
+    label: str,
+    zones: Sequence[tuple[Station, SlipZone]],
+    compare: Callable[[Station, SlipZone], Pair],
+) -> Row:
+    """Slip zones and what they are compared with, at the stations where that is possible.
+
+    Where it is not the most frequent word, and a reason for it.
     """
-    verdicts = [judge(station, zone) for station, zone in zones]
+    pairs = [compare(station, zone) for station, zone in zones]
     known = [
-        (zone.length, zone.prediction, verdict.tolerance)
-        for (_, zone), verdict in zip(zones, verdicts, strict=True)
+        (length, reference, verdict.tolerance)
+        for verdict, length, reference in pairs
         if math.isfinite(verdict.tolerance)
     ]
+    verdicts = [verdict for verdict, _, _ in pairs]
     if not known:
         ((word, _),) = Counter(each.word for each in verdicts).most_common(1)
         reason = next(each.reason for each in verdicts if each.word == word)
         return at.missing(label, f"{word}: {reason}", VERDICTS.get(word, "-"))
-    reason = "the formula's own error, the error bars, and a fifth of an element"
+    if len(pairs) == 1:
+        (verdict,) = verdicts
+        return at.compared(label, *known[0], verdict.reason, VERDICTS.get(verdict.word, "FAIL"))
+    reason = "the error bars, a fifth of an element of nodes, and the formula's own error"
     return at.over_stations(label, Pairs(*np.transpose(known)), reason)

@@ -20,7 +20,7 @@ from fretfe.environment import peak_memory
 from fretfe.errors import FretfeError, StoppedError
 from fretfe.files import json_value
 from fretfe.quality.companions import COARSER, MESH, Variant, companion_rows, make_variants
-from fretfe.quality.rows import EVERYWHERE, Row, limit_rows, own_rows
+from fretfe.quality.rows import EVERYWHERE, Row, hertz_rows, limit_rows, own_rows
 from fretfe.results.model import Result
 
 # Phases of a run that companions on the same mesh go through too.
@@ -90,7 +90,7 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
         if result.failure is not None:
             raise result.failure
         options.keep(result)
-        rows = [*own_rows(result), *limit_rows(result)]
+        rows = [*own_rows(result), *hertz_rows(result), *limit_rows(result)]
         variants, reasons = make_variants(case, result)
         rows += [EVERYWHERE.missing(name, reason) for name, reason in reasons.items()]
         options.observer.phase(plan(variants, result))

@@ -8,20 +8,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import solid_runs
-from test_fronts_in_space import fronts, grid, hertz
+from test_fronts_in_space import fronts, grid, hertz, zone
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import Front
+from fretfe.evaluate.contacts import Front, HalfSpaceRatios
+from fretfe.evaluate.refinement import at_places, nearest_front
 from fretfe.quality.companions import (
     MEAN,
     MESH,
     START,
     Variant,
-    at_places,
     coarser,
     companion_rows,
     make_variants,
-    nearest_front,
 )
 from fretfe.quality.rows import Pairs, Place, Row, own_rows
 from fretfe.quality.validation import plan
@@ -96,6 +95,81 @@ def test_companion_mesh_within_the_error_bars(circle: Front) -> None:
         assert row.reference == pytest.approx(factor * row.value, rel=0.05)
     (lost,) = companion_rows(MESH, result_with(circle), solid_runs.solid_result())
     assert lost.verdict == "-" and "no such front" in lost.reason
+
+
+def with_zones(front: Front, **values: float) -> Front:
+    """Two slip zones at each station; |ΔK| is largest at the station 5."""
+    stations = (
+        replace(
+            each, k_range=100.0 + (each.number == 5), k_range_spread=2.0, stiffening=2.0,
+            size=0.02, slip_zones=(zone(**values), zone(**values)),
+        )
+        for each in front.stations
+    )  # fmt: skip
+    return replace(front, stations=tuple(stations))
+
+
+def slip_rows(front: Front) -> dict[tuple[str, str], Row]:
+    found = {(row.edge, row.quantity): row for row in own_rows(result_with(front))}
+    return {key: row for key, row in found.items() if key[1].startswith("d, ")}
+
+
+@pytest.mark.parametrize(
+    ("nodes", "formula", "verdicts"),
+    [
+        (0.05, 0.05, ("pass", "pass")),
+        (0.02, 0.05, ("FAIL", "pass")),
+        (0.05, 0.09, ("pass", "FAIL")),
+    ],
+)
+def test_plane_problem_against_nodes_and_formula(
+    circle: Front, nodes: float, formula: float, verdicts: tuple[str, str]
+) -> None:
+    given = {"predicted": formula, "predicted_loop": formula}
+    rows = slip_rows(with_zones(circle, length=nodes, local=0.05, local_spread=0.002, **given))
+    for edge in ("front 1", "front 1, station 5"):
+        by_nodes, by_formula = (
+            rows[edge, name]
+            for name in ("d, plane problem, by nodes", "d, by formula, half cycle 2")
+        )
+        assert (by_nodes.verdict, by_formula.verdict) == verdicts
+        assert (by_nodes.value, by_nodes.reference) == (0.05, nodes)
+        assert (by_formula.value, by_formula.reference) == (0.05, formula)
+
+
+def test_without_plane_problems_the_nodes_have_the_formula_alone(circle: Front) -> None:
+    rows = slip_rows(with_zones(circle))
+    assert rows["front 1, station 5", "d, by formula, half cycle 2"].verdict == "pass"
+    assert not any("plane problem" in quantity for _, quantity in rows)
+
+
+def test_worst_station_has_lines_of_its_own_on_the_coarser_mesh(circle: Front) -> None:
+    front = with_zones(circle, local=0.05, local_spread=0.002)
+    coarse = with_zones(circle, local=0.07, local_spread=0.002)
+    rows = {
+        (row.edge, row.quantity): row
+        for row in companion_rows(MESH, result_with(front), result_with(coarse))
+    }
+    for edge in ("front 1", "front 1, station 5"):
+        assert rows[edge, f"K_N {MESH}"].verdict == "pass"
+        d = rows[edge, f"d {MESH}"]
+        assert d.verdict == "FAIL" and (d.value, d.reference) == pytest.approx((0.05, 0.07))
+
+
+def test_factors_against_half_spaces(circle: Front) -> None:
+    ratios = HalfSpaceRatios(np.ones(2), 0.99, np.nan, np.nan, 1.1, "")
+    rows = {
+        row.quantity: row
+        for row in own_rows(result_with(replace(circle, half_space_ratios=ratios)))
+    }
+    assert rows["K_T, K_S / by half-spaces"].verdict == "pass"
+    assert rows["K_N / by half-spaces"].verdict == "outside"
+    unlike = replace(ratios, reason="the front is open")
+    rows = {
+        row.quantity: row
+        for row in own_rows(result_with(replace(circle, half_space_ratios=unlike)))
+    }
+    assert rows["K_N and ΔK, by half-spaces"].reason == "the front is open"
 
 
 def test_contact_without_fronts_is_unknown(circle: Front) -> None:
