@@ -165,7 +165,7 @@ def contact(shape: Surface, name: str, history: dict[str, Array]) -> ContactHist
         slip=slip, status=history["status"].astype(np.int8),
         dissipation=np.abs(moved * history["shear"]) * weights,
         full_stick=FullStickUnits(np.zeros((0, len(weights), 3, 1)), np.full(count, -1)),
-        facets=shape.facets,
+        facets=shape.facets, free=np.zeros(len(weights), dtype=bool),
     )  # fmt: skip
 
 

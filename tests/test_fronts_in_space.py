@@ -92,7 +92,8 @@ def solved(
     # Outward normal of body 2 is y; tangents x and -z.
     frame = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
     contact = replace(
-        old, points=points, facets=facets, weights=area, frames=np.tile(frame, (count, 1, 1)),
+        old, points=points, facets=facets, free=np.zeros(count, dtype=bool), weights=area,
+        frames=np.tile(frame, (count, 1, 1)),
         traction=traction, mean_traction=traction, status=status, slip=moved,
         friction=np.full(states, 0.5), gap=np.zeros((states, count)),
         dissipation=np.zeros((states, count)),

@@ -158,15 +158,20 @@ def test_of_equal_cycles_only_the_last_one_before_is_gone_through(bare: Result) 
 
 def test_tables_of_stations_have_the_plane_problem(solid: Result, bare: Result) -> None:
     (row, *_), station = station_records(solid.contacts), stations(solid)[0]
-    names = ["local", "local_spread", "local_slip", "local_work", "local_reason", "verdict"]
+    names = [
+        *("local", "local_spread", "local_before", "local_before_spread", "stick_border"),
+        *("local_slip", "local_work", "local_change", "local_reason", "verdict"),
+    ]
     place = list(row).index("predicted") + 1
     assert list(row)[place : place + len(names)] == names
-    zone, local = station.slip_zones[-1], station.local
-    assert [row[name] for name in names[:5]] == [
-        zone.local, zone.local_spread, local.slip, local.work, "",
+    (before, zone), local = station.slip_zones[-2:], station.local
+    inner = [station.position[each.end] + each.local for each in (before, zone)]
+    assert [row[name] for name in names[:9]] == [
+        zone.local, zone.local_spread, before.local, before.local_spread, max(inner),
+        local.slip, local.work, local.change, "",
     ]  # fmt: skip
     (row, *_) = station_records(bare.contacts)
-    assert np.isnan([row[name] for name in names[:4]]).all()
+    assert np.isnan([row[name] for name in names[:8]]).all()
     assert row["local_reason"] == "it was not solved"
 
 

@@ -208,13 +208,17 @@ class Nodes(Protocol):
 
 @dataclass(frozen=True)
 class Place:
-    """One contact: its name, its bodies and its nodes; of solids the facets between them."""
+    """One contact: its name, its bodies and its nodes; of solids the facets between them.
+
+    Of solids also which nodes lie where both bodies end.
+    """
 
     name: str
     body1: str
     body2: str
     nodes: Nodes
     facets: Indices | None = None
+    free: Bools | None = None
 
 
 def digest_of(places: Sequence[Place]) -> str:

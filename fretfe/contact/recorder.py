@@ -402,6 +402,7 @@ class Recorder:
                 area=self._by_state["area_of_state"][: self.count],
             ),
             facets=place.facets,
+            free=place.free,
         )
 
     def _part(self, name: str, nodes: slice) -> StateArray:

@@ -384,6 +384,16 @@ class Station(StationHistory):
         return np.asarray(math.cos(angle) * self.k_t + math.sin(angle) * self.k_s)
 
     @property
+    def stick_border(self) -> float:
+        """Place of the border of permanent stick by the plane problem, as `position`; else NaN.
+
+        That is the farthest inner end of the slip zones of the last two half cycles.
+        """
+        zones = self.slip_zones[-2:]
+        inner = [self.position[zone.end] + zone.reported_local for zone in zones]
+        return float(max(inner)) if inner and np.isfinite(inner).all() else math.nan
+
+    @property
     def range_over_k_n(self) -> float:
         """|ΔK|/K_N, in proportion to slip zones along a contact; NaN if one of both is not told."""
         return self.reported_range / (self.reported_k_n or math.nan)

@@ -90,13 +90,14 @@ def solid_warnings(
             "the boundary of the contact area cannot be found at the end of the cycle: K_N, K_T, "
             "K_S and slip zones are unknown; they need ten elements over the width of the contact"
         )
-    assert contact.facets is not None
-    at_border = np.flatnonzero(closed & rim_nodes(contact.facets, len(closed)))
-    if len(at_border):
-        place = ", ".join(f"{value:.4g}" for value in contact.points[at_border[0]])
+    assert contact.facets is not None and contact.free is not None
+    at_border = closed & rim_nodes(contact.facets, len(closed)) & ~contact.free
+    if at_border.any():
+        place = ", ".join(f"{value:.4g}" for value in contact.points[np.argmax(at_border)])
         yield (
-            f"the contact reaches the border of its surface, first at ({place}): extend the "
-            "physical group there, unless the body ends there too"
+            f"the contact reaches the border of its surface, first at ({place}), where not both "
+            "bodies end: extend the physical group there. If one of the bodies ends there with an "
+            "edge, that presses into the other one, and the edge formulas do not hold"
         )
     yield from (f"patch {each.name}: {each.reason}" for each in found["patches"] if each.reason)
     if unsteady := unsteady_text(changes):

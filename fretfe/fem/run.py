@@ -412,8 +412,9 @@ def _steady(recorder: Recorder, cycles: _Cycles, options: RunOptions) -> bool:
 
 
 def _place(model: Model, pair: Pair) -> Place:
-    facets = pair.coupling.facets if model.dimension == 3 else None
-    return Place(pair.name, pair.body1, pair.body2, pair.coupling, facets)
+    coupling, solid = pair.coupling, model.dimension == 3
+    surface = (coupling.facets, coupling.free) if solid else ()
+    return Place(pair.name, pair.body1, pair.body2, coupling, *surface)
 
 
 def _require_contact(recorder: Recorder) -> None:

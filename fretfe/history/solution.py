@@ -149,6 +149,7 @@ class ContactHistory:
         events: where a patch comes from and where it goes, in words; a text for each kind of event.
         facets: (F, 3 or 4) nodes of the facets of the surface, counter-clockwise seen from outside
             body 2; None in the plane.
+        free: (N,) nodes on the rim of the surface at which both bodies end; None in the plane.
     """
 
     name: str
@@ -172,6 +173,7 @@ class ContactHistory:
     node_range: Indices | None = None
     events: tuple[str, ...] = ()
     facets: Indices | None = None
+    free: Bools | None = None
 
     @property
     def exists(self) -> Bools:

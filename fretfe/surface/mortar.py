@@ -24,7 +24,7 @@ from fretfe._core import _kernels
 from fretfe._typing import Array, Bools, Indices, Positions
 from fretfe.errors import ModelError
 from fretfe.mesh.elements import BULGE, MIDDLES, quadrature, seven_points, shape_values
-from fretfe.surface.surface import Chain, Surface, mean_curvature, tangent_frames
+from fretfe.surface.surface import Chain, Surface, mean_curvature, rim_edges, tangent_frames
 
 # Spheres are larger by this fraction: points just beyond the end of a facet count as on it.
 MARGIN = 1e-6
@@ -37,6 +37,8 @@ GAUSS_POINTS = 5
 TRIANGLE_POINTS = 4
 # Points further apart than this fraction of the shorter surface are never in contact.
 SEARCH_FRACTION = 0.5
+# Bodies end at the same place if their ends are that close, over an element at them.
+SAME_END = 0.1
 # Hats with less than this fraction of their support inside the overlap carry no multiplier.
 SMALLEST_SUPPORT = 1e-6
 
@@ -262,6 +264,7 @@ class Coupling:
         averaging: (N, N) mean of a traction around each node, ∫ φ_i Σ φ_j λ_j / ∫ φ_i.
         gap: (N,) weighted initial gap, ∫ φ_i gap.
         body1, body2: (N*d, n) operators on the surface displacements of each body.
+        free: (N,) nodes on the rim of the surface at which both bodies end; none in the plane.
     """
 
     arc: Array
@@ -273,6 +276,7 @@ class Coupling:
     gap: Array
     body1: sparse.csr_matrix
     body2: sparse.csr_matrix
+    free: Bools
 
 
 def couple(
@@ -345,7 +349,37 @@ def _assemble(
         gap=_totals(rows, tests * overlap.gap[:, None], len(nodes)),
         body1=body1,
         body2=body2,
+        free=_free(carrier.surface, sides[on_first].surface, nodes, mean, np.sqrt(support))
+        if d == 3
+        else np.zeros(len(nodes), dtype=bool),
     )
+
+
+def _free(carrier: Surface, other: Surface, nodes: Indices, normals: Array, sizes: Array) -> Bools:
+    """(N,) nodes of a surface at which its body and the opposite one end, seen along normals.
+
+    Args:
+        carrier: the surface.
+        other: the opposite one.
+        nodes: (N,) vertices of the surface.
+        normals: (N, d) unit normals of the contact.
+        sizes: (N,) of elements around the nodes.
+    """
+    count, free = len(carrier.vertices), np.zeros(len(nodes), dtype=bool)
+    all_edges = np.bincount(rim_edges(carrier.corners).ravel(), minlength=count)
+    ending = np.bincount(carrier.ends.ravel(), minlength=count)
+    reach, segments = search_reach(carrier, other), other.vertices[other.ends]
+    # A node belongs to the end of its body if all edges of the rim there do.
+    for row in np.flatnonzero(((ending > 0) & (ending == all_edges))[nodes]):
+        start, end = np.moveaxis(segments - carrier.vertices[nodes[row]], 1, 0)
+        normal = normals[row]
+        apart, along = (each - (each @ normal)[:, None] * normal for each in (start, end - start))
+        share = -np.sum(along * apart, axis=1) / np.maximum(np.sum(along**2, axis=1), 1e-300)
+        share = np.clip(share, 0.0, 1.0)[:, None]
+        aside = np.linalg.norm(apart + share * along, axis=1)
+        height = np.abs((start + share * (end - start)) @ normal)
+        free[row] = np.any((aside <= SAME_END * sizes[row]) & (height <= reach))
+    return free
 
 
 @dataclass(frozen=True)

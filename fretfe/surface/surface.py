@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 
 import numpy as np
@@ -13,11 +13,15 @@ from fretfe._typing import Array, Bools, Indices, Positions
 from fretfe.errors import MeshError, ModelError
 from fretfe.mesh.elements import (
     CORNERS,
+    FACET_SHAPES,
     KINDS,
     MIDDLES,
+    directed_facets,
+    exterior_facets,
     lattice,
     quadrature,
     reference_nodes,
+    row_keys,
     shape_slopes,
     shape_values,
 )
@@ -25,6 +29,9 @@ from fretfe.mesh.mesh import BodyMesh
 
 # Facets whose normal turns by less than this angle (radians) are straight.
 STRAIGHT = 1e-9
+# Cosine of the angle between facets from which a body has an edge between them: 30 degrees, more
+# than from one element to the next along a rounding.
+SHARP = 0.866
 # Gauss points along each direction of a facet for its measure.
 GAUSS_POINTS = 4
 # Places along each edge of a facet at which the nearest one is looked up.
@@ -164,6 +171,8 @@ class Surface:
         shape: of the facets.
         degree: of the facets, 1 or 2.
         normals: (f, k, d) outward unit normals at `nodes`, equal where facets meet.
+        ends: (e, 2) corners at the edges of the rim where the body ends: where its own surface goes
+            on around a convex edge. At others it goes on smoothly. None in the plane.
     """
 
     name: str
@@ -173,6 +182,7 @@ class Surface:
     shape: str
     degree: int
     normals: Array
+    ends: Indices = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
 
     @property
     def dimension(self) -> int:
@@ -303,10 +313,40 @@ def boundary_surface(mesh: BodyMesh, name: str) -> Surface:
 
 def _surface(mesh: BodyMesh, name: str, facets: Indices) -> Surface:
     shape, degree = KINDS[mesh.points.shape[1], facets.shape[1]]
-    nodes = mesh.points[facets]
+    nodes, corners = mesh.points[facets], facets[:, : CORNERS[shape]]
     numbers, facets = _renumbered(facets, CORNERS[shape])
     normals = _nodal_normals(nodes, facets, shape, degree)
-    return Surface(name, mesh.name, mesh.points[numbers], facets, shape, degree, normals)
+    points = mesh.points[numbers]
+    if shape == "line":
+        return Surface(name, mesh.name, points, facets, shape, degree, normals)
+    own = np.empty(len(mesh.points), dtype=np.int64)
+    own[numbers] = np.arange(len(numbers))
+    ends = own[_ends(mesh, corners)]
+    return Surface(name, mesh.name, points, facets, shape, degree, normals, ends)
+
+
+def _ends(mesh: BodyMesh, corners: Indices) -> Indices:
+    """(e, 2) nodes at the edges of the rim of facets with corners (f, c) where a solid ends."""
+    rim = rim_edges(corners)
+    near = np.zeros(len(mesh.points), dtype=bool)
+    near[rim] = True
+    # Both facets at an edge belong to cells with both of its ends.
+    beside = near[mesh.cells[:, : CORNERS[mesh.cell]]].sum(axis=1) > 1
+    facets = directed_facets(mesh.cells[beside], mesh.cell, mesh.order)
+    shape = FACET_SHAPES[mesh.cell]
+    outside = exterior_facets(facets, shape)[0][:, : CORNERS[shape]]
+    keys = row_keys(np.sort(np.concatenate([rim, facet_edges(outside)]), axis=1))
+    rim_keys, edge_keys = np.split(keys, [len(rim)])
+    order = np.argsort(edge_keys, kind="stable")
+    first = np.searchsorted(edge_keys[order], rim_keys)
+    last = np.searchsorted(edge_keys[order], rim_keys, side="right")
+    met = last - first == 2
+    one, other = (order[first[met] + place] // CORNERS[shape] for place in (0, 1))
+    places = mesh.points[outside]
+    normals = np.cross(places[:, 1] - places[:, 0], places[:, -1] - places[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    below = _dot(places[other].mean(axis=1) - places[one].mean(axis=1), normals[one]) < 0
+    return rim[met][below & (_dot(normals[one], normals[other]) < SHARP)]
 
 
 def _require_orientation(corners: Indices, where: str) -> None:
@@ -459,10 +499,15 @@ def edges_once(corners: Indices) -> Indices:
     return np.unique(np.sort(facet_edges(corners), axis=1), axis=0)
 
 
-def rim_nodes(corners: Indices, count: int) -> Bools:
-    """(count,) nodes at the ends of edges that only one of the facets with corners (F, c) has."""
+def rim_edges(corners: Indices) -> Indices:
+    """(E, 2) ends of the edges that only one of the facets with corners (F, c) has."""
     edges = np.sort(facet_edges(corners), axis=1)
     found, facets = np.unique(edges, axis=0, return_counts=True)
+    return found[facets == 1]
+
+
+def rim_nodes(corners: Indices, count: int) -> Bools:
+    """(count,) nodes at the ends of edges that only one of the facets with corners (F, c) has."""
     rim = np.zeros(count, dtype=bool)
-    rim[found[facets == 1]] = True
+    rim[rim_edges(corners)] = True
     return rim
