@@ -29,15 +29,16 @@ def linear(points: Array) -> Array:
     return np.asarray(3.0 + points @ np.array([2.0, -1.0, 0.5])[: points.shape[1]])
 
 
+@pytest.mark.parametrize("unit", [1e-12, 1.0, 1e12])
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_linear_values_are_met_between_scattered_points(dimension: int) -> None:
+def test_linear_values_are_met_between_scattered_points(dimension: int, unit: float) -> None:
     corners = np.stack(np.meshgrid(*[[0.0, 1.0]] * dimension), axis=-1).reshape(-1, dimension)
     points = np.concatenate([corners, RANDOM.random((40, dimension))])
-    values = PointValues(points, linear(points))
+    values = PointValues(unit * points, linear(points))
     # corners and sides are on the hull, for which round-off must not count
     places = np.concatenate([corners, corners / 2, RANDOM.random((100, dimension))])
-    np.testing.assert_allclose(values.at(places), linear(places), atol=1e-8)
-    assert values.outside(places)[1] == pytest.approx(0.0, abs=1e-9)
+    np.testing.assert_allclose(values.at(unit * places), linear(places), atol=1e-8)
+    assert values.outside(unit * places)[1] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_points_on_a_line_or_plane_count_across_it() -> None:

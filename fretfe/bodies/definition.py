@@ -162,31 +162,37 @@ class DistributedLoad:
     layers: Mapping[str, Layer] = field(default_factory=dict)
     contact: str = ""
 
-    def body_force(self, material: Material, places: Array) -> Array | None:
-        """(m, d) force per volume at places (m, d), by a unit of its amplitude; None without any.
+    @property
+    def pushes(self) -> bool:
+        """True if it is a body force."""
+        return self.kind in ("rotation", "acceleration")
+
+    def strains(self, body: str) -> bool:
+        """True if it causes an initial strain of a body."""
+        everywhere = self.kind == "temperature" and not self.bodies
+        return everywhere or body in self.bodies or body in self.layers
+
+    def body_force(self, material: Material, places: Array) -> Array:
+        """(m, d) force per volume at places (m, d) by a unit of the amplitude of one that pushes.
 
         A rotation's amplitude is the square of the angular speed.
         """
         size = places.shape[1]
         if self.kind == "acceleration":
             return np.tile(material.density * np.array(self.direction), (len(places), 1))
-        if self.kind != "rotation":
-            return None
         arms = places - np.array(self.centre[:size])
         if size == 3:  # in the plane the axis is normal to it
             axis = np.array(self.direction)
             arms = arms - np.outer(arms @ axis, axis)
         return np.asarray(material.density * arms)
 
-    def initial_strain(self, body: str, material: Material, places: Array) -> Array | None:
-        """(m, 3, 3) initial strain of a body at places (m, d); None if the load causes none."""
+    def initial_strain(self, body: str, material: Material, places: Array) -> Array:
+        """(m, 3, 3) initial strain at places (m, d) of a body that it strains, for a unit."""
         if body in self.layers:
             return self.layers[body].strain(places)
-        if self.kind != "temperature" or (self.bodies and body not in self.bodies):
-            return None
         assert self.at_points is not None
         change = self.at_points.at(places) - material.reference_temperature
-        return material.expansion * change[:, None, None] * np.eye(3)
+        return np.asarray(material.expansion * change[:, None, None] * np.eye(3))
 
 
 @dataclass(frozen=True)

@@ -85,12 +85,13 @@ def _gauge(points: Array, places: Array) -> Array:
         return np.maximum(places[:, 0] / high, places[:, 0] / low)
     from scipy.spatial import ConvexHull
 
+    size = np.abs(points).max()
     # A·x + b = 0 on a facet, b < 0 as 0 is inside.
-    *normals, offsets = ConvexHull(points).equations.T
+    *normals, offsets = ConvexHull(points / size).equations.T
     facets = np.unique((np.array(normals) / -offsets).T.round(12), axis=0)
     largest = np.full(len(places), -np.inf)
     for facet in facets:
-        np.maximum(largest, places @ facet, out=largest)
+        np.maximum(largest, places @ facet / size, out=largest)
     return largest
 
 

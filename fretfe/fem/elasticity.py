@@ -138,7 +138,7 @@ class ElasticBody:
         self.mesh = create_mesh(comm, cells, points, cell, order)
         self.space = fem.functionspace(self.mesh, ("Lagrange", degree, (gdim,)))
         self.groups, self.facet_tags = self._tag_boundaries(mesh, cell, order)
-        self._initial_stresses: dict[str, fem.Function | None] = {}
+        self._initial_stresses: dict[str, fem.Function] = {}
 
     def _tag_boundaries(
         self, mesh: BodyMesh | None, cell: str, order: int
@@ -246,15 +246,14 @@ class ElasticBody:
         It is linear between the corners of elements, as the strain is that displacements of
         degree 2 can follow. A load has one name and is looked at once.
         """
+        if not load.strains(self.name):
+            return None
         if load.channel not in self._initial_stresses:
             space = fem.functionspace(self.mesh, ("Lagrange", 1, (3, 3)))
             places = space.tabulate_dof_coordinates()[:, : self.gdim]
             strain = load.initial_strain(self.name, self.material, places)
-            found = None
-            if strain is not None:
-                found = fem.Function(space)
-                found.x.array[:] = self.material.initial_stress(strain).ravel()
-            self._initial_stresses[load.channel] = found
+            found = self._initial_stresses[load.channel] = fem.Function(space)
+            found.x.array[:] = self.material.initial_stress(strain).ravel()
         return self._initial_stresses[load.channel]
 
     def body_force(self, load: DistributedLoad) -> fem.Function | None:
@@ -262,13 +261,12 @@ class ElasticBody:
 
         It is linear in the place, as the space is in which the places of elements lie.
         """
+        if not load.pushes:
+            return None
         space = fem.functionspace(self.mesh, ("Lagrange", self.order, (self.gdim,)))
         places = space.tabulate_dof_coordinates()[:, : self.gdim]
-        force = load.body_force(self.material, places)
-        if force is None:
-            return None
         found = fem.Function(space)
-        found.x.array[:] = force.ravel()
+        found.x.array[:] = load.body_force(self.material, places).ravel()
         return found
 
     def _factors(self, load: DistributedLoad, given: PointValues) -> fem.Function:

@@ -312,8 +312,8 @@ def _initial_strains(model: Model, body: str, strain: SurfaceStrain) -> Array:
     loads, material = model.reduction.definition.loads, model.body_definition(body).material
     found = np.zeros((len(loads), 2, len(strain.arc)))
     for own, load in zip(found, loads, strict=True):
-        initial = load.initial_strain(body, material, strain.places)
-        if initial is not None:
+        if load.strains(body):
+            initial = load.initial_strain(body, material, strain.places)
             constants, plane = model.case.bodies[body], model.case.model.plane
             own[0] = free_strain(initial, strain.tangents, constants, plane)
             own[1] = initial[:, 2, 2]

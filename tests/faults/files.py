@@ -12,7 +12,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 from faults.fault import CHECK, HALFPLANE, Fault, Prepare, damaged
-from faults.originals import DRAWINGS, GRIDS, MESHES, case_text, csv_case
+from faults.originals import DRAWINGS, GRIDS, MESHES, case_text, csv_case, points_case
 
 Change = Callable[[bytes], bytes]
 
@@ -25,7 +25,10 @@ def faults() -> Iterator[Fault]:
     yield Fault("loads.csv/whole", HALFPLANE, whole, False)
     yield from _meshes()
     yield from _drawings()
+    whole = _with("points.csv", lambda data: data, points_case())
+    yield Fault("points.csv/whole", CHECK, whole, False)
     yield from _load_tables()
+    yield from _point_tables()
     yield from _traction_tables()
 
 
@@ -269,6 +272,30 @@ def _load_tables() -> Iterator[Fault]:
         data = content if isinstance(content, bytes) else content.encode()
         change = _constant(data)
         yield Fault(f"loads.csv/{name}", HALFPLANE, _with(file, change, text), True)
+
+
+def _point_tables() -> Iterator[Fault]:
+    file, text = "points.csv", points_case()
+    for seed in range(12):
+        yield Fault(f"{file}/damaged/{seed}", CHECK, _with(file, _damaging(seed), text))
+    yield Fault(f"{file}/pipe", CHECK, _pipe(file, text), True)
+    square = "x,y,T\n-30,-40,1\n30,-40,1\n-30,40,1\n30,40,{}\n"
+    contents = {
+        "empty": "",
+        "header alone": "x,y,T\n",
+        "one point": "x,y,T\n0,0,20\n",
+        "no column T": "x,y,t\n0,0,20\n",
+        "no column y": "x,T\n0,20\n",
+        "nan": square.format("nan"),
+        "huge": square.format("1e300"),
+        "below absolute zero": square.format("-274"),
+        "a point twice": square.format("1\n30,40,2"),
+        "elsewhere": square.replace("30", "300").replace("-300", "200").format("1"),
+        "on a line through the middle of bodies": "x,y,T\n-1,0,1\n0,0,1\n1,0,1\n",
+    }
+    for name, content in contents.items():
+        change = _constant(content.encode())
+        yield Fault(f"{file}/{name}", CHECK, _with(file, change, text), True)
 
 
 def _traction_tables() -> Iterator[Fault]:

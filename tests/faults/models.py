@@ -31,6 +31,26 @@ def bodies(**values: Any) -> Tables:
     return {"bodies": {name: {**each, **values} for name, each in PAD["bodies"].items()}}
 
 
+RAMP = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
+WARM = {"expansion": 1e-5, "reference_temperature": 20.0}
+
+
+def heat(constants: Tables | None = None, **keys: Any) -> Tables:
+    """A temperature of bodies that expand, whose constants may be others."""
+    load = {"type": "temperature", "history": RAMP, **keys}
+    return {**bodies(**{**WARM, **(constants or {})}), **loads(heat=load)}
+
+
+def peen(**keys: Any) -> Tables:
+    layer = {"surfaces": ["lower_contact"], "depths": [0.0, 0.5], "values": [1e-4, 0.0]}
+    return loads(peen={"type": "eigenstrain", "history": RAMP, **layer, **keys})
+
+
+def fit(contact: str, overlap: float) -> Tables:
+    history = [{"ramp": overlap, "until": 1.0, "steps": 1}]
+    return loads(fit={"type": "interference", "contact": contact, "history": history})
+
+
 def contact(**values: Any) -> Tables:
     return {"contacts": {"main": {**PAD["contacts"]["main"], **values}}}
 
@@ -105,6 +125,45 @@ MODELS: dict[str, tuple[Tables, bool | None]] = {
         {**bodies(density=1.0),
          **loads(spin={"type": "rotation", "centre": [0, 0],
                        "history": [{"ramp": 1e20, "until": 1.0, "steps": 1}]})}, None,
+    ),
+    "heat of bodies that do not expand": (loads(heat=heat(value=90.0)["loads"]["heat"]), True),
+    "heat below absolute zero": (heat(value=-274.0), True),
+    "heat below absolute zero by its history": (
+        heat(value=0.0, history=[{"ramp": 20.0, "until": 1.0, "steps": 1}]), True,
+    ),
+    "heat of nothing": (heat(value=90.0, bodies=["nothing"]), True),
+    "heat of 1e20": (heat(value=1e20), None),
+    "heat by an expansion of 1e20": (heat({"expansion": 1e20}, value=90.0), None),
+    "heat of two values": (heat(value=90.0, points=[[0, 0], [1, 1]], values=[1, 2]), True),
+    "heat at points elsewhere": (heat(points=[[50, 0], [60, 0]], values=[1, 2]), True),
+    "heat at points in one place": (heat(points=[[5, 0], [5, 0]], values=[1, 2]), True),
+    "heat at points a hair apart": (heat(points=[[5, 0], [5.0000001, 0]], values=[1, 2]), True),
+    "heat at points 1e29 apart": (heat(points=[[-1e29, 0], [1e29, 0]], values=[1, 2]), None),
+    "heat at points next to a line": (
+        heat(points=[[-50, -50], [50, 50], [0, 0.01]], values=[1, 2, 3]), True,
+    ),
+    "heat at points of space": (heat(points=[[0, 0, 0], [1, 1, 1]], values=[1, 2]), True),
+    "a layer below nothing": (peen(surfaces=["nothing"]), True),
+    "a layer below a body": (peen(surfaces=["lower"]), True),
+    "a layer of strain 1e20": (peen(values=[1e20, 0.0]), None),
+    "a layer in the air": (peen(depths=[-1.0, 0.0]), True),
+    "a layer 1e-20 deep": (peen(depths=[0.0, 1e-20]), None),
+    "a layer deeper than the body": (peen(depths=[0.0, 1e20]), None),
+    "a fit of nothing": (fit("nothing", 0.01), True),
+    "a fit of 1e20": (fit("main", 1e20), None),
+    "a fit by a gap": (fit("main", -1.0), None),
+    "pressure at points elsewhere": (
+        loads(pull=pull("lower_left", points=[[0, 0], [0, 1]], values=[1, 2])), True,
+    ),
+    "pressure by two kinds of points": (
+        loads(pull=pull("lower_left", points=[[0, 0], [0, 1]], values=[1, 2], file="a.csv")), True,
+    ),
+    "gravity without density": (
+        loads(fall={"type": "acceleration", "direction": "y", "history": RAMP}), True,
+    ),
+    "gravity along nothing": (
+        {**bodies(density=1.0),
+         **loads(fall={"type": "acceleration", "direction": [0, 0], "history": RAMP})}, True,
     ),
     "a z in the plane": (loads(pull=pull("lower_left", direction="z")), True),
     "a vector of three in the plane": (loads(pull=pull("lower_left", direction=[1, 0, 0])), True),

@@ -140,6 +140,15 @@ def csv_case(**options: Any) -> str:
     return tomli_w.dumps({**PAD, **tables})
 
 
+def points_case() -> str:
+    """A case whose temperatures are in points.csv."""
+    warm = {"expansion": 1e-5, "reference_temperature": 20.0}
+    history = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
+    heat = {"type": "temperature", "file": "points.csv", "history": history}
+    bodies = {name: {**each, **warm} for name, each in PAD["bodies"].items()}
+    return tomli_w.dumps({**PAD, "bodies": bodies, "loads": {"press": press(), "heat": heat}})
+
+
 def write_originals(folder: Path) -> None:
     """Write all of them."""
     write_cad(folder / "pad.step")
@@ -152,6 +161,8 @@ def write_originals(folder: Path) -> None:
     _write_grids(folder)
     rows = "".join(f"{t:g},{q:.6g}\n" for t, q in ROWS)
     (folder / "loads.csv").write_text("t,q\n" + rows)
+    corners = "".join(f"{x},{y},{x + y + 90}\n" for x in (-30, 0, 30) for y in (-40, 0, 40))
+    (folder / "points.csv").write_text("x,y,T\n" + corners)
     x = np.linspace(-1.2, 1.2, 60)
     p = np.sqrt(np.clip(1 - x**2, 0, None)) * 400
     lines = [f"{a:.6g},{b:.6g},{0.1 * b:.6g}" for a, b in zip(x, p, strict=True)]
