@@ -25,10 +25,12 @@ from fretfe.bodies.rigid_modes import held_model
 from fretfe.case import Case
 from fretfe.contact.interface import Interface, coordinate_range
 from fretfe.contact.march import March
+from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState, StepLoads, StepTable
 from fretfe.fem._compat import MPI
 from fretfe.fem.condensation import Body, CondensedBody
 from fretfe.fem.elasticity import ElasticBody
+from fretfe.fem.interaction_integral import Forms
 from fretfe.fem.parallel import find_group, on_root, together
 from fretfe.fem.reduction import ReducedBody, build_interface, weighted_operator
 from fretfe.fem.timing import Clock
@@ -91,6 +93,8 @@ class Model:
         case: the case.
         surfaces: all contact surfaces, by name.
         bodies: those that the group of this rank has.
+        forms: of the integrals at their edges, kept for the next history: building one takes longer
+            than integrating.
         notes: what a reader of the results should know, in words.
     """
 
@@ -103,6 +107,7 @@ class Model:
             self.surfaces = surfaces
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
             symmetric = on_root(comm, lambda: _symmetric_factors(case, mesh, pairs))  # type: ignore[arg-type]
+        self.forms: Forms = {}
         self.notes: tuple[str, ...] = (SLOW_FACTORS,) if symmetric else ()
         self._definition = definition
         work = comm.bcast(_work(definition, mesh, case.model.degree) if mesh else None)
@@ -268,16 +273,35 @@ def _per_thickness(case: Case, control: str) -> float:
     return case.model.thickness if control == "force" else 1.0
 
 
+@dataclass(frozen=True)
+class Marched:
+    """A history that was solved on a model.
+
+    Attributes:
+        recorder: its states.
+        written: its last step by the loads as written; after it slip may have been extrapolated.
+        until_steady: whether it ended with steps that repeat others.
+    """
+
+    recorder: Recorder
+    written: int
+    until_steady: bool
+
+
 class Prepared:
     """A mesh, its model, and what marches through load histories on it.
 
     Args:
         mesh: on rank 0, None elsewhere.
         model: the condensed bodies.
+
+    Attributes:
+        last: the last history that was solved, on rank 0: the next one may begin like it.
     """
 
     def __init__(self, mesh: Mesh | None, model: Model) -> None:
         self._mesh, self.model = mesh, model
+        self.last: Marched | None = None
 
     @property
     def mesh(self) -> Mesh:
