@@ -246,7 +246,7 @@ class Division:
     def __init__(self, march: March, steps: StepTable, places: Sequence[Place]) -> None:
         self._march, self._steps = march, steps
         self._edges = {place.name: neighbouring_nodes(place) for place in places}
-        self._turns = _parts_by_turning(steps)
+        self._turns = parts_by_turning(steps)
 
     def solve(
         self, number: int, state: ContactState, guess: ContactState | None = None
@@ -326,7 +326,7 @@ class Division:
         return largest
 
 
-def _parts_by_turning(steps: StepTable) -> Indices:
+def parts_by_turning(steps: StepTable) -> Indices:
     """(T,) parts of each step within which the loads are next to straight lines.
 
     Loads that go up and down together follow one line, whose ends are ends of steps.

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.full_stick import FullStickSolver, Increments, find_drivers
 from fretfe.contact.interface import Interface, Place, digest_of
-from fretfe.contact.march import March, Part
+from fretfe.contact.march import March, Part, parts_by_turning
 from fretfe.contact.state import Certificate, ContactState, StepLoads, StepTable, unloaded
 from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.history.state_array import StateArray, blocks, mapped, part
@@ -164,6 +164,38 @@ class Recorder:
         self.repeats = tuple(Repeat(*each) for each in arrays["repeats"].tolist())
         self._operator.recall(arrays)
         self.last = self.state(self.count - 1)
+
+    def begin_like(self, other: Recorder, last: int) -> None:
+        """Record the states that another history has before the two differ.
+
+        Args:
+            other: a record of the same march.
+            last: step after which its states may depend on more than loads.
+        """
+        for state in range(1, self._alike(other, last) + 1):
+            number, row = self.count, other._by_state["rows"][state : state + 1]
+            dissipation = other._stream.read("dissipation", row)[0]
+            step, share = (other._by_state[name][state] for name in ("step", "share"))
+            self._keep(other.state(state), dissipation, int(step), float(share))
+            for name in ("counts", "violations"):
+                self._by_state[name][number] = other._by_state[name][state]
+            self._by_state["area_of_state"][number] = self._area_of(self.last)
+        self._find_ends(slice(0, self.count))
+
+    def _alike(self, other: Recorder, last: int) -> int:
+        """The last state of another record that this history has too, in as many parts of steps."""
+        last = min(last, other.steps_done, len(self._steps) - 1)
+        if other.repeats:
+            last = min(last, int(other._by_state["step"][other.repeats[0].first]) - 1)
+        states = slice(0, int(other.ends[last]) + 1)
+        steps, shares = (other._by_state[name][states] for name in ("step", "share"))
+        turns = [parts_by_turning(each._steps)[steps] for each in (self, other)]
+        one, two = (each._steps.divided(steps, shares) for each in (self, other))
+        different = turns[0] != turns[1]
+        for name in ("amplitudes", "values", "friction"):
+            different |= (getattr(one, name) != getattr(two, name)).any(axis=1)
+        first = int(steps[different].min(initial=last + 1))
+        return int(other.ends[first - 1]) if first else 0
 
     def add(self, step: int, parts: Sequence[Part]) -> None:
         """Record an accepted step with its parts."""

@@ -524,6 +524,10 @@ class InteractionForm:
         return around * along, [*slopes, around * fall * place.stretch / self._half_length]
 
 
+# By body and whether it is body 1: it may be body 1 of one contact and body 2 of another one.
+Forms = dict[tuple[str, bool], InteractionForm]
+
+
 def _spread(around: _Surroundings) -> Any:
     """(d, d) gradient of the extension of the crack, q along the direction ahead."""
     size = len(around.slopes)

@@ -26,11 +26,13 @@ from fretfe.bodies.rigid_modes import held_model
 from fretfe.case import Case
 from fretfe.contact.interface import Interface, coordinate_range
 from fretfe.contact.march import March
+from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState, StepLoads, StepTable
 from fretfe.fem._compat import MPI
 from fretfe.fem.bordered import unsymmetric_because
 from fretfe.fem.condensation import Body, CondensedBody
 from fretfe.fem.elasticity import ElasticBody
+from fretfe.fem.interaction_integral import Forms
 from fretfe.fem.parallel import find_group, on_root, together
 from fretfe.fem.reduction import ReducedBody, build_interface, weighted_operator
 from fretfe.fem.timing import Clock
@@ -96,6 +98,8 @@ class Model:
         case: the case.
         surfaces: all contact surfaces, by name.
         bodies: those that the group of this rank has.
+        forms: of the integrals at their edges, kept for the next history: building one takes longer
+            than integrating.
         notes: what a reader of the results should know, in words.
     """
 
@@ -111,6 +115,7 @@ class Model:
         why = unsymmetric_because()
         layers = on_root(comm, lambda: layer_notes(case, definition, mesh))  # type: ignore[arg-type]
         self.notes: tuple[str, ...] = (*((f"{LARGER_FACTORS}: {why}",) if why else ()), *layers)
+        self.forms: Forms = {}
         self._definition = definition
         work = comm.bcast(_work(definition, mesh, case.model.degree) if mesh else None)
         self._group = find_group(comm, work)
@@ -269,16 +274,35 @@ def _per_thickness(case: Case, control: str) -> float:
     return case.model.thickness if control == "force" else 1.0
 
 
+@dataclass(frozen=True)
+class Marched:
+    """A history that was solved on a model.
+
+    Attributes:
+        recorder: its states.
+        written: its last step by the loads as written; after it slip may have been extrapolated.
+        until_steady: whether it ended with steps that repeat others.
+    """
+
+    recorder: Recorder
+    written: int
+    until_steady: bool
+
+
 class Prepared:
     """A mesh, its model, and what marches through load histories on it.
 
     Args:
         mesh: on rank 0, None elsewhere.
         model: the condensed bodies.
+
+    Attributes:
+        last: the last history that was solved, on rank 0: the next one may begin like it.
     """
 
     def __init__(self, mesh: Mesh | None, model: Model) -> None:
         self._mesh, self.model = mesh, model
+        self.last: Marched | None = None
 
     @property
     def mesh(self) -> Mesh:

@@ -16,13 +16,11 @@ from fretfe.case import Case, contact_modulus, plane_modulus
 from fretfe.contact.full_stick import FRACTION, Increments
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
-from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
+from fretfe.fem.interaction_integral import Forms, InteractionForm, Tip, Tube
 from fretfe.fem.model import Model, Request, Share
 
 # Whether bodies 1 and 2 are above the interface.
 UPPER = (True, False)
-# By body and whether it is body 1: it may be body 1 of one contact and body 2 of another one.
-Forms = dict[tuple[str, bool], InteractionForm]
 
 
 class Stations(Protocol):
@@ -144,13 +142,13 @@ def measure(
         rank 0, nothing elsewhere. Per unit of the fields, as K in pressure or shear ~ K/sqrt(s).
     """
     fields = _displacements(model, model.recover_fields(shares))
-    forms = _forms(model, probes)
+    _add_forms(model, probes)
     # All bodies have the same loads.
     amplitudes = np.array([next(iter(share.values()))[2] for share in shares])
     found = []
     for number, probe in enumerate(probes, start=1):
         say(f"edge factors: {number} of {len(probes)}")
-        found.append(_integrate(probe, forms, fields, amplitudes))
+        found.append(_integrate(probe, model.forms, fields, amplitudes))
     gathered = model.comm.gather(found) or []
     return [
         _whole(model.case, probe, [sum(place) for place in zip(*of_probe, strict=True)])
@@ -167,16 +165,15 @@ def _displacements(model: Model, fields: list[dict[str, fem.Function]]) -> dict[
     }
 
 
-def _forms(model: Model, probes: Sequence[Probe]) -> Forms:
-    """The forms that probes need, of the bodies of this rank's group."""
-    forms = {}
+def _add_forms(model: Model, probes: Sequence[Probe]) -> None:
+    """Add the forms that probes need, of the bodies of this rank's group."""
+    forms = model.forms
     for probe in probes:
         for name, upper in zip(probe.bodies, UPPER, strict=True):
             if name in model.bodies and (name, upper) not in forms:
                 surfaces = list(model.body_definition(name).surfaces)
                 body = model.bodies[name]
                 forms[name, upper] = InteractionForm(body.elastic, surfaces, upper, body.loads)
-    return forms
 
 
 def _integrate(

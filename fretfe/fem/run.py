@@ -34,7 +34,7 @@ from fretfe.fem.limits import (
     model_limits,
     unpaired_penetration,
 )
-from fretfe.fem.model import LoadMesh, Model, Prepared, build_model, step_loads
+from fretfe.fem.model import LoadMesh, Marched, Model, Prepared, build_model, step_loads
 from fretfe.fem.parallel import Lead, SharedStop, on_root, release
 from fretfe.fem.probes import state_requests
 from fretfe.fem.stress_output import refuse_solids, write_stress
@@ -308,7 +308,10 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
         until = next(end for end in cycles.ends if end >= recorder.steps_done)
         options.announce(f"continued after step {recorder.steps_done} of {until}")
     failure: ConvergenceError | None = None
-    until_steady = case.cycle.until_steady
+    until_steady, last = case.cycle.until_steady, prepared.last
+    if last is not None and last.until_steady == until_steady and not recorder.steps_done:
+        recorder.begin_like(last.recorder, min(last.written, cycles.written))
+    prepared.last = Marched(recorder, cycles.written, until_steady)
     try:
         for added, end in enumerate(cycles.ends):
             if recorder.steps_done <= end:

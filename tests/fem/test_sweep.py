@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 import pytest
 from launch import fretfe, python
-from pad_cases import cylinder, pad, pad_text, press, shear
+from pad_cases import HOLD, cylinder, pad, pad_text, press, shear, wave
 from told import Told
 
 from fretfe.backends import RunOptions
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case, changed, parse_case
+from fretfe.contact.march import Division
 from fretfe.errors import MeshError
 from fretfe.fem import backend, condensation
 from fretfe.fem._compat import MPI
@@ -143,6 +144,43 @@ def test_what_needs_another_model(factorised: list[int], key: str, value: Any, c
     session.solve(changed(start, {key: value}))
     assert len(factorised) == count
     session.close()
+
+
+@pytest.fixture
+def solved_steps(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Grows by the number of each step that is solved."""
+    numbers: list[int] = []
+    original = Division.solve
+
+    def counted(self: Division, number: int, *state: Any) -> Any:
+        numbers.append(number)
+        return original(self, number, *state)
+
+    monkeypatch.setattr(Division, "solve", counted)
+    return numbers
+
+
+def test_steps_before_the_loads_differ_are_solved_once(solved_steps: list[int]) -> None:
+    pressed, count = 4, 12
+    start = case(loads={"press": press(steps=pressed), "shear": shear(steps=8, cycles=1)})
+    sweep = swept(start, {FRICTION: (0.4, 0.7), AMPLITUDE: (60.0, 30.0)})
+    every, later = list(range(1, count + 1)), list(range(pressed + 1, count + 1))
+    assert solved_steps == (every + later) * 2
+    assert [each.failure for each in sweep.variants] == [""] * 4
+
+
+def test_the_same_loads_in_other_parts_of_steps_are_solved_again(solved_steps: list[int]) -> None:
+    """Into how many parts a step is divided depends on the range of the loads in all of them."""
+    turning = {**wave(60.0, phase=90.0, cycles=1, steps=8), "mean": -660.0}
+    pressed = {**press(), "history": [*press()["history"], turning]}
+    waves = [HOLD, wave(40.0, cycles=1, steps=8), wave(40.0, cycles=1, steps=8)]
+    start = case(loads={"press": pressed, "shear": {**shear(), "history": waves}})
+    key, count = "loads.shear.history.2.amplitude", 20
+    second = swept(start, {key: (40.0, 120.0)}).variants[1]
+    assert solved_steps == [*range(1, count + 1), *range(5, count + 1)]
+    alone = BACKEND.solve(changed(start, {key: 120.0})).edges()
+    for edge, reference in zip(second.edges, alone, strict=True):
+        compare(edge, reference)
 
 
 @pytest.mark.mpi
