@@ -19,14 +19,17 @@ from fretfe.mesh.templates import find_template
 from fretfe.quality.rows import CONSTANT_NORMAL, Pairs, Place, Row, Verdict, subjects
 from fretfe.results.model import Result
 
-MEAN, START, MESH = "about another mean", "from another start", "on a coarser mesh"
+MEAN, START = "about another mean", "from another start"
+MESH, FINE = "on a coarser mesh", "on a finer mesh"
 
 # The mean moves by this fraction of the range of each load.
 MEAN_SHIFT = 0.1
 # The other start goes this much beyond the extremes of the cycle.
 OVERLOAD = 0.15
-# Elements of the other mesh are this much larger: it costs less than half.
-COARSER = 1.5
+# Elements of the other mesh over those of the case: a coarser one costs less than half. Solids with
+# fewer elements than this over the half-width get a finer one: a coarser one may show no fronts.
+COARSER, FINER, FEWEST_ELEMENTS = 1.5, 1 / 1.4, 12.0
+MESHES = {MESH: COARSER, FINE: FINER}
 CYCLES = 2
 EXCURSION_STEPS = 6
 # Why the steady slip zone is the same, and the verdict if it is not.
@@ -70,15 +73,16 @@ def make_variants(case: Case, result: Result) -> tuple[list[Variant], dict[str, 
         else:
             reasons[MEAN] = "the normal load varies: another mean is another cycle"
         variants.append(Variant(START, case, overloaded(result.loads)))
-    coarse = coarser(case)
+    mesh = FINE if _few_elements(result) else MESH
+    other = resized(case, MESHES[mesh])
     if case.edges.tolerance is not None:
         reasons[MESH] = "the mesh refined itself: see the changes from mesh to mesh"
-    elif coarse is not None:
-        variants.append(Variant(MESH, coarse, None))
+    elif other is not None:
+        variants.append(Variant(mesh, other, None))
     else:
         reasons[MESH] = "a mesh file: compare with a finer mesh of your own"
     if not result.bodies:
-        variants = [variant for variant in variants if variant.name != MESH]
+        variants = [variant for variant in variants if variant.name not in MESHES]
         reasons[MESH] = "no mesh"
     return variants, reasons
 
@@ -135,18 +139,30 @@ def _continued(history: History, loads: Array, before: Array | None = None) -> H
     return History(history.channels, times, values, (len(values) - len(loads), len(values) - 1))
 
 
-def coarser(case: Case) -> Case | None:
-    """The same case with larger elements; None where the case does not give their sizes."""
+def _few_elements(result: Result) -> bool:
+    """True if some front of solids has so few elements that fewer may not show it."""
+    counts = [
+        np.nanmedian([min(each.depth, each.length) / each.size for each in front.judged])
+        for contact in result.contacts
+        if contact.solid
+        for front in contact.fronts
+        if front.judged
+    ]
+    return min(counts, default=math.inf) < FEWEST_ELEMENTS
+
+
+def resized(case: Case, factor: float) -> Case | None:
+    """The same case with larger elements by a factor; None where it does not give their sizes."""
     data = case.model_dump(mode="json", exclude_unset=True)
     if case.geometry.solid is not None:
-        layers = max(1, round(case.geometry.solid.layers / COARSER))
+        layers = max(1, round(case.geometry.solid.layers / factor))
         data["geometry"]["solid"]["layers"] = layers
     if case.geometry.size is not None:
-        data["geometry"]["size"] = COARSER * case.geometry.size
+        data["geometry"]["size"] = factor * case.geometry.size
     elif case.geometry.template is not None:
         given = case.geometry.parameters
         sizes = {
-            parameter.name: COARSER * given.get(parameter.name, parameter.default)
+            parameter.name: factor * given.get(parameter.name, parameter.default)
             for parameter in find_template(
                 case.geometry.template, length=case.units.length
             ).parameters
@@ -198,7 +214,7 @@ def _place(contact: Contact) -> tuple[float, float]:
 def _edge_rows(name: str, contact: Contact, station: Station, other: Station) -> Iterator[Row]:
     """Rows of the only station of a plane front."""
     at, length, reference = Place(contact.name, station.front), _length(station), _length(other)
-    if name != MESH:
+    if name in STEADY:
         share = BORDER_FRACTION * (length if length > 0 else 0.0)
         tolerance = BORDER_ELEMENTS * station.size + share
         yield at.compared(f"d {name}", length, reference, tolerance, *STEADY[name])
@@ -234,15 +250,15 @@ def _front_rows(name: str, contact: Contact, front: Front, twin: Front | None) -
     if not stations:
         return
     places = np.array([station.point for station in stations])
-    if name != MESH:
+    if name in STEADY:
         values, (references,) = numbers(stations, reported_d), at_places(twin, places, [reported_d])
         sizes = numbers(stations, lambda each: each.size)
         pairs = Pairs(values, references, BORDER_ELEMENTS * sizes + BORDER_FRACTION * values)
         yield at.over_stations(f"d {name}", pairs, *STEADY[name])
         return
     reason = (
-        f"elements {COARSER:g} times as large: the error bars of both meshes, that of a factor of "
-        f"the case {LARGEST_BAR:.0%} at most"
+        f"elements {MESHES[name]:.2g} times as large: the error bars of both meshes, that of a "
+        f"factor of the case {LARGEST_BAR:.0%} at most"
     )
     for subject, chosen in subjects(contact, front):
         points = np.array([station.point for station in chosen])
@@ -252,7 +268,7 @@ def _front_rows(name: str, contact: Contact, front: Front, twin: Front | None) -
             # Slip zones of a fraction of their front need not be known to a tenth of themselves.
             own = bars if quantity == "d" else np.minimum(bars, LARGEST_BAR * np.abs(values))
             pairs = Pairs(values, references, np.hypot(own, other))
-            yield subject.over_stations(f"{quantity} {MESH}", pairs, reason)
+            yield subject.over_stations(f"{quantity} {name}", pairs, reason)
 
 
 def reported_d(station: Station) -> float:

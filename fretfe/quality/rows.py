@@ -170,13 +170,17 @@ class Place:
         order = np.argsort(off / np.maximum(tolerances, 1e-300))
         chosen = known[order[math.ceil(WITHIN * len(known)) - 1]]
         inside = np.count_nonzero(off <= tolerances)
+        if count > 1:
+            reason += (
+                f". {inside} of {len(known)} stations agree, {WITHIN:.0%} must; the line is that "
+                "of the worst of these"
+            )
         return self.compared(
             quantity,
             float(pairs.values[chosen]),
             float(pairs.references[chosen]),
             float(pairs.tolerances[chosen]),
-            f"{reason}. {inside} of {len(known)} stations agree, {WITHIN:.0%} must; the line is "
-            "that of the worst of these",
+            reason,
             otherwise,
         )
 

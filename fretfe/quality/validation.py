@@ -19,7 +19,14 @@ from fretfe.case import Case
 from fretfe.environment import peak_memory
 from fretfe.errors import FretfeError, StoppedError
 from fretfe.files import json_value
-from fretfe.quality.companions import COARSER, MESH, Variant, companion_rows, make_variants
+from fretfe.quality.companions import (
+    FINE,
+    FINER,
+    MESHES,
+    Variant,
+    companion_rows,
+    make_variants,
+)
 from fretfe.quality.rows import EVERYWHERE, Row, hertz_rows, limit_rows, own_rows
 from fretfe.results.model import Result
 
@@ -27,6 +34,8 @@ from fretfe.results.model import Result
 REPEATED = ("steps", "edge integrals", "evaluation")
 # Powers of the element size by which the time of a run falls on a coarser mesh.
 POWERS = {False: 2, True: 4}
+# The same of the memory of solids.
+GROWING = 3
 
 
 def plan(variants: Sequence[Variant], result: Result) -> str:
@@ -39,14 +48,17 @@ def plan(variants: Sequence[Variant], result: Result) -> str:
     )
     total = f", {_time(sum(seconds))} together" if len(variants) > 1 else ""
     count = f"{len(variants)} companion{'s' if len(variants) > 1 else ''}"
-    memory = f"{peak_memory() / 1e9:.1f} GB at most, what the case itself took"
+    taken = peak_memory() / 1e9
+    memory = f"{taken:.1f} GB at most, what the case itself took"
+    if any(variant.name == FINE for variant in variants):
+        memory = f"up to {taken / FINER**GROWING:.1f} GB, the case itself took {taken:.1f} GB"
     return f"{count}: {each}{total}, estimated; {memory}"
 
 
 def _seconds(variant: Variant, result: Result) -> float:
     took = result.seconds
-    if variant.name == MESH:
-        return sum(took.values()) / COARSER ** POWERS[result.solid]
+    if variant.name in MESHES:
+        return sum(took.values()) / MESHES[variant.name] ** POWERS[result.solid]
     share = 1.0
     if variant.history is not None:
         share = len(variant.history.times) / max(len(result.loads.times), 1)

@@ -142,12 +142,13 @@ def test_solids_of_a_cad_file_refine_themselves(step: Path) -> None:
     assert front.along("reported_k_n") == pytest.approx(PEAK * np.sqrt(2), rel=0.05)
     worst = refinement.passes[-1].worst
     assert worst is not None and worst.change <= 0.05 and worst.front == "front 1"
+    assert {each.quantity for each in refinement.passes[-1].changes} == {"K_N", "ΔK"}
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
 def test_sphere_until_the_limit() -> None:
-    """A mesh with too many unknowns is not solved; the result says what was reached where."""
+    """A mesh with too many unknowns is not solved; what the one before gave is kept."""
     data = tables(FRICTION, shear=cycles())
     data["geometry"]["parameters"] = {"size": 0.2, "growth": 0.6}
     data |= {"edges": {"tolerance": 1e-3, "unknowns": 130_000, "stations": 12}}
@@ -163,6 +164,6 @@ def test_sphere_until_the_limit() -> None:
     assert refinement.passes[0].change == np.inf
     last = refinement.passes[-1]
     assert [station.number for station in last.stations] == list(range(12))
-    assert {each.quantity for each in last.changes} == {"K_N", "ΔK"}
+    assert last.changes == ()
     assert [x.k_n for x in last.stations] == pytest.approx(np.full(12, PEAK * np.sqrt(2)), rel=0.03)
-    assert any("largest change: " in text and "station" in text for text in told.announced)
+    assert told.announced.count("mesh 1: no edge factors yet") == 1

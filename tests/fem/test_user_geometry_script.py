@@ -15,7 +15,7 @@ from fretfe.case import load_case, parse_case
 from fretfe.cli.app import app
 from fretfe.errors import CaseError, FretfeError, MeshError
 from fretfe.mesh.templates import template_directory
-from fretfe.quality.companions import coarser
+from fretfe.quality.companions import COARSER, resized
 from fretfe.surface.checks import load_mesh
 
 # Two squares, one on the other, with a trace of having run.
@@ -127,7 +127,7 @@ def test_the_case_file_cannot_grant_trust(trace: Path) -> None:
 def test_variants_of_a_case_keep_its_trust() -> None:
     data = pad()
     for trust in (False, True):
-        variant = coarser(parse_case(data, trust_geo=trust))
+        variant = resized(parse_case(data, trust_geo=trust), COARSER)
         assert variant is not None
         assert variant.trust_geo is trust
 

@@ -14,13 +14,15 @@ from fretfe._typing import Array
 from fretfe.evaluate.contacts import Front, HalfSpaceRatios
 from fretfe.evaluate.refinement import at_places, nearest_front
 from fretfe.quality.companions import (
+    COARSER,
+    FINE,
     MEAN,
     MESH,
     START,
     Variant,
-    coarser,
     companion_rows,
     make_variants,
+    resized,
 )
 from fretfe.quality.rows import Pairs, Place, Row, own_rows
 from fretfe.quality.validation import plan
@@ -181,9 +183,22 @@ def test_contact_without_fronts_is_unknown(circle: Front) -> None:
     assert rows["ΔK"].verdict == "unknown"
 
 
+def test_companion_of_few_elements_is_finer(circle: Front) -> None:
+    many = [replace(each, depth=1.0, length=1.0, size=0.08) for each in circle.stations]
+    few = [replace(each, size=0.09) for each in many]
+    for stations, name in ((many, MESH), (few, FINE)):
+        result = result_with(replace(circle, stations=tuple(stations)))
+        meshed = replace(result, bodies={"upper": None})  # type: ignore[dict-item]
+        variants, reasons = make_variants(result.case, meshed)
+        assert name in {*(each.name for each in variants), *reasons}
+    rows = companion_rows(FINE, result_with(circle), result_with(scaled(circle, 1.005)))
+    (row,) = (each for each in rows if each.quantity == f"K_N {FINE}" and each.edge == "front 1")
+    assert row.verdict == "pass" and row.reason.startswith("elements 0.71 times as large")
+
+
 def test_layers_of_an_extruded_case_are_thicker_in_its_companion() -> None:
     case = solid_runs.solid_case()
-    coarse = coarser(case)
+    coarse = resized(case, COARSER)
     assert coarse is not None and coarse.geometry.solid is not None
     assert case.geometry.solid is not None
     assert coarse.geometry.solid.layers == round(case.geometry.solid.layers / 1.5)
