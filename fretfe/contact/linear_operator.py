@@ -206,6 +206,7 @@ class FactoredOperator:
             keys = gap / self.interface.roots, -self._met, ~closed  # the last one counts most
             # Never fewer than before: a contact that shrank will grow again.
             self._count = max(self._count, SPARE * int(closed.sum()))
+            self._order = None  # its matrices make room for those of the next
             self._order = ContactOrder(self.interface, np.lexsort(keys)[: self._count])
         return self._order.area(closed)
 

@@ -70,25 +70,24 @@ class NestedInverse:
             result[:, begin:end] = (before @ vectors[:begin] + corner @ vectors[begin:end]).T
         return result
 
-    def unit_projections(self, components: Indices) -> Array:
-        """(J, N) rows: M times unit vectors of some components."""
-        result = self._rows[:, components].T
-        result[np.arange(self.size) < components[:, None]] = 0.0
-        return result
-
-    def accumulate(self, sums: Array, projections: Array, begin: int, end: int) -> None:
+    def accumulate(
+        self, sums: Array, projections: Array, components: Indices, begin: int, end: int
+    ) -> None:
         """Add the terms m_i (m_i·v) with begin <= i < end to sums of them; subtract if end < begin.
 
         Args:
-            sums: (J, N) changed in place.
-            projections: (J, N) of the vectors v, as rows.
+            sums: (J + k, N) changed in place.
+            projections: (J, N) of the first vectors v, as rows.
+            components: (k,) of the unit vectors that the others are.
             begin: of the terms.
             end: of the terms.
         """
         sign = 1.0 if begin < end else -1.0
         for first, last in _parts(min(begin, end), max(begin, end)):
             before, corner = self._part(first, last)
-            weights = sign * projections[:, first:last]
+            units = self._rows[first:last, components].T
+            units[np.arange(first, last) < components[:, None]] = 0.0
+            weights = sign * np.vstack([projections[:, first:last], units])
             sums[:, :first] += weights @ before
             sums[:, first:last] += weights @ corner
 
@@ -111,16 +110,16 @@ class InverseRows:
 
     def __init__(self, inverse: NestedInverse, vectors: Array) -> None:
         self._inverse = inverse
-        self._fixed = vectors.shape[1]
         self._place = np.full(inverse.size, -1)
         self._projections = inverse.projections(vectors)
+        self._units = np.zeros(0, dtype=np.int64)
         self._rows = np.zeros_like(self._projections)
         self._size = 0
 
     def vectors(self, size: int) -> Array:
         """(m, n) inverse of a leading block times the vectors, as rows; a view."""
         self._resize(size)
-        return self._rows[: self._fixed, :size]
+        return self._rows[: len(self._projections), :size]
 
     def units(self, size: int, components: Indices) -> Array:
         """(k, n) rows of the inverse of a leading block; a copy."""
@@ -132,19 +131,15 @@ class InverseRows:
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """The rows, which are sums in the order in which the block grew; see `recall`."""
-        components = np.flatnonzero(self._place >= 0)
         return {
             "operator_rows": self._rows,
-            "operator_units": components[np.argsort(self._place[components])],
+            "operator_units": self._units,
             "operator_size": np.array(self._size),
         }
 
     def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
         """Go on with the rows of `memory`, of the same inverse: with the same round-off."""
-        units = memory["operator_units"]
-        self._place[units] = self._fixed + np.arange(len(units))
-        units_projected = self._inverse.unit_projections(units)
-        self._projections = np.vstack([self._projections, units_projected])
+        self._append(memory["operator_units"])
         self._rows, self._size = memory["operator_rows"], int(memory["operator_size"])
 
     def _resize(self, size: int) -> None:
@@ -153,16 +148,22 @@ class InverseRows:
             self._rows[:] = 0.0
             self._size = 0
         if size != self._size:
-            self._inverse.accumulate(self._rows, self._projections, self._size, size)
+            sums = self._rows, self._projections, self._units
+            self._inverse.accumulate(*sums, self._size, size)
             self._size = size
 
     def _add(self, components: Indices) -> None:
-        projections = self._inverse.unit_projections(components)
-        rows = np.zeros_like(projections)
-        self._inverse.accumulate(rows, projections, int(components.min()), self._size)
-        self._place[components] = len(self._rows) + np.arange(len(components))
+        rows = np.zeros((len(components), self._inverse.size))
+        sums = rows, self._projections[:0], components
+        self._inverse.accumulate(*sums, int(components.min()), self._size)
         self._rows = np.vstack([self._rows, rows])
-        self._projections = np.vstack([self._projections, projections])
+        self._append(components)
+
+    def _append(self, components: Indices) -> None:
+        """Note that further rows are those of some components."""
+        count = len(self._projections) + len(self._units)
+        self._place[components] = count + np.arange(len(components))
+        self._units = np.concatenate([self._units, components])
 
 
 def _parts(begin: int, end: int) -> list[tuple[int, int]]:

@@ -3,10 +3,10 @@
 
 Measured with one thread on a 2026 server processor (AVX-512, 25 GFlop/s in dense products). In the
 plane on meshes from 2 000 to 330 000 unknowns with 60 to 1 900 contact tractions: memory is right
-within a third, time within a factor of two on a quiet machine of that kind. In space on bodies of
-tetrahedra of order 2 with 23 000 to 285 000 unknowns and 760 to 4 000 contact tractions: memory is
-right within 15 %. There a step takes from a tenth of what is estimated, where most nodes stick, to
-ten times that, where the contact slides as a whole.
+within a third, time within a factor of two on a quiet machine of that kind. In space on pairs of
+bodies of tetrahedra of order 2 with 56 000 to 319 000 unknowns and 1 700 to 4 700 contact
+tractions: memory is right within 15 %. There a step takes from a tenth of what is estimated, where
+most nodes stick, to ten times that, where the contact slides as a whole.
 """
 
 from __future__ import annotations
@@ -14,22 +14,30 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from fretfe._typing import Array, Indices
 from fretfe.environment import machine_memory
 from fretfe.errors import ModelError
-from fretfe.mesh.mesh import Mesh, body_unknowns
+from fretfe.mesh.elements import CORNERS
+from fretfe.mesh.mesh import BodyMesh, Mesh, body_unknowns
 
-# Entries of a factor in the plane over the unknowns, by the binary logarithm of these.
-ENTRIES, FEWER, FEWEST = 24.5, 188.0, 40.0
-# Entries of a factor in space over the unknowns to the power of 4/3 (nested dissection).
-ENTRIES_IN_SPACE, POWER_IN_SPACE = 51.0, 4 / 3
-# Bytes for an entry of a factor; for an unknown's rows of the stiffness, mesh and spaces; for
-# everything that does not grow.
-PER_ENTRY, PER_UNKNOWN, ALWAYS = 10.0, 1200.0, 2.0e8
+# Entries of a symmetric factor in the plane over the unknowns, by the binary logarithm of these.
+ENTRIES, FEWER, FEWEST = 12.0, 90.0, 20.0
+# Entries of a symmetric factor in space over the squares of the separators of nested dissection,
+# summed over so many levels, and over the unknowns; unknowns of a separator over its corner nodes,
+# for each component, by the degree of the displacements.
+PER_SQUARE, LEVELS, REST, PER_CORNER = 0.84, 6, 420.0, {1: 1.0, 2: 4.0}
+# The same over the unknowns to the power of 4/3 for bodies about as long as wide and high.
+ENTRIES_IN_SPACE, POWER_IN_SPACE = 27.0, 4 / 3
+# Bytes for an entry of a factor, those included that MUMPS needs until it is done; for an unknown's
+# rows of the stiffness, mesh and spaces; for everything that does not grow.
+PER_ENTRY, PER_UNKNOWN, ALWAYS = 10.0, {2: 1200.0, 3: 3500.0}, 2.0e8
 # Displacements of degree 1 over elements, in large meshes of triangles and of tetrahedra; unknowns
 # of meshes that fit everywhere.
 UNKNOWNS_PER_ELEMENT, FEWEST_UNKNOWNS = {2: 1.0, 3: 0.54}, 1000
 # Full matrices of the size of the interface that are held at the same time, of 8 bytes an entry.
-MATRICES = 6
+MATRICES = 8
 # Seconds: a factor by n^1.5 in the plane and n^2 in space, what is done cell by cell by n, start-up
 # and what does not grow.
 FACTORISING = {2: (3.0e-8, 1.5), 3: (1.7e-9, 2.0)}
@@ -99,9 +107,9 @@ def estimate_cost(
     bodies = [body_unknowns(body, degree) for body in mesh.bodies.values()]
     dimension = mesh.dimension
     tractions = dimension * nodes
-    entries = sum(_factor_entries(n, dimension) for n in bodies)
+    entries = sum(_factor_entries(body, degree) for body in mesh.bodies.values())
     dense = 8.0 * MATRICES * tractions**2
-    memory = ALWAYS + PER_ENTRY * entries + PER_UNKNOWN * sum(bodies) + dense
+    memory = ALWAYS + PER_ENTRY * entries + PER_UNKNOWN[dimension] * sum(bodies) + dense
     factor, power = FACTORISING[dimension]
     preparation = sum(factor * n**power + ASSEMBLING[dimension] * n for n in bodies)
     interface = ORDERS * INTERFACE * tractions**3
@@ -123,14 +131,44 @@ def least_memory(elements: float, dimension: int) -> float:
     unknowns = elements * UNKNOWNS_PER_ELEMENT[dimension]
     if unknowns < FEWEST_UNKNOWNS:
         return ALWAYS
-    factors = PER_ENTRY * 2 * _factor_entries(int(unknowns / 2), dimension)
-    return ALWAYS + factors + PER_UNKNOWN * unknowns
+    half = unknowns / 2
+    entries = _plane_entries(half) if dimension == 2 else ENTRIES_IN_SPACE * half**POWER_IN_SPACE
+    return ALWAYS + 2 * PER_ENTRY * entries + PER_UNKNOWN[dimension] * unknowns
 
 
-def _factor_entries(unknowns: int, dimension: int) -> float:
-    if dimension == 3:
-        return float(ENTRIES_IN_SPACE * unknowns**POWER_IN_SPACE)
+def _factor_entries(body: BodyMesh, degree: int) -> float:
+    """Entries of the symmetric factor of a body."""
+    if body.points.shape[1] == 2:
+        return _plane_entries(body_unknowns(body, degree))
+    corners = body.cells[:, : CORNERS[body.cell]]
+    separators = (3 * PER_CORNER[degree]) ** 2 * _squared_separators(body.points, corners, LEVELS)
+    return PER_SQUARE * separators + REST * body_unknowns(body, degree)
+
+
+def _plane_entries(unknowns: float) -> float:
     return unknowns * max(ENTRIES * math.log2(unknowns) - FEWER, FEWEST)
+
+
+def _squared_separators(points: Array, cells: Indices, levels: int) -> float:
+    """Sum of the squared numbers of nodes that separate the halves of cells, those of halves, ...
+
+    Args:
+        points: (n, d).
+        cells: (m, k) corner nodes. They are halved across the axis along which that takes fewest.
+        levels: of halves.
+    """
+    if levels == 0 or len(cells) < 2:
+        return 0.0
+    middles = points[cells].mean(axis=1)
+    halves = []
+    for middle in middles.T:
+        first = middle < np.median(middle)
+        both = np.zeros((2, len(points)), dtype=bool)
+        both[0, cells[first]] = both[1, cells[~first]] = True
+        halves.append((int(np.count_nonzero(both.all(axis=0))), first))
+    count, first = min(halves, key=lambda half: half[0])
+    parts = (_squared_separators(points, cells[each], levels - 1) for each in (first, ~first))
+    return count**2 + sum(parts)
 
 
 def refuse_too_large(cost: Cost) -> None:
