@@ -325,9 +325,11 @@ def test_work_along_a_front_is_that_of_mindlin_and_deresiewicz(solid: Result, sh
         assert 2 * np.pi * by_length == pytest.approx(work, rel=0.02)
     (contact,) = result.contacts
     (front,) = contact.fronts
-    assert front.local_length == front.length == pytest.approx(2 * np.pi, rel=0.005)
+    assert front.local_length == pytest.approx(front.length)
+    assert front.length == pytest.approx(2 * np.pi, rel=0.005)
     assert front.local_work * 2 * np.pi / front.length == pytest.approx(work, rel=0.006)
-    assert (contact.local_dissipation, contact.local_share) == (front.local_work, 1.0)
+    assert contact.local_dissipation == front.local_work
+    assert contact.local_share == pytest.approx(1.0)
 
 
 def test_work_leaves_out_what_has_no_plane_problem(bare: Result, solid: Result) -> None:
@@ -521,7 +523,7 @@ def test_command(solid: Result, tmp_path: Path) -> None:
     (contact,) = again.contacts
     assert contact.local_dissipation == solid.contacts[0].local_dissipation
     assert written["local_dissipation"] == contact.local_dissipation
-    assert written["local_share"] == 1.0
+    assert written["local_share"] == pytest.approx(1.0)
     numbers = json.loads((output / "station.json").read_text("utf-8"))
     assert numbers["name"] == "main.1.5" and numbers["power"] == pytest.approx(3.0, abs=1e-5)
     assert {path.name for path in output.iterdir()} == {"station.png", "station.json"}

@@ -254,7 +254,7 @@ def _refinement_numbers(refinement: Refinement) -> dict[str, Any]:
 def _contact_numbers(contact: Contact) -> dict[str, Any]:
     """A contact without its name, which is its key; of solids with the work along its fronts."""
     names = [each.name for each in fields(contact) if each.name != "name"]
-    names += ["local_dissipation", "local_share"] * contact.solid
+    names += ["local_dissipation", "local_share"]
     return {name: getattr(contact, name) for name in names}
 
 
