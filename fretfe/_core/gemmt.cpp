@@ -2,7 +2,7 @@
 // dgemmt of the BLAS at the speed of dgemm.
 //
 // MUMPS updates symmetric fronts with dgemmt, which OpenBLAS (0.3.32) does column by column with
-// dgemv, at a tenth of the speed of dgemm (https://github.com/OpenMathLib/OpenBLAS/issues/4921). In
+// dgemv, at a third of the speed of dgemm (https://github.com/OpenMathLib/OpenBLAS/issues/4921). In
 // a process that loads this library before its BLAS, for all to see, MUMPS finds this routine.
 
 #include <atomic>

@@ -12,7 +12,7 @@ sparsely. MUMPS computes the complement while it factorises. PETSc offers this, 
 bind it, so a few PETSc functions are called through ctypes.
 
 Factors are symmetric, L D Lᵀ: half the operations of LU, and half the memory. MUMPS may update
-symmetric fronts with `dgemmt`, which OpenBLAS (0.3.32) does column by column at a tenth of the
+symmetric fronts with `dgemmt`, which OpenBLAS (0.3.32) does column by column at a third of the
 speed of `dgemm` (https://github.com/OpenMathLib/OpenBLAS/issues/4921). So `fretfe/_core/gemmt.cpp`
 has one in halves, which `_compat` loads before PETSc; a symmetric factorisation then takes two
 thirds of the time of LU, without it as long as LU or longer. In Debian's packages MUMPS does
