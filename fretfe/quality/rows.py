@@ -20,7 +20,6 @@ from fretfe.evaluate import analyse_tractions
 from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, Front, SlipZone, Station
 from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.refinement import numbers
-from fretfe.evaluate.resolution import hertz_contact
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.verdicts import (
     AGREES,
@@ -216,6 +215,9 @@ def limit_rows(result: Result) -> Iterator[Row]:
 
 def hertz_rows(result: Result) -> Iterator[Row]:
     """K_N at the station of the largest |ΔK| of each front of solids, whose mesh is there."""
+    # Imported where it is needed: a report of plane bodies does without the kernels of surfaces.
+    from fretfe.evaluate.resolution import hertz_contact
+
     if not result.bodies or not result.solid:
         return
     mesh = Mesh(dict(result.bodies))
