@@ -484,9 +484,10 @@ def _length_around(front: Front, station: Station) -> tuple[float, float]:
     The bar is by their scatter.
     """
     around = _around(front, station)
-    shares = front.along("length")[around] / front.along("depth")[around]
-    middle = float(np.nanmedian(shares))
-    scatter = INTERVAL * float(np.nanstd(shares)) / math.sqrt(len(shares))
+    depth = front.along("depth")[around]
+    shares = front.along("length")[around] / np.where(depth > 0, depth, np.nan)
+    middle, finite = float(np.nanmedian(shares)), shares[np.isfinite(shares)]
+    scatter = INTERVAL * float(np.std(finite)) / math.sqrt(len(finite)) if len(finite) else 0.0
     return middle * station.depth, scatter / middle
 
 
