@@ -109,7 +109,7 @@ TEXTS: dict[str, str | bytes] = {
     "pad twice": RIG_TEXT + "\n[pad]\nyoung = 1.0\n",
 }
 EDGES = (
-    "", ".", "main", "main.", ".left", "main.up", "MAIN.LEFT", "main.left ", "main.left.right",
+    "", ".", "main.", ".left", "main.up", "MAIN.LEFT", "main.left ", "main.left.right",
     "other.left", "../main.left", "[red]main.left[/red]", "main.left\nmain.right", "x" * 5000,
     "main.0", "0", "nan", "main left", "main/left", "maın.left",
 )  # fmt: skip
