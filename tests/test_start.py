@@ -23,11 +23,11 @@ except SystemExit as ended:
 print(json.dumps(sorted(sys.modules)))
 """
 SLOW = {
-    *("dolfinx", "h5py", "importlib.metadata", "jinja2", "matplotlib", "mpi4py", "numpy"),
-    *("pydantic", "rich.progress", "scipy.interpolate", "scipy.optimize"),
+    *("dolfinx", "h5py", "jinja2", "matplotlib", "mpi4py", "numpy", "pydantic"),
+    *("rich.progress", "scipy.interpolate", "scipy.optimize"),
 }
-# A case is read with pydantic, which looks for its plug-ins.
-READS = {"importlib.metadata", "pydantic"}
+# A case is read with pydantic.
+READS = {"pydantic"}
 SOLVES = """
 import fretfe.cli.progress, fretfe.fem.backend, fretfe.report.page.tables, fretfe.runner
 import json, sys
