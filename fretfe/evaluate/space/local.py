@@ -492,21 +492,24 @@ def _length_around(front: Front, station: Station) -> tuple[float, float]:
 
 
 def _k_n_around(front: Front, station: Station) -> tuple[float, float]:
-    """K_N in the last state by a parabola through those around a station, and relative bar.
+    """K_N in the last state by a curve through those around a station, and relative bar.
 
-    The bar is that of fits as good as those, of which `INDEPENDENT` do not see the same nodes, and
-    by their scatter about the parabola.
+    Around a closed front a parabola, along an open one a straight line. The bar is that of fits as
+    good as those, of which `INDEPENDENT` do not see the same nodes, and by their scatter about it.
     """
     stations = [front.stations[number] for number in _around(front, station)]
     told = [each for each in stations if math.isfinite(each.reported_k_n)]
     k_n, bars = np.array([each.last_k_n for each in told]).T
     s = _along(front, station, np.array([each.arc for each in told]))
-    order = min(2, len(s) - 1)
+    order = min(2 if front.closed else 1, len(s) - 1)
     weights = 1 / np.maximum(bars, 1e-3 * k_n)
-    parabola = np.polynomial.Polynomial.fit(s, k_n, order, w=weights) if order else _mean(k_n)
-    rest = INTERVAL * float(np.std(k_n - parabola(s))) / math.sqrt(len(s))
-    own = float(np.median(bars)) * (math.sqrt(LESS / INDEPENDENT) if len(s) > INDEPENDENT else 1.0)
-    middle = float(parabola(0.0))
+    curve = np.polynomial.Polynomial.fit(s, k_n, order, w=weights) if order else _mean(k_n)
+    rest = INTERVAL * float(np.std(k_n - curve(s))) / math.sqrt(len(s))
+    # Of so many the curve is the mean; a parabola through three goes through the middle one.
+    alike = min(len(s), INDEPENDENT)
+    means = alike if order < 2 else max(alike / LESS if len(s) > INDEPENDENT else 1.0, 1.0)
+    own = float(np.median(bars)) / math.sqrt(means)
+    middle = float(curve(0.0))
     return middle, math.hypot(own, rest) / middle
 
 
