@@ -29,9 +29,6 @@ HALF_WIDTH = 8.0
 ROWS = 2.0
 # No wider than that part of the radius of curvature of the front.
 WIDEST = 0.7
-# What the corners of a triangle and of a quadrilateral weigh in the centroid of the hat function of
-# the first of them.
-SHARES = {3: np.array([2, 1, 1]) / 4, 4: np.array([4, 2, 1, 2]) / 9}
 # Edges of elements around a station that are looked at, and the nearest of them, of each of the two
 # directions, whose median is the size of an element.
 AROUND, NEAREST = 200, 8
@@ -236,8 +233,7 @@ class Sector:
 
     Attributes:
         nodes: (m,) numbers of the nodes.
-        s: (m,) distances of the centroids of their hat functions from the reference front inward,
-            negative outside.
+        s: (m,) distances from the reference front inward, negative outside.
         along: (m,) distances along it from the station, along its `along`.
         fade: (m,) weights that fall from 1 at the station to 0 at both ends of the sector.
         size: length of an element across the front.
@@ -282,7 +278,6 @@ class Sectors:
 
     def __init__(self, points: Array, facets: Indices) -> None:
         self._points = points
-        self._centroids = centroids(points, facets)
         self._tree = cKDTree(points)
         self._edges = edges_once(facets)
         self._middles = cKDTree(points[self._edges].mean(axis=1))
@@ -314,7 +309,7 @@ class Sectors:
         depth += 2 * size
         radius = float(np.hypot(depth, half_width))
         near = np.array(sorted(self._tree.query_ball_point(frames.points[station], 1.2 * radius)))
-        s, along, across = coordinates(self._centroids[near], frames, station)
+        s, along, across = coordinates(self._points[near], frames, station)
         inside: Bools = (np.abs(along) <= half_width) & (np.abs(s) <= depth)
         inside &= np.abs(across) <= depth
         fade = np.cos(np.pi / 2 * along[inside] / half_width) ** 2
@@ -328,26 +323,6 @@ class Sectors:
             curvature=float(frames.curvature[station]),
             half_width=half_width,
         )
-
-
-def centroids(points: Array, facets: Indices) -> Array:
-    """(N, 3) centroids of the hat functions of nodes, where means around them belong to.
-
-    They are beside the nodes where elements grow. Exact for triangles, and for parallelograms.
-
-    Args:
-        points: (N, 3) nodes.
-        facets: (F, 3 or 4) of the surface.
-    """
-    corners = points[facets]
-    first, last = corners[:, 1] - corners[:, 0], corners[:, -1] - corners[:, 0]
-    areas = np.linalg.norm(np.cross(first, last), axis=1)
-    sums, whole = np.zeros_like(points), np.zeros(len(points))
-    for corner, nodes in enumerate(facets.T):
-        middles = np.roll(corners, -corner, axis=1).swapaxes(1, 2) @ SHARES[facets.shape[1]]
-        np.add.at(sums, nodes, areas[:, None] * middles)
-        np.add.at(whole, nodes, areas)
-    return np.divide(sums, whole[:, None], out=points.copy(), where=whole[:, None] > 0)
 
 
 def _median(lengths: Array) -> float:
