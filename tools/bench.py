@@ -159,9 +159,14 @@ def count_of(name: str) -> int:
 
 
 @cache
-def in_a_process(name: str, path: Path) -> dict[str, Any]:
+def measured(name: str, path: Path) -> dict[str, Any]:
+    """`in_a_process`, once for each case."""
+    return in_a_process(path, count_of(name))
+
+
+def in_a_process(path: Path, count: int = ROUNDS) -> dict[str, Any]:
     """`measure` in a process of its own, with one thread."""
-    command = [sys.executable, __file__, "--measure", str(path), str(count_of(name))]
+    command = [sys.executable, __file__, "--measure", str(path), str(count)]
     environment = {**os.environ, **ONE_THREAD}
     done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
     found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
@@ -224,7 +229,7 @@ def rows_of_runs(cases: Cases) -> Iterator[tuple[str, ...]]:
         *("one factorisation, s", "ratio", "a step, ms"),
     )
     for name, path in cases.items():
-        found, whole = in_a_process(name, path), run(path, count_of(name))
+        found, whole = measured(name, path), run(path, count_of(name))
         yield (
             name,
             f"{found['unknowns']}",
@@ -242,7 +247,7 @@ def rows_of_phases(cases: Cases) -> Iterator[tuple[str, ...]]:
     """Seconds of each phase of the last run in a process, and of one factorisation there."""
     yield ("case", *PHASES, "one factorisation")
     for name, path in cases.items():
-        found = in_a_process(name, path)
+        found = measured(name, path)
         phases = (found["seconds"].get(each, 0.0) for each in PHASES)
         yield (name, *(f"{each:.2f}" for each in phases), f"{found['factorisation']:.2f}")
 

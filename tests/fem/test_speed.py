@@ -26,7 +26,7 @@ ATTEMPTS = 3
 )
 def test_cost_in_factorisations(tmp_path: Path, h: float, growth: float, limit: float) -> None:
     bench = runpy.run_path(str(Path(__file__).parents[2] / "tools" / "bench.py"))
-    case = bench["write_cylinder"](tmp_path / "b1", h, growth)
+    case = bench["write_cylinder"](h, growth, tmp_path)
 
     def ratio() -> float:
         found = bench["in_a_process"](case)
