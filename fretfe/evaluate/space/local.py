@@ -479,12 +479,12 @@ def _width(front: Front, station: Station) -> float:
 
 
 def _length_around(front: Front, station: Station) -> tuple[float, float]:
-    """`length` of a station by the median of `length` over `depth` around it, and relative bar.
+    """Median of `length` around a station, and relative bar by their scatter.
 
-    The bar is by their scatter.
+    Around a closed front, whose depth varies as at the tips of an ellipse, of `length` over that.
     """
     around = _around(front, station)
-    depth = front.along("depth")[around]
+    depth = front.along("depth")[around] if front.closed else np.full(len(around), station.depth)
     shares = front.along("length")[around] / np.where(depth > 0, depth, np.nan)
     middle, finite = float(np.nanmedian(shares)), shares[np.isfinite(shares)]
     scatter = INTERVAL * float(np.std(finite)) / math.sqrt(len(finite)) if len(finite) else 0.0
