@@ -445,9 +445,8 @@ def _across_ellipse(
     return float(width), round(2 * width / float(np.median(lengths)))
 
 
-def hertz_contact(case: Case, mesh: Mesh, name: str, force: float) -> HertzContact | None:
-    """A contact of solids by Hertz under P; None where the gap is no paraboloid or cylinder."""
-    initial = initial_gaps(mesh, case)[name]
+def hertz_contact(case: Case, name: str, initial: InitialGap, force: float) -> HertzContact | None:
+    """A contact of solids by Hertz under P; None where its gap is no paraboloid or cylinder."""
     nearest = int(np.argmin(initial.gap))
     normal = initial.surface2.normals[initial.facet2[nearest]].mean(axis=0)
     carrier, modulus = _carrier(case.contacts[name], initial), force / _load(case, initial, force)

@@ -217,15 +217,16 @@ def hertz_rows(result: Result) -> Iterator[Row]:
     """K_N at the station of the largest |ΔK| of each front of solids, whose mesh is there."""
     # Imported where it is needed: a report of plane bodies does without the kernels of surfaces.
     from fretfe.evaluate.resolution import hertz_contact
+    from fretfe.surface.checks import initial_gaps
 
     if not result.bodies or not result.solid:
         return
-    mesh = Mesh(dict(result.bodies))
+    gaps = initial_gaps(Mesh(dict(result.bodies)), result.case)
     for contact in result.contacts:
         worst = [_worst(contact, front) for front in contact.fronts]
         for at, station in filter(None, worst):
             force = float(contact.normal_force[station.last])
-            expected = hertz_contact(result.case, mesh, contact.pair, force)
+            expected = hertz_contact(result.case, contact.pair, gaps[contact.pair], force)
             if expected is None:
                 reason = "the gap is neither that of a paraboloid nor of a cylinder"
                 yield at.missing("K_N, by Hertz", reason)
