@@ -506,9 +506,10 @@ def _k_n_around(front: Front, station: Station) -> tuple[float, float]:
     curve = np.polynomial.Polynomial.fit(s, k_n, order, w=weights) if order else _mean(k_n)
     rest = INTERVAL * float(np.std(k_n - curve(s))) / math.sqrt(len(s))
     # Of so many the curve is the mean; a parabola through three goes through the middle one.
-    alike = min(len(s), INDEPENDENT)
-    means = alike if order < 2 else max(alike / LESS if len(s) > INDEPENDENT else 1.0, 1.0)
-    own = float(np.median(bars)) / math.sqrt(means)
+    alike = float(min(len(s), INDEPENDENT))
+    if order == 2:
+        alike = INDEPENDENT / LESS if len(s) > INDEPENDENT else 1.0
+    own = float(np.median(bars)) / math.sqrt(alike)
     middle = float(curve(0.0))
     return middle, math.hypot(own, rest) / middle
 
