@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import ctypes
 import os
-from functools import cache, cached_property
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -46,6 +46,10 @@ INTERIOR_ONLY = 0
 # MUMPS control: of the Schur complement of a symmetric matrix only one triangle is returned, the
 # lower one by columns unless this says by rows.
 SCHUR_CONTROL, BY_ROWS = 19, 1
+# The same control says whether there is a complement. MUMPS reads it when it analyses a matrix and
+# not again. PETSc reads it before it lets several ranks solve, and refuses with a complement
+# (`MatMatSolve_MUMPS`, 3.22 to 3.25), although MUMPS can; so it is taken back after factorisation.
+NO_COMPLEMENT = 0
 # Rows of a full matrix that are worked on at a time.
 BLOCK = 256
 # MUMPS errors: work space cannot be allocated, or is too small.
@@ -78,33 +82,27 @@ class BorderedFactor:
         self, matrix: PETSc.Mat, border: sparse.csr_matrix, dimension: int, *, symmetric: bool
     ) -> None:
         self.matrix = matrix
-        self._kind = "cholesky" if symmetric else "lu"
-        self._ordering = MINIMUM_DEGREE if dimension == 2 else NESTED_DISSECTION
         comm, end = matrix.comm, matrix.getOwnershipRange()[1]
         # The multipliers follow the unknowns of the first rank.
         first = comm.tompi4py().bcast(end)
         count = border.shape[0]
-        bordered = _bordered(matrix, border, first)
-        solver = self._unfactored(bordered)
-        factor = solver.getFactorMatrix()
+        solver = _unfactored(_bordered(matrix, border, first), dimension, symmetric)
+        # Without the bordered matrix, which only the solver refers to.
+        factor = self._factor = solver.getFactorMatrix()
         # A distributed matrix needs the whole list on the first rank and none on the others.
         mine = first + np.arange(count if comm.rank == 0 else 0)
         index_set = PETSc.IS().createGeneral(mine.astype(PETSc.IntType), comm=comm)
         _call("MatFactorSetSchurIS", factor.handle, index_set.handle)
         _set_up(solver, count)
         self.compliance = _read_complement(factor, comm.rank, count)
-        # Without the bordered matrix, which only the solver refers to.
-        self._bordered: PETSc.Mat | None = None
-        if comm.size == 1:
-            factor.setMumpsIcntl(SCHUR_SOLVE_CONTROL, INTERIOR_ONLY)
-            self._bordered = factor
+        factor.setMumpsIcntl(SCHUR_CONTROL, NO_COMPLEMENT)
+        factor.setMumpsIcntl(SCHUR_SOLVE_CONTROL, INTERIOR_ONLY)
 
     def solve(self, sides: list[PETSc.Vec]) -> list[PETSc.Vec]:
         """K⁻¹ times vectors, all at once: reading the factor is most of the work. Collective."""
         if not sides:
             return []
-        factor = self._bordered or self._plain
-        (rows, size), _ = factor.getSizes()
+        (rows, size), _ = self._factor.getSizes()
         own = len(sides[0].array)
         values = np.zeros((rows, len(sides)), order="F")
         for column, side in zip(values.T, sides, strict=True):
@@ -113,35 +111,11 @@ class BorderedFactor:
         rhs = PETSc.Mat().createDense(shape, array=values, comm=self.matrix.comm)
         rhs.assemble()
         found = rhs.duplicate()
-        factor.matSolve(rhs, found)
+        self._factor.matSolve(rhs, found)
         solutions = [side.duplicate() for side in sides]
         for column, solution in zip(found.getDenseArray().T, solutions, strict=True):
             solution.array[:] = column[:own]
         return solutions
-
-    @cached_property
-    def _plain(self) -> PETSc.Mat:
-        """A factorisation of K alone.
-
-        PETSc cannot solve with a distributed factor that has a Schur complement
-        (`MatSolve_MUMPS`), so several ranks on one body have to factorise it twice.
-        """
-        solver = self._unfactored(self.matrix)
-        _set_up(solver)
-        return solver.getFactorMatrix()
-
-    def _unfactored(self, matrix: PETSc.Mat) -> PETSc.PC:
-        """A MUMPS factorisation that is not set up yet."""
-        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        solver = PETSc.PC().create(matrix.comm)
-        solver.setOperators(matrix)
-        solver.setType(self._kind)
-        solver.setFactorSolverType("mumps")
-        solver.setFactorSetUpSolverType()
-        factor = solver.getFactorMatrix()
-        factor.setMumpsIcntl(ORDERING_CONTROL, self._ordering)
-        factor.setMumpsCntl(PIVOTING_CONTROL, 0.0)
-        return solver
 
 
 @cache
@@ -189,6 +163,20 @@ def _needs_dgemmt() -> bool:
     """Tell whether a library with MUMPS refers to a `dgemmt`, or what it refers to is unknown."""
     libraries = loaded_libraries("mumps", "petsc")
     return not libraries or any(b"\0dgemmt" in Path(each).read_bytes() for each in libraries)
+
+
+def _unfactored(matrix: PETSc.Mat, dimension: int, symmetric: bool) -> PETSc.PC:
+    """A MUMPS factorisation that is not set up yet."""
+    matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    solver = PETSc.PC().create(matrix.comm)
+    solver.setOperators(matrix)
+    solver.setType("cholesky" if symmetric else "lu")
+    solver.setFactorSolverType("mumps")
+    solver.setFactorSetUpSolverType()
+    factor = solver.getFactorMatrix()
+    factor.setMumpsIcntl(ORDERING_CONTROL, MINIMUM_DEGREE if dimension == 2 else NESTED_DISSECTION)
+    factor.setMumpsCntl(PIVOTING_CONTROL, 0.0)
+    return solver
 
 
 def _set_up(solver: PETSc.PC, multipliers: int = 0) -> None:
