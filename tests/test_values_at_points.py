@@ -69,7 +69,7 @@ def test_outside_of_the_points_the_hull_counts() -> None:
 def test_read_points(tmp_path: Path) -> None:
     path = tmp_path / "t.csv"
     path.write_text("node;T;x;y;z\n1;20,5;0;0;1\n2;30;1;0,5;1\n")
-    found = read_points(path, 2, "T")
+    found = read_points(path, 2, ["T"])
     np.testing.assert_array_equal(found.points, [[0, 0], [1, 0.5]])
     np.testing.assert_array_equal(found.values, [20.5, 30])
 
@@ -267,3 +267,96 @@ def test_tractions_at_points() -> None:
     assert reason.endswith("expected a uniform traction, found values at points")
     with pytest.raises(CaseError, match=r"loads\.p\.value: unknown key"):
         parse_case(pulled(value=3.0))
+
+
+def moved(**keys: Any) -> dict[str, Any]:
+    """A shape of the right side of the upper body of `mesh`, on x = 2."""
+    history = [{"ramp": 5.0, "until": 1.0, "steps": 2}]
+    own = {"type": "shape", "boundary": "upper_right", "history": history, **keys}
+    return _named(pad(loads={"press": press(), "mode": own}))
+
+
+SHAPES: dict[str, tuple[str, str]] = {
+    "column": ("x,y,ux,vy\n2,0,1,1\n2,1,2,1\n", "line 1: expected one column 'uy', found 'x',"),
+    "no rows": ("# none\nx,y,ux,uy\n", "expected rows of numbers below the header, found none"),
+    "all skipped": ("#x,y,ux,uy\n#2,0,1,1\n", "expected a header row"),
+    "nan": ("# c\nx,y,ux,uy\n2,0,1,1\n2,1,nan,1\n", "line 4, column 'ux': expected a finite"),
+    "twice": ("x,y,ux,uy\n2,0,1,1\n2,0,1,2\n", "line 3, column 'x': expected a point of its own"),
+    "elsewhere": (
+        "x,y,ux,uy\n0,0,1,1\n2,0.5,0,1\n1,1,1,1\n",
+        "loads.mode: expected points that reach as far as the boundary 'upper_right', whose node",
+    ),
+    "another line": (
+        "x,y,ux,uy\n1,0,1,1\n1,1,0,1\n",
+        "loads.mode: expected points on both sides of the boundary 'upper_right', or on it, found "
+        "all of them on one line or plane, from which its node at (2, 0) is away by 100 % of",
+    ),
+    "metres": (
+        "x,y,ux,uy\n0.002,0,1,1\n0.002,0.001,0,1\n",
+        "found all of them on one line or plane",
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "expected"), SHAPES.values(), ids=SHAPES)
+def test_bad_shapes(tmp_path: Path, text: str, expected: str) -> None:
+    (tmp_path / "p.csv").write_text(text)
+    with pytest.raises(CaseError, match=re.escape(expected)):
+        define_model(parse_case(moved(file="p.csv"), tmp_path / "case.toml"), mesh())
+
+
+SHAPE_KEYS: dict[str, tuple[dict[str, Any], str]] = {
+    "nothing": ({}, "loads.mode: expected one of 'points' and 'file', found none"),
+    "components": (
+        {"points": [[2, 0], [2, 1]], "values": [[1, 1], [1, 1, 1]]},
+        "loads.mode: expected displacements with 2 components, as the points have, found 3",
+    ),
+    "numbers": ({"points": [[2, 0], [2, 1]], "values": [1, 2]}, "loads.mode.values[item 1]"),
+    "factor": ({"file": "p.csv", "factor": 0}, "loads.mode.factor: expected a number > 0"),
+    "direction": ({"file": "p.csv", "direction": "x"}, "loads.mode.direction: unknown key"),
+    "platen": (
+        {"file": "p.csv", "boundary": "upper_top"},
+        "loads.mode.boundary: expected a boundary that is not a platen, found 'upper_top'",
+    ),
+    "contact": (
+        {"file": "p.csv", "boundary": "lower_top"},
+        "loads.mode.boundary: expected a boundary that is no contact surface, found 'lower_top'",
+    ),
+}
+
+
+@pytest.mark.parametrize(("keys", "expected"), SHAPE_KEYS.values(), ids=SHAPE_KEYS)
+def test_bad_keys_of_shapes(keys: dict[str, Any], expected: str) -> None:
+    with pytest.raises(CaseError, match=re.escape(expected)):
+        parse_case(moved(**keys))
+
+
+def test_a_shape_moves_all_components() -> None:
+    data = moved(file="p.csv")
+    data["supports"]["side"] = {"boundary": "upper_right", "fix": ["y"]}
+    with pytest.raises(CaseError, match=r"mode\.boundary: expected a free component, found 'y' of"):
+        parse_case(data)
+
+
+def push(**keys: Any) -> dict[str, Any]:
+    history = [{"ramp": 5.0, "until": 1.0, "steps": 2}]
+    own = {"type": "force", "boundary": "upper_right", "direction": "x", "history": history}
+    return _named(pad(loads={"press": press(), "f": {**own, **keys}}))
+
+
+def test_forces() -> None:
+    (load,) = define_model(parse_case(push(centre=[2.1, 0.5], radius=0.2)), mesh()).loads
+    assert (load.kind, load.direction, load.radius) == ("force", (1.0, 0.0), 0.2)
+    far = parse_case(push(centre=[2.2, 0.5], radius=0.1))
+    with pytest.raises(
+        CaseError, match=r"loads\.f\.radius: .* of the centre, found the nearest at 0"
+    ):
+        define_model(far, mesh())
+    with pytest.raises(
+        CaseError, match="expected 'centre' and 'radius', or none of them, found 'c"
+    ):
+        parse_case(push(centre=[2.1, 0.5]))
+    with pytest.raises(CaseError, match=r"loads\.f\.radius: expected a number > 0"):
+        parse_case(push(centre=[2.1, 0.5], radius=0))
+    with pytest.raises(CaseError, match=r"loads\.f\.centre: expected 2 components on this mesh"):
+        check_dimension(parse_case(push(centre=[2, 0.5, 0], radius=1)), 2)

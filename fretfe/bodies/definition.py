@@ -4,23 +4,26 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
 from fretfe.bodies.point_values import OUTSIDE, PointValues, read_points
 from fretfe.case import Case, complaint, unit_vector
-from fretfe.case.base import ABSOLUTE_ZERO
+from fretfe.case.base import ABSOLUTE_ZERO, AXES
 from fretfe.case.loads import (
     AccelerationLoad,
     ChannelAtPoints,
     DisplacementLoad,
     EigenstrainLoad,
+    ForceLoad,
     InterferenceLoad,
     PlatenLoad,
     RotationLoad,
+    ShapeLoad,
     TemperatureLoad,
     TiltLoad,
     TractionLoad,
@@ -141,11 +144,13 @@ class DistributedLoad:
 
     Attributes:
         channel: name of the load in the case file.
-        kind: "traction" (along `direction`), "normal" (outward traction), "rotation",
-            "acceleration", "temperature", "eigenstrain" or "interference".
+        kind: "traction" (along `direction`), "normal" (outward traction), "force" (a traction whose
+            resultant is one), "rotation", "acceleration", "temperature", "eigenstrain" or
+            "interference".
         boundary: physical group of a traction, "" for what acts in the volume.
         direction: unit vector of a traction or an acceleration; axis of a rotation.
-        centre: a point on the axis of a rotation.
+        centre: a point on the axis of a rotation; of the part of its boundary that a force acts on.
+        radius: of that part; 0 for all of the boundary.
         at_points: temperatures, or factors of a traction.
         bodies: that a temperature acts on; () for all.
         layers: of an eigenstrain, by body.
@@ -161,6 +166,7 @@ class DistributedLoad:
     bodies: tuple[str, ...] = ()
     layers: Mapping[str, Layer] = field(default_factory=dict)
     contact: str = ""
+    radius: float = 0.0
 
     @property
     def pushes(self) -> bool:
@@ -195,18 +201,40 @@ class DistributedLoad:
         return np.asarray(material.expansion * change[:, None, None] * np.eye(3))
 
 
+@dataclass(frozen=True, eq=False)
+class NodalShape:
+    """A displacement of the nodes of a boundary.
+
+    Attributes:
+        points: (n, d) the nodes.
+        values: (n, d) their displacement.
+    """
+
+    points: Array
+    values: Array
+
+    def at(self, points: Array) -> Array:
+        """(m, d) displacement of some of the nodes, given by their places (m, d)."""
+        if not len(points):
+            return np.zeros_like(points)
+        distance, nearest = cKDTree(self.points).query(points)
+        assert distance.max() < FLAT * np.ptp(self.points, axis=0).max(), "not one of the nodes"
+        return np.asarray(self.values[nearest])
+
+
 @dataclass(frozen=True)
 class Constraint:
-    """A boundary that moves by one amplitude: along a direction, or about an axis.
+    """A boundary that moves by one amplitude: along a direction, about an axis, or by a shape.
 
     Attributes:
         label: name used in results and messages.
         boundary: physical group.
-        direction: unit vector (gdim,); (0, ...) of a tilt.
+        direction: unit vector (gdim,); (0, ...) of a tilt or a shape.
         roller: true if only the displacement along `direction` is constrained, false if each of its
             non-zero components is.
         axis: unit vector (3,) of the axis of a tilt; empty otherwise.
         centre: (gdim,) a point on that axis.
+        shape: displacement of each node of the boundary, if it is no rigid motion.
     """
 
     label: str
@@ -215,16 +243,19 @@ class Constraint:
     roller: bool = False
     axis: tuple[float, ...] = ()
     centre: tuple[float, ...] = ()
+    shape: NodalShape | None = None
 
     @property
     def components(self) -> Indices:
         """Components of the displacement that it constrains, unless it is a roller."""
-        if self.axis:
+        if self.axis or self.shape is not None:
             return np.arange(len(self.direction))
         return np.flatnonzero(self.direction)
 
     def displacement(self, points: Array) -> Array:
         """(n, gdim) displacement of points (n, gdim) by a unit amplitude."""
+        if self.shape is not None:
+            return self.shape.at(points)
         if not self.axis:
             return np.tile(np.array(self.direction), (len(points), 1))
         arms = points - np.array(self.centre)
@@ -233,7 +264,6 @@ class Constraint:
         return np.cross(self.axis, arms)
 
 
-AXES = "xyz"
 # A place is on a surface if it is nearer to it than this part of the extent of the body.
 FLAT = 1e-6
 # Of a facet along each of its edges there are more samples than this.
@@ -273,10 +303,12 @@ class ModelDefinition:
     @property
     def digest(self) -> str:
         """Text that is equal for loads with the same values at points."""
+        given: list[PointValues | NodalShape | None] = [load.at_points for load in self.loads]
+        given += [each.shape for body in self.bodies for each in body.constraints]
         found = hashlib.sha256()
-        for load in self.loads:
-            if load.at_points is not None:
-                found.update(load.at_points.points.tobytes() + load.at_points.values.tobytes())
+        for each in given:
+            if each is not None:
+                found.update(each.points.tobytes() + each.values.tobytes())
         return found.hexdigest()
 
 
@@ -290,7 +322,7 @@ def define_model(case: Case, mesh: Mesh) -> ModelDefinition:
     gdim = mesh.dimension
     loads = distributed_loads(case, mesh)
     for load in loads:
-        _require_points_around(case, load, mesh)
+        _require_values_around(case, load, mesh)
     return ModelDefinition(
         bodies=tuple(_define_body(case, mesh, name, gdim) for name in case.bodies), loads=loads
     )
@@ -309,9 +341,10 @@ def _define_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyDefinition
             f"body {name!r} has no contact surface: expected one of its boundaries "
             f"({', '.join(sorted(own)) or 'none'}) in a contact of the case."
         )
+    moved = _displacements(case, gdim) + _shapes(case, mesh.bodies[name])
     constrained = [
         entry
-        for entry in _platens(case, gdim) + _displacements(case, gdim) + _supports(case, gdim)
+        for entry in _platens(case, gdim) + moved + _supports(case, gdim)
         if entry[0].boundary in own
     ]
     body = case.bodies[name]
@@ -376,6 +409,46 @@ def _displacements(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
     ]
 
 
+def _shapes(case: Case, body: BodyMesh) -> list[tuple[Constraint, str, str]]:
+    """Shapes of the displacement of boundaries of a body, each with rigid motions that are held.
+
+    The forces of those are the resultant of the forces on the boundary.
+    """
+    constrained = []
+    for name, load in case.loads.items():
+        if not isinstance(load, ShapeLoad) or load.boundary not in body.boundaries:
+            continue
+        gdim = body.points.shape[1]
+        given = _values(case, name, load, gdim, [f"u{axis}" for axis in AXES[:gdim]])
+        given = PointValues(load.factor * given.points, load.factor * given.values)
+        places = boundary_surface(body, load.boundary).displacement_points(case.model.degree)
+        what = f"the boundary {load.boundary!r}"
+        _require_points_beside(case, name, given, places, what)
+        _require_points_around(case, name, given, places, what)
+        shape = NodalShape(places, given.at(places))
+        moved = Constraint(name, load.boundary, (0.0,) * gdim, shape=shape)
+        constrained.append((moved, "displacement", name))
+        constrained += _resultant(name, load.boundary, places)
+    return constrained
+
+
+def _resultant(name: str, boundary: str, places: Array) -> list[tuple[Constraint, str, str]]:
+    """Rigid motions of a boundary that are held, about the middle of its extent; nodes (n, d)."""
+    gdim = places.shape[1]
+    centre = tuple(((places.min(axis=0) + places.max(axis=0)) / 2).tolist())
+    axes = {axis: unit_vector(axis, 3) for axis in AXES}
+    moves = [
+        Constraint(f"{name} force {axis}", boundary, unit_vector(axis, gdim))
+        for axis in AXES[:gdim]
+    ]
+    turns = [
+        Constraint(f"{name} moment {axis}", boundary, (0.0,) * gdim, axis=vector, centre=centre)
+        for axis, vector in axes.items()
+        if gdim == 3 or axis == "z"
+    ]
+    return [(each, "fixed", "") for each in (*moves, *turns)]
+
+
 def _supports(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
     """Components that are held, then the inclined rollers: those go last at a common node."""
     fixed = [
@@ -423,7 +496,7 @@ def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
             loads.append(DistributedLoad(name, "eigenstrain", layers=_layers(load, mesh)))
         elif isinstance(load, TemperatureLoad):
             given = (
-                _values(case, name, load, gdim, "T", ABSOLUTE_ZERO)
+                _values(case, name, load, gdim, ["T"], ABSOLUTE_ZERO)
                 if load.value is None
                 else PointValues(np.zeros((1, gdim)), np.array([load.value]))
             )
@@ -437,11 +510,17 @@ def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
         elif isinstance(load, RotationLoad):
             axis = unit_vector(load.axis, 3)
             loads.append(DistributedLoad(name, "rotation", "", axis, load.centre))
+        elif isinstance(load, ForceLoad):
+            direction = unit_vector(load.direction, gdim)
+            centre, radius = load.centre or (), load.radius or 0.0
+            force = DistributedLoad(name, "force", load.boundary, direction, centre, radius=radius)
+            _require_part(case, force, mesh)
+            loads.append(force)
         elif isinstance(load, TractionLoad):
             kind, direction = "normal", ()
             if load.direction != "normal":
                 kind, direction = "traction", unit_vector(load.direction, gdim)
-            factors = _values(case, name, load, gdim, "value") if load.at_points else None
+            factors = _values(case, name, load, gdim, ["value"]) if load.at_points else None
             loads.append(DistributedLoad(name, kind, load.boundary, direction, at_points=factors))
     return tuple(loads)
 
@@ -475,19 +554,42 @@ def layer_notes(case: Case, definition: ModelDefinition, mesh: Mesh) -> tuple[st
 
 
 def _values(
-    case: Case, name: str, load: ChannelAtPoints, gdim: int, column: str, least: float = -np.inf
+    case: Case,
+    name: str,
+    load: ChannelAtPoints,
+    gdim: int,
+    columns: Sequence[str],
+    least: float = -np.inf,
 ) -> PointValues:
-    """Values that a load has at points, or in the column of a file; at least so large."""
+    """Values that a load has at points, or in columns of a file; at least so large."""
     if load.file is None:
         assert load.points is not None and load.values is not None
         return PointValues(np.array(load.points), np.array(load.values))
     try:
-        return read_points(case.resolve(load.file), gdim, column, least)
+        return read_points(case.resolve(load.file), gdim, columns, least)
     except CaseError as error:
         raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
 
 
-def _require_points_around(case: Case, load: DistributedLoad, mesh: Mesh) -> None:
+def _require_part(case: Case, load: DistributedLoad, mesh: Mesh) -> None:
+    """Check that a force acts on some elements, not only within one of them.
+
+    Raises:
+        CaseError: says how far the boundary is from the centre.
+    """
+    for body in mesh.bodies.values():
+        if load.radius and load.boundary in body.boundaries:
+            places = boundary_surface(body, load.boundary).displacement_points(2)
+            nearest = float(np.linalg.norm(places - np.array(load.centre), axis=1).min())
+            if nearest > load.radius:
+                raise CaseError(
+                    f"{case.source}: loads.{load.channel}.radius: expected nodes or middles of "
+                    f"elements of the boundary {load.boundary!r} within {load.radius:g} of the "
+                    f"centre, found the nearest at {nearest:.4g}"
+                )
+
+
+def _require_values_around(case: Case, load: DistributedLoad, mesh: Mesh) -> None:
     """Check that values at points reach as far as what they are for.
 
     Raises:
@@ -502,13 +604,32 @@ def _require_points_around(case: Case, load: DistributedLoad, mesh: Mesh) -> Non
             facets = body.boundaries.get(load.boundary, np.zeros(0, dtype=np.int64))
             places = places[np.unique(facets)]
             what = f"the boundary {load.boundary!r}"
-        farthest, excess = load.at_points.outside(places) if len(places) else (0, 0.0)
-        if excess > OUTSIDE:
-            raise CaseError(
-                f"{case.source}: loads.{load.channel}: expected points that reach as far as "
-                f"{what}, whose node at {place_text(places[farthest])} is farther from their "
-                f"middle by {100 * excess:.3g} % than their outermost ones"
-            )
+        if len(places):
+            _require_points_around(case, load.channel, load.at_points, places, what)
+
+
+def _require_points_around(
+    case: Case, channel: str, given: PointValues, places: Array, what: str
+) -> None:
+    farthest, excess = given.outside(places)
+    if excess > OUTSIDE:
+        raise CaseError(
+            f"{case.source}: loads.{channel}: expected points that reach as far as {what}, whose "
+            f"node at {place_text(places[farthest])} is farther from their middle by "
+            f"{100 * excess:.3g} % than their outermost ones"
+        )
+
+
+def _require_points_beside(
+    case: Case, channel: str, given: PointValues, places: Array, what: str
+) -> None:
+    farthest, distance = given.beside(places)
+    if distance > OUTSIDE:
+        raise CaseError(
+            f"{case.source}: loads.{channel}: expected points on both sides of {what}, or on it, "
+            f"found all of them on one line or plane, from which its node at "
+            f"{place_text(places[farthest])} is away by {100 * distance:.3g} % of their extent"
+        )
 
 
 def require_above_absolute_zero(case: Case, definition: ModelDefinition, history: History) -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,30 +27,32 @@ class PointValues:
 
     Attributes:
         points: (n, d), no two of them the same; one for a value that is the same everywhere.
-        values: (n,).
+        values: (n,), or (n, c) vectors.
     """
 
     points: Array
     values: Array
 
     def at(self, places: Array) -> Array:
-        """(m,) values at places (m, d).
+        """(m,) or (m, c) values at places (m, d).
 
         Points on a line or a plane count for everything across it. A place outside of the points
         has the value of the place on their hull in the direction of their middle.
         """
         axes, own, local = self._flattened(places)
         if len(axes) == 0:
-            return np.full(len(places), self.values[0])
+            return np.repeat(self.values[:1], len(places), axis=0)
         if len(axes) == 1:
             order = np.argsort(own[:, 0])
-            return np.interp(local[:, 0], own[order, 0], self.values[order])
+            columns = self.values.reshape(len(own), -1)[order].T
+            found = [np.interp(local[:, 0], own[order, 0], column) for column in columns]
+            return np.stack(found, axis=1).reshape(len(places), *self.values.shape[1:])
         # Imported where it is needed: SciPy's interpolation takes a second.
         from scipy.interpolate import LinearNDInterpolator
 
         linear = LinearNDInterpolator(own, self.values)
         found = linear(local)
-        missing = np.isnan(found)
+        missing = np.isnan(found).reshape(len(found), -1).any(axis=1)
         # Next to the hull from inside: round-off would leave it again.
         inside = local[missing] / (np.maximum(_gauge(own, local[missing]), 1) * (1 + 1e-9))[:, None]
         found[missing] = linear(inside)
@@ -66,6 +69,17 @@ class PointValues:
         gauge = _gauge(own, local)
         farthest = int(np.argmax(gauge))
         return farthest, float(gauge[farthest] - 1)
+
+    def beside(self, places: Array) -> tuple[int, float]:
+        """Place (m, d) that is farthest from the line or plane of the points, and how far.
+
+        The distance is over their extent; zero if they span the space.
+        """
+        axes, own, local = self._flattened(places)
+        middle = self.points.mean(axis=0)
+        away = np.linalg.norm(places - middle - local @ axes, axis=1)
+        farthest = int(np.argmax(away))
+        return farthest, float(away[farthest] / np.ptp(own, axis=0).max())
 
     def _flattened(self, places: Array) -> tuple[Array, Array, Array]:
         """Directions (r, d) in which the points differ; points and places along them from there.
@@ -95,20 +109,22 @@ def _gauge(points: Array, places: Array) -> Array:
     return largest
 
 
-def read_points(path: Path, dimension: int, column: str, least: float = -np.inf) -> PointValues:
-    """Points and a value at each of them from the columns of a CSV file.
+def read_points(
+    path: Path, dimension: int, columns: Sequence[str], least: float = -np.inf
+) -> PointValues:
+    """Points and a value, or a vector, at each of them from the columns of a CSV file.
 
     Args:
-        path: of the file; its other columns do not matter.
+        path: of the file; its other columns do not matter, nor do lines that begin with #.
         dimension: number of coordinates, columns x, y and, of solids, z.
-        column: that has the values.
+        columns: that have the values, one, or one for each component.
         least: that they may be.
 
     Raises:
         CaseError: file, line and column of what is not as expected.
     """
     axes = AXES[:dimension]
-    table = read_table(path, (*axes, column))
+    table = read_table(path, (*axes, *columns), comment="#")
     points = np.stack([table.columns[axis] for axis in axes], axis=1)
     if len(points) < 2:
         raise CaseError(f"{path}: expected at least 2 points, found {len(points)}")
@@ -118,7 +134,9 @@ def read_points(path: Path, dimension: int, column: str, least: float = -np.inf)
         row = int(again[0])
         before = table.lines[int(first[inverse.ravel()[row]])]
         table.complain(row, axes[0], f"a point of its own, not that of line {before} again")
-    low = np.flatnonzero(table.columns[column] < least)
-    if low.size:
-        table.complain(int(low[0]), column, f"a number >= {least:g}")
-    return PointValues(points, table.columns[column])
+    for column in columns:
+        low = np.flatnonzero(table.columns[column] < least)
+        if low.size:
+            table.complain(int(low[0]), column, f"a number >= {least:g}")
+    values = np.stack([table.columns[column] for column in columns], axis=1)
+    return PointValues(points, values[:, 0] if len(columns) == 1 else values)

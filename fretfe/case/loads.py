@@ -166,9 +166,7 @@ class ChannelAtPoints(Channel):
     points: tuple[Point, ...] | None = Field(
         default=None, min_length=2, description=f"Points with a value; {BETWEEN_POINTS}"
     )
-    values: tuple[Number, ...] | None = Field(
-        default=None, description="Values, one for each point."
-    )
+    values: tuple[Any, ...] | None = Field(default=None, description="Values, one for each point.")
     file: Text | None = Field(
         default=None,
         description="CSV file with columns x, y (and z of solids) and T, of a traction value, "
@@ -248,6 +246,9 @@ class TractionLoad(ChannelAtPoints):
 
     type: Literal["traction"] = Field(description='"traction": force per area on a boundary.')
     boundary: Text = Field(description="Physical group of the boundary.")
+    values: tuple[Number, ...] | None = Field(
+        default=None, description="Factors of the history, one for each point."
+    )
     direction: SurfaceDirection = Field(
         description='"normal" (outward, so that a positive value pulls), "x", "y", "z" or a vector '
         "(its length does not matter). The history is in stress units."
@@ -264,6 +265,69 @@ class DisplacementLoad(Channel):
     direction: Axis = Field(
         description='Component that is prescribed: "x", "y" or "z". The history is in length units.'
     )
+
+
+class ShapeLoad(ChannelAtPoints):
+    """A boundary whose displacement is an amplitude times a shape, as that of a mode."""
+
+    type: Literal["shape"] = Field(
+        description='"shape": displacement of a boundary that is a factor, the history, times a '
+        "shape. Exactly one of points and file must be given."
+    )
+    boundary: Text = Field(description="Physical group of the boundary.")
+    values: tuple[Point, ...] | None = Field(
+        default=None, description="Displacements, one for each point, in length units."
+    )
+    file: Text | None = Field(
+        default=None,
+        description="CSV file with columns x, y (and z of solids), ux, uy (and uz), relative to "
+        "the folder of the case file; lines that begin with # are skipped.",
+    )
+    factor: Positive = Field(
+        default=1.0,
+        description="Factor of all lengths, coordinates and displacements: 1000 for metres in a "
+        "case in millimetres.",
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if not self.at_points:
+            raise ValueError("expected one of 'points' and 'file', found none")
+        for point, value in zip(self.points or (), self.values or (), strict=True):
+            if len(point) != len(value):
+                raise ValueError(
+                    f"expected displacements with {len(point)} components, as the points have, "
+                    f"found {len(value)}"
+                )
+        return self
+
+
+class ForceLoad(Channel):
+    """A force spread evenly over a boundary, or a part of it."""
+
+    type: Literal["force"] = Field(
+        description='"force": total force on a boundary, spread evenly over it or over its part '
+        "around a point. The history is in force units, for the whole thickness."
+    )
+    boundary: Text = Field(description="Physical group of the boundary.")
+    direction: Direction = Field(
+        description='Direction of the force: "x", "y", "z" or a vector (its length does not '
+        "matter)."
+    )
+    centre: Point | None = Field(
+        default=None, description="Middle of the part of the boundary that the force acts on."
+    )
+    radius: Positive | None = Field(
+        default=None,
+        description="Distance from the centre up to which it acts; given with the centre.",
+    )
+
+    @model_validator(mode="after")
+    def _both_or_none(self) -> Self:
+        if (self.centre is None) != (self.radius is None):
+            found = "centre" if self.radius is None else "radius"
+            raise ValueError(f"expected 'centre' and 'radius', or none of them, found {found!r}")
+        return self
 
 
 class RotationLoad(Channel):
@@ -372,6 +436,8 @@ Load = (
     | TiltLoad
     | TractionLoad
     | DisplacementLoad
+    | ShapeLoad
+    | ForceLoad
     | RotationLoad
     | AccelerationLoad
     | InterferenceLoad
@@ -383,6 +449,8 @@ LOADS: dict[str, type[Channel]] = {
     "tilt": TiltLoad,
     "traction": TractionLoad,
     "displacement": DisplacementLoad,
+    "shape": ShapeLoad,
+    "force": ForceLoad,
     "rotation": RotationLoad,
     "acceleration": AccelerationLoad,
     "interference": InterferenceLoad,
@@ -402,6 +470,8 @@ AnyLoad = Annotated[
     | Annotated[TiltLoad, Tag(f"{TAG}tilt")]
     | Annotated[TractionLoad, Tag(f"{TAG}traction")]
     | Annotated[DisplacementLoad, Tag(f"{TAG}displacement")]
+    | Annotated[ShapeLoad, Tag(f"{TAG}shape")]
+    | Annotated[ForceLoad, Tag(f"{TAG}force")]
     | Annotated[RotationLoad, Tag(f"{TAG}rotation")]
     | Annotated[AccelerationLoad, Tag(f"{TAG}acceleration")]
     | Annotated[InterferenceLoad, Tag(f"{TAG}interference")]

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Self
 
 from pydantic import Field, PrivateAttr, model_validator
 
-from fretfe.case.base import Name, Table, unit_vector
+from fretfe.case.base import AXES, Name, Table, unit_vector
 from fretfe.case.loads import (
     AccelerationLoad,
     AnyLoad,
@@ -19,6 +19,7 @@ from fretfe.case.loads import (
     Load,
     PlatenLoad,
     RotationLoad,
+    ShapeLoad,
     TemperatureLoad,
     TiltLoad,
 )
@@ -29,6 +30,8 @@ Key = tuple[str | int, ...]
 # Sine of the angle by which two platen directions may miss a right angle: vectors typed with six
 # digits pass, a slip of a degree does not.
 ORTHOGONALITY = 1e-5
+# Loads that prescribe displacements of a boundary, which is no platen.
+MOVES = DisplacementLoad | ShapeLoad
 
 
 class Problem(NamedTuple):
@@ -82,9 +85,7 @@ def _held_surface_problems(
     }
     held = [("supports", name, each.boundary) for name, each in supports.items()]
     held += [
-        ("loads", name, load.boundary)
-        for name, load in loads.items()
-        if isinstance(load, DisplacementLoad)
+        ("loads", name, load.boundary) for name, load in loads.items() if isinstance(load, MOVES)
     ]
     for table, name, boundary in held:
         if boundary in used:
@@ -115,7 +116,7 @@ def _platen_problems(
     uses += [
         (("loads", name, "boundary"), load.boundary)
         for name, load in loads.items()
-        if isinstance(load, DisplacementLoad)
+        if isinstance(load, MOVES)
     ]
     platens = _platens(loads)
     for key, boundary in uses:
@@ -163,16 +164,20 @@ def _displacement_problems(
         for axis in support.fix
     }
     for name, load in loads.items():
-        if not isinstance(load, DisplacementLoad):
+        if not isinstance(load, MOVES):
             continue
-        component = (load.boundary, load.direction)
-        if component in used:
-            yield Problem(
-                ("loads", name, "direction"),
-                f"expected a free component, found {load.direction!r} of {load.boundary!r}, which "
-                f"{used[component]} prescribes already",
-            )
-        used.setdefault(component, f"loads.{name}")
+        key, axes = "boundary", AXES
+        if isinstance(load, DisplacementLoad):
+            key, axes = "direction", (load.direction,)
+        for axis in axes:
+            component = (load.boundary, axis)
+            if component in used:
+                yield Problem(
+                    ("loads", name, key),
+                    f"expected a free component, found {axis!r} of {load.boundary!r}, which "
+                    f"{used[component]} prescribes already",
+                )
+            used.setdefault(component, f"loads.{name}")
 
 
 def _density_problems(bodies: Mapping[str, Body], loads: Mapping[str, Load]) -> Iterator[Problem]:

@@ -17,9 +17,11 @@ from fretfe.case.loads import (
     AnyLoad,
     ChannelAtPoints,
     EigenstrainLoad,
+    ForceLoad,
     InterferenceLoad,
     Load,
     RotationLoad,
+    ShapeLoad,
     TemperatureLoad,
     TiltLoad,
 )
@@ -231,6 +233,9 @@ def _full(case: Case, file: str) -> str:
     return str(case.resolve(file).absolute())
 
 
+WITHOUT_DIRECTION = (
+    RotationLoad | TiltLoad | TemperatureLoad | EigenstrainLoad | InterferenceLoad | ShapeLoad
+)
 # Added to a complaint about a direction.
 PLANE = "; the mesh is plane, and [geometry.solid] would extrude it"
 SOLID = "; the bodies are solid"
@@ -299,7 +304,7 @@ def _directions(case: Case) -> Iterator[tuple[Key, str | tuple[float, ...]]]:
         if isinstance(load, ChannelAtPoints):
             points = enumerate(load.points or ())
             yield from ((("loads", name, "points", i), point) for i, point in points)
-        if isinstance(load, RotationLoad | TiltLoad):
+        if isinstance(load, RotationLoad | TiltLoad | ForceLoad) and load.centre is not None:
             yield ("loads", name, "centre"), load.centre
-        elif not isinstance(load, TemperatureLoad | EigenstrainLoad | InterferenceLoad):
+        if not isinstance(load, WITHOUT_DIRECTION):
             yield ("loads", name, "direction"), load.direction

@@ -20,8 +20,10 @@ from fretfe.case import Contact as ContactTable
 from fretfe.case.loads import (
     AccelerationLoad,
     DisplacementLoad,
+    ForceLoad,
     PlatenLoad,
     RotationLoad,
+    ShapeLoad,
     TractionLoad,
 )
 from fretfe.errors import MeshError
@@ -617,6 +619,8 @@ def _held(case: Case, own: set[str], normal: Array) -> bool:
     ]
     platens: dict[str, Array] = {}
     for load in case.loads.values():
+        if isinstance(load, ShapeLoad) and load.boundary in own:
+            return True
         if not isinstance(load, DisplacementLoad | PlatenLoad) or load.boundary not in own:
             continue
         direction = np.array(unit_vector(load.direction, len(normal)))
@@ -635,11 +639,11 @@ def _force(case: Case, mesh: Mesh, history: History, body: str) -> Array:
     total = np.zeros((len(history.times), mesh.dimension))
     own = mesh.bodies[body].boundaries
     for name, load in case.loads.items():
-        if not isinstance(load, PlatenLoad | TractionLoad) or load.boundary not in own:
+        if not isinstance(load, PlatenLoad | ForceLoad | TractionLoad) or load.boundary not in own:
             continue
         values = history.values[:, history.channels.index(name)]
-        if isinstance(load, PlatenLoad):
-            if load.control == "force":
+        if isinstance(load, PlatenLoad | ForceLoad):
+            if isinstance(load, ForceLoad) or load.control == "force":
                 direction = np.array(unit_vector(load.direction, mesh.dimension))
                 total += np.outer(values, direction / case.model.thickness)
         else:

@@ -37,6 +37,9 @@ from fretfe.mesh.mesh import BodyMesh
 
 T = TypeVar("T")
 
+# Of the quadrature over a part of a boundary that is not made of whole elements.
+PART_DEGREE = 12
+
 # Below the folder of DOLFINx: what is there belongs to processes that know the lock.
 FOLDER, LOCK = "fretfe", "lock"
 # Seconds to wait for another process that compiles the same form.
@@ -237,8 +240,28 @@ class ElasticBody:
             traction = fem.Constant(self.mesh, np.array(load.direction[: self.gdim]))
         if load.at_points is not None:
             traction = self._factors(load, load.at_points) * traction
+        if load.kind == "force":
+            traction, measure = self._even(load, measure)
         form = ufl.inner(traction, test) * measure(self.groups[load.boundary])
         return assemble_vector(compiled(self.comm, fem.form, form))
+
+    def _even(self, load: DistributedLoad, measure: ufl.Measure) -> tuple[Any, ufl.Measure]:
+        """Traction (gdim,) of a force on its part of a boundary, and the measure to integrate it.
+
+        The area is that by the same points of integration: the force is exact.
+        """
+        part: Any = fem.Constant(self.mesh, 1.0)
+        if load.radius:
+            away = ufl.SpatialCoordinate(self.mesh) - fem.Constant(
+                self.mesh, np.array(load.centre[: self.gdim])
+            )
+            limit = fem.Constant(self.mesh, load.radius**2)
+            part = ufl.conditional(ufl.le(ufl.inner(away, away), limit), 1.0, 0.0)
+            measure = measure(metadata={"quadrature_degree": PART_DEGREE})
+        form = compiled(self.comm, fem.form, part * measure(self.groups[load.boundary]))
+        area = self.comm.allreduce(fem.assemble_scalar(form))
+        direction = np.array(load.direction[: self.gdim]) / area
+        return part * fem.Constant(self.mesh, direction), measure
 
     def initial_stress(self, load: DistributedLoad) -> fem.Function | None:
         """Stress (3, 3) of the initial strain of a unit of a load in the body, None without any.

@@ -247,7 +247,9 @@ def step_loads(
     count, contacts = len(history.times), [case.contacts[name] for name in interface.contacts]
     # The body force goes with the square of the angular speed.
     amplitudes = [
-        values[load.channel] ** 2 if load.kind == "rotation" else values[load.channel]
+        values[load.channel] ** 2
+        if load.kind == "rotation"
+        else values[load.channel] / _per_thickness(case, load.kind)
         for load in definition.loads
     ]
     moved = [
@@ -270,7 +272,7 @@ def step_loads(
 
 
 def _per_thickness(case: Case, control: str) -> float:
-    """Forces on platens are given for the whole thickness; displacements are not divided."""
+    """Forces are given for the whole thickness; displacements and tractions are not divided."""
     return case.model.thickness if control == "force" else 1.0
 
 

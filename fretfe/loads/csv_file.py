@@ -63,7 +63,11 @@ class Table:
 
 
 def read_table(
-    path: Path, names: Sequence[str], optional: Sequence[str] = (), separator: str | None = None
+    path: Path,
+    names: Sequence[str],
+    optional: Sequence[str] = (),
+    separator: str | None = None,
+    comment: str = "",
 ) -> Table:
     """Read columns of finite numbers.
 
@@ -73,12 +77,13 @@ def read_table(
         names: of the columns.
         optional: names of columns that are read if the file has them.
         separator: one of `SEPARATORS`; None if the header row tells it.
+        comment: what lines that are skipped begin with; "" if there are none.
 
     Raises:
         CaseError: file, line and column of what is not as expected.
     """
-    delimiter = SEPARATORS[separator] if separator else _told_delimiter(path, names)
-    rows = _rows(path, delimiter)
+    delimiter = SEPARATORS[separator] if separator else _told_delimiter(path, names, comment)
+    rows = _rows(path, delimiter, comment)
     header = [name.strip() for name in next(rows)[1]]
     wanted = [*names, *(name for name in optional if name in header)]
     places = [_column(path, header, name) for name in wanted]
@@ -133,13 +138,15 @@ def possible_headers(path: Path) -> list[tuple[str, ...]]:
     return list(_headers(path).values())
 
 
-def _headers(path: Path) -> dict[str, tuple[str, ...]]:
+def _headers(path: Path, comment: str = "") -> dict[str, tuple[str, ...]]:
     """Column names by the delimiters with which the header can be read, the comma first."""
     found: dict[str, tuple[str, ...]] = {}
     problems: list[CaseError] = []
     for delimiter in SEPARATORS.values():
         try:
-            found[delimiter] = tuple(name.strip() for name in next(_rows(path, delimiter))[1])
+            found[delimiter] = tuple(
+                name.strip() for name in next(_rows(path, delimiter, comment))[1]
+            )
         except _NoCells as error:  # names in quotes end at another delimiter
             problems.append(error)
     if not found:
@@ -147,13 +154,13 @@ def _headers(path: Path) -> dict[str, tuple[str, ...]]:
     return found
 
 
-def _told_delimiter(path: Path, names: Sequence[str]) -> str:
+def _told_delimiter(path: Path, names: Sequence[str], comment: str) -> str:
     """The delimiter with which the header row has all of the names; a comma if none does.
 
     Spaces may stand beside any other delimiter: they are the delimiter only if nothing else is.
     """
     found: dict[tuple[str, ...], str] = {}
-    for delimiter, header in _headers(path).items():
+    for delimiter, header in _headers(path, comment).items():
         if set(names) <= set(header) and not (found and delimiter == " "):
             found.setdefault(header, delimiter)
     if len(found) > 1:
@@ -165,14 +172,16 @@ def _told_delimiter(path: Path, names: Sequence[str]) -> str:
     return next(iter(found.values()), ",")
 
 
-def _rows(path: Path, delimiter: str) -> Iterator[tuple[int, list[str]]]:
-    """Line number and cells of every line that is not empty, the header first."""
+def _rows(path: Path, delimiter: str, comment: str = "") -> Iterator[tuple[int, list[str]]]:
+    """Line number and cells of every line that is not empty or a comment, the header first."""
     require_file(path, "a CSV file", CaseError)
     empty = True
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             spaces = delimiter != "\t"
-            reader = csv.reader(file, delimiter=delimiter, skipinitialspace=spaces, strict=True)
+            # Comments may have quotes that do not end; their lines count.
+            lines = ("\n" if comment and line.startswith(comment) else line for line in file)
+            reader = csv.reader(lines, delimiter=delimiter, skipinitialspace=spaces, strict=True)
             for row in reader:
                 if any(cell.strip() for cell in row):
                     empty = False

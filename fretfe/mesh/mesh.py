@@ -11,7 +11,8 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case
-from fretfe.case.loads import DisplacementLoad, PlatenLoad, TiltLoad
+from fretfe.case.loads import PlatenLoad, TiltLoad
+from fretfe.case.model import MOVES
 from fretfe.errors import MeshError
 from fretfe.mesh.elements import (
     CORNERS,
@@ -225,7 +226,7 @@ def _held_problems(mesh: Mesh, case: Case) -> Iterator[str]:
     held += [
         (f"loads.{name}", load.boundary)
         for name, load in case.loads.items()
-        if isinstance(load, DisplacementLoad | PlatenLoad | TiltLoad)
+        if isinstance(load, MOVES | PlatenLoad | TiltLoad)
     ]
     surfaces = [
         (f"contacts.{name}", surface)

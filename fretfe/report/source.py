@@ -58,11 +58,11 @@ def load_unit(case: Case, name: str) -> str:
         return f"{units.length}/{units.time}^2"
     if load.type == "interference":
         return units.length
-    if load.type == "temperature" or load.type == "eigenstrain":
+    if load.type in ("temperature", "eigenstrain", "shape"):
         return "1"
     if load.type == "tilt":
         return "rad" if load.control == "rotation" else f"{units.force}·{units.length}"
-    prescribed = load.type == "displacement" or load.control == "displacement"
+    prescribed = load.type == "displacement" or getattr(load, "control", "") == "displacement"
     return units.length if prescribed else units.force
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 from faults.fault import CHECK, HALFPLANE, Fault, Prepare, damaged
-from faults.originals import DRAWINGS, GRIDS, MESHES, case_text, csv_case, points_case
+from faults.originals import DRAWINGS, GRIDS, MESHES, case_text, csv_case, points_case, shape_case
 
 Change = Callable[[bytes], bytes]
 
@@ -29,6 +29,7 @@ def faults() -> Iterator[Fault]:
     yield Fault("points.csv/whole", CHECK, whole, False)
     yield from _load_tables()
     yield from _point_tables()
+    yield from _shape_tables()
     yield from _traction_tables()
 
 
@@ -292,6 +293,30 @@ def _point_tables() -> Iterator[Fault]:
         "a point twice": square.format("1\n30,40,2"),
         "elsewhere": square.replace("30", "300").replace("-300", "200").format("1"),
         "on a line through the middle of bodies": "x,y,T\n-1,0,1\n0,0,1\n1,0,1\n",
+    }
+    for name, content in contents.items():
+        change = _constant(content.encode())
+        yield Fault(f"{file}/{name}", CHECK, _with(file, change, text), True)
+
+
+def _shape_tables() -> Iterator[Fault]:
+    file, text = "shape.csv", shape_case()
+    yield Fault(f"{file}/whole", CHECK, _with(file, lambda data: data, text), False)
+    for seed in range(12):
+        yield Fault(f"{file}/damaged/{seed}", CHECK, _with(file, _damaging(seed), text))
+    yield Fault(f"{file}/pipe", CHECK, _pipe(file, text), True)
+    square = "x,y,ux,uy\n-30,-40,1,0\n30,-40,1,0\n-30,40,1,0\n30,40,{}\n"
+    contents = {
+        "header alone": "# x\nx,y,ux,uy\n",
+        "comments alone": "# x,y,ux,uy\n#1,1,1,1\n",
+        "no column uy": "x,y,ux,v\n0,0,20,1\n1,1,1,1\n",
+        "nan": square.format("nan,0"),
+        "huge": square.format("1e300,0"),
+        "missing": square.format("1"),
+        "a point twice": square.format("1,0\n30,40,2,0"),
+        "elsewhere": square.replace("30", "1").format("1,0"),
+        "metres": square.replace("30", ".03").replace("40", ".04").format("1,0"),
+        "on another line": "x,y,ux,uy\n0,-40,1,1\n0,40,1,1\n",
     }
     for name, content in contents.items():
         change = _constant(content.encode())

@@ -149,6 +149,13 @@ def points_case() -> str:
     return tomli_w.dumps({**PAD, "bodies": bodies, "loads": {"press": press(), "heat": heat}})
 
 
+def shape_case() -> str:
+    """A case in which a boundary moves as shape.csv says."""
+    history = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
+    mode = {"type": "shape", "boundary": "lower_right", "file": "shape.csv", "history": history}
+    return tomli_w.dumps({**PAD, "loads": {"press": press(), "mode": mode}})
+
+
 def write_originals(folder: Path) -> None:
     """Write all of them."""
     write_cad(folder / "pad.step")
@@ -163,6 +170,8 @@ def write_originals(folder: Path) -> None:
     (folder / "loads.csv").write_text("t,q\n" + rows)
     corners = "".join(f"{x},{y},{x + y + 90}\n" for x in (-30, 0, 30) for y in (-40, 0, 40))
     (folder / "points.csv").write_text("x,y,T\n" + corners)
+    rows = "".join(f"{x},{y},{y / 1e4},0\n" for x in (-30, 30) for y in (-40, -20, 0, 40))
+    (folder / "shape.csv").write_text("# mode 1\nx,y,ux,uy\n" + rows)
     x = np.linspace(-1.2, 1.2, 60)
     p = np.sqrt(np.clip(1 - x**2, 0, None)) * 400
     lines = [f"{a:.6g},{b:.6g},{0.1 * b:.6g}" for a, b in zip(x, p, strict=True)]

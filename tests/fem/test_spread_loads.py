@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Tractions that vary over their boundary, gravity, and body forces in interaction integrals."""
+"""Tractions and forces on boundaries, gravity, and body forces in interaction integrals."""
 
 from __future__ import annotations
 
@@ -24,8 +24,9 @@ from fretfe.mesh.mesh import Mesh
 STEEL = Material(200.0, 0.3, 2.5, "strain")
 
 
-def elastic_block(degree: int, cell: str = "triangle") -> ElasticBody:
-    mesh = blocks.block("b", blocks.graded(0, 2, 5), blocks.graded(0, 1, 3), cell=cell)
+def elastic_block(degree: int, cell: str = "triangle", columns: int = 5) -> ElasticBody:
+    x = blocks.graded(0, 2, columns, 1.3 ** (5 / columns))
+    mesh = blocks.block("b", x, blocks.graded(0, 1, 3), cell=cell)
     body = ElasticBody(MPI.COMM_WORLD, mesh if MPI.COMM_WORLD.rank == 0 else None, STEEL, degree)
     replace_meshes(body.mesh)
     return body
@@ -60,6 +61,20 @@ def test_points_all_over_a_boundary() -> None:
     # 4 downwards, at x = (3 * 2 - 8/3)/4
     expected = [0.0, -4.0, -(6 - 8 / 3)]
     np.testing.assert_allclose(resultant(elastic_block(2), load), expected, atol=1e-9)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("degree", [1, 2])
+def test_a_force_on_a_boundary_or_a_part_of_it(degree: int) -> None:
+    """On the top of length 2 of a block of height 1."""
+    body = elastic_block(degree)
+    whole = DistributedLoad("f", "force", "b_top", (0.6, 0.8))
+    expected = [0.6, 0.8, 1.0 * 0.8 - 1.0 * 0.6]
+    np.testing.assert_allclose(resultant(body, whole), expected, atol=1e-12)
+    part = DistributedLoad("f", "force", "b_top", (0.6, 0.8), (1.3, 1.0), radius=0.4)
+    x, y, moment = resultant(elastic_block(degree, columns=20), part)
+    np.testing.assert_allclose([x, y], [0.6, 0.8], atol=1e-12)
+    assert moment == pytest.approx(1.3 * 0.8 - 0.6, abs=0.01)
 
 
 @pytest.mark.mpi

@@ -342,9 +342,13 @@ def _work_loop(
     states = path if len(path) else np.arange(solution.cycle[0], solution.cycle[1] + 1)
     force, displacement = solution.forces[states, index], solution.amplitudes[states, index]
     load = run.case.loads.get(label)
-    turns = load is not None and load.type == "tilt"
-    moved, force_label = ("rotation", "moment") if turns else ("displacement", "force")
-    moved_unit, unit = ("rad", work_unit(run)) if turns else (units.length, force_unit(run))
+    moved, moved_unit, force_label, unit = {
+        "tilt": ("rotation", "rad", "moment", work_unit(run)),
+        "shape": ("factor of the shape", "1", "work per factor", work_unit(run)),
+    }.get(
+        load.type if load is not None else "",
+        ("displacement", units.length, "force", force_unit(run)),
+    )
     caption = f"Area: {number(area)} {work_unit(run)}. {balance}"
     if len(path):
         caption = f"{WORST} Work in the whole cycle: {number(area)} {work_unit(run)}. {balance}"

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A shim between two pads, as between blade and disc: two contacts that are equal by symmetry."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import blocks
+import numpy as np
+import pytest
+from contact_runs import Run, run
+
+from fretfe._typing import Array
+
+STEEL = {"young": 200e3, "poisson": 0.3}
+RADIUS, HEIGHT, SHIM = 40.0, 4.0, 0.5
+PRESS, SHEAR = -900.0, 150.0
+
+
+def pad(points: Array) -> Array:
+    """A block above y = 0 whose lower side is a cylinder, on a shim of twice SHIM."""
+    x, y = points.T
+    return np.stack([x, SHIM + y + (1 - y / HEIGHT) * x**2 / (2 * RADIUS)], axis=1)
+
+
+def mirrored(points: Array) -> Array:
+    """The pad turned by half a circle."""
+    return -pad(points)
+
+
+def stack(shear: float) -> Run:
+    """Two pads on either side of a shim that nothing but they hold."""
+    fine = np.concatenate([[-3.0, -1.6], np.linspace(-0.8, 0.8, 17), [1.6, 3.0]])
+    rise = np.array([0.0, 0.2, 0.6, 1.5, HEIGHT])
+    upper = blocks.block("upper", fine, rise, mapping=pad, order=2)
+    lower = blocks.block("lower", fine, rise, mapping=mirrored, order=2)
+    middle = blocks.block("shim", fine, np.linspace(-SHIM, SHIM, 5), order=2)
+    platen = {"type": "platen", "boundary": "upper_top", "control": "force"}
+    wave = {"wave": "sine", "amplitude": shear, "period": 1.0, "cycles": 1, "steps_per_cycle": 4}
+    waiting = [{"hold": True, "until": 1.0}, wave]
+    case: dict[str, Any] = {
+        "bodies": {name: STEEL for name in ("upper", "shim", "lower")},
+        "contacts": {
+            "top": {"surface1": "upper_bottom", "surface2": "shim_top", "friction": 0.5},
+            "bottom": {"surface1": "lower_bottom", "surface2": "shim_bottom", "friction": 0.5},
+        },
+        "supports": {"base": {"boundary": "lower_top", "fix": ["x", "y"]}},
+        "loads": {
+            "press": {
+                **platen,
+                "direction": "y",
+                "history": [{"ramp": PRESS, "until": 1.0, "steps": 2}],
+            },
+            "shear": {**platen, "direction": "x", "history": waiting},
+        },
+    }
+    return run(case, upper, middle, lower)
+
+
+@pytest.mark.mpi
+def test_both_contacts_of_a_shim_are_equal_by_symmetry() -> None:
+    """Turned by half a circle the stack is itself, and so are pressure, shear and slip."""
+    found = stack(SHEAR)
+    interface = found.model.comm.bcast(
+        found.model.reduction.interface.contacts if found.model.comm.rank == 0 else None
+    )
+    top, bottom = (found.tractions[:, interface[name]] for name in ("top", "bottom"))
+    scale = np.abs(top).max()
+    assert (top[-1][:, 0] > 1e-3 * scale).sum() > 5
+    assert np.abs(top[-2][:, 1]).max() > 0.05 * scale
+    np.testing.assert_allclose(bottom, top, atol=1e-9 * scale)
