@@ -24,16 +24,27 @@ if TYPE_CHECKING:
     from fretfe.surface.checks import ContactQuality, SurfaceQuality
 
 CHECK_EXAMPLES = examples(
-    "fretfe check pad.toml", "fretfe check pad.toml --set geometry.parameters.size=0.02"
+    "fretfe check pad.toml",
+    "fretfe check pad.toml --set geometry.parameters.size=0.02",
+    "fretfe check model.inp",
 )
 
 
 def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = False) -> None:
-    """Check a case and its mesh, and list what would be solved."""
+    """Check a case and its mesh, and list what would be solved.
+
+    Of an Abaqus or CalculiX input file, print the beginning of a case.
+    """
     from fretfe.case import load_case, parse_assignments
+    from fretfe.case.base import ABAQUS
     from fretfe.checked import check as check_case
+    from fretfe.mesh.inp_outline import outline
 
     if rank_from_environment() > 0:
+        return
+    if case.suffix.lower() in ABAQUS.suffixes:
+        for line in outline(case):
+            print(line)
         return
     checked = check_case(load_case(case, parse_assignments(overrides or ()), trust_geo=trust_geo))
     if checked is not None:

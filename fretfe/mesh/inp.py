@@ -1,33 +1,33 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Abaqus and CalculiX input files: nodes, elements, sets and surfaces as they are written.
+"""Abaqus and CalculiX input files: nodes, elements, sets, surfaces, materials as they are written.
 
 Own reading rather than meshio's, which (5.3.5) knows half of the plane elements, keeps only the
 last of several *NODE blocks, and passes over node sets made of sets, surfaces and parts in silence.
+Parts that are placed as instances become one flat mesh.
 """
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
+from fretfe._typing import Array
 from fretfe.errors import MeshError
-from fretfe.files import require_file
+from fretfe.mesh.inp_cards import Card, cards
 
 # Keywords, without blanks, that change nodes, elements or what numbers mean, or that join parts:
 # without them the model would be another one. And what to do instead.
-_WITHOUT_PARTS = (
-    "write the file without parts (Abaqus/CAE: model attribute 'Do not use parts and assemblies in "
-    "input files')"
-)
 _WRITTEN_OUT = "write out all nodes and elements"
 _JOINED = (
     "it joins nodes or parts, which would come apart here: mesh them as one part with common "
     "nodes, or make them bodies of their own in contact"
 )
 REFUSED = {
-    **dict.fromkeys(("PART", "INSTANCE", "ASSEMBLY"), _WITHOUT_PARTS),
     **dict.fromkeys(
         (
             *("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "IMPERFECTION"),
@@ -48,32 +48,37 @@ REFUSED = {
     ),
 }
 # Say nothing of the model.
-TITLES = ("HEADING", "INCLUDE")
+TITLES = ("HEADING",)
 # Parameters, or their values, that make a keyword join parts.
 JOINING = {
     "CONTACTPAIR": ("TIED",),
     "SURFACEBEHAVIOR": ("TIED",),
     "CONTACTINITIALIZATIONDATA": ("TIED",),
 }
-DEEPEST = 10
-# Stands for bytes that are not UTF-8; in comments they do not matter.
-UNKNOWN = "\N{REPLACEMENT CHARACTER}"
-MOST_MEMBERS = 100_000_000
+# Of a set, and of all that instances have together.
+MOST_MEMBERS, MOST_PLACED = 100_000_000, 200_000_000
+# Numbers of nodes and elements are smaller; those of instance i are i times this one larger.
+STRIDE = 10**9
 
-
-@dataclass(frozen=True)
-class Card:
-    """A keyword with its parameters (names in capitals) and its rows of data."""
-
-    keyword: str
-    parameters: dict[str, str]
-    rows: list[list[str]]
-    place: str
+Point = tuple[float, float, float]
 
 
 @dataclass
-class Deck:
-    """The mesh in an input file; names are in capitals, as case does not count.
+class Material:
+    """Elastic material.
+
+    Attributes:
+        numbers: by the keys that a body of a case has.
+        left_out: what else is said of it that no body has, in words.
+    """
+
+    numbers: dict[str, float] = field(default_factory=dict)
+    left_out: list[str] = field(default_factory=list)
+
+
+@dataclass
+class Level:
+    """Contents of a part, an instance, or the model outside them; names are in capitals.
 
     Attributes:
         nodes: coordinates by number.
@@ -81,15 +86,82 @@ class Deck:
         node_sets: numbers of nodes, in order.
         element_sets: numbers of elements.
         surfaces: element numbers and sides (S1 is 1; 0 is whatever side is free).
-        unused: how often there was each keyword that was not used.
+        sections: element sets and their materials.
     """
 
-    nodes: dict[int, tuple[float, float, float]] = field(default_factory=dict)
+    nodes: dict[int, Point] = field(default_factory=dict)
     elements: dict[int, tuple[str, tuple[int, ...]]] = field(default_factory=dict)
     node_sets: dict[str, list[int]] = field(default_factory=dict)
     element_sets: dict[str, list[int]] = field(default_factory=dict)
     surfaces: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
+    sections: list[tuple[str, str]] = field(default_factory=list)
+
+    def number(self, text: str, instance: str | None = None) -> int:
+        """The number of a node or element, perhaps one of an instance as `NAME.7`."""
+        own = text
+        if "." in text and instance is None:
+            instance, _, own = text.rpartition(".")
+        value = int(own)
+        if not 0 <= value < STRIDE:
+            raise ValueError(f"expected a number from 0 to {STRIDE - 1}, found {own}")
+        return value if instance is None else value + self.first(instance)
+
+    def first(self, instance: str) -> int:
+        """The number added to those of an instance."""
+        raise ValueError(f"there is no instance {instance!r} here")
+
+
+@dataclass
+class Deck(Level):
+    """The mesh in an input file: all instances in one, with numbers that are larger by theirs.
+
+    Sets and surfaces of an instance have its name in front, `NAME.SET`, and their own names, too,
+    where nothing else has these. All elements of an instance are in a set with its name.
+
+    Attributes:
+        instances: by name, in order, the number added to those of their nodes and elements.
+        materials: by name.
+        unused: how often there was each keyword that was not used.
+    """
+
+    instances: dict[str, int] = field(default_factory=dict)
+    materials: dict[str, Material] = field(default_factory=dict)
     unused: Counter[str] = field(default_factory=Counter)
+
+    def first(self, instance: str) -> int:
+        """The number added to those of an instance."""
+        name = instance.strip('"').upper()
+        if name not in self.instances:
+            raise ValueError(
+                f"there is no instance {instance!r}; instances: {', '.join(self.instances) or '-'}"
+            )
+        return self.instances[name]
+
+    def text(self, number: int) -> str:
+        """The number as it is written in the file, with the name of its instance."""
+        instance, own = divmod(number, STRIDE)
+        return f"{list(self.instances)[instance - 1]}.{own}" if instance else str(own)
+
+    def named(self, name: str) -> bool:
+        """True if a set or surface has this name."""
+        return any(name in each for each in (self.node_sets, self.element_sets, self.surfaces))
+
+    def add(self, name: str, level: Level) -> None:
+        """Add an instance."""
+        first = self.instances[name] = STRIDE * (len(self.instances) + 1)
+        self.nodes |= {number + first: point for number, point in level.nodes.items()}
+        self.elements |= {
+            number + first: (kind, tuple(node + first for node in nodes))
+            for number, (kind, nodes) in level.elements.items()
+        }
+        for own, of_all in (
+            (level.node_sets, self.node_sets), (level.element_sets, self.element_sets)
+        ):  # fmt: skip
+            for each, members in own.items():
+                of_all[f"{name}.{each}"] = [number + first for number in members]
+        for each, entries in level.surfaces.items():
+            self.surfaces[f"{name}.{each}"] = [(number + first, side) for number, side in entries]
+        self.sections += [(f"{name}.{each}", material) for each, material in level.sections]
 
 
 def read_deck(path: Path) -> Deck:
@@ -98,208 +170,362 @@ def read_deck(path: Path) -> Deck:
     Raises:
         MeshError: a file cannot be read, or says something that is not understood.
     """
-    deck = Deck()
-    readers = {
-        "NODE": _nodes,
-        "ELEMENT": _elements,
-        "NSET": _node_set,
-        "ELSET": _element_set,
-        "SURFACE": _surface,
-    }
-    for card in _cards(path, DEEPEST):
+    reader = _Reader()
+    for card in cards(path):
         _refuse_keyword(card)
-        # blanks in keywords do not count
-        read = readers.get(card.keyword.replace(" ", ""))
-        if read is None:
-            deck.unused.update([card.keyword] if card.keyword not in TITLES else ())
-            continue
         try:
-            _require_text(card)
-            read(deck, card)
+            reader.read(card)
         except (ValueError, IndexError, KeyError, OverflowError) as error:
             raise MeshError(f"{card.place}: cannot read *{card.keyword}: {error}") from error
+    if reader.open:
+        card = reader.open[-1]
+        raise MeshError(f"{card.place}: expected *END {card.keyword} after it, found none")
+    deck = reader.deck
     if not deck.nodes or not deck.elements:
+        unplaced = ", ".join(reader.parts.keys() - reader.placed)
         raise MeshError(
             f"{path}: expected an Abaqus or CalculiX input file with nodes and elements, found "
             f"{len(deck.nodes)} nodes and {len(deck.elements)} elements"
+            + (f"; no instance places the parts {unplaced}" if unplaced else "")
         )
+    reader.finish()
     return deck
 
 
 def _refuse_keyword(card: Card) -> None:
     """Raise for a keyword without which the model would be another one."""
-    keyword = card.keyword.replace(" ", "")
     words = {*card.parameters, *(value.upper() for value in card.parameters.values())}
-    joining = sorted(words.intersection(JOINING.get(keyword, ())))
-    if keyword in REFUSED or joining:
+    joining = sorted(words.intersection(JOINING.get(card.word, ())))
+    if card.word in REFUSED or joining:
         with_word = f" with {joining[0]}" if joining else ""
         raise MeshError(
             f"{card.place}: *{card.keyword}{with_word} is not supported; "
-            f"{REFUSED.get(keyword, _JOINED)}"
+            f"{REFUSED.get(card.word, _JOINED)}"
         )
 
 
-def _require_text(card: Card) -> None:
-    """Bytes that are not UTF-8 would make different names the same one."""
-    texts = [*card.parameters.values(), *(value for row in card.rows for value in row)]
-    if any(UNKNOWN in text for text in texts):
-        raise ValueError("expected UTF-8 text, found other bytes in a name or a number")
+class _Reader:
+    """Reads keyword after keyword into the level that is open."""
+
+    def __init__(self) -> None:
+        self.deck = Deck()
+        self.parts: dict[str, Level] = {}
+        self.placed: set[str] = set()
+        # *PART, *ASSEMBLY and *INSTANCE that have not ended, and where their data goes.
+        self.open: list[Card] = []
+        self._level: Level = self.deck
+        # Sets and surfaces by their own names, with the instances that have one.
+        self._own: dict[str, set[str]] = {}
+        self._elements: dict[str, list[int]] = {}
+        self._moved, self._size = False, 0
+        self._material: Material | None = None
+        self._blocks: dict[str, Callable[[Card], None]] = {
+            "PART": self._part, "ASSEMBLY": self._assembly, "INSTANCE": self._instance,
+            "ENDPART": self._end_part, "ENDASSEMBLY": self._close,
+            "ENDINSTANCE": self._end_instance, "MATERIAL": self._begin_material,
+        }  # fmt: skip
+
+    def read(self, card: Card) -> None:
+        """Read one; those that say nothing of the mesh are counted."""
+        read, block = _READERS.get(card.word), self._blocks.get(card.word)
+        of_material = _OF_MATERIALS.get(card.word) if self._material is not None else None
+        if block is None and read is None and of_material is None:
+            self.deck.unused.update([card.keyword] if card.keyword not in TITLES else ())
+            return
+        card.require_text()
+        if block is not None:
+            block(card)
+        elif read is not None:
+            read(self._level, card)
+        elif of_material is not None and self._material is not None:
+            of_material(self._material, card)
+
+    def finish(self) -> None:
+        """Give instances and what they alone have names without a prefix."""
+        deck = self.deck
+        deck.element_sets |= {
+            name: members for name, members in self._elements.items() if not deck.named(name)
+        }
+        for name, instances in self._own.items():
+            if len(instances) > 1 or deck.named(name):
+                continue
+            (qualified,) = (f"{instance}.{name}" for instance in instances)
+            tables: tuple[dict[str, list[int]], ...] = (deck.node_sets, deck.element_sets)
+            for table in tables:
+                if qualified in table:
+                    table[name] = table[qualified]
+            if qualified in deck.surfaces:
+                deck.surfaces[name] = deck.surfaces[qualified]
+
+    def _begin(self, card: Card, *within: str) -> None:
+        if tuple(each.word for each in self.open) != within:
+            expected = f"within *{within[-1]}" if within else "outside parts and the assembly"
+            raise ValueError(f"expected it {expected}")
+        self.open.append(card)
+
+    def _close(self, card: Card) -> None:
+        word = card.word.removeprefix("END")
+        if not self.open or self.open[-1].word != word:
+            raise ValueError(f"expected *{word} before it")
+        self.open.pop()
+
+    def _part(self, card: Card) -> None:
+        name = card.required("NAME")
+        if name in self.parts:
+            raise ValueError(f"there is a part {name!r} already")
+        self._begin(card)
+        self._level = self.parts[name] = Level()
+
+    def _end_part(self, card: Card) -> None:
+        self._close(card)
+        self._level = self.deck
+
+    def _assembly(self, card: Card) -> None:
+        self._begin(card)
+
+    def _instance(self, card: Card) -> None:
+        card.refuse("LIBRARY", "INSTANCE")
+        name, part = card.required("NAME"), card.required("PART")
+        if part not in self.parts:
+            parts = ", ".join(self.parts) or "none"
+            raise ValueError(f"there is no part {part!r}; parts: {parts}")
+        if name in self.deck.instances:
+            raise ValueError(f"there is an instance {name!r} already")
+        self._begin(card, "ASSEMBLY")
+        self.placed.add(part)
+        self._level, self._moved = _placed(self.parts[part], card.rows)
+
+    def _end_instance(self, card: Card) -> None:
+        begin, level = self.open[-1] if self.open else card, self._level
+        self._close(card)
+        name = begin.required("NAME")
+        if self._moved and len(level.nodes) > len(self.parts[begin.required("PART")].nodes):
+            raise ValueError(
+                f"expected nodes in the part, found some in the instance {name!r}, which is moved: "
+                "define them in its part (Abaqus/CAE: make the instance dependent)"
+            )
+        self._size += len(level.nodes) + len(level.elements)
+        self._size += sum(map(len, (*level.node_sets.values(), *level.element_sets.values())))
+        if self._size > MOST_PLACED:
+            raise ValueError(f"instances of {self._size} members are larger than any mesh")
+        self.deck.add(name, level)
+        first = self.deck.first(name)
+        self._elements[name] = [number + first for number in level.elements]
+        for each in (*level.node_sets, *level.element_sets, *level.surfaces):
+            self._own.setdefault(each, set()).add(name)
+        self._level = self.deck
+
+    def _begin_material(self, card: Card) -> None:
+        name = card.required("NAME")
+        if name in self.deck.materials:
+            raise ValueError(f"there is a material {name!r} already")
+        self._material = self.deck.materials[name] = Material()
 
 
-def _cards(path: Path, depth: int) -> Iterator[Card]:
-    """The keywords of a file in their order, those of included files in place of *INCLUDE."""
-    card: Card | None = None
-    for number, line in _lines(path):
-        if line.startswith("*"):
-            if card is not None:
-                yield from _included(path, card, depth)
-            keyword, *parameters = (part.strip() for part in line[1:].split(","))
-            pairs = (part.partition("=") for part in parameters if part)
-            values = {name.strip().upper(): value.strip() for name, _, value in pairs}
-            card = Card(" ".join(keyword.upper().split()), values, [], f"{path}, line {number}")
-        elif card is not None:
-            card.rows.append([part.strip() for part in line.split(",")])
-    if card is not None:
-        yield from _included(path, card, depth)
+def _placed(part: Level, rows: list[list[str]]) -> tuple[Level, bool]:
+    """A part moved and then turned about an axis, and whether it was, by the rows of *INSTANCE."""
+    points = np.array(list(part.nodes.values())).reshape(-1, 3)
+    values = [[_real(value) for value in row if value] for row in rows]
+    if len(values) > 2 or [len(row) for row in values][1:] not in ([], [7]):
+        raise ValueError(
+            "expected a translation and a row with two points of an axis and an angle, found "
+            f"{len(values)} rows of {', '.join(str(len(row)) for row in values)} numbers"
+        )
+    if values and len(values[0]) > 3:
+        raise ValueError(f"expected a translation of 3 numbers, found {len(values[0])}")
+    shift = [_real(value) if value else 0.0 for value in rows[0]] if rows else []
+    moved = any(shift)
+    if moved:
+        points = points + (shift + [0.0] * 3)[:3]
+    if len(values) == 2 and values[1][6]:
+        points, moved = _turned(points, np.array(values[1])), True
+    nodes = dict(zip(part.nodes, map(tuple, points.tolist()), strict=True)) if moved else part.nodes
+    return Level(
+        {**nodes}, {**part.elements},
+        {name: [*members] for name, members in part.node_sets.items()},
+        {name: [*members] for name, members in part.element_sets.items()},
+        {name: [*entries] for name, entries in part.surfaces.items()},
+        [*part.sections],
+    ), moved  # fmt: skip
 
 
-def _lines(path: Path) -> Iterator[tuple[int, str]]:
-    """Lines with their number; no comments, no empty lines, keywords that go on in one line."""
-    require_file(path, "a mesh file", MeshError)
-    try:
-        text = path.read_text(encoding="utf-8", errors="replace")
-    except OSError as error:
-        raise MeshError(f"{path}: cannot read the mesh file: {error.strerror}") from error
-    keyword = ""
-    for number, line in enumerate(text.splitlines(), 1):
-        line = line.strip()
-        if not line or line.startswith("**"):
-            continue
-        line = keyword + line
-        keyword = line if line.startswith("*") and line.endswith(",") else ""
-        if not keyword:
-            yield number, line
+def _turned(points: Array, row: Array) -> Array:
+    """Points (n, 3) turned about the axis from a to b by an angle (Rodrigues); exact quarters.
+
+    Args:
+        points: (n, 3).
+        row: (7,) a, b, and the angle in degrees.
+    """
+    origin, axis = row[:3], row[3:6] - row[:3]
+    length = float(np.linalg.norm(axis))
+    if not 0.0 < length < math.inf:
+        raise ValueError("expected two different points on the axis of the rotation")
+    axis, angle = axis / length, float(row[6]) % 360.0
+    quarters = {90.0: (0.0, 1.0), 180.0: (-1.0, 0.0), 270.0: (0.0, -1.0)}
+    turn = math.radians(angle)
+    cosine, sine = quarters.get(angle, (math.cos(turn), math.sin(turn)))
+    arms = points - origin
+    along = np.outer(arms @ axis, axis)
+    return origin + along + cosine * (arms - along) + sine * np.cross(axis, arms)
 
 
-def _included(path: Path, card: Card, depth: int) -> Iterator[Card]:
-    if card.keyword != "INCLUDE":
-        yield card
-        return
-    if depth == 0:
-        raise MeshError(f"{card.place}: files include each other more than {DEEPEST} deep")
-    name = card.parameters.get("INPUT", "").strip("\"'")
-    yield from _cards(path.parent / name, depth - 1)
+def _real(text: str) -> float:
+    """A number; Fortran writes 1.0D+00."""
+    value = float(text.upper().replace("D", "E"))
+    if not math.isfinite(value):
+        raise ValueError(f"expected a finite number, found {text}")
+    return value
 
 
-def _name(card: Card, parameter: str) -> str | None:
-    value = card.parameters.get(parameter)
-    return value.strip('"').upper() if value else None
-
-
-def _refuse_parameters(card: Card, *names: str) -> None:
-    for name in names:
-        if name in card.parameters:
-            raise ValueError(f"the parameter {name} is not supported")
-
-
-def _nodes(deck: Deck, card: Card) -> None:
-    _refuse_parameters(card, "SYSTEM", "INPUT")
+def _nodes(level: Level, card: Card) -> None:
+    card.refuse("SYSTEM", "INPUT")
     numbers = []
     for row in card.rows:
-        number = int(row[0])
-        # Fortran writes 1.0D+00; coordinates at the end of a row may be left out
-        values = [float(value.upper().replace("D", "E") or 0) for value in row[1:4]]
+        number = level.number(row[0])
+        # coordinates at the end of a row may be left out
+        values = [_real(value) if value else 0.0 for value in row[1:4]]
         x, y, z = values + [0.0] * (3 - len(values))
-        if deck.nodes.setdefault(number, (x, y, z)) != (x, y, z):
+        if level.nodes.setdefault(number, (x, y, z)) != (x, y, z):
             raise ValueError(f"node {number} is defined twice, at different places")
         numbers.append(number)
-    if name := _name(card, "NSET"):
-        deck.node_sets.setdefault(name, []).extend(numbers)
+    if name := card.name("NSET"):
+        level.node_sets.setdefault(name, []).extend(numbers)
 
 
-def _elements(deck: Deck, card: Card) -> None:
-    _refuse_parameters(card, "INPUT")
-    kind = card.parameters["TYPE"].upper()
+def _elements(level: Level, card: Card) -> None:
+    card.refuse("INPUT")
+    kind = card.required("TYPE")
     numbers: list[int] = []
     unfinished: list[int] = []
     for row in card.rows:
-        unfinished += [int(value) for value in row if value]
+        unfinished += [level.number(value) for value in row if value]
         # a comma at the end: the nodes go on in the next row
         if row[-1]:
             number, *nodes = unfinished
-            if number in deck.elements:
+            if number in level.elements:
                 raise ValueError(f"element {number} is defined twice")
-            deck.elements[number] = (kind, tuple(nodes))
+            level.elements[number] = (kind, tuple(nodes))
             numbers.append(number)
             unfinished = []
     if unfinished:
         raise ValueError(f"the nodes of element {unfinished[0]} are not complete")
-    if name := _name(card, "ELSET"):
-        deck.element_sets.setdefault(name, []).extend(numbers)
+    if name := card.name("ELSET"):
+        level.element_sets.setdefault(name, []).extend(numbers)
 
 
-def _members(card: Card, sets: dict[str, list[int]]) -> list[int]:
+def _members(level: Level, card: Card, sets: Mapping[str, list[int]]) -> list[int]:
     """The numbers in a set: listed, from sets known already, or first, last and step."""
+    instance = card.name("INSTANCE")
     if "GENERATE" in card.parameters:
         found: list[int] = []
         for row in card.rows:
-            first, last, *step = (int(value) for value in row if value)
-            members = range(first, last + 1, *step)
+            first, last, *step = (value for value in row if value)
+            ends = level.number(first, instance), level.number(last, instance) + 1
+            members = range(*ends, *(int(value) for value in step))
             if len(members) > MOST_MEMBERS:
                 raise ValueError(f"a set of {len(members)} is larger than any mesh")
             found += members
         return found
     numbers: list[int] = []
     for value in (value for row in card.rows for value in row if value):
+        name = value.strip('"').upper()
+        name = name if instance is None else f"{instance}.{name}"
         if value.lstrip("+-").isdigit():
-            numbers.append(int(value))
-        else:
-            name = value.strip('"').upper()
-            if name not in sets:
-                raise ValueError(f"there is no set {value!r}")
+            numbers.append(level.number(value, instance))
+        elif name in sets:
             numbers += sets[name]
+        elif value.rpartition(".")[2].isdigit():
+            numbers.append(level.number(value))
+        else:
+            raise ValueError(f"there is no set {value!r}")
     return numbers
 
 
-def _node_set(deck: Deck, card: Card) -> None:
-    _refuse_parameters(card, "INSTANCE")
-    if source := _name(card, "ELSET"):
-        members = [n for each in deck.element_sets[source] for n in deck.elements[each][1]]
+def _node_set(level: Level, card: Card) -> None:
+    if source := card.name("ELSET"):
+        instance = card.name("INSTANCE")
+        source = source if instance is None else f"{instance}.{source}"
+        if source not in level.element_sets:
+            raise ValueError(f"there is no element set {source!r}")
+        of_elements = level.element_sets[source]
+        members = [node for each in of_elements for node in level.elements[each][1]]
     else:
-        members = _members(card, deck.node_sets)
-    deck.node_sets.setdefault(_required_name(card, "NSET"), []).extend(dict.fromkeys(members))
+        members = _members(level, card, level.node_sets)
+    level.node_sets.setdefault(card.required("NSET"), []).extend(dict.fromkeys(members))
 
 
-def _element_set(deck: Deck, card: Card) -> None:
-    _refuse_parameters(card, "INSTANCE")
-    members = _members(card, deck.element_sets)
-    deck.element_sets.setdefault(_required_name(card, "ELSET"), []).extend(members)
+def _element_set(level: Level, card: Card) -> None:
+    members = _members(level, card, level.element_sets)
+    level.element_sets.setdefault(card.required("ELSET"), []).extend(members)
 
 
-def _required_name(card: Card, parameter: str) -> str:
-    name = _name(card, parameter)
-    if name is None:
-        raise ValueError(f"the parameter {parameter} is missing")
-    return name
-
-
-def _surface(deck: Deck, card: Card) -> None:
+def _surface(level: Level, card: Card) -> None:
     """A surface of nodes is a node set; one of elements is a list of their sides."""
-    _refuse_parameters(card, "INSTANCE", "COMBINE")
-    name = _required_name(card, "NAME")
-    kind = card.parameters.get("TYPE", "ELEMENT").upper()
+    card.refuse("COMBINE")
+    name = card.required("NAME")
+    kind = card.name("TYPE") or "ELEMENT"
     if kind == "NODE":
         rows = [[row[0]] for row in card.rows]
         plain = Card(card.keyword, {}, rows, card.place)
-        deck.node_sets.setdefault(name, []).extend(_members(plain, deck.node_sets))
+        level.node_sets.setdefault(name, []).extend(_members(level, plain, level.node_sets))
         return
     if kind != "ELEMENT":
         raise ValueError(f"surfaces of type {kind} are not supported; use NODE or ELEMENT")
-    sides = deck.surfaces.setdefault(name, [])
+    sides = level.surfaces.setdefault(name, [])
     for row in card.rows:
         side = row[1].upper() if len(row) > 1 else ""
         if side not in ("", "S1", "S2", "S3", "S4", "S5", "S6"):
             raise ValueError(f"expected a side S1, S2, ... or S6, found {row[1]!r}")
         plain = Card(card.keyword, {}, [[row[0]]], card.place)
-        members = _members(plain, deck.element_sets)
+        members = _members(level, plain, level.element_sets)
         sides += [(element, int(side[1:] or 0)) for element in members]
+
+
+def _section(level: Level, card: Card) -> None:
+    if material := card.name("MATERIAL"):
+        level.sections.append((card.required("ELSET"), material))
+
+
+def _constants(card: Card, keys: tuple[str, ...], kind: str) -> dict[str, float]:
+    """Numbers of a row by their keys; none where they are not those of an isotropic constant."""
+    values = [[_real(value) for value in row if value] for row in card.rows]
+    isotropic = (card.name("TYPE") or kind).startswith(kind)
+    if len(values) != 1 or len(values[0]) < len(keys) or not isotropic:
+        return {}
+    return dict(zip(keys, values[0], strict=False))
+
+
+def _elastic(material: Material, card: Card) -> None:
+    _take(material, card, _constants(card, ("young", "poisson"), "ISO"))
+
+
+def _density(material: Material, card: Card) -> None:
+    _take(material, card, _constants(card, ("density",), ""))
+
+
+def _expansion(material: Material, card: Card) -> None:
+    found = _constants(card, ("expansion",), "ISO")
+    if found and (zero := card.name("ZERO")):
+        found["reference_temperature"] = _real(zero)
+    _take(material, card, found)
+
+
+def _take(material: Material, card: Card, found: Mapping[str, float]) -> None:
+    material.numbers |= found
+    if not found:
+        material.left_out.append(f"*{card.keyword} that is not isotropic or not constant")
+
+
+_READERS: dict[str, Callable[[Level, Card], None]] = {
+    "NODE": _nodes,
+    "ELEMENT": _elements,
+    "NSET": _node_set,
+    "ELSET": _element_set,
+    "SURFACE": _surface,
+    **dict.fromkeys(("SOLIDSECTION", "SHELLSECTION", "MEMBRANESECTION"), _section),
+}
+_OF_MATERIALS: dict[str, Callable[[Material, Card], None]] = {
+    "ELASTIC": _elastic,
+    "DENSITY": _density,
+    "EXPANSION": _expansion,
+}

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Set
@@ -11,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fretfe.case import Selector
+from fretfe.case import Body, Selector
 from fretfe.errors import MeshError
 from fretfe.mesh.elements import (
     FACETS,
@@ -24,7 +25,7 @@ from fretfe.mesh.elements import (
     nodes_of_facets,
 )
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
-from fretfe.mesh.inp import Deck, read_deck
+from fretfe.mesh.inp import Deck, Material, read_deck
 
 # Plane strain and plane stress; shells and membranes, which mesh generators write for plane cells.
 PLANE = re.compile(r"(?:CPEG|CPE|CPS|M3D|STRI|S)([34689])\w*\Z")
@@ -40,6 +41,8 @@ UNSUPPORTED = {
 HARMLESS = re.compile(r"(?:MASS|ROTARYI|HEATCAP|SFM)\w*\Z")
 # Elements of bodies, and those that may stand for their facets, by dimension.
 BODY_ELEMENTS, FACET_ELEMENTS = {2: PLANE, 3: SOLID}, {2: LINE, 3: PLANE}
+# Numbers of materials that differ by less, relatively, are the same.
+SAME = 1e-6
 # Corners of the sides S1, S2, ... of each shape.
 SIDES = {
     "triangle": FACETS["triangle"],
@@ -81,7 +84,7 @@ def sides(number: int, nodes: tuple[int, ...], dimension: int) -> list[Facet]:
 
 def read_inp(
     path: Path,
-    bodies: Iterable[str],
+    bodies: Mapping[str, Body | None],
     boundaries: Iterable[str],
     selectors: tuple[Mapping[str, Selector], Mapping[str, Selector]],
 ) -> RawMesh:
@@ -89,8 +92,8 @@ def read_inp(
 
     Args:
         path: input file.
-        bodies: names of the bodies in the case: all solid elements belong to one of them, or all
-            plane ones where there are no solid ones.
+        bodies: those of the case, None for one that only a selector names: all solid elements
+            belong to one of them, or all plane ones where there are no solid ones.
         boundaries: names of the boundaries in the case.
         selectors: names in the file of bodies and of boundaries whose name is another one there.
 
@@ -118,19 +121,61 @@ def read_inp(
         facets = groups.boundary(name, _label(name, selectors[1]))
         rows = ([place[n] for n in facet.nodes] for facet in facets)
         outside[name] = _blocks(rows, dimension - 1)
-    notes = tuple(_unused(path, deck, cells.keys() | groups.used))
+    notes = (
+        *unused(path, deck, cells.keys() | groups.used),
+        *_material_notes(path, deck, bodies, members),
+    )
     return complete(RawMesh(points, dimension, named, outside, notes))
 
 
-def _unused(path: Path, deck: Deck, used: Set[int]) -> Iterator[str]:
+def unused(path: Path, deck: Deck, used: Set[int]) -> Iterator[str]:
     """Parts of the file that are not used, in words."""
     if deck.unused:
-        listed = ", ".join(f"*{keyword}" for keyword in sorted(deck.unused))
+        listed = ", ".join(f"{count} *{word}" for word, count in sorted(deck.unused.items()))
         yield f"{path.name}: keywords that are not used: {listed}"
     kinds = Counter(kind for number, (kind, _) in deck.elements.items() if number not in used)
     if kinds:
         listed = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
         yield f"{path.name}: elements that are not used: {listed}"
+
+
+def _material_notes(
+    path: Path, deck: Deck, bodies: Mapping[str, Body | None], members: Mapping[str, list[int]]
+) -> Iterator[str]:
+    """Numbers of materials that the case has not, or other ones, in words: the case counts."""
+    names = material_names(deck)
+    for body, elements in members.items():
+        found = sorted({names[number] for number in elements if number in names})
+        case = bodies[body]
+        if len(found) > 1:
+            yield (
+                f"{path.name}: body '{body}' has {len(found)} materials, {', '.join(found)}, in "
+                "place of which it has that of the case"
+            )
+        elif found and case is not None:
+            there = deck.materials.get(found[0], Material()).numbers
+            here = {key: getattr(case, key) for key in there}
+            other = [key for key in there if _differ(here[key], there[key])]
+            if other:
+                theirs = ", ".join(f"{key} = {there[key]:.9g}" for key in other)
+                ours = ", ".join("none" if here[k] is None else f"{here[k]:.9g}" for k in other)
+                yield (
+                    f"{path.name}: material {found[0]} of body '{body}' has {theirs}; the case "
+                    f"has {ours}, which counts"
+                )
+
+
+def _differ(here: float | None, there: float) -> bool:
+    return here is None or not math.isclose(here, there, rel_tol=SAME)
+
+
+def material_names(deck: Deck) -> dict[int, str]:
+    """The material of each element that a section gives one."""
+    return {
+        number: material
+        for label, material in deck.sections
+        for number in deck.element_sets.get(label, ())
+    }
 
 
 def _label(name: str, selectors: Mapping[str, Selector]) -> str:
@@ -157,18 +202,21 @@ def _cells(path: Path, deck: Deck, dimension: int) -> dict[int, tuple[int, ...]]
         known = match or FACET_ELEMENTS[dimension].match(kind) or LINE.match(kind)
         if not known and not HARMLESS.match(kind):
             raise MeshError(
-                f"{path}: element {number} is of type {kind}, which is not supported: a model "
-                "without it would be another one. Expected plane elements, tetrahedra (C3D4, "
-                "C3D10) or hexahedra (C3D8, C3D20), and lines, shells or membranes along them "
-                "for boundaries"
+                f"{path}: element {deck.text(number)} is of type {kind}, which is not supported: "
+                "a model without it would be another one. Expected plane elements, tetrahedra "
+                "(C3D4, C3D10) or hexahedra (C3D8, C3D20), and lines, shells or membranes along "
+                "them for boundaries"
             )
         if match and len(nodes) != int(match[1]):
             raise MeshError(
-                f"{path}: element {number} of type {kind}: expected {match[1]} nodes, found "
-                f"{len(nodes)}"
+                f"{path}: element {deck.text(number)} of type {kind}: expected {match[1]} nodes, "
+                f"found {len(nodes)}"
             )
         if missing := [node for node in nodes if match and node not in deck.nodes]:
-            raise MeshError(f"{path}: element {number} has node {missing[0]}, which is not defined")
+            raise MeshError(
+                f"{path}: element {deck.text(number)} has node {deck.text(missing[0])}, which is "
+                "not defined"
+            )
         if match:
             cells[number] = nodes
     return cells
@@ -182,12 +230,12 @@ def _body_elements(
         kind = deck.elements[other[0]][0] if other[0] in deck.elements else "not defined"
         raise MeshError(
             f"{path}: body '{name}': expected elements of one kind of body, all plane or all "
-            f"solid, in the element set {label}, found element {other[0]} ({kind})"
+            f"solid, in the element set {label}, found element {deck.text(other[0])} ({kind})"
         )
     if not members:
         raise MeshError(
             f"{path}: no element set {label} for the body '{name}'; element sets: "
-            f"{_listed(deck.element_sets)}"
+            f"{listed(deck.element_sets)}"
         )
     return list(members)
 
@@ -199,8 +247,8 @@ def _require_all_elements(
     if loose:
         raise MeshError(
             f"{path}: expected all elements in one of the bodies {', '.join(members)}, but "
-            f"{len(loose)} of {len(cells)} are in none, {min(loose)} for one; element sets: "
-            f"{_listed(deck.element_sets)}"
+            f"{len(loose)} of {len(cells)} are in none, {deck.text(min(loose))} for one; "
+            f"element sets: {listed(deck.element_sets)}"
         )
 
 
@@ -252,8 +300,8 @@ class _Groups:
         else:
             raise MeshError(
                 f"{self._path}: no surface, node set or element set {label} for the boundary "
-                f"'{name}'; surfaces: {_listed(deck.surfaces)}; node sets: "
-                f"{_listed(deck.node_sets)}; element sets: {_listed(deck.element_sets)}"
+                f"'{name}'; surfaces: {listed(deck.surfaces)}; node sets: "
+                f"{listed(deck.node_sets)}; element sets: {listed(deck.element_sets)}"
             )
         if not found:
             raise MeshError(f"{self._path}: boundary '{name}': {label} has no facets")
@@ -267,8 +315,8 @@ class _Groups:
         for element, side in entries:
             if side and (element, side) not in self._by_side:
                 raise MeshError(
-                    f"{self._path}: boundary '{name}': element {element}, side S{side} is no side "
-                    "of an element of a body"
+                    f"{self._path}: boundary '{name}': element {self._deck.text(element)}, "
+                    f"side S{side} is no side of an element of a body"
                 )
             found += [self._by_side[element, side]] if side else free.get(element, [])
         return found
@@ -283,8 +331,9 @@ class _Groups:
             raise MeshError(
                 f"{self._path}: boundary '{name}': expected nodes of whole facets on the outside of"
                 f" a body in the node set {label}, but {len(stray)} of its {len(nodes)} nodes are "
-                f"on none, the first is {stray[0]} at ({place_text}). A facet has all its corners "
-                "and, in elements of order 2, its mid-side nodes in the set"
+                f"on none, the first is {self._deck.text(stray[0])} at ({place_text}). "
+                "A facet has all its corners and, in elements of order 2, its mid-side nodes in "
+                "the set"
             )
         return found
 
@@ -298,13 +347,16 @@ class _Groups:
             if not FACET_ELEMENTS[self._dimension].match(kind) or facet is None:
                 raise MeshError(
                     f"{self._path}: boundary '{name}': expected {what} the bodies in "
-                    f"the element set {label}, found element {number} ({kind}); use a node set or "
-                    "a surface"
+                    f"the element set {label}, found element {self._deck.text(number)} "
+                    f"({kind}); use a node set or a surface"
                 )
             found.append(facet)
             self.used.add(number)
         return found
 
 
-def _listed(names: Iterable[str]) -> str:
-    return ", ".join(names) or "none"
+def listed(names: Iterable[str]) -> str:
+    """Names but those of sets that Abaqus/CAE makes for itself, which begin with a line."""
+    return (
+        ", ".join(name for name in names if not name.rpartition(".")[2].startswith("_")) or "none"
+    )

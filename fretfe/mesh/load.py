@@ -259,7 +259,7 @@ def _read_xdmf(
 
 def _read_inp(case: Case, path: Path) -> RawMesh:
     geometry = case.geometry
-    bodies = dict.fromkeys([*case.bodies, *geometry.bodies])
+    bodies = {name: case.bodies.get(name) for name in [*case.bodies, *geometry.bodies]}
     named = [name for _, name in named_boundaries(case)]
     boundaries = dict.fromkeys([*named, *geometry.boundaries])
     return read_inp(path, bodies, boundaries, (geometry.bodies, geometry.boundaries))

@@ -143,6 +143,17 @@ def _meshes() -> Iterator[Fault]:
     yield from _grids()
 
 
+INSTANCE = b"*INSTANCE, NAME=I, PART=P\n"
+# A row of rotation but for its angle; a turn about x.
+TURN, OUT = b"0, 0, 0\n0, 0, 0, 0, 0, 1, ", b"0, 0, 0\n0, 0, 0, 1, 0, 0, 30\n"
+
+
+def _placed(data: bytes, instance: bytes) -> bytes:
+    """A deck as a part that an assembly places."""
+    tail = b"*END INSTANCE\n*END ASSEMBLY\n"
+    return b"*PART, NAME=P\n" + data + b"\n*END PART\n*ASSEMBLY\n" + instance + tail
+
+
 def _decks() -> Iterator[Fault]:
     for name, change in {
         "nan": lambda data: data.replace(b"*NODE\n1,", b"*NODE\n1, nan, 0, 0\n999999,", 1),
@@ -156,13 +167,42 @@ def _decks() -> Iterator[Fault]:
         "a step of zero": lambda data: data + b"\n*ELSET, ELSET=big, GENERATE\n1, 9, 0\n",
         "400 digits": lambda data: data + b"\n*NSET, NSET=a\n" + b"9" * 4500 + b"\n",
         "superscripts": lambda data: data + "\n*NSET, NSET=a\n²\n".encode(),
+        "includes a file above": lambda data: data + b"\n*INCLUDE, INPUT=../pad.inp\n",
+        "includes a loop": lambda data: data + b"\n*INCLUDE, INPUT=loop.inp\n",
+        "a part without end": lambda data: b"*PART, NAME=P\n" + data,
+        "an instance of nothing": lambda data: _placed(data, b"*INSTANCE, NAME=I, PART=Q\n"),
+        "an instance without a part": lambda data: _placed(data, b"*INSTANCE, NAME=I\n"),
+        "an instance outside": lambda data: _placed(data, INSTANCE).replace(b"*ASSEMBLY", b"*STEP"),
+        "an instance twice": lambda data: _placed(data, INSTANCE + b"*END INSTANCE\n" + INSTANCE),
+        "moved to nan": lambda data: _placed(data, INSTANCE + b"nan, 0, 0\n"),
+        "moved by words": lambda data: _placed(data, INSTANCE + b"one, 0, 0\n"),
+        "moved by 1e300": lambda data: _placed(data, INSTANCE + b"1e300, 0, 0\n"),
+        "turned by words": lambda data: _placed(data, INSTANCE + TURN + b"a quarter\n"),
+        "turned by inf": lambda data: _placed(data, INSTANCE + TURN + b"inf\n"),
+        "turned about nothing": lambda data: _placed(data, INSTANCE + b"0,0,0\n0,0,0,0,0,0,9\n"),
+        "turned out of the plane": lambda data: _placed(data, INSTANCE + OUT),
+        "a number of another instance": lambda data: _placed(data, INSTANCE).replace(
+            b"*NODE\n1,", b"*NODE\n2000000001, 0, 0, 0\n1,", 1
+        ),
     }.items():
 
         def write(good: Path, here: Path, change: Change = change) -> None:
             _with("pad.inp", change)(good, here)
             os.mkfifo(here / "pipe")
+            (here / "loop.inp").write_text("*INCLUDE, INPUT=pad.inp\n")
 
         yield Fault(f"pad.inp/{name}", CHECK, write, True)
+    placed = _with("pad.inp", lambda data: _placed(data, INSTANCE))
+    yield Fault("pad.inp/placed", CHECK, placed, False)
+    for seed in range(14):
+        change = partial(_damaged_instance, seed)
+        yield Fault(f"pad.inp/placed and damaged/{seed}", CHECK, _with("pad.inp", change))
+
+
+def _damaged_instance(seed: int, data: bytes) -> bytes:
+    """Mistakes in what is around the mesh."""
+    head, tail = _placed(data, INSTANCE + TURN + b"360\n").split(data)
+    return head + data + damaged(tail, seed)
 
 
 def _grids() -> Iterator[Fault]:

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Keywords of Abaqus and CalculiX input files with their data, those of included files in place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from fretfe.errors import MeshError
+from fretfe.files import require_file
+
+# Of files that include each other: how deep, how many, and how many bytes of all together.
+DEEPEST, MOST_FILES, MOST_BYTES = 10, 1000, 4 * 2**30
+# Stands for bytes that are not UTF-8; in comments they do not matter.
+UNKNOWN = "\N{REPLACEMENT CHARACTER}"
+
+
+@dataclass(frozen=True)
+class Card:
+    """A keyword with its parameters (names in capitals) and its rows of data."""
+
+    keyword: str
+    parameters: dict[str, str]
+    rows: list[list[str]]
+    place: str
+
+    @property
+    def word(self) -> str:
+        """The keyword without blanks, which do not count."""
+        return self.keyword.replace(" ", "")
+
+    def name(self, parameter: str) -> str | None:
+        """A name, in capitals, as case does not count; None without it."""
+        value = self.parameters.get(parameter)
+        return value.strip('"').upper() if value else None
+
+    def required(self, parameter: str) -> str:
+        """A name that must be there.
+
+        Raises:
+            ValueError: if it is missing.
+        """
+        name = self.name(parameter)
+        if name is None:
+            raise ValueError(f"the parameter {parameter} is missing")
+        return name
+
+    def refuse(self, *names: str) -> None:
+        """Raise ValueError for parameters with which the keyword would mean something else."""
+        for name in names:
+            if name in self.parameters:
+                raise ValueError(f"the parameter {name} is not supported")
+
+    def require_text(self) -> None:
+        """Raise ValueError for bytes that are not UTF-8: different names would be the same one."""
+        texts = [*self.parameters.values(), *(value for row in self.rows for value in row)]
+        if any(UNKNOWN in text for text in texts):
+            raise ValueError("expected UTF-8 text, found other bytes in a name or a number")
+
+
+def cards(path: Path) -> Iterator[Card]:
+    """The keywords of a file in their order.
+
+    Included files are looked for from the folder of the file that is read, as Abaqus and CalculiX
+    do it where they are started there, and must be below it.
+
+    Raises:
+        MeshError: a file cannot be read, or the files include themselves, one elsewhere, or more
+            than any model has.
+    """
+    yield from _Files(path.parent).cards(path, ())
+
+
+@dataclass
+class _Files:
+    """Counts what was read, to end where files include each other without end."""
+
+    folder: Path
+    count: int = 0
+    size: int = 0
+
+    def cards(self, path: Path, within: tuple[Path, ...]) -> Iterator[Card]:
+        """The keywords of a file that the files `within` include, the outermost first."""
+        card: Card | None = None
+        for number, line in self._lines(path):
+            if line.startswith("*"):
+                if card is not None:
+                    yield from self._included(card, (*within, path))
+                card = _card(line, f"{path}, line {number}")
+            elif card is not None:
+                card.rows.append([part.strip() for part in line.split(",")])
+        if card is not None:
+            yield from self._included(card, (*within, path))
+
+    def _included(self, card: Card, within: tuple[Path, ...]) -> Iterator[Card]:
+        if card.word != "INCLUDE":
+            yield card
+            return
+        card.require_text()
+        name = card.parameters.get("INPUT", "").strip("\"'")
+        path = self.folder / name
+        if not name or not _is_below(path, self.folder):
+            raise MeshError(
+                f"{card.place}: expected a file in the folder of {within[0].name} or below it, "
+                f"found {name!r}"
+            )
+        if path.resolve() in [each.resolve() for each in within]:
+            raise MeshError(f"{card.place}: {name} includes itself")
+        if len(within) > DEEPEST:
+            raise MeshError(f"{card.place}: files include each other more than {DEEPEST} deep")
+        yield from self.cards(path, within)
+
+    def _lines(self, path: Path) -> Iterator[tuple[int, str]]:
+        """Lines with their number; no comments, no empty lines, keywords that go on in one line."""
+        keyword = ""
+        for number, line in enumerate(self._text(path).splitlines(), 1):
+            line = line.strip()
+            if not line or line.startswith("**"):
+                continue
+            line = keyword + line
+            keyword = line if line.startswith("*") and line.endswith(",") else ""
+            if not keyword:
+                yield number, line
+        if keyword:
+            yield number, keyword
+
+    def _text(self, path: Path) -> str:
+        require_file(path, "a mesh file", MeshError)
+        try:
+            self.count, self.size = self.count + 1, self.size + path.stat().st_size
+            if self.count > MOST_FILES or self.size > MOST_BYTES:
+                raise MeshError(
+                    f"{path}: expected at most {MOST_FILES} files of {MOST_BYTES >> 30} GiB "
+                    "together, found more"
+                )
+            return path.read_text(encoding="utf-8", errors="replace")
+        except OSError as error:
+            raise MeshError(f"{path}: cannot read the mesh file: {error.strerror}") from error
+
+
+def _card(line: str, place: str) -> Card:
+    keyword, *parameters = (part.strip() for part in line[1:].split(","))
+    pairs = (part.partition("=") for part in parameters if part)
+    values = {name.strip().upper(): value.strip() for name, _, value in pairs}
+    return Card(" ".join(keyword.upper().split()), values, [], place)
+
+
+def _is_below(path: Path, folder: Path) -> bool:
+    try:
+        return path.resolve().is_relative_to(folder.resolve())
+    except (OSError, ValueError, RuntimeError):  # too long, a NUL, links in a circle
+        return False
