@@ -96,7 +96,7 @@ def _starts(sizes: list[int]) -> Indices:
 
 def _expansion(body: Body, definition: BodyDefinition) -> sparse.csr_matrix:
     """Displacements of a body in terms of its free ones, then the amplitudes of its constraints."""
-    restraints = Restraints(body.elastic, definition.constraints)
+    restraints = Restraints(body.elastic, definition.constraints, definition.tie)
     columns = np.zeros((_size(body), len(definition.constraints)))
     for column, shape in zip(columns.T, restraints.shapes, strict=True):
         column[:] = shape.x.array

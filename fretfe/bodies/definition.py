@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array, Bools, Indices
+from fretfe.bodies.cyclic import Tie, tie_sides
 from fretfe.bodies.point_values import OUTSIDE, PointValues, read_points
 from fretfe.case import Case, complaint, unit_vector
 from fretfe.case.base import ABSOLUTE_ZERO, AXES
@@ -235,6 +236,8 @@ class Constraint:
         axis: unit vector (3,) of the axis of a tilt; empty otherwise.
         centre: (gdim,) a point on that axis.
         shape: displacement of each node of the boundary, if it is no rigid motion.
+        at: (gdim,) place of the only node of the boundary that it holds; empty for all of them.
+        within: distance up to which a node is at that place.
     """
 
     label: str
@@ -244,6 +247,14 @@ class Constraint:
     axis: tuple[float, ...] = ()
     centre: tuple[float, ...] = ()
     shape: NodalShape | None = None
+    at: tuple[float, ...] = ()
+    within: float = 0.0
+
+    def holds(self, points: Array) -> Bools:
+        """(n,) which nodes of its boundary, at points (n, gdim), it constrains."""
+        if not self.at:
+            return np.ones(len(points), dtype=bool)
+        return np.asarray(np.linalg.norm(points - np.array(self.at), axis=1) < self.within)
 
     @property
     def components(self) -> Indices:
@@ -284,6 +295,7 @@ class BodyDefinition:
         constraints: constrained boundaries, in order of precedence.
         coordinates: one for each constraint.
         surfaces: contact surfaces of the body, in the order of the contacts.
+        tie: of its sides, if it is a part of a sector.
     """
 
     name: str
@@ -291,6 +303,7 @@ class BodyDefinition:
     constraints: tuple[Constraint, ...]
     coordinates: tuple[Coordinate, ...]
     surfaces: tuple[str, ...]
+    tie: Tie | None = None
 
 
 @dataclass(frozen=True)
@@ -317,7 +330,8 @@ def define_model(case: Case, mesh: Mesh) -> ModelDefinition:
 
     Raises:
         ModelError: if a body has no contact surface.
-        CaseError: if values at points cannot be read, or do not reach as far as the bodies.
+        CaseError: if values at points cannot be read, or do not reach as far as the bodies, or
+            sides of a sector are not images of one another.
     """
     gdim = mesh.dimension
     loads = distributed_loads(case, mesh)
@@ -364,7 +378,17 @@ def _define_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyDefinition
             for constraint, control, channel in constrained
         ),
         surfaces=tuple(surfaces),
+        tie=_tie(case, mesh.bodies[name]),
     )
+
+
+def _tie(case: Case, body: BodyMesh) -> Tie | None:
+    """Tie of the sides of a body; None if it has none."""
+    for name, symmetry in case.symmetry.items():
+        if symmetry.boundary1 in body.boundaries:
+            key = ("symmetry", name)
+            return tie_sides(symmetry, key, case.source, body, case.model.degree)
+    return None
 
 
 def _platens(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:

@@ -10,12 +10,15 @@ import numpy as np
 from scipy import linalg
 
 from fretfe._typing import Array, Bools
-from fretfe.bodies.definition import BodyDefinition, ModelDefinition, define_model
+from fretfe.bodies.cyclic import SAME, Tie
+from fretfe.bodies.definition import BodyDefinition, Constraint, ModelDefinition, define_model
 from fretfe.case import Case
-from fretfe.errors import ModelError
+from fretfe.contact.interface import Coordinate
+from fretfe.errors import CaseError, ModelError
 from fretfe.mesh.mesh import BodyMesh, Mesh, place_text
 from fretfe.mesh.pieces import connected_groups, point_pieces
 from fretfe.surface.checks import place
+from fretfe.surface.surface import boundary_surface
 
 # Components of a motion below this fraction of the largest are round-off.
 ROUND_OFF = 1e-9
@@ -170,13 +173,113 @@ def held_model(case: Case, mesh: Mesh) -> ModelDefinition:
 
     Raises:
         ModelError: if a body has no contact surface, or nothing holds the bodies or their pieces.
+        CaseError: as `define_model`, and if both sides of a sector are not constrained alike.
     """
-    definition = define_model(case, mesh)
+    definition = _with_held_sector(case, define_model(case, mesh), mesh)
     for body in definition.bodies:
+        if body.tie is not None:
+            _require_alike(case, body, body.tie, mesh.bodies[body.name])
         if mesh.bodies[body.name].pieces > 1:
             _require_held_pieces(body, mesh.bodies[body.name])
     _require_restraint(case, definition, mesh)
     return definition
+
+
+def _with_held_sector(case: Case, definition: ModelDefinition, mesh: Mesh) -> ModelDefinition:
+    """Hold sectors that nothing keeps from turning about their axis, each at one node.
+
+    Loads that balance do not turn them: the node exerts no force then.
+    """
+    for group in _joined(case, definition):
+        body = next((each for each in group if each.tie is not None), None)
+        if body is None or body.tie is None:
+            continue
+        tie, others = body.tie, [each for each in group if each is not body]
+        point = tie.leaders[np.linalg.norm(tie.from_axis(tie.leaders), axis=1).argmax()]
+        # Corners of elements come first, and one is at the end of a side.
+        constraint = Constraint(
+            f"{body.name} rotation",
+            tie.source,
+            tuple(tie.circumferential(point).tolist()),
+            roller=True,
+            at=tuple(point.tolist()),
+            within=SAME * tie.size,
+        )
+        held = replace(
+            body,
+            constraints=(*body.constraints, constraint),
+            coordinates=(*body.coordinates, Coordinate(constraint.label, body.name, "fixed", "")),
+        )
+        if _free_motions([held, *others], mesh)[0].count < _free_motions(group, mesh)[0].count:
+            bodies = tuple(held if each is body else each for each in definition.bodies)
+            definition = replace(definition, bodies=bodies)
+    return definition
+
+
+def _require_alike(case: Case, body: BodyDefinition, tie: Tie, mesh: BodyMesh) -> None:
+    """Check that both sides of a sector are constrained alike, and end away from contacts.
+
+    Raises:
+        CaseError: names the boundary at which they are not.
+    """
+    degree = case.model.degree
+    for name in body.surfaces:
+        points = boundary_surface(mesh, name).displacement_points(degree)
+        sides = (tie.followers, tie.leaders, tie.on_axis)
+        if any(tie.among(side, points).any() for side in sides):
+            raise CaseError(
+                f"{case.source}: expected sides of the sector that are nowhere at a contact, found "
+                f"the contact surface {name!r} of {body.name!r} at one of them: cut the sector "
+                "where nothing touches"
+            )
+    names = dict.fromkeys(each.boundary for each in body.constraints if not each.at)
+    for name in names:
+        points = boundary_surface(mesh, name).displacement_points(degree)
+        own = [
+            (constraint, coordinate)
+            for constraint, coordinate in zip(body.constraints, body.coordinates, strict=True)
+            if constraint.boundary == name
+        ]
+        if (why := _unlike(own, tie, points)) is not None:
+            raise CaseError(
+                f"{case.source}: expected the boundary {name!r}, which is at a side of the sector "
+                f"of {body.name!r}, to be held or moved alike in all sectors, found {why}"
+            )
+
+
+def _unlike(
+    constraints: Sequence[tuple[Constraint, Coordinate]], tie: Tie, points: Array
+) -> str | None:
+    """The difference between both sides, in words; None if they are alike.
+
+    Args:
+        constraints: of one boundary.
+        tie: of the sides.
+        points: (n, d) of the nodes of the boundary.
+    """
+    at_followers, at_leaders = (tie.among(s, points) for s in (tie.followers, tie.leaders))
+    at_axis = tie.among(tie.on_axis, points).any()
+    shares = abs(tie.weights)
+    share = (shares @ at_leaders) / shares.sum(axis=1).A1
+    if ((share > 1 - SAME) != at_followers).any():
+        return "it at one side only"
+    rows = [
+        np.array(each.direction)[None] if each.roller else np.eye(len(tie.turn))[each.components]
+        for each, _ in constraints
+    ]
+    held = np.linalg.pinv(np.concatenate(rows)) @ np.concatenate(rows)
+    if at_followers.any() and np.abs(tie.turn @ held @ tie.turn.T - held).max() > SAME:
+        return "a direction that does not turn with the sectors"
+    for constraint, coordinate in constraints:
+        if coordinate.control == "fixed" or constraint.roller:
+            continue
+        moved = constraint.displacement(tie.leaders)
+        off = (constraint.displacement(tie.followers) - tie.image(moved))[at_followers]
+        off_axis = constraint.displacement(tie.on_axis) @ tie.across.T
+        largest = max(np.abs(off).max(initial=0.0), np.abs(off_axis).max(initial=0.0) * at_axis)
+        if largest > SAME * max(1.0, np.abs(moved).max()):
+            return f"that {constraint.label} moves it in a direction that does not turn with them"
+    return None
 
 
 def _require_held_pieces(body: BodyDefinition, mesh: BodyMesh) -> None:
@@ -261,6 +364,9 @@ def _free_motions(bodies: Sequence[BodyDefinition], mesh: Mesh) -> tuple[RigidMo
         labels += [body.coordinates[i].label for i in driven]
         rows = [np.zeros((0, count + len(driven)))]
         rows += _constraint_rows(body, mesh.bodies[body.name], driven, centre, size)
+        if body.tie is not None:
+            tied = body.tie.violation(lambda points: rigid_motions((points - centre) / size))
+            rows.append(np.pad(tied, ((0, 0), (0, len(driven)))))
         parts.append(np.concatenate(rows))
     held = np.concatenate([rows[:, :count] for rows in parts])
     by_force = linalg.block_diag(*(rows[:, count:] for rows in parts))
@@ -290,6 +396,7 @@ def _constraint_rows(
     taken: Bools = np.zeros(mesh.points.shape, dtype=bool)
     for constraint in body.constraints:
         nodes = np.unique(mesh.boundaries[constraint.boundary])
+        nodes = nodes[constraint.holds(mesh.points[nodes])]
         points = mesh.points[nodes]
         motions = rigid_motions((points - centre) / size)
         if constraint.roller:

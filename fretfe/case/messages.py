@@ -26,6 +26,7 @@ from fretfe.case.tables import (
     Output,
     Solid,
     Support,
+    Symmetry,
     Units,
 )
 
@@ -36,6 +37,7 @@ SECTIONS: dict[str, type[Table]] = {
     "bodies": Body,
     "contacts": Contact,
     "supports": Support,
+    "symmetry": Symmetry,
     "cycle": Cycle,
     "edges": Edges,
     "output": Output,

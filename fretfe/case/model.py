@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from itertools import combinations
 from pathlib import Path
@@ -23,7 +24,18 @@ from fretfe.case.loads import (
     TemperatureLoad,
     TiltLoad,
 )
-from fretfe.case.tables import Body, Contact, Cycle, Edges, Geometry, Model, Output, Support, Units
+from fretfe.case.tables import (
+    Body,
+    Contact,
+    Cycle,
+    Edges,
+    Geometry,
+    Model,
+    Output,
+    Support,
+    Symmetry,
+    Units,
+)
 
 Key = tuple[str | int, ...]
 
@@ -32,6 +44,8 @@ Key = tuple[str | int, ...]
 ORTHOGONALITY = 1e-5
 # Loads that prescribe displacements of a boundary, which is no platen.
 MOVES = DisplacementLoad | ShapeLoad
+# Distance of two axes over that of their points from the origin, up to which they are one.
+SAME_AXIS = 1e-6
 
 
 class Problem(NamedTuple):
@@ -46,6 +60,7 @@ def cross_problems(
     contacts: Mapping[str, Contact],
     supports: Mapping[str, Support],
     loads: Mapping[str, Load],
+    symmetry: Mapping[str, Symmetry],
 ) -> list[Problem]:
     """Contradictions between the tables given, which may be only a part of a case."""
     return [
@@ -57,6 +72,9 @@ def cross_problems(
         *_density_problems(bodies, loads),
         *_temperature_problems(bodies, loads),
         *_interference_problems(contacts, loads),
+        *_side_problems(contacts, supports, loads, symmetry),
+        *_axis_problems(symmetry),
+        *_load_axis_problems(loads, symmetry),
     ]
 
 
@@ -231,6 +249,90 @@ def _interference_problems(
             yield Problem(("loads", name, "contact"), text)
 
 
+def _side_problems(
+    contacts: Mapping[str, Contact],
+    supports: Mapping[str, Support],
+    loads: Mapping[str, Load],
+    symmetry: Mapping[str, Symmetry],
+) -> Iterator[Problem]:
+    """Sides of a sector that are something else too: only the neighbours may act on them."""
+    used = {
+        getattr(contact, side): f"contacts.{name}.{side}"
+        for name, contact in contacts.items()
+        for side in ("surface1", "surface2")
+    }
+    used |= {each.boundary: f"supports.{name}.boundary" for name, each in supports.items()}
+    for name, load in loads.items():
+        if (boundary := getattr(load, "boundary", None)) is not None:
+            used[boundary] = f"loads.{name}.boundary"
+    for name, sector in symmetry.items():
+        for key in ("boundary1", "boundary2"):
+            side = getattr(sector, key)
+            if side in used:
+                yield Problem(
+                    ("symmetry", name, key),
+                    f"expected a boundary that only the neighbour sector acts on, found {side!r}, "
+                    f"which is {used[side]}",
+                )
+            used[side] = f"symmetry.{name}.{key}"
+
+
+def _axis_problems(symmetry: Mapping[str, Symmetry]) -> Iterator[Problem]:
+    """Tables that are not about the same sectors."""
+    for (name1, one), (name2, other) in combinations(symmetry.items(), 2):
+        if one.sectors != other.sectors:
+            yield Problem(
+                ("symmetry", name2, "sectors"),
+                f"expected that of symmetry.{name1}, {one.sectors}, found {other.sectors}: all "
+                "bodies are of one sector",
+            )
+        if not _same_axis(one, other):
+            yield Problem(
+                ("symmetry", name2), f"expected the axis of symmetry.{name1}, found another one"
+            )
+
+
+def _load_axis_problems(
+    loads: Mapping[str, Load], symmetry: Mapping[str, Symmetry]
+) -> Iterator[Problem]:
+    """Body forces that are not the same in all sectors."""
+    if not symmetry:
+        return
+    name, sector = next(iter(symmetry.items()))
+    for key, load in loads.items():
+        if isinstance(load, RotationLoad) and not _same_axis(load, sector):
+            yield Problem(
+                ("loads", key),
+                f"expected a rotation about the axis of symmetry.{name}, found one about another "
+                "axis, by which the sectors are not loaded alike",
+            )
+        if isinstance(load, AccelerationLoad) and not _parallel(load.direction, sector.axis):
+            yield Problem(
+                ("loads", key, "direction"),
+                f"expected an acceleration along the axis of symmetry.{name}, found "
+                f"{_shown(load.direction)}, by which the sectors are not loaded alike",
+            )
+
+
+def _same_axis(one: RotationLoad | Symmetry, other: Symmetry) -> bool:
+    """True if two axes are the same line."""
+    if not _parallel(one.axis, other.axis):
+        return False
+    first, second = (unit_vector(each.centre, 3) for each in (one, other))
+    between = tuple(b - a for a, b in zip(first, second, strict=True))
+    distance = math.hypot(*_cross(between, unit_vector(other.axis, 3)))
+    return distance <= SAME_AXIS * max(math.hypot(*first), math.hypot(*second))
+
+
+def _parallel(one: str | tuple[float, ...], other: str | tuple[float, ...]) -> bool:
+    return math.hypot(*_cross(unit_vector(one, 3), unit_vector(other, 3))) < ORTHOGONALITY
+
+
+def _cross(one: tuple[float, ...], other: tuple[float, ...]) -> tuple[float, float, float]:
+    (a, b, c), (d, e, f) = one, other
+    return (b * f - c * e, c * d - a * f, a * e - b * d)
+
+
 class Contradiction(ValueError):
     """Tables that are valid one by one but not together."""
 
@@ -258,6 +360,11 @@ class Case(Table):
     supports: dict[Name, Support] = Field(
         default={}, description="Held boundaries, by names that you choose."
     )
+    symmetry: dict[Name, Symmetry] = Field(
+        default={},
+        description="Sides of a sector of a disc, by names that you choose; one table for each "
+        "body that the neighbour sectors continue.",
+    )
     loads: dict[Name, AnyLoad] = Field(
         default={},
         description="Loads, by names that you choose; each is one channel with one history.",
@@ -280,7 +387,9 @@ class Case(Table):
 
     @model_validator(mode="after")
     def _no_contradictions(self) -> Self:
-        problems = cross_problems(self.bodies, self.contacts, self.supports, self.loads)
+        problems = cross_problems(
+            self.bodies, self.contacts, self.supports, self.loads, self.symmetry
+        )
         if problems:
             raise Contradiction(problems)
         return self

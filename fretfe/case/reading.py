@@ -28,7 +28,7 @@ from fretfe.case.loads import (
 from fretfe.case.messages import complaint, field_problems
 from fretfe.case.model import Case, Key, Problem, cross_problems
 from fretfe.case.overrides import with_overrides
-from fretfe.case.tables import Body, Contact, Support
+from fretfe.case.tables import Body, Contact, Support, Symmetry
 from fretfe.errors import CaseError
 from fretfe.files import require_file
 
@@ -175,6 +175,7 @@ def _partial_cross_problems(data: Mapping[str, Any]) -> list[Problem]:
         cast("dict[str, Contact]", _valid_entries(Contact, data.get("contacts"))),
         cast("dict[str, Support]", _valid_entries(Support, data.get("supports"))),
         cast("dict[str, Load]", _valid_entries(AnyLoad, data.get("loads"))),
+        cast("dict[str, Symmetry]", _valid_entries(Symmetry, data.get("symmetry"))),
     )
 
 
@@ -272,11 +273,17 @@ def _misfits(case: Case, dimension: int) -> Iterator[Problem]:
         elif len(direction) != dimension:
             text = f"expected {dimension} components on this mesh, found {len(direction)}"
             yield Problem(key, text + (PLANE if dimension == 2 else SOLID))
-    for name, load in case.loads.items():
-        if isinstance(load, RotationLoad | TiltLoad) and not _is_axis(load.axis, dimension):
+    turning: list[tuple[Key, str | tuple[float, ...]]] = [
+        (("loads", name, "axis"), load.axis)
+        for name, load in case.loads.items()
+        if isinstance(load, RotationLoad | TiltLoad)
+    ]
+    turning += [(("symmetry", name, "axis"), each.axis) for name, each in case.symmetry.items()]
+    for key, axis in turning:
+        if not _is_axis(axis, dimension):
             expected = "[0, 0, 1] or [0, 0, -1]" if dimension == 2 else "3 components"
-            found = repr(load.axis) if isinstance(load.axis, str) else str(list(load.axis))
-            yield Problem(("loads", name, "axis"), f"expected {expected}, found {found}")
+            found = repr(axis) if isinstance(axis, str) else str(list(axis))
+            yield Problem(key, f"expected {expected}, found {found}")
 
 
 def _plane_only(case: Case) -> Iterator[Problem]:
@@ -300,6 +307,8 @@ def _directions(case: Case) -> Iterator[tuple[Key, str | tuple[float, ...]]]:
         yield from ((("supports", name, "fix", i), axis) for i, axis in enumerate(support.fix))
         if support.direction is not None:
             yield ("supports", name, "direction"), support.direction
+    for name, sector in case.symmetry.items():
+        yield ("symmetry", name, "centre"), sector.centre
     for name, load in case.loads.items():
         if isinstance(load, ChannelAtPoints):
             points = enumerate(load.points or ())

@@ -16,6 +16,7 @@ from fretfe.case.base import (
     Name,
     NotNegative,
     Number,
+    Point,
     Positive,
     Selector,
     Table,
@@ -264,6 +265,42 @@ class Support(Table):
         if bool(self.fix) == (self.direction is not None):
             found = "both" if self.fix else "neither"
             raise ValueError(f"expected exactly one of 'fix' and 'direction', found {found}")
+        return self
+
+
+# Far more sectors than a disc has: with more of them neighbours hardly turn against each other.
+MOST_SECTORS = 1000
+
+
+class Symmetry(Table):
+    """A sector of a disc: of two boundaries each is the other one turned about an axis."""
+
+    type: Literal["cyclic"] = Field(
+        description='"cyclic": the bodies are one of several equal sectors around an axis, and so '
+        "are their loads."
+    )
+    boundary1: Text = Field(description="Physical group of one side of the sector.")
+    boundary2: Text = Field(
+        description="Physical group of the other side, which is the first one turned about the "
+        "axis by a full turn over the number of sectors, in either sense."
+    )
+    sectors: int = Field(
+        strict=True,
+        ge=2,
+        le=MOST_SECTORS,
+        description=f"Number of equal sectors in a full turn; 2 to {MOST_SECTORS}.",
+    )
+    centre: Point = Field(description="A point on the axis, in length units.")
+    axis: Vector = Field(
+        default=(0.0, 0.0, 1.0),
+        description="Direction of the axis (its length does not matter); [0, 0, 1] in a plane "
+        "model.",
+    )
+
+    @model_validator(mode="after")
+    def _two_sides(self) -> Self:
+        if self.boundary1 == self.boundary2:
+            raise ValueError(f"expected two boundaries, found {self.boundary1!r} twice")
         return self
 
 

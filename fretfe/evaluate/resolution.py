@@ -611,6 +611,8 @@ def _normal_force(
 
 def _held(case: Case, own: set[str], normal: Array) -> bool:
     """True if anything but forces moves or holds a body with these boundaries along the normal."""
+    if any(sector.boundary1 in own for sector in case.symmetry.values()):
+        return True
     held = [
         unit_vector(axis, len(normal))
         for support in case.supports.values()

@@ -26,19 +26,16 @@ import numpy as np
 from dolfinx import fem
 from scipy import sparse
 from scipy.linalg import qr
-from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
+from fretfe.bodies.cyclic import Tie
 from fretfe.bodies.definition import Constraint, DistributedLoad
 from fretfe.bodies.rigid_modes import rigid_motions
 from fretfe.fem._compat import MPI, PETSc
 from fretfe.fem.bordered import BorderedFactor, unsymmetric_because
-from fretfe.fem.elasticity import ElasticBody
+from fretfe.fem.elasticity import ElasticBody, PlacedNodes
 from fretfe.fem.restraints import Restraints
 from fretfe.fem.timing import Clock
-
-# Surface nodes are found by their coordinates, to this fraction of the size of the surface.
-MATCH_TOLERANCE = 1e-8
 
 
 @dataclass(frozen=True)
@@ -88,6 +85,7 @@ class Body:
         operator: (n, p*gdim) weighted relative displacements of the contact nodes by those of the
             points; the same on all ranks.
         clock: for timings.
+        tie: of the sides, if the body is a part of a sector; the same on all ranks.
 
     Attributes:
         elastic: space and operators of the body.
@@ -104,15 +102,17 @@ class Body:
         surface_points: Array,
         operator: sparse.csr_matrix,
         clock: Clock,
+        tie: Tie | None = None,
     ) -> None:
         self.elastic = elastic
         self._index_map = elastic.space.dofmap.index_map
         self._operator = operator
         self._surface_points = surface_points
         self.loads = tuple(loads)
-        self._retain()
+        self._surface = PlacedNodes(elastic, surface_points)
+        self.surface_unknowns = self._surface.numbers
         with clock("assembly"):
-            self._restraints = Restraints(elastic, constraints)
+            self._restraints = Restraints(elastic, constraints, tie)
             shapes = self._restraints.shapes
             self._shapes = [shape.x.petsc_vec.copy() for shape in shapes]
             self._constrained = self._restraints.constrained
@@ -127,31 +127,6 @@ class Body:
             self._factor = BorderedFactor(matrix, self._border(), elastic.gdim, symmetric=symmetric)
         with clock("load columns"):
             self.condensed = self._condense()
-
-    def _retain(self) -> None:
-        """Find the surface nodes: their global unknowns, and which of them this rank owns."""
-        gdim, comm = self.elastic.gdim, self.elastic.comm
-        owned = self._index_map.size_local
-        coordinates = self.elastic.space.tabulate_dof_coordinates()[:owned, :gdim]
-        extent = np.ptp(self._surface_points, axis=0).max()
-        distance, node = (
-            cKDTree(coordinates).query(self._surface_points)
-            if owned
-            else (
-                np.full(len(self._surface_points), np.inf),
-                np.zeros(len(self._surface_points), int),
-            )
-        )
-        mine = np.flatnonzero(distance < MATCH_TOLERANCE * extent)
-        components = np.arange(gdim)
-        self._own_positions = (mine[:, None] * gdim + components).ravel()
-        self._own_local = (node[mine][:, None] * gdim + components).ravel()
-        offset = self._index_map.local_range[0] * gdim
-        found = comm.allgather((self._own_positions, self._own_local + offset))
-        self.surface_unknowns = np.full(len(self._surface_points) * gdim, -1)
-        for positions, unknowns in found:
-            self.surface_unknowns[positions] = unknowns
-        assert np.all(self.surface_unknowns >= 0), "a surface node is not a node of the body"
 
     def _free_motions(self) -> list[PETSc.Vec]:
         """Rigid motions that no constraint restrains, orthonormal on the surface nodes."""
@@ -226,7 +201,7 @@ class Body:
         """
         fields = self._respond_held([self._balanced(each) for each in forces])
         for field in fields:
-            mean = self._surface_motions.T @ self._gather(field)
+            mean = self._surface_motions.T @ self._surface.gather(field.array)
             _add(field, -mean, self._motions)
         return fields
 
@@ -234,35 +209,23 @@ class Body:
         """Nodal forces with others on the contact surfaces that balance them."""
         balanced = forces.copy()
         excess = [motion.dot(forces) for motion in self._motions]
-        self._push(balanced, -(self._surface_motions @ np.array(excess)))
+        self._surface.add(balanced.array, -(self._surface_motions @ np.array(excess)))
         return balanced
 
     def _respond_held(self, forces: list[PETSc.Vec]) -> list[PETSc.Vec]:
         """Displacements under nodal forces with all that is fixed at rest; changes the forces."""
         fixed = _owned(self._fixed, self._own)
         for each in forces:
-            self._restraints.turn(each.array)
+            self._restraints.turn_forces(each.array)
             each.array[fixed] = 0.0
         fields = self._factor.solve(forces)
         for each in fields:
             self._restraints.turn_back(each.array)
         return fields
 
-    def _push(self, forces: PETSc.Vec, values: Array) -> None:
-        """Add forces (p*gdim,) on the surface nodes to nodal forces."""
-        np.add.at(forces.array, self._own_local, values[self._own_positions])
-
-    def _gather(self, vector: PETSc.Vec) -> Array:
-        """(p*gdim,) values at the surface nodes, on every rank."""
-        values = np.empty(len(self.surface_unknowns))
-        own = vector.array[self._own_local]
-        for positions, part in self.elastic.comm.allgather((self._own_positions, own)):
-            values[positions] = part
-        return values
-
     def _relative(self, vectors: list[PETSc.Vec]) -> Array:
         """(n, len(vectors)) displacements of the contact nodes."""
-        surface = [self._gather(vector) for vector in vectors]
+        surface = [self._surface.gather(vector.array) for vector in vectors]
         return np.asarray(self._operator @ _columns(surface, self._operator.shape[1]))
 
     def _condense(self) -> CondensedBody | None:
@@ -291,7 +254,7 @@ class Body:
         ]
         moments, size = self._moments(arms, turning, driven), self._size()
         resultants = self._resultants()
-        own = np.isin(self._own_local, self._constrained).any()
+        own = np.isin(self._surface.local, self._constrained).any()
         surface_held = self.elastic.comm.allreduce(int(own)) > 0
         if compliance is None:
             return None
@@ -327,7 +290,7 @@ class Body:
         held = self._respond_held(self._balancing_forces())
         coupling = self._relative(held)
         mean = self._surface_motions.T @ _columns(
-            [self._gather(each) for each in held], len(self.surface_unknowns)
+            [self._surface.gather(each.array) for each in held], len(self.surface_unknowns)
         )
         fill = 0.0
         if compliance is not None:
@@ -343,7 +306,7 @@ class Body:
         vectors = []
         for column in self._surface_motions.T:
             vector = self._zeros()
-            self._push(vector, column)
+            self._surface.add(vector.array, column)
             vectors.append(vector)
         return vectors
 
@@ -386,6 +349,7 @@ class Body:
             self._restraints.turn(values)
             fixed.x.array[self._constrained] = values[self._constrained]
             self._restraints.turn_back(fixed.x.array)
+            fixed.x.scatter_forward()
             whole.append(turned)
             held.append(fixed)
         return whole, held
@@ -429,7 +393,7 @@ class Body:
     def _forces(self, traction: Array, coordinates: Array, amplitudes: Array) -> PETSc.Vec:
         """Nodal forces by tractions, constrained boundaries and loads."""
         forces = self._zeros()
-        self._push(forces, self._operator.T @ traction)
+        self._surface.add(forces.array, self._operator.T @ traction)
         _add(forces, amplitudes, self._loads)
         _add(forces, -coordinates[: len(self._shapes)], self._shape_forces)
         return forces
@@ -444,7 +408,7 @@ class Body:
 
     def surface_displacement(self, displacement: fem.Function) -> Array:
         """(p, gdim) displacements of the nodes of the contact surfaces, on every rank."""
-        return self._gather(displacement.x.petsc_vec).reshape(-1, self.elastic.gdim)
+        return self._surface.gather(displacement.x.array).reshape(-1, self.elastic.gdim)
 
     def _zeros(self) -> PETSc.Vec:
         """A zero vector of displacements or nodal forces."""

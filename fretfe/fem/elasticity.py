@@ -19,6 +19,7 @@ from dolfinx.graph import adjacencylist
 from dolfinx.io import distribute_entity_data
 from dolfinx.jit import get_options
 from dolfinx.mesh import meshtags_from_entities
+from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
 from fretfe.bodies.definition import DistributedLoad, Material
@@ -39,6 +40,8 @@ T = TypeVar("T")
 
 # Of the quadrature over a part of a boundary that is not made of whole elements.
 PART_DEGREE = 12
+# Nodes are found by their places, to this fraction of the extent of these places.
+MATCH_TOLERANCE = 1e-8
 
 # Below the folder of DOLFINx: what is there belongs to processes that know the lock.
 FOLDER, LOCK = "fretfe", "lock"
@@ -367,6 +370,54 @@ class ElasticBody:
         components = ufl.as_vector([stress[pair] for pair in pairs])
         points = self._element_points[self._element_order]
         return compiled(self.comm, expression, components, points)
+
+
+class PlacedNodes:
+    """Displacement nodes of a body at given places, whichever ranks own them.
+
+    Construction and methods are collective; arrays have the local numbers of their rank first.
+
+    Args:
+        elastic: the body.
+        places: (p, gdim) of nodes, the same on all ranks.
+
+    Attributes:
+        numbers: (p*gdim,) global numbers of their displacements.
+        local: (p*gdim or fewer,) local numbers of those that this rank owns.
+        ghosted: local numbers of those that it knows, owned or not.
+    """
+
+    def __init__(self, elastic: ElasticBody, places: Array) -> None:
+        self._comm, gdim = elastic.comm, elastic.gdim
+        index_map, components = elastic.space.dofmap.index_map, np.arange(gdim)
+        points = elastic.space.tabulate_dof_coordinates()[:, :gdim]
+        extent = (np.ptp(places, axis=0).max() or np.abs(places).max()) if len(places) else 1.0
+        distance, node = (
+            cKDTree(points).query(places)
+            if len(points) and len(places)
+            else (np.full(len(places), np.inf), np.zeros(len(places), int))
+        )
+        here = np.flatnonzero(distance < MATCH_TOLERANCE * extent)
+        own = here[node[here] < index_map.size_local]
+        self._positions = (own[:, None] * gdim + components).ravel()
+        self.local = (node[own][:, None] * gdim + components).ravel()
+        self.ghosted = node[here]
+        offset = index_map.local_range[0] * gdim
+        self.numbers = np.full(len(places) * gdim, -1)
+        for positions, unknowns in self._comm.allgather((self._positions, self.local + offset)):
+            self.numbers[positions] = unknowns
+        assert np.all(self.numbers >= 0), "a place is not that of a node of the body"
+
+    def gather(self, values: Array) -> Array:
+        """(p*gdim,) values at the nodes, on every rank."""
+        found = np.empty(len(self.numbers))
+        for positions, part in self._comm.allgather((self._positions, values[self.local])):
+            found[positions] = part
+        return found
+
+    def add(self, values: Array, added: Array) -> None:
+        """Add (p*gdim,) to values at the nodes that this rank owns, in place."""
+        np.add.at(values, self.local, added[self._positions])
 
 
 def in_space_of(tensor: Any, size: int) -> Any:

@@ -90,7 +90,8 @@ def imbalance(solution: Solution) -> ConvergenceError | None:
                 f"found a sum of {ratio[worst]:.1e} of the largest of them: round-off has "
                 "destroyed the solution. Check the stiffnesses of the bodies, which may differ by "
                 "a factor of about 1e8 at most, and the units; all steps are kept, but none can be "
-                "trusted."
+                "trusted. In a sector the loads must not turn it about its axis either, unless a "
+                "support holds it."
             )
     return None
 
@@ -374,12 +375,20 @@ def _body_balance(
         ]
     )
     largest = np.abs(parts).max(axis=(0, 2))
+    excess = parts.sum(axis=0)
+    moments = np.abs(body.moments(block.traction, coordinates, block.amplitudes)).max(axis=1)
+    if (tie := definition.tie) is not None:
+        # The neighbours of a sector balance what is across the axis. They cannot keep it from
+        # turning about it: nor should the node that holds it have to.
+        excess = excess - (excess @ tie.across.T) @ tie.across
+        for constraint, force in zip(definition.constraints, block.forces[:, own].T, strict=False):
+            if constraint.at:
+                arm = np.linalg.norm(tie.from_axis(np.array([constraint.at])))
+                moments = np.maximum(moments, np.abs(force) * arm)
     return {
-        "force_imbalance": np.abs(parts.sum(axis=0)).max(axis=1),
+        "force_imbalance": np.abs(excess).max(axis=1),
         "force_scale": largest,
-        "moment_imbalance": np.abs(body.moments(block.traction, coordinates, block.amplitudes)).max(
-            axis=1
-        ),
+        "moment_imbalance": moments,
         "moment_scale": largest * body.body.size,
     }
 

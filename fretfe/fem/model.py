@@ -168,7 +168,7 @@ class Model:
             points, operator = comm.bcast((task.points, task.operator) if task else None)
             loads = list(self._definition.loads)
             bodies[body.name] = Body(
-                elastic, list(body.constraints), loads, points, operator, clock
+                elastic, list(body.constraints), loads, points, operator, clock, body.tie
             )
         return bodies
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Constrained displacements of a body: platens, tilts, supports along axes and inclined rollers.
+"""Constrained displacements of a body: platens, tilts, supports, inclined rollers, tied sides.
 
 Nodes on inclined rollers have frames of their own, one axis of which is the direction in which they
-are held: there a constraint is a zero component like any other.
+are held: there a constraint is a zero component like any other. So it is where one side of a sector
+follows the other one: there the unknowns of a node are what it moves more than it has to.
 """
 
 from __future__ import annotations
@@ -15,9 +16,10 @@ from dolfinx import fem
 from scipy import sparse
 
 from fretfe._typing import Array, Indices
+from fretfe.bodies.cyclic import Tie
 from fretfe.bodies.definition import Constraint
 from fretfe.fem._compat import PETSc
-from fretfe.fem.elasticity import ElasticBody
+from fretfe.fem.elasticity import ElasticBody, PlacedNodes
 
 # Sine of the angle between a roller and the directions in which a node is held already, below which
 # the roller adds nothing.
@@ -30,6 +32,7 @@ class Restraints:
     Args:
         elastic: the body.
         constraints: in order of precedence: where boundaries share a node, the first one moves it.
+        tie: of the sides of a sector; where they are constrained, they are so alike.
 
     Attributes:
         shapes: displacement by a unit amplitude of each constraint.
@@ -37,16 +40,20 @@ class Restraints:
             ghosted; of nodes on rollers in their frames.
     """
 
-    def __init__(self, elastic: ElasticBody, constraints: Sequence[Constraint]) -> None:
+    def __init__(
+        self, elastic: ElasticBody, constraints: Sequence[Constraint], tie: Tie | None = None
+    ) -> None:
         self._elastic = elastic
         points = elastic.space.tabulate_dof_coordinates()[:, : elastic.gdim]
-        shape = (len(constraints), *points.shape)
+        # The last one is of what the axis of a sector holds.
+        shape = (len(constraints) + 1, *points.shape)
         values, self._held = np.zeros(shape), np.zeros(points.shape, dtype=bool)
         # By node: rows are the axes.
         self._frames: dict[int, Array] = {}
         holder = np.full(points.shape, "", dtype=object)
         for number, constraint in enumerate(constraints):
             nodes = elastic.boundary_nodes(constraint.boundary)
+            nodes = nodes[constraint.holds(points[nodes])]
             if constraint.roller:
                 for node in nodes.tolist():
                     self._hold_along(node, np.array(constraint.direction), values[:, node], number)
@@ -58,11 +65,27 @@ class Restraints:
                 values[number, nodes[own], component] = moved[own, component]
                 holder[nodes[own], component] = constraint.boundary
                 self._held[nodes[own], component] = True
+        self._tie = tie
+        if tie is not None:
+            self._tie_sides(tie, values)
         self._nodes = np.array(sorted(self._frames), dtype=np.int64)
         axes = [self._frames[node] for node in self._nodes.tolist()]
         self._axes = np.array(axes).reshape(len(axes), elastic.gdim, elastic.gdim)
         self.constrained: Indices = np.flatnonzero(self._held)
-        self.shapes = [self._function(each) for each in values]
+        self.shapes = [self._function(each) for each in values[:-1]]
+
+    def _tie_sides(self, tie: Tie, values: Array) -> None:
+        """Let nodes follow those of the other side, whatever else constrains them."""
+        self._followers = PlacedNodes(self._elastic, tie.followers)
+        self._leaders = PlacedNodes(self._elastic, tie.leaders)
+        followers = self._followers.ghosted
+        values[:, followers] = 0.0
+        self._held[followers] = True
+        for node in followers.tolist():
+            self._frames.pop(node, None)
+        for node in PlacedNodes(self._elastic, tie.on_axis).ghosted.tolist():
+            for direction in tie.across:
+                self._hold_along(node, direction, values[:, node], len(values) - 1)
 
     def _hold_along(self, node: int, direction: Array, values: Array, number: int) -> None:
         """Hold a node along a direction, in what freedom others have left to it.
@@ -94,15 +117,39 @@ class Restraints:
         function = fem.Function(self._elastic.space)
         function.x.array[:] = values.ravel()
         self.turn_back(function.x.array)
+        function.x.scatter_forward()
         return function
 
     def turn(self, values: Array) -> None:
-        """Turn displacements or forces (local numbers,) into the frames of the nodes, in place."""
+        """Turn displacements (local numbers,) into the frames of the nodes, in place.
+
+        Collective. Ghosts of nodes that follow others are not valid afterwards.
+        """
+        if self._tie is not None:
+            self._followers.add(values, -self._following(values))
         self._apply(values, self._axes)
 
     def turn_back(self, values: Array) -> None:
-        """Turn them back from the frames of the nodes, in place."""
+        """Turn displacements back from the frames of the nodes, as `turn` turns them."""
         self._apply(values, self._axes.swapaxes(1, 2))
+        if self._tie is not None:
+            self._followers.add(values, self._following(values))
+
+    def turn_forces(self, values: Array) -> None:
+        """Turn forces (local numbers,) into the frames of the nodes, in place. Collective.
+
+        Forces on nodes that follow others act on these.
+        """
+        if self._tie is not None:
+            forces = self._followers.gather(values).reshape(-1, self._elastic.gdim)
+            self._leaders.add(values, self._tie.passed_on(forces).ravel())
+        self._apply(values, self._axes)
+
+    def _following(self, values: Array) -> Array:
+        """(s*gdim,) displacements of the nodes that follow those in `values`."""
+        assert self._tie is not None
+        leading = self._leaders.gather(values).reshape(-1, self._elastic.gdim)
+        return self._tie.image(leading).ravel()
 
     def _apply(self, values: Array, axes: Array) -> None:
         rows = values.reshape(-1, self._elastic.gdim)
@@ -118,7 +165,7 @@ class Restraints:
         Args:
             fixed: local numbers as of `constrained`.
         """
-        if not self._elastic.comm.allreduce(len(self._nodes)):
+        if self._tie is None and not self._elastic.comm.allreduce(len(self._nodes)):
             return self._elastic.stiffness(fixed.astype(np.int32))
         matrix = self._elastic.stiffness(np.empty(0, dtype=np.int32))
         start, end = matrix.getOwnershipRange()
@@ -147,4 +194,12 @@ class Restraints:
         rows = np.concatenate([others, np.repeat(unknowns, gdim, axis=1).ravel()])
         columns = np.concatenate([others, np.tile(unknowns, (1, gdim)).ravel()])
         values = np.concatenate([np.ones(len(others)), axes.swapaxes(1, 2).ravel()])
-        return sparse.csr_matrix((values, (rows, columns)), shape=(size, size))
+        frames = sparse.csr_matrix((values, (rows, columns)), shape=(size, size))
+        if self._tie is None:
+            return frames
+        shares = sparse.kron(self._tie.weights, self._tie.turn).tocoo()
+        entries = (
+            shares.data,
+            (self._followers.numbers[shares.row], self._leaders.numbers[shares.col]),
+        )
+        return frames + sparse.csr_matrix(entries, shape=frames.shape) @ frames

@@ -43,6 +43,8 @@ class Loading:
 def loading_obstacles(case: Case) -> Iterator[str]:
     """Reasons why the loads and supports of a case are not those of half-planes."""
     yield from _load_obstacles(case)
+    if case.symmetry:
+        yield "symmetry: expected no sector of a disc"
     fixed = _fixed(case)
     unknown = sorted(set(fixed) - {BOTTOM, *SIDES})
     if unknown:

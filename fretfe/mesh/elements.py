@@ -402,14 +402,13 @@ def facet_measures(points: Array, facets: Indices) -> Array:
     return np.linalg.norm(normals, axis=2) @ weights
 
 
-def facet_feet(points: Array, facets: Indices, targets: Array) -> tuple[Array, Array]:
-    """Places on facets (f, k) that are nearest to targets (f, d), and unit normals outward there.
+def nearest_on_facets(nodes: Array, targets: Array) -> Array:
+    """(f, d - 1) reference coordinates on facets (f, k, d) nearest to targets (f, d).
 
-    Both are (f, d). Curved facets by a few Gauss-Newton steps from their centres.
+    Curved facets by a few Gauss-Newton steps from their centres.
     """
-    shape, order = KINDS[points.shape[1], facets.shape[1]]
-    nodes = points[facets]
-    at = np.full((len(facets), points.shape[1] - 1), 1 / 3 if shape == "triangle" else 0.5)
+    shape, order = KINDS[nodes.shape[2], nodes.shape[1]]
+    at = np.full((len(nodes), nodes.shape[2] - 1), 1 / 3 if shape == "triangle" else 0.5)
     for _ in range(NEWTON_STEPS):
         tangents = np.einsum("fak,fkd->fad", shape_slopes(shape, order, at), nodes)
         off = targets - np.einsum("fk,fkd->fd", shape_values(shape, order, at), nodes)
@@ -418,6 +417,17 @@ def facet_feet(points: Array, facets: Indices, targets: Array) -> tuple[Array, A
         at = np.clip(at + step, 0.0, 1.0)
         if shape == "triangle":
             at /= np.maximum(at.sum(axis=1), 1.0)[:, None]
+    return at
+
+
+def facet_feet(points: Array, facets: Indices, targets: Array) -> tuple[Array, Array]:
+    """Places on facets (f, k) that are nearest to targets (f, d), and unit normals outward there.
+
+    Both are (f, d).
+    """
+    shape, order = KINDS[points.shape[1], facets.shape[1]]
+    nodes = points[facets]
+    at = nearest_on_facets(nodes, targets)
     tangents = np.einsum("fak,fkd->fad", shape_slopes(shape, order, at), nodes)
     if shape == "line":
         normals = np.stack([tangents[:, 0, 1], -tangents[:, 0, 0]], axis=1)

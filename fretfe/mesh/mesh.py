@@ -108,7 +108,11 @@ def check_groups(mesh: Mesh, case: Case) -> None:
     """
     problems = [*_body_problems(mesh, case), *_boundary_problems(mesh, case)]
     if not problems:
-        problems = [*_contact_problems(mesh, case), *_held_problems(mesh, case)]
+        problems = [
+            *_contact_problems(mesh, case),
+            *_held_problems(mesh, case),
+            *_side_problems(mesh, case),
+        ]
     if problems:
         lines = "".join(f"\n  - {problem}" for problem in problems)
         raise MeshError(
@@ -194,6 +198,9 @@ def named_boundaries(case: Case) -> Iterator[tuple[str, str]]:
         yield f"contacts.{name}.surface2", contact.surface2
     for name, support in case.supports.items():
         yield f"supports.{name}.boundary", support.boundary
+    for name, sector in case.symmetry.items():
+        yield f"symmetry.{name}.boundary1", sector.boundary1
+        yield f"symmetry.{name}.boundary2", sector.boundary2
     for name, load in case.loads.items():
         boundary = getattr(load, "boundary", None)
         if boundary is not None:
@@ -245,6 +252,28 @@ def _held_problems(mesh: Mesh, case: Case) -> Iterator[str]:
                         f"{key}: expected a boundary that is no part of a contact surface, but"
                         f" '{boundary}' has {shared} facets of '{surface}' of {contact}"
                     )
+
+
+def _side_problems(mesh: Mesh, case: Case) -> Iterator[str]:
+    """Sides of a sector that are not on the same bodies, or of a body that has others already."""
+    bodies = _bodies_of_boundaries(mesh)
+    owners: dict[str, str] = {}
+    for name, sector in case.symmetry.items():
+        first, second = bodies[sector.boundary1], bodies[sector.boundary2]
+        if first != second:
+            yield (
+                f"symmetry.{name}: expected both sides on the same bodies, but"
+                f" '{sector.boundary1}' is on {_listed(first)} and '{sector.boundary2}' on"
+                f" {_listed(second)}"
+            )
+        for body in first:
+            if body in owners:
+                yield (
+                    f"symmetry.{name}: expected sides of a body that has no others, but '{body}'"
+                    f" has those of symmetry.{owners[body]}; put the facets of a side into one"
+                    " group"
+                )
+            owners.setdefault(body, name)
 
 
 def _bodies_of_boundaries(mesh: Mesh) -> dict[str, list[str]]:
