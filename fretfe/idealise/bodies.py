@@ -90,7 +90,7 @@ def read_block(template: str, values: Mapping[str, float], case: Case) -> Block:
 
 
 def geometry_obstacles(case: Case) -> Iterator[str]:
-    """Reasons why the geometry or the materials of a case are not those of similar half-planes."""
+    """Reasons why the geometry of a case is not that of half-planes."""
     template = case.geometry.template
     if template not in PROFILES:
         found = f"a mesh file, {case.geometry.file!r}" if template is None else repr(template)
@@ -108,12 +108,19 @@ def geometry_obstacles(case: Case) -> Iterator[str]:
             )
     if set(case.bodies) != {UPPER, LOWER}:
         yield f"bodies: expected {UPPER!r} and {LOWER!r}, found {', '.join(case.bodies)}"
-        return
+
+
+def unlike_obstacles(case: Case) -> Iterator[str]:
+    """Reasons why closed forms do not hold for the materials of a case that is half-planes.
+
+    There is no closed form of partial slip between unlike bodies.
+    """
     beta = dissimilarity(case.bodies[UPPER], case.bodies[LOWER], case.model.plane)
     if abs(beta) > SIMILAR and any(contact.friction > 0 for contact in case.contacts.values()):
         yield (
             "bodies: expected elastically similar bodies (Dundurs' beta up to "
-            f"{SIMILAR:g}), found beta = {beta:.3g}: pressure and shear depend on each other"
+            f"{SIMILAR:g}), found beta = {beta:.3g}: pressure and shear depend on each other, and "
+            "there is no closed form of partial slip; use the backend 'halfplane'"
         )
 
 

@@ -176,6 +176,8 @@ def _direction(load: PlatenLoad | TractionLoad) -> tuple[float, ...]:
     return unit_vector(load.direction, COMPONENTS)
 
 
+# Less than this is round-off of the constants of equal materials.
+SMALLEST_BETA = 1e-12
 # Bodies smaller than this many half-widths are no half-planes at all.
 SMALLEST_BODY = 2.0
 
@@ -223,6 +225,8 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
         shear_force=loading.shear_force,
         moment=loading.moment,
         bulk_tension=loading.bulk_tension,
+        dundurs=_coupled(case),
+        guided=guided(case),
         between=_between(case, history, block),
         notes=(),
     )
@@ -276,17 +280,26 @@ def _too_small(block: Block, reach: float) -> str:
 def _notes(case: Case, block: Block, reach: float) -> Iterator[str]:
     yield f"half-planes in place of {case.geometry.template!r}, {_size(block, reach)}"
     if guided(case):
-        yield "the platen does not turn: the pressure is symmetric, M = 0"
+        yield (
+            "the platen does not turn: M is a reaction"
+            if _coupled(case)
+            else "the platen does not turn: the pressure is symmetric, M = 0"
+        )
     if one_sided(case):
         yield "one side of the block carries all of Q: a tension of Q/2 over its height is added"
-    beta = dissimilarity(case.bodies[UPPER], case.bodies[LOWER], case.model.plane)
-    if abs(beta) > 1e-9:
-        yield f"pressure and shear are taken as independent (Dundurs' beta = {beta:.3g})"
     if reach > block.zone:
         yield (
             f"the contact reaches beyond the candidate zone of the template ({reach:.4g} > "
             f"{block.zone:g})"
         )
+
+
+def _coupled(case: Case) -> float:
+    """Dundurs' beta; zero without friction, where pressure and shear do not meet."""
+    if all(contact.friction == 0 for contact in case.contacts.values()):
+        return 0.0
+    beta = dissimilarity(case.bodies[UPPER], case.bodies[LOWER], case.model.plane)
+    return beta if abs(beta) > SMALLEST_BETA else 0.0
 
 
 def _size(block: Block, reach: float) -> str:
