@@ -268,10 +268,12 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     fits = full_stick_units(solution, contact, positions, OVERHANG[solution.degree])
     integrals = contact.integrals
     if integrals is None:
-        return UnitFactors([fits])
+        return UnitFactors([np.full_like(fits, np.nan) if contact.dundurs else fits])
     fitted = np.array([_at_own_edges(solution, contact, int(area)) for area in integrals.areas])
-    missed = integrals.factors - fitted[:, None]
     half_widths = (integrals.positions[:, 1] - integrals.positions[:, 0]) / 2
+    # The fits know nothing of beta: they see K of unlike bodies at a length in proportion to a.
+    beta, own = contact.dundurs, _rotated(integrals.factors, contact.dundurs, half_widths)
+    missed = own - fitted[:, None]
     order = np.argsort(half_widths)
     half_width = (positions[1] - positions[0]) / 2
 
@@ -283,12 +285,25 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
         # Few elements carry an integral where they carry no fit.
         lost = ~np.isfinite(factors).all(axis=(1, 2, 3))
         if lost.any():
-            alone = integrals.factors[order, way]
+            alone = own[order, way]
             filled = _interpolate(half_width[lost], half_widths[order], alone)
             factors[lost] = np.where(np.isfinite(factors[lost]), factors[lost], filled)
-        return factors
+        return _rotated(factors, beta, 1 / half_width)
 
-    return UnitFactors(map(by_way, range(len(integrals.reaches))), fits)
+    checks = None if beta else fits
+    return UnitFactors(map(by_way, range(len(integrals.reaches))), checks)
+
+
+def _rotated(units: Array, dundurs: float, ratio: Array) -> Array:
+    """Unit factors (n, ..., d, J) of unlike bodies at lengths that are ratios (n,) of theirs."""
+    if not dundurs:
+        return units
+    ratio = ratio.reshape(-1, *[1] * (units.ndim - 2))
+    whole = units[..., Factor.K_I, :] + 1j * units[..., Factor.K_T, :]
+    turned = at_length(whole, oscillation(dundurs), ratio)
+    found = units.copy()
+    found[..., Factor.K_I, :], found[..., Factor.K_T, :] = turned.real, turned.imag
+    return found
 
 
 def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Array:

@@ -14,6 +14,8 @@ UPPER, LOWER = "upper", "lower"
 # Dundurs' second constant up to which bodies count as elastically similar. It couples pressure and
 # shear: tractions change by about this fraction.
 SIMILAR = 0.01
+# Less than this is round-off of the constants of equal materials.
+ROUND_OFF = 1e-12
 
 # Relative error of a half-plane in place of a body, times the square of the half-width of the
 # contact over the height or half-width of the body. Measured by finite elements on cylinders, 3 to
@@ -134,6 +136,14 @@ def dissimilarity(body1: Body, body2: Body, plane: Plane) -> float:
     mu1, mu2 = body1.shear_modulus, body2.shear_modulus
     difference = mu1 * (kappa2 - 1) - mu2 * (kappa1 - 1)
     return difference / (mu1 * (kappa2 + 1) + mu2 * (kappa1 + 1))
+
+
+def coupled_beta(case: Case, contact: str, body1: str, body2: str) -> float:
+    """Dundurs' beta of a plane contact in which pressure and shear meet; zero without friction."""
+    if case.contacts[contact].friction == 0:
+        return 0.0
+    beta = dissimilarity(case.bodies[body1], case.bodies[body2], case.model.plane)
+    return beta if abs(beta) > ROUND_OFF else 0.0
 
 
 def _kolosov(poisson: float, plane: Plane) -> float:

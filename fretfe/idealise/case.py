@@ -15,7 +15,7 @@ from fretfe.idealise.bodies import (
     LOWER,
     UPPER,
     Block,
-    dissimilarity,
+    coupled_beta,
     geometry_obstacles,
     read_block,
 )
@@ -176,8 +176,6 @@ def _direction(load: PlatenLoad | TractionLoad) -> tuple[float, ...]:
     return unit_vector(load.direction, COMPONENTS)
 
 
-# Less than this is round-off of the constants of equal materials.
-SMALLEST_BETA = 1e-12
 # Bodies smaller than this many half-widths are no half-planes at all.
 SMALLEST_BODY = 2.0
 
@@ -225,8 +223,8 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
         shear_force=loading.shear_force,
         moment=loading.moment,
         bulk_tension=loading.bulk_tension,
-        dundurs=_coupled(case),
-        guided=guided(case),
+        dundurs=coupled_beta(case, name, UPPER, LOWER),
+        guided=guided(case) and coupled_beta(case, name, UPPER, LOWER) != 0,
         between=_between(case, history, block),
         notes=(),
     )
@@ -282,7 +280,7 @@ def _notes(case: Case, block: Block, reach: float) -> Iterator[str]:
     if guided(case):
         yield (
             "the platen does not turn: M is a reaction"
-            if _coupled(case)
+            if coupled_beta(case, next(iter(case.contacts)), UPPER, LOWER)
             else "the platen does not turn: the pressure is symmetric, M = 0"
         )
     if one_sided(case):
@@ -292,14 +290,6 @@ def _notes(case: Case, block: Block, reach: float) -> Iterator[str]:
             f"the contact reaches beyond the candidate zone of the template ({reach:.4g} > "
             f"{block.zone:g})"
         )
-
-
-def _coupled(case: Case) -> float:
-    """Dundurs' beta; zero without friction, where pressure and shear do not meet."""
-    if all(contact.friction == 0 for contact in case.contacts.values()):
-        return 0.0
-    beta = dissimilarity(case.bodies[UPPER], case.bodies[LOWER], case.model.plane)
-    return beta if abs(beta) > SMALLEST_BETA else 0.0
 
 
 def _size(block: Block, reach: float) -> str:

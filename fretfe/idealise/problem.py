@@ -34,8 +34,8 @@ class HalfPlaneProblem:
         bulk_tension: (T,) sigma0.
         dundurs: Dundurs' second constant beta, by which pressure and shear depend on each other;
             body 1 is above.
-        guided: whether body 1 does not turn: the moment is then a reaction, and zero only between
-            similar bodies.
+        guided: whether body 1 does not turn although shear would turn it, as that of unlike bodies
+            does: the moment is then a reaction.
         between: (T-1, S, 4) P, Q, M and sigma0 within the steps, as `History.between`; None if they
             are straight lines there.
         k_n_error, k_t_error: relative errors of K_N and K_T to expect because the bodies of the
