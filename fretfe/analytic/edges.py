@@ -11,8 +11,18 @@ Near an edge p -> K_N sqrt(s), and while nothing slips q -> +K_T/sqrt(s) at the 
 -K_T/sqrt(s) at the right one: K_T is positive *at each edge* if the traction on body 2 points
 inward. A normal load increment over a fixed contact area gives p -> K_I/sqrt(s).
 
-The half-plane formulas hold for elastically similar bodies, the slip laws for slip zones that are
-short against the length over which the edge description holds. Numbers in brackets are those of
+Dundurs' second constant beta couples pressure and shear of unlike bodies: with g the relative
+displacement across, positive where it opens, and w that of body 2 along the interface,
+
+    dg/dx = (2/E*) (-(1/pi) int p/(x - t) dt + beta q)
+    dw/dx = (2/E*) (-(1/pi) int q/(x - t) dt - beta p)
+
+(Johnson 1985, section 2.3, for both bodies). Where an edge slides, p ~ s^lambda; where nothing
+slips, p + i q = (K_I + i K_T) s^(-1/2) (s/l)^(i epsilon) with q positive inward at either edge: K_I
+and K_T are values at a reference length l, and (K_I + i K_T)(l) goes with l^(i epsilon).
+
+The other half-plane formulas hold for elastically similar bodies, the slip laws for slip zones that
+are short against the length over which the edge description holds. Numbers in brackets are those of
 docs/theory.md, which has the references.
 
 The cyclic slip length d = (range of K_T)/(f K_N) is the first term of an expansion in the slip
@@ -24,7 +34,10 @@ directions.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+import numpy.typing as npt
 from numpy.typing import ArrayLike
 from scipy.special import ellipe, ellipkm1
 
@@ -409,3 +422,82 @@ def hertz_tension_asymptote_error(half_width: ArrayLike, slip_length: ArrayLike)
         step = excess * np.pi * stick / (2.0 * ellipe(m))
         exact = np.clip(exact - step, 0.0, 1.0)
     return np.divide(predicted, exact, out=np.ones_like(predicted), where=exact > 0.0) - 1.0
+
+
+def sliding_exponent(dundurs: float, coefficient: ArrayLike) -> Array:
+    """Return lambda of p ~ s^lambda at an edge that slides: 1/2 - arctan(f beta)/pi.
+
+    Args:
+        dundurs: beta.
+        coefficient: any shape, f where the shear on body 2 acts inward at the edge, -f where it
+            acts outward.
+    """
+    return np.asarray(0.5 - np.arctan(np.multiply(coefficient, dundurs)) / np.pi)
+
+
+def oscillation(dundurs: float) -> float:
+    """Return epsilon = ln((1 + beta)/(1 - beta))/(2 pi) of full stick.
+
+    Raises:
+        ValueError: if ``dundurs`` is not between -1/2 and 1/2.
+    """
+    if not abs(dundurs) <= 0.5:
+        raise ValueError(f"dundurs must be between -0.5 and 0.5, found {dundurs}")
+    return math.atanh(dundurs) / math.pi
+
+
+def at_length(
+    factors: npt.NDArray[np.complex128], epsilon: float, ratio: ArrayLike
+) -> npt.NDArray[np.complex128]:
+    """Return K_I + i K_T (complex, any shape) at a length that is ``ratio`` times theirs."""
+    return np.asarray(factors * np.exp(1j * epsilon * np.log(ratio)))
+
+
+def full_stick_factor(
+    normal_force: ArrayLike,
+    moment: ArrayLike,
+    shear_force: ArrayLike,
+    bulk_tension: ArrayLike,
+    half_width: ArrayLike,
+    side: Side,
+    dundurs: float,
+) -> npt.NDArray[np.complex128]:
+    """Return K_I + i K_T of a stuck contact between half-planes, at the reference length 1.
+
+    With X = ((a + x)/(a - x))^(i epsilon)/sqrt(a^2 - x^2) the traction p + i q at full stick is
+    cosh(pi epsilon) X times (P + i Q)/pi, -i sigma0 (x - 2 i epsilon a)/4 under a tension, and
+    2 M (x - 2 i epsilon a)/(pi a^2 (1 + 4 epsilon^2)) by a rotation (from Plemelj's formulas;
+    Muskhelishvili 1953). For beta = 0 these are (3) and (7).
+
+    Args:
+        normal_force: P through the centre, without rotation; any shape that broadcasts.
+        moment: of the pressure that a rotation adds, about the centre; Q contributes
+            `shear_moment` without a rotation.
+        shear_force: Q, without rotation.
+        bulk_tension: sigma_2 - sigma_1.
+        half_width: a > 0.
+        side: "left" or "right".
+        dundurs: beta.
+
+    Returns:
+        Stress times square root of length, broadcast shape.
+
+    Raises:
+        ValueError: if ``half_width`` is not positive or ``side`` is unknown.
+    """
+    a, epsilon = check_positive("half_width", half_width), oscillation(dundurs)
+    sign, lever = side_sign(side), 1 + 2j * epsilon
+    force = np.asarray(normal_force) + 1j * sign * np.asarray(shear_force)
+    rocking = -sign * 2 * np.asarray(moment) * lever / (a * (1 + 4 * epsilon**2))
+    factor = (force + rocking) / (np.pi * np.sqrt(2 * a))
+    mismatch = 0.25j * np.asarray(bulk_tension) * lever * np.sqrt(a / 2)
+    return at_length(np.cosh(np.pi * epsilon) * (factor + mismatch), epsilon, 1 / (2 * a))
+
+
+def shear_moment(dundurs: float, half_width: ArrayLike) -> Array:
+    """Return the moment by a rotation that makes up for that of a unit of Q, 2 epsilon a.
+
+    At full stick without rotation shear between unlike bodies gives the pressure the moment
+    -2 epsilon a Q.
+    """
+    return np.asarray(2 * oscillation(dundurs) * np.asarray(half_width))

@@ -36,7 +36,13 @@ from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_front
 from fretfe.evaluate.slip import SlipBorder, cycle_states, last_state, predicted_slip, slip_zones
 from fretfe.evaluate.step_ends import StepEnds, division_notes
 from fretfe.history.solution import Factor
-from fretfe.idealise import HalfPlaneProblem, idealise, obstacles
+from fretfe.idealise import (
+    HalfPlaneProblem,
+    NotIdealisable,
+    idealise,
+    obstacles,
+    unlike_obstacles,
+)
 from fretfe.idealise.problem import contact_edges, governing_length
 from fretfe.results.model import Result
 
@@ -203,7 +209,9 @@ class AnalyticBackend:
 
     def supports(self, case: Case) -> tuple[str, ...]:
         """Reasons why a case is not a half-plane problem, or asks for fields."""
-        return (*obstacles(case), *field_obstacles(case))
+        found = obstacles(case)
+        unlike = () if found else unlike_obstacles(case)
+        return (*found, *unlike, *field_obstacles(case))
 
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
         """Solve a case that is a half-plane problem.
@@ -214,6 +222,9 @@ class AnalyticBackend:
         """
         start = time.perf_counter()
         problem = idealise(case, options.history)
+        unlike = list(unlike_obstacles(case))
+        if unlike:
+            raise NotIdealisable(case, unlike)
         steps, shares = divide(problem)
         divided = problem.divided(steps, shares)
         summary, used = solve_closed_form(divided)
@@ -224,6 +235,9 @@ class AnalyticBackend:
         )
         limits = (size_limit(problem.contact, problem),)
         notes = (*problem.notes, *division_notes(ends))
+        if problem.dundurs:
+            beta = f"Dundurs' beta = {problem.dundurs:.3g}"
+            notes = (*notes, f"pressure and shear are taken as independent ({beta})")
         if used:
             notes = (*notes, f"slip lengths by: {', '.join(sorted(used))}")
         return Result(

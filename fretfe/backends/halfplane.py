@@ -79,6 +79,10 @@ class HalfPlaneBackend:
         contacts = evaluate(solution, outcome.unit_factors)
         divided = division_notes(solution.ends)
         judged = (limit for each in solution.contacts for limit in contact_limits(case, each))
+        notes = (*problem.notes, *divided, *(each.text for each in solution.repeats))
+        if problem.dundurs:
+            beta = f"Dundurs' beta = {problem.dundurs:.3g}"
+            notes = (*notes, f"pressure and shear depend on each other ({beta})")
         limits = (*judged, *(size_limit(each.name, problem) for each in contacts))
         solution, contacts = at_step_ends(solution, contacts)
         return Result(
@@ -88,7 +92,7 @@ class HalfPlaneBackend:
                 [with_size_errors(each, problem) for each in contacts], limits
             ),
             limits=limits,
-            notes=(*problem.notes, *divided, *(each.text for each in solution.repeats)),
+            notes=notes,
             failure=outcome.failure,
             solution=solution,
             seconds={"steps": solved - start, "evaluation": time.perf_counter() - solved},

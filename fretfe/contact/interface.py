@@ -210,7 +210,8 @@ class Nodes(Protocol):
 class Place:
     """One contact: its name, its bodies and its nodes; of solids the facets between them.
 
-    Of solids also which nodes lie where both bodies end.
+    Of solids also which nodes lie where both bodies end; in the plane Dundurs' beta of bodies that
+    are unlike.
     """
 
     name: str
@@ -219,6 +220,7 @@ class Place:
     nodes: Nodes
     facets: Indices | None = None
     free: Bools | None = None
+    dundurs: float = 0.0
 
 
 def digest_of(places: Sequence[Place]) -> str:

@@ -435,6 +435,7 @@ class Recorder:
             ),
             facets=place.facets,
             free=place.free,
+            dundurs=place.dundurs,
         )
 
     def _part(self, name: str, nodes: slice) -> StateArray:

@@ -370,6 +370,19 @@ class Station(StationHistory):
         float, Quantity("k_t", "range of K_T by fits to the tractions of full stick; NaN without")
     ] = math.nan
     k_i_range: Annotated[float, Quantity("k_t", "range of K_I")]
+    reference_length: Annotated[
+        float,
+        Quantity("length", "at which K_N is told between unlike bodies; NaN between similar ones"),
+    ] = math.nan
+    exponent: Annotated[
+        float, Quantity("", "lambda of the pressure, s^lambda, in the state `last`")
+    ] = 0.5
+    oscillation: Annotated[
+        float, Quantity("", "epsilon of full stick; zero between similar bodies")
+    ] = 0.0
+    coupling: Annotated[
+        float, Quantity("", "f times |beta| of unlike bodies, of which formulas leave out a part")
+    ] = 0.0
     cycles: CountedCycles
     slip_zones: tuple[SlipZone, ...]
     dissipation: Annotated[float, Quantity("work", "friction work at the edge in the cycle")] = (

@@ -16,17 +16,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, dataclass, fields, replace
 
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.analytic.edges import normal_increment_factor, tangential_factor
+from fretfe.analytic.edges import (
+    at_length,
+    full_stick_factor,
+    oscillation,
+    shear_moment,
+    sliding_exponent,
+)
 from fretfe.evaluate.contacts import LARGEST_SPREAD, RangeSpread
 from fretfe.evaluate.numerics import count_up
 from fretfe.evaluate.plane.full_stick_fit import OVERHANG, effective_edges, full_stick_factors
-from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, EdgeFit, fit_edge
-from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, main_patch, plane_sections
+from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, RISEN, EdgeFit, fit_edge
+from fretfe.evaluate.plane.section import (
+    PLANE_FRONTS,
+    PlaneFront,
+    Section,
+    main_patch,
+    plane_sections,
+)
 from fretfe.history.solution import ContactHistory, Factor, Solution
 from fretfe.history.state_array import MOST_STATES, blocks
 
@@ -34,6 +46,18 @@ from fretfe.history.state_array import MOST_STATES, blocks
 SMALLEST_MOVE = 1e-6
 # Nodes in contact that factors and useful error bars need: as many as fits to full stick.
 WANTED_NODES = 16
+# Nodes whose shear over pressure tells which way an edge slips.
+NEXT_TO_EDGE = 3
+# Between unlike bodies K_T and K_I are those at these parts of the reference length: with K_N at
+# the length of the slip zone (11) then holds to first order in f beta. K_N(d) exceeds that of the
+# mean of both ends of the cycle by (2 - 2 ln 2) f beta/pi, and that has f d K_N = dK_T + f dK_I(d)
+# + (1 + 2 ln 2) f beta/pi dK_T: together K_I at exp(-3) d. At the border of stick the traction of
+# full stick counts with 1/sqrt(s (d - s)), over which the mean of ln s is ln(d/4).
+K_T_LENGTH, K_I_LENGTH = 0.25, math.exp(-3)
+# A slip zone of which nothing is known is taken for so long, in half-widths.
+UNKNOWN_ZONE = 0.1
+# Iterations for the reference length, which hardly matters.
+LENGTH_ITERATIONS = 5
 # Loads that leave the straight line by less than this part of their range are lines.
 STRAIGHT = 1e-9
 # The edge of a discrete contact area may lie anywhere in an element, half of it to either side with
@@ -51,13 +75,24 @@ def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
     states = np.unique(source)
     parts = np.full((len(PLANE_FRONTS), len(fields(EdgeFit)), len(states)), np.nan)
     for block in blocks(len(states), contact.traction[0].size):
-        pressure = contact.traction[states[block], :, 0]
+        pressure, shear = np.moveaxis(contact.traction[states[block]], 2, 0)
         fitted = np.count_nonzero(pressure > 0, axis=1) >= FEWEST_NODES
         there = block.start + np.flatnonzero(fitted)
-        for front, section in enumerate(plane_sections(contact.arc, pressure[fitted])):
-            parts[front][:, there] = astuple(fit_edge(section, solved=True))
+        sections = plane_sections(contact.arc, pressure[fitted])
+        ratios = plane_sections(contact.arc, pressure[fitted], shear[fitted])
+        for front, section, across in zip(PLANE_FRONTS, sections, ratios, strict=True):
+            coefficient = front.inward * _shear_over_pressure(section, across)
+            exponent = sliding_exponent(contact.dundurs, coefficient)
+            fit = fit_edge(section, solved=True, exponent=exponent)
+            parts[front.number][:, there] = astuple(fit)
     known = parts[..., np.searchsorted(states, source)]
     return tuple(EdgeFit(*front) for front in known)
+
+
+def _shear_over_pressure(pressure: Section, shear: Section) -> Array:
+    """(T,) mean ratio of shear to pressure next to the edge, without the outermost node."""
+    near = slice(1, NEXT_TO_EDGE + 1)
+    return np.asarray(shear.values[:, near].sum(axis=1) / pressure.values[:, near].sum(axis=1))
 
 
 def add_up(
@@ -66,6 +101,7 @@ def add_up(
     friction: Array,
     touching: Bools,
     cycle: tuple[int, int] | None,
+    unlike: bool = False,
 ) -> Array:
     """(stations, T, d) singular factors at each station, in the order of `Factor`.
 
@@ -75,11 +111,12 @@ def add_up(
         friction: (T,) coefficient in the step that ends at each state.
         touching: (T,) states in which there is contact.
         cycle: its first and last state, or None.
+        unlike: whether the bodies are: K_I and K_T are then one number, and counted together.
     """
     steps = np.diff(drivers, axis=0)
     increments = _mean_of_ends(units, steps)
     increments[~steps.any(axis=1) | ~(touching[1:] | touching[:-1])] = 0.0
-    increments[friction[1:] == 0, :, Factor.K_T :] = 0.0
+    increments[friction[1:] == 0, :, 0 if unlike else Factor.K_T :] = 0.0
     return count_up(increments, cycle).swapaxes(0, 1)
 
 
@@ -231,10 +268,12 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     fits = full_stick_units(solution, contact, positions, OVERHANG[solution.degree])
     integrals = contact.integrals
     if integrals is None:
-        return UnitFactors([fits])
+        return UnitFactors([np.full_like(fits, np.nan) if contact.dundurs else fits])
     fitted = np.array([_at_own_edges(solution, contact, int(area)) for area in integrals.areas])
-    missed = integrals.factors - fitted[:, None]
     half_widths = (integrals.positions[:, 1] - integrals.positions[:, 0]) / 2
+    # The fits know nothing of beta: they see K of unlike bodies at a length in proportion to a.
+    beta, own = contact.dundurs, _rotated(integrals.factors, contact.dundurs, half_widths)
+    missed = own - fitted[:, None]
     order = np.argsort(half_widths)
     half_width = (positions[1] - positions[0]) / 2
 
@@ -246,12 +285,25 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
         # Few elements carry an integral where they carry no fit.
         lost = ~np.isfinite(factors).all(axis=(1, 2, 3))
         if lost.any():
-            alone = integrals.factors[order, way]
+            alone = own[order, way]
             filled = _interpolate(half_width[lost], half_widths[order], alone)
             factors[lost] = np.where(np.isfinite(factors[lost]), factors[lost], filled)
-        return factors
+        return _rotated(factors, beta, 1 / half_width)
 
-    return UnitFactors(map(by_way, range(len(integrals.reaches))), fits)
+    checks = None if beta else fits
+    return UnitFactors(map(by_way, range(len(integrals.reaches))), checks)
+
+
+def _rotated(units: Array, dundurs: float, ratio: Array) -> Array:
+    """Unit factors (n, ..., d, J) of unlike bodies at lengths that are ratios (n,) of theirs."""
+    if not dundurs:
+        return units
+    ratio = ratio.reshape(-1, *[1] * (units.ndim - 2))
+    whole = units[..., Factor.K_I, :] + 1j * units[..., Factor.K_T, :]
+    turned = at_length(whole, oscillation(dundurs), ratio)
+    found = units.copy()
+    found[..., Factor.K_I, :], found[..., Factor.K_T, :] = turned.real, turned.imag
+    return found
 
 
 def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Array:
@@ -282,10 +334,14 @@ class Movement:
     stiffening: float
 
 
-def edge_movement(contact: ContactHistory, front: PlaneFront, half_width: float) -> Movement:
+def edge_movement(
+    contact: ContactHistory, front: PlaneFront, half_width: float, exponent: float = 0.5
+) -> Movement:
     """Movement of an edge between the two neighbours of the last state, whose half-width is given.
 
-    NaN if the edge does not move, or reaches the end of the surface.
+    NaN if the edge does not move, or reaches the end of the surface. Between unlike bodies, whose
+    edges shear moves as well, K_N is NaN, and the growth is that of the pressure behind the edge,
+    which falls like s^exponent.
     """
     unknown = Movement(np.nan, np.nan, np.nan)
     neighbours = contact.nearby_loads
@@ -293,6 +349,8 @@ def edge_movement(contact: ContactHistory, front: PlaneFront, half_width: float)
         return unknown
     if np.count_nonzero(neighbours.pressure > 0, axis=1).min() < FEWEST_NODES:
         return unknown
+    if contact.dundurs:
+        return Movement(np.nan, np.nan, _growth_behind(contact, front, half_width, exponent))
     patches = [main_patch(contact.arc, pressure) for pressure in neighbours.pressure]
     fit = fit_edge(front.section(contact.arc, neighbours.pressure, patches), solved=True)
     outward = -front.inward * float(fit.position[1] - fit.position[0])
@@ -307,6 +365,23 @@ def edge_movement(contact: ContactHistory, front: PlaneFront, half_width: float)
     between = shift / (1 - shift) if shift < 1 else np.inf
     spread = abs(k_n) * between + float(np.ptp(neighbours.k_i[:, front.number])) / outward
     return Movement(k_n, spread, growth + 0.5 / half_width)
+
+
+def _growth_behind(
+    contact: ContactHistory, front: PlaneFront, half_width: float, exponent: float
+) -> float:
+    """(d2P/da2)/(dP/da) between unlike bodies, from the pressure of the last state behind an edge.
+
+    With dP/da growing at the relative rate g a symmetric
+    contact of half-planes has p^2 = K_N^2 s (1 + c s), c = 5/(6a) - 4g/3 (from (A0)).
+    """
+    x, pressure = contact.arc, contact.mean_traction[-1, :, 0]
+    section = plane_sections(x, pressure[None])[front.number]
+    s, p = section.s[0, : section.nodes[0]], section.values[0, : section.nodes[0]]
+    risen = s[int(np.argmax(p >= RISEN * p.max()))]
+    near = (s > 0) & (s <= risen)
+    slope, square = np.polyfit(s[near], p[near] ** (1 / exponent) / s[near], 1)
+    return float(0.75 * (5 / (6 * half_width) - 2 * exponent * slope / square))
 
 
 def _interpolate(at: Array, x: Array, values: Array) -> Array:
@@ -342,28 +417,37 @@ def _area_factors(arc: Array, fields: Array, edges: Array, overhang: float) -> A
     return factors
 
 
-def half_plane_units(positions: Array) -> Array:
+def half_plane_units(positions: Array, dundurs: float = 0.0, guided: bool = False) -> Array:
     """(T, 2, 2, 4) station, `Factor`, for a unit of P, M, Q and sigma0; NaN without contact.
 
-    ``fretfe.analytic.edges.tangential_factor`` and ``normal_increment_factor``; M is about x = 0,
-    so that a load P has the moment -P (left + right)/2 about the centre of the contact.
+    `fretfe.analytic.edges.full_stick_factor` at the reference length 1; M is about x = 0, so that a
+    load P has the moment -P (left + right)/2 about the centre of the contact.
 
     Args:
         positions: (2, T) of the left and the right edge.
+        dundurs: beta.
+        guided: whether body 1 does not turn; M then takes no part.
     """
     left, right = positions
     units = np.full((len(left), 2, 2, 4), np.nan)
     known = right > left
     a, centre = (right - left)[known] / 2, (right + left)[known] / 2
     zero, one = np.zeros_like(a), np.ones_like(a)
+    # P, M, Q, sigma0 and the moment about the centre. Shear of unlike bodies turns one that is free
+    # to; a moment holds one that is not.
+    reaction = 0.0 if guided else shear_moment(dundurs, a)
+    loads = [
+        (one, zero, zero, zero if guided else -centre),
+        (zero, zero, zero, zero if guided else one),
+        (zero, one, zero, reaction),
+        (zero, zero, one, zero),
+    ]
     for front in PLANE_FRONTS:
-        shear = tangential_factor(1.0, 0.0, a, front.name)
-        tension = tangential_factor(0.0, 1.0, a, front.name)
-        normal = normal_increment_factor(one, -centre, a, front.name)
-        moment = normal_increment_factor(0.0, one, a, front.name)
         at_front = units[:, front.number]
-        at_front[known, Factor.K_I] = np.column_stack([normal, moment, zero, zero])
-        at_front[known, Factor.K_T] = np.column_stack([zero, zero, shear, tension])
+        for column, (normal, shear, tension, moment) in enumerate(loads):
+            found = full_stick_factor(normal, moment, shear, tension, a, front.name, dundurs)
+            at_front[known, Factor.K_I, column] = found.real
+            at_front[known, Factor.K_T, column] = found.imag
     return units
 
 
@@ -450,6 +534,54 @@ class FactorHistories:
     exact: bool
     one_sided: Array
     uneven: Array
+
+    def at(self, dundurs: float, lengths: Array) -> FactorHistories:
+        """The same of unlike bodies at the reference lengths (stations,), from those at 1."""
+
+        def turned(factors: Array) -> Array:
+            own = [
+                factors_at(factors[..., station, :, :], dundurs, length)
+                for station, length in enumerate(lengths)
+            ]
+            return np.stack(own, axis=-3)
+
+        fitted = None if self.fitted is None else turned(self.fitted)
+        return replace(self, ways=turned(self.ways), fitted=fitted)
+
+
+def reference_length(
+    contact: ContactHistory, fit: EdgeFit, factors: Array, half_width: float, cycle: Indices
+) -> float:
+    """Length at which edge factors between unlike bodies are told: that of the predicted slip zone.
+
+    Args:
+        contact: the contact.
+        fit: K_N of a station, at the length 1.
+        factors: (T, 2) its singular factors, at the length 1.
+        half_width: of the contact.
+        cycle: states of the evaluated cycle; without one the zone is that of first loading.
+    """
+    length, share = UNKNOWN_ZONE * half_width, 1.0 if len(cycle) else 2.0
+    states = cycle if len(cycle) else np.flatnonzero(np.isfinite(factors).all(axis=1))
+    friction = contact.friction.max()
+    for _ in range(LENGTH_ITERATIONS):
+        if not len(states):
+            break
+        k_t = factors_at(factors, contact.dundurs, length)[states, Factor.K_T]
+        found = share * np.ptp(k_t) / (friction * fit.at(length).k_n[states[-1]])
+        if not SMALLEST_MOVE * half_width < found < half_width:
+            break
+        length = float(found)
+    return length
+
+
+def factors_at(factors: Array, dundurs: float, length: float) -> Array:
+    """(..., 2) singular factors at their parts of a reference length, from those at 1."""
+    whole, epsilon = factors[..., Factor.K_I] + 1j * factors[..., Factor.K_T], oscillation(dundurs)
+    found = factors.copy()
+    found[..., Factor.K_I] = at_length(whole, epsilon, K_I_LENGTH * length).real
+    found[..., Factor.K_T] = at_length(whole, epsilon, K_T_LENGTH * length).imag
+    return found
 
 
 def range_spreads(

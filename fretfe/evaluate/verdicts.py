@@ -18,6 +18,9 @@ BORDER_ELEMENTS, BORDER_FRACTION = 0.2, 0.02
 # Predicted lengths from the front behind which the flank begins, and mean shear there over f p from
 # which the contact nearly slides.
 FLANK, NEAR_SLIDING = 1.5, 0.95
+# Error of the formulas between unlike bodies, over f |beta|: measured on half-planes with beta up
+# to .2, f = .3 and .8, slip both ways and mean shear up to .6 f P.
+COUPLED = 0.7
 # A range with an error bar beyond this part of it predicts nothing.
 LOOSEST_RANGE = 0.5
 # Error bars and elements that leave more of the length open than this check nothing.
@@ -140,7 +143,8 @@ def judge(station: Station, zone: SlipZone) -> Verdict:
         station.k_range_spread / station.k_range if station.k_range > 0 else 0.0,
     )
     within = math.hypot(bars * zone.prediction, zone.spread, BORDER_FRACTION * zone.length)
-    within += BORDER_ELEMENTS * station.size
+    unlike = COUPLED * station.coupling
+    within += BORDER_ELEMENTS * station.size + unlike * zone.length
     if not math.isfinite(within):
         return Verdict(UNKNOWN, "K_N has no error bar at the end of the half cycle")
     if within > LOOSE * max(zone.length, zone.prediction):
@@ -155,6 +159,8 @@ def judge(station: Station, zone: SlipZone) -> Verdict:
         f"bars of K_N and of the range, {bars:.1%}, and of the length, {zone.spread:.3g}, and "
         f"{BORDER_ELEMENTS:g} elements"
     )
+    if unlike:
+        reason += f"; unlike bodies, {unlike:.1%}"
     return _beside_formula(zone.length, zone.prediction, error, within, reason)
 
 

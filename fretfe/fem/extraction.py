@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 
 from fretfe._typing import Array, Indices
+from fretfe.analytic.edges import oscillation
 from fretfe.bodies.definition import Pair
 from fretfe.contact.full_stick import neighbour_states
 from fretfe.contact.march import March
@@ -27,6 +28,7 @@ from fretfe.fem.limits import oscillates
 from fretfe.fem.model import Model
 from fretfe.fem.probes import Probe, UnitFields, probe_stations
 from fretfe.history.solution import ContactHistory, Factor, NearbyLoads, Solution, StationIntegrals
+from fretfe.idealise.bodies import coupled_beta
 from fretfe.surface.surface import perpendicular
 
 # Not loaded by whoever loads this module: SciPy's interpolation takes a second.
@@ -159,6 +161,7 @@ class _PlaneDraft(_Draft["_Areas"]):
             frames=tuple(_frame(_at(pair, edge, normals), front) for edge in edges),
             fields=tuple(fields),
             tubes=(tubes,) * len(edges),
+            oscillation=oscillation(coupled_beta(model.case, pair.name, pair.body1, pair.body2)),
         )
 
     def _factors(

@@ -124,7 +124,9 @@ class TipField:
     divergence: Any
 
 
-def tip_fields(place: FrontPlace, side: Any, material: Elasticity, nothing: Any) -> list[TipField]:
+def tip_fields(
+    place: FrontPlace, side: Any, material: Elasticity, nothing: Any, epsilon: Any = None
+) -> list[TipField]:
     """Fields of all modes: opening, shear along `inward` and, in space, shear along `along`.
 
     Args:
@@ -132,12 +134,15 @@ def tip_fields(place: FrontPlace, side: Any, material: Elasticity, nothing: Any)
         side: 1 in the body above the interface, -1 below.
         material: of the body.
         nothing: a length that is zero.
+        epsilon: of full stick between unlike bodies, in the plane; None between similar ones.
     """
     # The branch of the angle is cut through the other body: surfaces are never quite straight.
     lifted = side * place.height + nothing
     angle = ufl.variable(side * (ufl.pi / 2 + ufl.atan2(-place.ahead, lifted)))
     squared = place.ahead**2 + lifted**2
     turns = place.ahead / squared, -side * lifted / squared
+    if epsilon is not None:
+        return _bimaterial_fields(place, side, angle, turns, material, epsilon)
     sine, cosine, k = ufl.sin(angle / 2), ufl.cos(angle / 2), material.kolosov
     shapes = [
         [sine * (k + 1 - 2 * cosine**2), cosine * (k - 1 + 2 * sine**2), ufl.as_ufl(0)],
@@ -157,12 +162,63 @@ def tip_fields(place: FrontPlace, side: Any, material: Elasticity, nothing: Any)
     return fields
 
 
+def _bimaterial_fields(
+    place: FrontPlace,
+    side: Any,
+    angle: Any,
+    turns: tuple[Any, Any],
+    material: Elasticity,
+    epsilon: Any,
+) -> list[TipField]:
+    """Fields of both modes at the edge of a bonded interface of unlike bodies, in the plane.
+
+    With z = x + i y inward and across, 2 mu (u_x + i u_y) = kappa phi(z) - omega(conj z)
+    - (z - conj z) conj(phi'(z)), phi' = c e^(s pi epsilon) z^(-1/2 + i epsilon) and omega' =
+    c e^(-s pi epsilon) z^(-1/2 + i epsilon), s the side and c = (K_I - i K_II)/(sqrt(8 pi)
+    cosh(pi epsilon)): ahead s_yy - i s_xy = (K_I - i K_II) x^(-1/2 + i epsilon)/sqrt(2 pi)
+    (Rice and Sih 1965), free of tractions behind.
+    """
+    logarithm = ufl.variable(ufl.ln(place.radius))
+    k, grown = material.kolosov, ufl.exp(epsilon * (side * ufl.pi - angle))
+    real = (k * grown - 1 / grown) * ufl.cos(angle / 2)
+    imaginary = (k * grown + 1 / grown) * ufl.sin(angle / 2)
+    c, s = ufl.cos(epsilon * logarithm), ufl.sin(epsilon * logarithm)
+    over = 0.25 + epsilon**2
+    # e^(i epsilon ln r)/(1/2 + i epsilon) times both.
+    g, h = (c / 2 + epsilon * s) / over, (s / 2 - epsilon * c) / over
+    straight, across = g * real - h * imaginary, g * imaginary + h * real
+    lag, apart = angle / 2 - epsilon * logarithm, 2 * ufl.sin(angle) * grown
+    m, n = apart * ufl.sin(lag), -apart * ufl.cos(lag)
+    scale = 2 * ufl.cosh(ufl.pi * epsilon)
+    shapes = [[across + n, straight + m], [m - straight, across - n]]
+    fields = []
+    for shape in shapes:
+        slopes = [
+            _slopes(
+                place,
+                each / scale,
+                ufl.diff(each, angle) / scale,
+                turns,
+                material,
+                ufl.diff(each, logarithm) / scale,
+            )
+            for each in shape
+        ]
+        fields.append(_plane(slopes, material))
+    return fields
+
+
 def _size(place: FrontPlace, material: Elasticity) -> Any:
     return ufl.sqrt(place.radius / (2 * ufl.pi)) / (2 * material.shear_modulus)
 
 
 def _slopes(
-    place: FrontPlace, shape: Any, turning: Any, turns: tuple[Any, Any], material: Elasticity
+    place: FrontPlace,
+    shape: Any,
+    turning: Any,
+    turns: tuple[Any, Any],
+    material: Elasticity,
+    growing: Any = 0,
 ) -> list[Any]:
     """Slopes across and inward of a component sqrt(r/2 pi)/(2 mu) times a function of the angle.
 
@@ -172,10 +228,12 @@ def _slopes(
         turning: its derivative.
         turns: slopes of the angle.
         material: of the body.
+        growing: derivative of the function by ln r.
     """
     growth = place.height, place.ahead
     return [
-        _size(place, material) * (shape / 2 * grown / place.radius**2 + turning * turned)
+        _size(place, material)
+        * ((shape / 2 + growing) * grown / place.radius**2 + turning * turned)
         for grown, turned in zip(growth, turns, strict=True)
     ]
 
@@ -334,6 +392,7 @@ class InteractionForm:
         surfaces: names of its contact surfaces.
         upper: whether it is body 1 of the contact.
         loads: distributed loads, whose initial strains and body forces count.
+        oscillation: epsilon of full stick with the other body; zero if that is similar.
     """
 
     def __init__(
@@ -342,6 +401,7 @@ class InteractionForm:
         surfaces: list[str],
         upper: bool,
         loads: Sequence[DistributedLoad] = (),
+        oscillation: float = 0.0,
     ) -> None:
         mesh, size = elastic.mesh, elastic.gdim
         self._size = size
@@ -353,6 +413,8 @@ class InteractionForm:
         )
         self._curvature, self._reach, self._half_length = (fem.Constant(mesh, 1.0) for _ in "123")
         self._side = fem.Constant(mesh, 1.0 if upper else -1.0)
+        # Similar bodies keep their simpler fields.
+        self._epsilon = fem.Constant(mesh, oscillation) if oscillation else None
         dim = mesh.topology.dim
         cells = np.arange(mesh.topology.index_map(dim).size_local, dtype=np.int32)
         facets = np.concatenate([elastic.facet_tags.find(elastic.groups[s]) for s in surfaces])
@@ -447,7 +509,7 @@ class InteractionForm:
         weight, slopes = self._weight(place)
         return _Surroundings(
             place=place,
-            fields=tip_fields(place, self._side, material, nothing),
+            fields=tip_fields(place, self._side, material, nothing, self._epsilon),
             material=material,
             weight=weight,
             slopes=slopes,
@@ -524,8 +586,8 @@ class InteractionForm:
         return around * along, [*slopes, around * fall * place.stretch / self._half_length]
 
 
-# By body and whether it is body 1: it may be body 1 of one contact and body 2 of another one.
-Forms = dict[tuple[str, bool], InteractionForm]
+# By body, whether it is body 1, and epsilon: it may be body 1 of one contact and body 2 of another.
+Forms = dict[tuple[str, bool, float], InteractionForm]
 
 
 def _spread(around: _Surroundings) -> Any:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -58,6 +59,8 @@ class Probe:
             the order of `Factor`.
         fields: for each place: numbers of the fields it is to be multiplied with.
         tubes: for each place: R of them.
+        oscillation: epsilon of full stick between unlike bodies; factors are then those at the
+            length 1. Zero between similar ones, and between solids.
     """
 
     bodies: tuple[str, str]
@@ -65,6 +68,7 @@ class Probe:
     frames: tuple[Array, ...]
     fields: tuple[tuple[int, ...], ...]
     tubes: tuple[tuple[Tube, ...], ...]
+    oscillation: float = 0.0
 
 
 def probe_stations(
@@ -170,10 +174,13 @@ def _add_forms(model: Model, probes: Sequence[Probe]) -> None:
     forms = model.forms
     for probe in probes:
         for name, upper in zip(probe.bodies, UPPER, strict=True):
-            if name in model.bodies and (name, upper) not in forms:
+            key = name, upper, probe.oscillation
+            if name in model.bodies and key not in forms:
                 surfaces = list(model.body_definition(name).surfaces)
                 body = model.bodies[name]
-                forms[name, upper] = InteractionForm(body.elastic, surfaces, upper, body.loads)
+                forms[key] = InteractionForm(
+                    body.elastic, surfaces, upper, body.loads, probe.oscillation
+                )
 
 
 def _integrate(
@@ -193,10 +200,11 @@ def _integrate(
     ):
         integrals = np.zeros((len(tubes), len(frame), len(numbers)))
         for upper, name, tip in zip(UPPER, probe.bodies, tips, strict=True):
-            if (name, upper) not in forms:
+            key = name, upper, probe.oscillation
+            if key not in forms:
                 continue
             displacements = fields[name][..., list(numbers)]
-            form, own = forms[name, upper], amplitudes[list(numbers)]
+            form, own = forms[key], amplitudes[list(numbers)]
             for r, tube in enumerate(tubes):
                 integrals[r] += form.products(tip, tube, displacements)
                 integrals[r] += form.load_products(tip, tube) @ own.T
@@ -218,13 +226,14 @@ def _whole(case: Case, probe: Probe, sums: list[Array]) -> list[Array]:
 def _moduli(case: Case, probe: Probe) -> tuple[Array, Array]:
     """(3,) stress intensity factor of each mode by its integral, and the share (3, 2) of each body.
 
-    E* of modes I and II, 2/(1/G1 + 1/G2) of mode III.
+    E* cosh^2(pi epsilon) of modes I and II, 2/(1/G1 + 1/G2) of mode III.
     """
     bodies = [case.bodies[name] for name in probe.bodies]
     plane = contact_modulus(bodies[0], bodies[1], case.model.plane)
     shares = plane / np.array([plane_modulus(body, case.model.plane) for body in bodies])
     softness = np.array([1 / body.shear_modulus for body in bodies])
-    moduli = np.array([plane, plane, 2 / softness.sum()])
+    bonded = plane * math.cosh(math.pi * probe.oscillation) ** 2
+    moduli = np.array([bonded, bonded, 2 / softness.sum()])
     return moduli, np.array([shares, shares, softness / softness.sum()])
 
 

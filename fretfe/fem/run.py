@@ -40,6 +40,7 @@ from fretfe.fem.probes import state_requests
 from fretfe.fem.stress_output import refuse_solids, write_stress
 from fretfe.fem.timing import Clock
 from fretfe.history.solution import Solution
+from fretfe.idealise.bodies import coupled_beta
 from fretfe.loads import History, build_history, most_added
 from fretfe.results.model import Result
 
@@ -417,7 +418,8 @@ def _steady(recorder: Recorder, cycles: _Cycles, options: RunOptions) -> bool:
 def _place(model: Model, pair: Pair) -> Place:
     coupling, solid = pair.coupling, model.dimension == 3
     surface = (coupling.facets, coupling.free) if solid else ()
-    return Place(pair.name, pair.body1, pair.body2, coupling, *surface)
+    beta = 0.0 if solid else coupled_beta(model.case, pair.name, pair.body1, pair.body2)
+    return Place(pair.name, pair.body1, pair.body2, coupling, *surface, dundurs=beta)
 
 
 def _require_contact(recorder: Recorder) -> None:

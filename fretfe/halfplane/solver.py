@@ -2,8 +2,8 @@
 """Half-planes in contact: an interface problem, marched through a load history.
 
 The compliance is exact for the piecewise-linear tractions; friction, contact area and history are
-those of `fretfe.contact`. Pressure and shear do not influence each other's displacements
-(elastically similar half-planes), but the pressure bounds the shear.
+those of `fretfe.contact`. Between unlike half-planes pressure and shear influence each other's
+displacements; between similar ones the pressure bounds the shear, and that is all.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.analytic.edges import sliding_exponent
 from fretfe.contact.full_stick import FRACTION, neighbour_states
 from fretfe.contact.interface import Coordinate, DenseCompliance, Interface, Place
 from fretfe.contact.march import March
@@ -26,6 +27,7 @@ from fretfe.evaluate.slip import cycle_states
 from fretfe.history.solution import ContactHistory, Factor, NearbyLoads, Solution
 from fretfe.history.stream import UNSEEN, Storage
 from fretfe.idealise import HalfPlaneProblem
+from fretfe.idealise.bodies import SIMILAR
 from fretfe.idealise.problem import contact_edges, governing_length
 from fretfe.local.hat_functions import EdgeRange, HatFunctions, graded_grid
 
@@ -36,7 +38,8 @@ FAR = 100.0
 # this fraction of Q.
 SPRING = 1e-9
 # Forces on body 1 along these coordinates are Q, -P and -M.
-COORDINATES = ("shear", "normal", "moment")
+MOMENT = "moment"
+COORDINATES = ("shear", "normal", MOMENT)
 TENSION = "tension"
 
 
@@ -55,6 +58,7 @@ class SurfaceNodes:
 class HalfPlaneOutcome:
     """All accepted steps, and the reason why the history was not finished, or None."""
 
+    problem: HalfPlaneProblem
     solution: Solution
     failure: ConvergenceError | None
 
@@ -67,8 +71,14 @@ class HalfPlaneOutcome:
         """
         if contact.node_range is not None:
             units = full_stick_units(solution, contact, positions, GALERKIN_OVERHANG)
+            if contact.dundurs:  # the fits know nothing of it
+                units = np.full_like(units, np.nan)
             return UnitFactors([units])
-        units = half_plane_units(positions)[..., [2, 0, 1, 3]] * np.array([1.0, -1.0, -1.0, 1.0])
+        beta, guided = self.problem.dundurs, self.problem.guided
+        units = half_plane_units(positions, beta, guided)[..., [2, 0, 1, 3]]
+        units *= np.array([1.0, -1.0, -1.0, 1.0])
+        if guided:  # no load drives the moment
+            units = np.delete(units, COORDINATES.index(MOMENT), axis=-1)
         return UnitFactors([units], exact=True)
 
 
@@ -78,8 +88,10 @@ def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
     roots, size = np.sqrt(weights), len(x)
     far = FAR * (hats.grid[-1] - hats.grid[0])
     scaled = hats.compliance(far) / np.outer(roots, roots) / problem.profile.e_star
+    coupling = hats.coupling() / np.outer(roots, roots) * problem.dundurs / problem.profile.e_star
     compliance = np.zeros((size, 2, size, 2))
     compliance[:, 0, :, 0] = compliance[:, 1, :, 1] = scaled
+    compliance[:, 0, :, 1], compliance[:, 1, :, 0] = coupling, coupling.T
     gap, tension = np.zeros((size, 2)), np.zeros((size, 2))
     gap[:, 0] = hats.integrate(problem.profile.gap) / roots
     # A bulk tension sigma0 stretches surface 2 by sigma0/(2 E*) more than surface 1.
@@ -97,11 +109,25 @@ def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
         loads=tension.reshape(2 * size, 1),
         coordinate_loads=np.zeros((3, 1)),
         roots=roots,
-        coordinates=tuple(
-            Coordinate(label, problem.body1, "force", label) for label in COORDINATES
-        ),
+        coordinates=tuple(_coordinate(label, problem) for label in COORDINATES),
         contacts={problem.contact: slice(0, size)},
     )
+
+
+def _coordinate(label: str, problem: HalfPlaneProblem) -> Coordinate:
+    if problem.guided and label == MOMENT:
+        return Coordinate(label, problem.body1, "fixed")
+    return Coordinate(label, problem.body1, "force", label)
+
+
+def edge_shift(problem: HalfPlaneProblem) -> float:
+    """Largest movement of an edge by the shear of unlike bodies, over the half-width.
+
+    A parabola that slides without turning reaches from -(1 - lambda) L to lambda L, and L grows
+    with 1/sqrt(lambda (1 - lambda)).
+    """
+    exponent = sliding_exponent(abs(problem.dundurs), float(problem.friction.max()))
+    return float(np.sqrt((1 - exponent) / exponent) - 1)
 
 
 def contact_grid(problem: HalfPlaneProblem, elements: int = ELEMENTS) -> Array:
@@ -114,14 +140,17 @@ def contact_grid(problem: HalfPlaneProblem, elements: int = ELEMENTS) -> Array:
     states = states if len(states) else np.array([-1])
     half_width = float(np.min(contact.right[states] - contact.left[states]) / 2)
     length = governing_length(problem, half_width)
+    shift = edge_shift(problem) * half_width
     left, right = (
-        EdgeRange(float(edge[states].min()), float(edge[states].max()), length)
+        EdgeRange(float(edge[states].min()) - shift, float(edge[states].max()) + shift, length)
         for edge in (contact.left, contact.right)
     )
     kinks = np.array(problem.profile.kinks)
     # The neighbours of the last state are wider than anything in the history.
     wider = contact_edges(problem.scaled(1 + FRACTION))
-    reach = float(np.nanmin(wider.left)), float(np.nanmax(wider.right))
+    left_end, right_end = float(np.nanmin(wider.left)), float(np.nanmax(wider.right))
+    shift = edge_shift(problem) * (right_end - left_end) / 2
+    reach = left_end - shift, right_end + shift
     return graded_grid((left, right), reach, np.unique([-kinks, kinks]), elements)
 
 
@@ -145,17 +174,19 @@ def solve_half_planes(
     interface = build_interface(problem, hats)
     steps = _step_loads(problem, interface)
     march = March(interface)
-    place = Place(problem.contact, problem.body1, problem.body2, _nodes(hats))
+    place = Place(
+        problem.contact, problem.body1, problem.body2, _nodes(hats), dundurs=problem.dundurs
+    )
     recorder = Recorder(march, [place], steps, [TENSION], degree=1, storage=storage)
     failure = None
     try:
         solve_history(march, recorder, steps, until_steady, progress)
     except ConvergenceError as error:
         failure = error
-    solution = recorder.solution(problem.history, _balance(recorder, hats))
+    solution = recorder.solution(problem.history, _balance(problem, recorder, hats))
     neighbours = _neighbours(problem, march, recorder, hats)
     contact = replace(solution.contacts[0], nearby_loads=neighbours)
-    return HalfPlaneOutcome(replace(solution, contacts=(contact,)), failure)
+    return HalfPlaneOutcome(problem, replace(solution, contacts=(contact,)), failure)
 
 
 def _neighbours(
@@ -169,6 +200,8 @@ def _neighbours(
     positions = np.array([[contact.left[last]], [contact.right[last]]])
     loads = np.array([problem.normal_force[last], problem.moment[last], 0.0, 0.0])
     k_i = half_plane_units(positions)[0, :, Factor.K_I] @ (2 * FRACTION * loads)
+    if abs(problem.dundurs) > SIMILAR:  # K_I depends on the shear, and on a length
+        k_i = np.full_like(k_i, np.nan)
     pressure = np.array([state.traction[:, 0] for state in states]) / np.sqrt(hats.weights)
     return NearbyLoads(pressure, k_i[None])
 
@@ -195,8 +228,11 @@ def _nodes(hats: HatFunctions) -> SurfaceNodes:
     )
 
 
-def _balance(recorder: Recorder, hats: HatFunctions) -> dict[str, Array]:
-    """(T,) imbalance of the contact forces and the loads Q, -P and -M, and its scales."""
+def _balance(problem: HalfPlaneProblem, recorder: Recorder, hats: HatFunctions) -> dict[str, Array]:
+    """(T,) imbalance of the contact forces and the loads Q, -P and -M, and its scales.
+
+    A moment that is a reaction balances whatever it is.
+    """
     roots = np.sqrt(hats.weights)
     arms = hats.integrate(lambda at: at) / roots
     parts = []
@@ -207,9 +243,10 @@ def _balance(recorder: Recorder, hats: HatFunctions) -> dict[str, Array]:
         parts.append(np.column_stack([contact[:, ::-1] * [1.0, -1.0], moments]))
     found, loads = np.concatenate(parts), recorder.loads.values
     largest = np.abs(loads[:, :2]).max(axis=1)
+    turning = 0.0 if problem.guided else np.abs(found[:, 2] + loads[:, 2])
     return {
         "force_imbalance": np.abs(found[:, :2] - loads[:, :2]).max(axis=1),
         "force_scale": largest,
-        "moment_imbalance": np.abs(found[:, 2] + loads[:, 2]),
+        "moment_imbalance": turning + np.zeros(len(found)),
         "moment_scale": largest * np.ptp(hats.nodes),
     }

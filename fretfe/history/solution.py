@@ -150,6 +150,8 @@ class ContactHistory:
         facets: (F, 3 or 4) nodes of the facets of the surface, counter-clockwise seen from outside
             body 2; None in the plane.
         free: (N,) nodes on the rim of the surface at which both bodies end; None in the plane.
+        dundurs: Dundurs' beta in the plane, body 1 above; zero of similar bodies, and where it has
+            no part in the evaluation: without friction, and between solids.
     """
 
     name: str
@@ -174,6 +176,7 @@ class ContactHistory:
     events: tuple[str, ...] = ()
     facets: Indices | None = None
     free: Bools | None = None
+    dundurs: float = 0.0
 
     @property
     def exists(self) -> Bools:

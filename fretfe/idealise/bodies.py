@@ -14,6 +14,8 @@ UPPER, LOWER = "upper", "lower"
 # Dundurs' second constant up to which bodies count as elastically similar. It couples pressure and
 # shear: tractions change by about this fraction.
 SIMILAR = 0.01
+# Less than this is round-off of the constants of equal materials.
+ROUND_OFF = 1e-12
 
 # Relative error of a half-plane in place of a body, times the square of the half-width of the
 # contact over the height or half-width of the body. Measured by finite elements on cylinders, 3 to
@@ -90,7 +92,7 @@ def read_block(template: str, values: Mapping[str, float], case: Case) -> Block:
 
 
 def geometry_obstacles(case: Case) -> Iterator[str]:
-    """Reasons why the geometry or the materials of a case are not those of similar half-planes."""
+    """Reasons why the geometry of a case is not that of half-planes."""
     template = case.geometry.template
     if template not in PROFILES:
         found = f"a mesh file, {case.geometry.file!r}" if template is None else repr(template)
@@ -108,12 +110,19 @@ def geometry_obstacles(case: Case) -> Iterator[str]:
             )
     if set(case.bodies) != {UPPER, LOWER}:
         yield f"bodies: expected {UPPER!r} and {LOWER!r}, found {', '.join(case.bodies)}"
-        return
+
+
+def unlike_obstacles(case: Case) -> Iterator[str]:
+    """Reasons why closed forms do not hold for the materials of a case that is half-planes.
+
+    There is no closed form of partial slip between unlike bodies.
+    """
     beta = dissimilarity(case.bodies[UPPER], case.bodies[LOWER], case.model.plane)
     if abs(beta) > SIMILAR and any(contact.friction > 0 for contact in case.contacts.values()):
         yield (
             "bodies: expected elastically similar bodies (Dundurs' beta up to "
-            f"{SIMILAR:g}), found beta = {beta:.3g}: pressure and shear depend on each other"
+            f"{SIMILAR:g}), found beta = {beta:.3g}: pressure and shear depend on each other, and "
+            "there is no closed form of partial slip; use the backend 'halfplane'"
         )
 
 
@@ -127,6 +136,14 @@ def dissimilarity(body1: Body, body2: Body, plane: Plane) -> float:
     mu1, mu2 = body1.shear_modulus, body2.shear_modulus
     difference = mu1 * (kappa2 - 1) - mu2 * (kappa1 - 1)
     return difference / (mu1 * (kappa2 + 1) + mu2 * (kappa1 + 1))
+
+
+def coupled_beta(case: Case, contact: str, body1: str, body2: str) -> float:
+    """Dundurs' beta of a plane contact in which pressure and shear meet; zero without friction."""
+    if case.contacts[contact].friction == 0:
+        return 0.0
+    beta = dissimilarity(case.bodies[body1], case.bodies[body2], case.model.plane)
+    return beta if abs(beta) > ROUND_OFF else 0.0
 
 
 def _kolosov(poisson: float, plane: Plane) -> float:

@@ -15,7 +15,7 @@ from fretfe.idealise.bodies import (
     LOWER,
     UPPER,
     Block,
-    dissimilarity,
+    coupled_beta,
     geometry_obstacles,
     read_block,
 )
@@ -225,6 +225,8 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
         shear_force=loading.shear_force,
         moment=loading.moment,
         bulk_tension=loading.bulk_tension,
+        dundurs=coupled_beta(case, name, UPPER, LOWER),
+        guided=guided(case) and coupled_beta(case, name, UPPER, LOWER) != 0,
         between=_between(case, history, block),
         notes=(),
     )
@@ -278,12 +280,13 @@ def _too_small(block: Block, reach: float) -> str:
 def _notes(case: Case, block: Block, reach: float) -> Iterator[str]:
     yield f"half-planes in place of {case.geometry.template!r}, {_size(block, reach)}"
     if guided(case):
-        yield "the platen does not turn: the pressure is symmetric, M = 0"
+        yield (
+            "the platen does not turn: M is a reaction"
+            if coupled_beta(case, next(iter(case.contacts)), UPPER, LOWER)
+            else "the platen does not turn: the pressure is symmetric, M = 0"
+        )
     if one_sided(case):
         yield "one side of the block carries all of Q: a tension of Q/2 over its height is added"
-    beta = dissimilarity(case.bodies[UPPER], case.bodies[LOWER], case.model.plane)
-    if abs(beta) > 1e-9:
-        yield f"pressure and shear are taken as independent (Dundurs' beta = {beta:.3g})"
     if reach > block.zone:
         yield (
             f"the contact reaches beyond the candidate zone of the template ({reach:.4g} > "

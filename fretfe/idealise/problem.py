@@ -18,7 +18,7 @@ from fretfe.loads.history import within_steps
 
 @dataclass(frozen=True)
 class HalfPlaneProblem:
-    """Two elastically similar half-planes, one of them with a symmetric profile.
+    """Two half-planes, one of them with a symmetric profile.
 
     Signs and names as in `fretfe.analytic.edges`; forces per unit thickness.
 
@@ -32,6 +32,10 @@ class HalfPlaneProblem:
         shear_force: (T,) Q.
         moment: (T,) M of the pressure about the axis of the profile.
         bulk_tension: (T,) sigma0.
+        dundurs: Dundurs' second constant beta, by which pressure and shear depend on each other;
+            body 1 is above.
+        guided: whether body 1 does not turn although shear would turn it, as that of unlike bodies
+            does: the moment is then a reaction.
         between: (T-1, S, 4) P, Q, M and sigma0 within the steps, as `History.between`; None if they
             are straight lines there.
         k_n_error, k_t_error: relative errors of K_N and K_T to expect because the bodies of the
@@ -49,6 +53,8 @@ class HalfPlaneProblem:
     shear_force: Array
     moment: Array
     bulk_tension: Array
+    dundurs: float = 0.0
+    guided: bool = False
     between: Array | None = None
     k_n_error: float = 0.0
     k_t_error: float = 0.0

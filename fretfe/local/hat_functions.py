@@ -78,6 +78,19 @@ class HatFunctions:
         shift = np.where(near, np.log(distance), 0.0)
         return 2 / np.pi * (logarithm + shift * np.outer(self.weights, self.weights))
 
+    def coupling(self) -> Array:
+        """(n, n) weighted relative displacement by unit nodal tractions across, for E* and beta 1.
+
+        Of unlike bodies pressure moves points along the interface, and shear moves them across it:
+        the relative displacement across, positive where it opens, by the shear on body 2; that of
+        body 2 along the interface by the pressure is the transposed matrix. Up to a rigid motion.
+        """
+        before = np.sign(self.nodes[:, None] - self.nodes) * np.outer(self.weights, self.weights)
+        difference = self.grid[:, None] - self.grid
+        fourth_integral = np.sign(difference) * difference**4 / 24
+        apart = np.abs(np.subtract.outer(*[np.arange(len(self.nodes))] * 2))
+        return np.where(apart > 1, before, self._doubly_integrated(fourth_integral))
+
     def _near(self) -> Bools:
         reach = NEAR * np.maximum(np.diff(self.grid)[1:], np.diff(self.grid)[:-1])
         return np.abs(self.nodes[:, None] - self.nodes) < np.maximum.outer(reach, reach)
@@ -92,14 +105,17 @@ class HatFunctions:
         """(n, n) integrals of -ln|x - y|: fourth differences of a fourth integral."""
         r = np.abs(self.grid[:, None] - self.grid)
         logarithm = np.log(np.where(r > 0, r, 1.0))
-        fourth_integral = r**4 / 24 * (logarithm - 25 / 12)
+        return -self._doubly_integrated(r**4 / 24 * (logarithm - 25 / 12))
+
+    def _doubly_integrated(self, fourth_integral: Array) -> Array:
+        """(n, n) integrals of a kernel over pairs of hats, from its fourth integral on the grid."""
         h = np.diff(self.grid)
         rows = np.arange(len(self.nodes))
         second = np.zeros((len(rows), len(self.grid)))
         second[rows, rows] = 1 / h[:-1]
         second[rows, rows + 1] = -1 / h[:-1] - 1 / h[1:]
         second[rows, rows + 2] = 1 / h[1:]
-        return np.asarray(-second @ fourth_integral @ second.T)
+        return np.asarray(second @ fourth_integral @ second.T)
 
 
 @dataclass(frozen=True)

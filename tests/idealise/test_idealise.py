@@ -12,7 +12,7 @@ from pad_cases import BASE, HOLD, SLIDING, STEEL, pad, press, pull, shear, wave
 from fretfe.analytic.profiles import FlatRounded, Hertz, Wedge
 from fretfe.case import parse_case
 from fretfe.errors import ModelError
-from fretfe.idealise import NotIdealisable, idealise, obstacles
+from fretfe.idealise import NotIdealisable, idealise, obstacles, unlike_obstacles
 from fretfe.idealise.problem import contact_edges, governing_length
 
 E_STAR = 210e3 / (2 * 0.91)
@@ -42,7 +42,7 @@ def test_two_cylinders_and_plane_stress() -> None:
     assert isinstance(problem.profile, Hertz)
     assert problem.profile.radius == pytest.approx(6.0)
     assert problem.profile.e_star == pytest.approx(1 / (1 / 210e3 + 1 / 205e3))
-    assert any("Dundurs" in note for note in problem.notes)
+    assert problem.dundurs != 0
 
 
 def test_wedge_and_flat_rounded() -> None:
@@ -122,10 +122,6 @@ REASONS: dict[str, tuple[dict[str, Any], str]] = {
     "surfaces": (
         {"contacts": {"main": {**MAIN, "surface1": "lower_contact", "surface2": "upper_contact"}}},
         "contacts.main: expected surface1 = 'upper_contact'",
-    ),
-    "materials": (
-        {"bodies": {"upper": STEEL, "lower": {"young": 70e3, "poisson": 0.3}}},
-        "found beta = 0.",
     ),
     "displacement control": (
         {"loads": {"press": {**press(), "control": "displacement"}, "shear": shear()}},
@@ -211,6 +207,15 @@ def test_all_reasons_come_together() -> None:
     with pytest.raises(NotIdealisable) as raised:
         idealise(parse_case(pad(loads=loads)))
     assert len(raised.value.reasons) == 4
+
+
+def test_unlike_bodies_are_half_planes_without_closed_forms() -> None:
+    case = parse_case(pad(bodies={"upper": STEEL, "lower": {"young": 70e3, "poisson": 0.3}}))
+    found = idealise(case)
+    # beta = (mu1 - mu2)(kappa - 1)/[(mu1 + mu2)(kappa + 1)]
+    assert found.dundurs == pytest.approx(0.5 * 0.8 / 2.8)
+    assert found.guided
+    assert ["beta = 0.143" in each for each in unlike_obstacles(case)] == [True]
 
 
 def test_frictionless_dissimilar_bodies_are_fine() -> None:

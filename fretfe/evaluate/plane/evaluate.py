@@ -13,7 +13,11 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array, Bools
-from fretfe.analytic.edges import effective_bulk_tension, shear_force_from_factors
+from fretfe.analytic.edges import (
+    effective_bulk_tension,
+    oscillation,
+    shear_force_from_factors,
+)
 from fretfe.evaluate.contacts import (
     CountedCycles,
     Frame,
@@ -25,6 +29,7 @@ from fretfe.evaluate.contacts import (
 )
 from fretfe.evaluate.cycles import count_cycles, worst_cycle
 from fretfe.evaluate.factors import (
+    K_T_LENGTH,
     FactorHistories,
     LoadPath,
     UnitFactors,
@@ -32,9 +37,11 @@ from fretfe.evaluate.factors import (
     cycle_range,
     edge_fits,
     edge_movement,
+    factors_at,
     load_path,
     one_sided_share,
     range_spreads,
+    reference_length,
     uneven_share,
     with_moved,
     within_known,
@@ -75,13 +82,30 @@ def evaluate_plane(
     centre, half_width = positions.mean(axis=0), (positions[1] - positions[0]) / 2
     histories = _factor_histories(solution, contact, positions, find_units)
     path = load_path(solution.values, solution.between, solution.cycle)
+    # As if the bodies were similar, at the length where shear adds nothing to K_I.
+    whole = histories.ways.mean(axis=0)
+    lengths = np.full(len(PLANE_FRONTS), np.nan)
+    if contact.dundurs:
+        cycle = cycle_states(solution.cycle)
+        a = last_known(half_width, cycle)
+        lengths = np.array(
+            [
+                reference_length(contact, fit, factors, a, cycle)
+                for fit, factors in zip(fits, whole, strict=True)
+            ]
+        )
+        fits = tuple(fit.at(length) for fit, length in zip(fits, lengths, strict=True))
+        histories = histories.at(contact.dundurs, lengths)
+        whole = factors_at(whole, contact.dundurs, 2 * a / K_T_LENGTH)
+        whole /= np.cosh(np.pi * oscillation(contact.dundurs))
     spreads = range_spreads(histories, fits, contact.arc, cycle_states(solution.cycle), path)
-    edges = _Edges(solution, contact, centre, histories, path, _friction_work(solution, contact))
+    work = _friction_work(solution, contact)
+    edges = _Edges(solution, contact, centre, histories, path, work, lengths)
     fronts = [
         Front(front.name, (edges.station(front, fit, spreads[front.number]),))
         for front, fit in zip(PLANE_FRONTS, fits, strict=True)
     ]
-    k_t = np.array([front.stations[0].k_t for front in fronts])
+    k_t = whole[..., Factor.K_T]
 
     def tension(interval: slice, cycle: Cycle) -> Array:
         return tension_history(k_t[:, interval], half_width[interval], cycle)
@@ -219,9 +243,15 @@ def _factor_histories(
     def history(each: Array) -> Array:
         def count(interval: slice, cycle: tuple[int, int] | None) -> Array:
             drivers, friction = solution.driver_values[interval], contact.friction[interval]
-            return add_up(each[interval], drivers, friction, touching[interval], cycle).swapaxes(
-                0, 1
+            found = add_up(
+                each[interval],
+                drivers,
+                friction,
+                touching[interval],
+                cycle,
+                unlike=contact.dundurs != 0,
             )
+            return found.swapaxes(0, 1)
 
         return by_interval(contact, solution.cycle, count).swapaxes(0, 1)
 
@@ -256,6 +286,7 @@ class _Edges:
         histories: of the singular factors of both edges.
         path: loads of the cycle between its steps, unless they are straight lines.
         work: (N,) friction work of each node in the evaluated cycle.
+        lengths: (2,) reference lengths of both edges between unlike bodies, else NaN.
     """
 
     solution: Solution
@@ -264,11 +295,14 @@ class _Edges:
     histories: FactorHistories
     path: LoadPath | None
     work: Array
+    lengths: Array
 
     def station(self, front: PlaneFront, fit: EdgeFit, spread: RangeSpread) -> Station:
         """The station of an edge, with the error bar of its range."""
         contact, cycle = self.contact, cycle_states(self.solution.cycle)
-        movement = edge_movement(contact, front, abs(float((self.centre - fit.position)[-1])))
+        exponents = np.broadcast_to(fit.exponent, fit.k_n.shape)
+        half_width = abs(float((self.centre - fit.position)[-1]))
+        movement = edge_movement(contact, front, half_width, float(exponents[-1]))
         k_n_spread = _k_n_spread(self.solution, fit, movement.k_n, self.histories.exact)
         factors = self.histories.ways[:, front.number].mean(axis=0)
         history = front.history(fit.position, fit.spread_position, fit.k_n, k_n_spread, factors)
@@ -296,6 +330,10 @@ class _Edges:
                 else cycle_range(fitted[front.number, :, Factor.K_T], cycle)
             ),
             k_i_range=cycle_range(history.k_i, cycle),
+            reference_length=float(self.lengths[front.number]),
+            exponent=float(exponents[history.last]),
+            oscillation=oscillation(contact.dundurs),
+            coupling=abs(contact.dundurs) * float(contact.friction.max()),
             cycles=cycles,
             slip_zones=self._zones(front, evaluated, cycles),
             dissipation=float(self.work[here].sum()),

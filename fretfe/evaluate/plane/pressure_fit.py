@@ -20,7 +20,7 @@ edges anywhere between two nodes.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -131,16 +131,23 @@ def scatter(x: Array, values: Array) -> Array:
 class EdgeFit:
     """Position along the arc and K_N (stress over root of length), with error bars; (T,) each.
 
-    A spread is half the width of an interval that is meant to hold the truth with 95 %.
+    A spread is half the width of an interval that is meant to hold the truth with 95 %. The
+    pressure is K_N s^exponent; where that is not a root, K_N is that at the reference length 1.
     """
 
     position: Array
     k_n: Array
     spread_position: Array
     spread_k_n: Array
+    exponent: Array | float = 0.5
+
+    def at(self, length: float) -> EdgeFit:
+        """Return the fit with K_N = p(length)/sqrt(length) of the power law."""
+        ratio = length ** np.asarray(self.exponent - 0.5)
+        return replace(self, k_n=ratio * self.k_n, spread_k_n=ratio * self.spread_k_n)
 
 
-def fit_edge(section: Section, *, solved: bool = False) -> EdgeFit:
+def fit_edge(section: Section, *, solved: bool = False, exponent: Array | float = 0.5) -> EdgeFit:
     """Return the position of the edge and K_N from the pressures of T states along a section.
 
     Windows and orders are weighted by the data, so that a short square-root zone (rounded edge) and
@@ -150,13 +157,21 @@ def fit_edge(section: Section, *, solved: bool = False) -> EdgeFit:
     Args:
         section: the pressures.
         solved: whether they come out of a solver, without noise.
+        exponent: (T,) or one for all: lambda of p ~ s^lambda. What is fitted is p^(1/(2 lambda)),
+            which falls like a root.
     """
+    double = 2 * np.broadcast_to(exponent, section.nodes.shape)
+    section = replace(section, values=section.values ** (1 / double[:, None]))
     results = np.tile([[np.nan], [np.nan], [np.inf], [np.inf]], len(section.nodes))
     enough = np.flatnonzero(section.nodes >= FEWEST_NODES)
     if enough.size:
         results[:, enough] = _fit(section.of_states(enough), solved)
     results[0] = section.place(results[0])
-    return EdgeFit(*results)
+    root, spread = results[[1, 3]]
+    results[1] = root**double
+    results[3] = spread * double * root ** (double - 1)
+    position, k_n, spread_position, spread_k_n = results
+    return EdgeFit(position, k_n, spread_position, spread_k_n, double / 2)
 
 
 def _fit(section: Section, solved: bool) -> Array:

@@ -207,14 +207,20 @@ def plane_front(name: str) -> PlaneFront:
     raise ValueError(f"front must be 'left' or 'right', found {name!r}")
 
 
-def plane_sections(x: Array, values: Array) -> tuple[Section, ...]:
+def plane_sections(x: Array, values: Array, along: Array | None = None) -> tuple[Section, ...]:
     """Return the sections of T states at both fronts of the main patches; x (n,), values (T, n).
+
+    Args:
+        x: (n,) positions along the arc, increasing.
+        values: (T, n) pressures, which tell the patches.
+        along: (T, n) the values of the sections; None for the pressures.
 
     Raises:
         ValueError: if nothing is in contact in a state.
     """
     patches = [main_patch(x, state) for state in values]
-    return tuple(front.section(x, values, patches) for front in PLANE_FRONTS)
+    along = values if along is None else along
+    return tuple(front.section(x, along, patches) for front in PLANE_FRONTS)
 
 
 def nearest_front(x: Array, centre: float) -> Indices:

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Unlike bodies: interaction integrals where full stick oscillates, and slip zones."""
+
+from __future__ import annotations
+
+import blocks
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from fretfe._typing import Array
+from fretfe.analytic.edges import oscillation
+from fretfe.bodies.definition import Material
+from fretfe.fem._compat import MPI
+from fretfe.fem.elasticity import ElasticBody
+from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
+
+POISSON, REACH, SIZE = 0.3, 0.5, 0.05
+KOLOSOV = 3 - 4 * POISSON
+
+
+def displacement(z: npt.NDArray[np.complex128], epsilon: float, side: int, mu: float) -> Array:
+    """(n, 2, 2) of K_I = 1 and of K_T = 1 at the length 1, by complex potentials.
+
+    p + i q = (K_I + i K_T) s^(-1/2 + i epsilon) at z = s.
+    """
+    # Either body has its cut through the other one.
+    z = np.where(z == 0, 1e-12 + 0j, z)
+    angle = side * (np.pi / 2 + np.arctan2(-z.real, side * z.imag))
+    power = 0.5 + 1j * epsilon
+    found = []
+    for c in (-0.5 / np.cosh(np.pi * epsilon), -0.5j / np.cosh(np.pi * epsilon)):
+        a, b = c * np.exp(side * np.pi * epsilon), c * np.exp(-side * np.pi * epsilon)
+        logarithm = np.log(np.abs(z)) + 1j * angle
+        phi = a * np.exp(power * logarithm) / power
+        omega = b * np.exp(power * np.conj(logarithm)) / power
+        slope = a * np.exp((power - 1) * logarithm)
+        u = (KOLOSOV * phi - omega - (z - np.conj(z)) * np.conj(slope)) / (2 * mu)
+        found.append(np.column_stack([u.real, u.imag]))
+    # p + i q = -(s_yy - i s_xy): c is real and negative for pressure, -i K_T/2 for shear.
+    return np.stack(found, axis=-1)
+
+
+def factors(beta: float, inward: float) -> Array:
+    """(2, 2) K_I and K_T found in fields of a unit of each."""
+    ratio = (KOLOSOV - 1 + beta * (KOLOSOV + 1)) / (KOLOSOV - 1 - beta * (KOLOSOV + 1))
+    epsilon, whole = oscillation(beta), np.zeros((2, 2))
+    softness = 0.0
+    span = np.linspace(-0.8, 0.8, round(1.6 / SIZE) + 1)
+    depth = np.linspace(0.0, 0.8, round(0.8 / SIZE) + 1)
+    for upper, mu in ((True, ratio), (False, 1.0)):
+        name, side = ("pad", "bottom") if upper else ("block", "top")
+        mesh = blocks.block(name, span, depth if upper else depth - 0.8, cell="quadrilateral")
+        young = 2 * mu * (1 + POISSON)
+        material = Material(young, POISSON, 0.0, "strain")
+        elastic = ElasticBody(
+            MPI.COMM_WORLD, mesh if MPI.COMM_WORLD.rank == 0 else None, material, 2
+        )
+        x, y = elastic.space.tabulate_dof_coordinates()[:, :2].T
+        moved = displacement(inward * x + 1j * y, epsilon, 1 if upper else -1, mu)
+        moved[:, 0] *= inward
+        form = InteractionForm(elastic, [f"{name}_{side}"], upper, (), epsilon)
+        frame = np.array([[0.0, 1.0], [inward, 0.0]])
+        whole += form.products(Tip(np.zeros(2), frame), Tube(REACH), moved)
+        softness += (1 - POISSON**2) / young
+    whole = MPI.COMM_WORLD.allreduce(whole)
+    scale = np.cosh(np.pi * epsilon) ** 2 / softness / np.sqrt(2 * np.pi)
+    return np.asarray(np.array([[-scale], [scale]]) * whole)
+
+
+@pytest.mark.parametrize("inward", [1.0, -1.0])
+@pytest.mark.parametrize("beta", [0.07, -0.07, 0.25])
+def test_exact_fields_of_an_interface(beta: float, inward: float) -> None:
+    """Both bodies by their own potentials (Rice and Sih 1965), ten elements to the reach."""
+    assert factors(beta, inward) == pytest.approx(np.eye(2), abs=1e-3)
