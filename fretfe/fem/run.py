@@ -416,10 +416,10 @@ def _steady(recorder: Recorder, cycles: _Cycles, options: RunOptions) -> bool:
 
 
 def _place(model: Model, pair: Pair) -> Place:
-    coupling, solid = pair.coupling, model.dimension == 3
-    surface = (coupling.facets, coupling.free) if solid else ()
-    beta = 0.0 if solid else coupled_beta(model.case, pair.name, pair.body1, pair.body2)
-    return Place(pair.name, pair.body1, pair.body2, coupling, *surface, dundurs=beta)
+    coupling, names = pair.coupling, (pair.name, pair.body1, pair.body2)
+    if model.dimension == 3:
+        return Place(*names, coupling, coupling.facets, coupling.free)
+    return Place(*names, coupling, dundurs=coupled_beta(model.case, *names))
 
 
 def _require_contact(recorder: Recorder) -> None:
