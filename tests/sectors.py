@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -81,9 +82,10 @@ def ramp(value: float) -> list[dict[str, Any]]:
     return [{"ramp": value, "until": 1.0, "steps": 2}]
 
 
-def spinning(count: int, speed: float = 1.0, **tables: Any) -> dict[str, Any]:
+def spinning(count: int, axis: Sequence[float] = (), **tables: Any) -> dict[str, Any]:
     """The case of so many blocks in one ring; of one block it is a sector."""
     names = ["pad"] if count == 1 else [f"pad{i}" for i in range(count)]
+    line = {"axis": list(axis), "centre": [0, 0, 0]} if axis else {"centre": [0, 0]}
     suffixes = [name.removeprefix("pad") for name in names]
     return {
         "bodies": {name: STEEL for name in ("ring", *names)},
@@ -95,7 +97,7 @@ def spinning(count: int, speed: float = 1.0, **tables: Any) -> dict[str, Any]:
             }
             for suffix in suffixes
         },
-        "loads": {"spin": {"type": "rotation", "centre": [0, 0], "history": ramp(speed)}},
+        "loads": {"spin": {"type": "rotation", **line, "history": ramp(1.0)}},
         **tables,
     }
 

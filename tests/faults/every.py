@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from faults import case_files, exports, files, folders, lives, models, pieces, rigs
+from faults import case_files, disc, exports, files, folders, lives, models, pieces, rigs
 from faults.fault import Fault
 
-SOURCES = (case_files, files, folders, models, rigs, lives, exports, pieces)
+SOURCES = (case_files, files, folders, models, rigs, lives, exports, pieces, disc)
 
 
 def all_faults() -> list[Fault]:
