@@ -24,7 +24,7 @@ from fretfe.evaluate.slip import cycle_states
 from fretfe.fem.model import Model, Reduction
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import StateArray, blocks
-from fretfe.idealise.bodies import SIMILAR, dissimilarity
+from fretfe.idealise.bodies import SIMILAR, cross_compliance, dissimilarity
 from fretfe.mesh.elements import reference_nodes, shape_values
 from fretfe.surface.checks import INTERPENETRATION_PER_FACET
 from fretfe.surface.surface import Surface, curvatures, deviations, mean_curvature, normal_vectors
@@ -140,22 +140,35 @@ def _balance_limit(solution: Solution, kind: str) -> ModelLimit:
 
 def oscillates(case: Case, history: ContactHistory) -> bool:
     """True if full stick oscillates next to the edges of a contact: K_I is not defined there."""
-    return any(limit.exceeded for limit in _dissimilar(case, history))
+    return any(limit.exceeded for limit in list(_dissimilar(case, history))[:1])
 
 
 def _dissimilar(case: Case, history: ContactHistory) -> Iterator[ModelLimit]:
-    """Between dissimilar bodies full stick oscillates at an edge: K_T and K_I are not defined."""
+    """Between dissimilar bodies full stick oscillates at an edge: K_T and K_I are not defined.
+
+    Second, of crystals, that pressure and shear depend on each other without oscillating.
+    """
     if not np.any(history.friction > 0):
         return
     bodies = case.bodies[history.body1], case.bodies[history.body2]
     yield ModelLimit(
         history.name,
         "Dundurs' beta of the bodies, with friction",
-        abs(dissimilarity(*bodies, case.model.plane)),
+        abs(dissimilarity(*bodies, case.model.plane, history.mean_normal)),
         SIMILAR,
         "the tractions of full stick oscillate next to an edge, which K_T, K_I and what follows "
         "from them neglect; rely on tractions and slip zones",
     )
+    cross = cross_compliance(*bodies, case.model.plane, history.mean_normal)
+    if cross > 0:
+        yield ModelLimit(
+            history.name,
+            "cross compliance of the crystals, over those of pressure and shear, with friction",
+            cross,
+            SIMILAR,
+            "shear changes the pressure next to an edge, which slip zones predicted from the edge "
+            "factors neglect; rely on the computed ones",
+        )
 
 
 def _motion_limits(

@@ -13,6 +13,7 @@ from fretfe.case import Case, PlatenLoad, TractionLoad, plane_modulus, unit_vect
 from fretfe.errors import ModelError
 from fretfe.idealise.bodies import (
     LOWER,
+    NORMAL,
     UPPER,
     Block,
     dissimilarity,
@@ -279,7 +280,7 @@ def _notes(case: Case, block: Block, reach: float) -> Iterator[str]:
         yield "the platen does not turn: the pressure is symmetric, M = 0"
     if one_sided(case):
         yield "one side of the block carries all of Q: a tension of Q/2 over its height is added"
-    beta = dissimilarity(case.bodies[UPPER], case.bodies[LOWER], case.model.plane)
+    beta = dissimilarity(case.bodies[UPPER], case.bodies[LOWER], case.model.plane, NORMAL)
     if abs(beta) > 1e-9:
         yield f"pressure and shear are taken as independent (Dundurs' beta = {beta:.3g})"
     if reach > block.zone:
