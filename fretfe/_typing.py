@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
 Bools = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 # What NumPy's searches return; the same as Indices on 64-bit systems.

@@ -11,9 +11,20 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.analytic.crystals import isotropic as isotropic_stiffness
+from fretfe.analytic.crystals import plane_stress, tensor
 from fretfe.bodies.cyclic import Tie, tie_sides
 from fretfe.bodies.point_values import OUTSIDE, PointValues, read_points
-from fretfe.case import Case, complaint, unit_vector
+from fretfe.case import (
+    AnyBody,
+    Case,
+    Plane,
+    complaint,
+    couples_across,
+    isotropic,
+    stiffness,
+    unit_vector,
+)
 from fretfe.case.base import ABSOLUTE_ZERO, AXES
 from fretfe.case.loads import (
     AccelerationLoad,
@@ -40,15 +51,17 @@ from fretfe.surface.surface import Surface, boundary_surface, build_surface
 
 @dataclass(frozen=True)
 class Material:
-    """Isotropic linear elasticity.
+    """Linear elasticity of a body.
 
     Attributes:
-        young: Young's modulus (stress).
-        poisson: Poisson's ratio.
+        young: Young's modulus (stress); NaN of a crystal.
+        poisson: Poisson's ratio; NaN of a crystal.
         density: mass per volume, zero if no load needs it.
         plane: "strain" or "stress"; without meaning in three dimensions.
         expansion: coefficient of thermal expansion, zero if no load needs it.
         reference_temperature: without thermal strain.
+        crystal: (6, 6) stiffness of a crystal in the axes of the model, in Voigt's order as in
+            `analytic.crystals`, in plane stress that of strains in the plane; None if isotropic.
     """
 
     young: float
@@ -57,6 +70,28 @@ class Material:
     plane: str
     expansion: float = 0.0
     reference_temperature: float = 0.0
+    crystal: tuple[tuple[float, ...], ...] | None = None
+
+    @classmethod
+    def of(cls, body: AnyBody, plane: Plane) -> Material:
+        """The material of a body of a case."""
+        known = isotropic(body)
+        young, poisson = (known.young, known.poisson) if known else (np.nan, np.nan)
+        rest = body.density or 0.0, plane, body.expansion or 0.0, body.reference_temperature or 0.0
+        crystal = None if known else tuple(map(tuple, stiffness(body, plane).tolist()))
+        return cls(young, poisson, *rest, crystal)
+
+    @property
+    def text(self) -> str:
+        """The elastic constants, for people."""
+        if self.crystal is None:
+            return f"E = {self.young:g}, ν = {self.poisson:g}"
+        matrix = np.array(self.crystal)
+        return "crystal, in the axes of the model " + ", ".join(
+            f"C{i + 1}{j + 1} = {matrix[i, j]:.5g}"
+            for i, j in zip(*np.triu_indices(6), strict=True)
+            if abs(matrix[i, j]) > SHOWN * np.abs(matrix).max()
+        )
 
     @property
     def shear_modulus(self) -> float:
@@ -77,18 +112,33 @@ class Material:
         mu, lame = self.shear_modulus, self.first_lame
         return (lame + 3 * mu) / (lame + mu)
 
+    @property
+    def stiffness(self) -> Array:
+        """(6, 6) in the axes of the model, in plane stress that of strains in the plane."""
+        if self.crystal is not None:
+            return np.array(self.crystal)
+        whole = isotropic_stiffness(self.young, self.poisson)
+        return plane_stress(whole) if self.plane == "stress" else whole
+
+    @property
+    def tensor(self) -> Array:
+        """(3, 3, 3, 3) stiffness."""
+        return tensor(self.stiffness)
+
+    @property
+    def across(self) -> Array:
+        """(3,) stress zz of plane bodies by a unit of xx, yy and xy; nothing in plane stress."""
+        if self.plane == "stress":
+            return np.zeros(3)
+        matrix, own = self.stiffness, [0, 1, 5]
+        return np.asarray(np.linalg.solve(matrix[np.ix_(own, own)], matrix[2, own]))
+
     def initial_stress(self, strain: Array) -> Array:
         """(m, 3, 3) stress without which initial strains (m, 3, 3) would deform a body.
 
         In plane strain nothing moves along z, in plane stress nothing holds it there.
         """
-        stress = 2 * self.shear_modulus * strain
-        strained = strain[:, :2, :2] if self.plane == "stress" else strain
-        trace = np.trace(strained, axis1=1, axis2=2)
-        stress += self.first_lame * trace[:, None, None] * np.eye(3)
-        if self.plane == "stress":
-            stress[:, 2, 2] = 0.0
-        return stress
+        return np.einsum("ijkl,mkl->mij", self.tensor, strain)
 
 
 @dataclass(frozen=True)
@@ -275,6 +325,8 @@ class Constraint:
         return np.cross(self.axis, arms)
 
 
+# Stiffnesses below this part of the largest one are not listed.
+SHOWN = 1e-6
 # A place is on a surface if it is nearer to it than this part of the extent of the body.
 FLAT = 1e-6
 # Of a facet along each of its edges there are more samples than this.
@@ -361,17 +413,10 @@ def _define_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyDefinition
         for entry in _platens(case, gdim) + moved + _supports(case, gdim)
         if entry[0].boundary in own
     ]
-    body = case.bodies[name]
+    _require_plane(case, name, gdim)
     return BodyDefinition(
         name=name,
-        material=Material(
-            body.young,
-            body.poisson,
-            body.density or 0.0,
-            case.model.plane,
-            body.expansion or 0.0,
-            body.reference_temperature or 0.0,
-        ),
+        material=Material.of(case.bodies[name], case.model.plane),
         constraints=tuple(constraint for constraint, _, _ in constrained),
         coordinates=tuple(
             Coordinate(constraint.label, name, control, channel)
@@ -389,6 +434,17 @@ def _tie(case: Case, body: BodyMesh) -> Tie | None:
             key = ("symmetry", name)
             return tie_sides(symmetry, key, case.source, body, case.model.degree)
     return None
+
+
+def _require_plane(case: Case, name: str, gdim: int) -> None:
+    """Check that displacements in the plane are all that a plane body has."""
+    if gdim == 2 and couples_across(case.bodies[name]):
+        text = (
+            "expected an orientation in which z is normal to a plane of symmetry of the crystal, "
+            "because displacements of plane bodies have no component along z, which any other "
+            "orientation couples with those in the plane; take solids, or turn the crystal"
+        )
+        raise CaseError(complaint(case.source, ("bodies", name, "orientation"), text))
 
 
 def _platens(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:

@@ -4,6 +4,21 @@
 from __future__ import annotations
 
 from fretfe.case.base import BoundarySelector, Selector, file_kind, unit_vector
+from fretfe.case.bodies import (
+    IS_CRYSTAL,
+    AnyBody,
+    Body,
+    Crystal,
+    antiplane_ratio,
+    contact_modulus,
+    couples_across,
+    half_plane,
+    half_planes,
+    isotropic,
+    normal_modulus,
+    plane_modulus,
+    stiffness,
+)
 from fretfe.case.loads import (
     AccelerationLoad,
     CsvPoints,
@@ -34,9 +49,9 @@ from fretfe.case.reading import (
     check_dimension,
     load_case,
     parse_case,
+    require_isotropic,
 )
 from fretfe.case.tables import (
-    Body,
     Contact,
     Cycle,
     Edges,
@@ -48,17 +63,17 @@ from fretfe.case.tables import (
     Support,
     Symmetry,
     Units,
-    antiplane_ratio,
-    contact_modulus,
-    plane_modulus,
 )
 
 __all__ = [
+    "IS_CRYSTAL",
     "AccelerationLoad",
+    "AnyBody",
     "Body",
     "BoundarySelector",
     "Case",
     "Contact",
+    "Crystal",
     "CsvPoints",
     "Cycle",
     "DisplacementLoad",
@@ -95,10 +110,17 @@ __all__ = [
     "check_dimension",
     "complaint",
     "contact_modulus",
+    "couples_across",
     "file_kind",
+    "half_plane",
+    "half_planes",
+    "isotropic",
     "load_case",
+    "normal_modulus",
     "parse_assignments",
     "parse_case",
     "plane_modulus",
+    "require_isotropic",
+    "stiffness",
     "unit_vector",
 ]

@@ -14,10 +14,18 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from fretfe.case.base import TAG, BoundarySelector, Selector, Table
+from fretfe.case.bodies import (
+    CRYSTAL,
+    ISOTROPIC,
+    Body,
+    Crystal,
+    Elastic,
+    Orientation,
+    Orthotropic,
+)
 from fretfe.case.loads import KINDS, LOADS
 from fretfe.case.model import Case, Contradiction, Key, Problem
 from fretfe.case.tables import (
-    Body,
     Contact,
     Cycle,
     Edges,
@@ -50,6 +58,12 @@ NESTED: dict[tuple[str | int, ...], type[Table]] = {
 # Characters of a text, or digits of a number, that are shown.
 LONGEST = 60
 TAGGED = {f"{TAG}{key}": table for key, table in (LOADS | KINDS).items()}
+TAGGED |= {ISOTROPIC: Body, CRYSTAL: Crystal}
+OF_CRYSTALS: dict[str | int, type[Table]] = {
+    "elastic": Elastic,
+    "orthotropic": Orthotropic,
+    "orientation": Orientation,
+}
 
 EXPECTED = {
     "float_type": "a number",
@@ -224,6 +238,8 @@ def _unknown_key(location: tuple[str | int, ...], top: type[Table]) -> str:
 def _table(location: tuple[str | int, ...], top: type[Table]) -> type[Table]:
     """The table that the last part of a location is a key of."""
     tags = [part for part in location if part in TAGGED]
+    if CRYSTAL in tags and location[-2] in OF_CRYSTALS:
+        return OF_CRYSTALS[location[-2]]
     if tags:
         return TAGGED[str(tags[-1])]
     if len(location) > 2 and location[:2] in NESTED:

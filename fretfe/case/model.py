@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, Self
 from pydantic import Field, PrivateAttr, model_validator
 
 from fretfe.case.base import AXES, Name, Table, unit_vector
+from fretfe.case.bodies import AnyBody
 from fretfe.case.loads import (
     AccelerationLoad,
     AnyLoad,
@@ -25,7 +26,6 @@ from fretfe.case.loads import (
     TiltLoad,
 )
 from fretfe.case.tables import (
-    Body,
     Contact,
     Cycle,
     Edges,
@@ -56,7 +56,7 @@ class Problem(NamedTuple):
 
 
 def cross_problems(
-    bodies: Mapping[str, Body],
+    bodies: Mapping[str, AnyBody],
     contacts: Mapping[str, Contact],
     supports: Mapping[str, Support],
     loads: Mapping[str, Load],
@@ -198,7 +198,9 @@ def _displacement_problems(
             used.setdefault(component, f"loads.{name}")
 
 
-def _density_problems(bodies: Mapping[str, Body], loads: Mapping[str, Load]) -> Iterator[Problem]:
+def _density_problems(
+    bodies: Mapping[str, AnyBody], loads: Mapping[str, Load]
+) -> Iterator[Problem]:
     missing = [f"bodies.{name}.density" for name, body in bodies.items() if body.density is None]
     for name, load in loads.items():
         if isinstance(load, RotationLoad | AccelerationLoad) and missing:
@@ -211,7 +213,7 @@ def _density_problems(bodies: Mapping[str, Body], loads: Mapping[str, Load]) -> 
 
 
 def _temperature_problems(
-    bodies: Mapping[str, Body], loads: Mapping[str, Load]
+    bodies: Mapping[str, AnyBody], loads: Mapping[str, Load]
 ) -> Iterator[Problem]:
     """Temperatures of bodies that are not there, or whose expansion is not known."""
     for name, load in loads.items():
@@ -351,7 +353,7 @@ class Case(Table):
     units: Units = Field(default=Units(), description="Labels of the units used in the file.")
     model: Model = Field(default=Model(), description="Plane state, thickness, discretisation.")
     geometry: Geometry = Field(description="Where the mesh comes from.")
-    bodies: dict[Name, Body] = Field(
+    bodies: dict[Name, AnyBody] = Field(
         min_length=2, description="Bodies; the key is the physical surface group of the mesh."
     )
     contacts: dict[Name, Contact] = Field(

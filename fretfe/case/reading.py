@@ -13,6 +13,7 @@ import tomli_w
 from pydantic import TypeAdapter, ValidationError
 
 from fretfe.case.base import AXES, Name, Table
+from fretfe.case.bodies import IS_CRYSTAL, AnyBody, Body, isotropic
 from fretfe.case.loads import (
     AnyLoad,
     ChannelAtPoints,
@@ -28,7 +29,7 @@ from fretfe.case.loads import (
 from fretfe.case.messages import complaint, field_problems
 from fretfe.case.model import Case, Key, Problem, cross_problems
 from fretfe.case.overrides import with_overrides
-from fretfe.case.tables import Body, Contact, Support, Symmetry
+from fretfe.case.tables import Contact, Support, Symmetry
 from fretfe.errors import CaseError
 from fretfe.files import require_file
 
@@ -171,7 +172,7 @@ def _comma_hint(text: str, line: int, column: int) -> str:
 
 def _partial_cross_problems(data: Mapping[str, Any]) -> list[Problem]:
     return cross_problems(
-        cast("dict[str, Body]", _valid_entries(Body, data.get("bodies"))),
+        cast("dict[str, AnyBody]", _valid_entries(AnyBody, data.get("bodies"))),
         cast("dict[str, Contact]", _valid_entries(Contact, data.get("contacts"))),
         cast("dict[str, Support]", _valid_entries(Support, data.get("supports"))),
         cast("dict[str, Load]", _valid_entries(AnyLoad, data.get("loads"))),
@@ -255,6 +256,19 @@ def check_dimension(case: Case, dimension: int) -> None:
     lines = [complaint(case.source, *problem) for problem in _misfits(case, dimension)]
     if lines:
         raise CaseError("\n".join(lines))
+
+
+def require_isotropic(case: Case, name: str, what: str) -> Body:
+    """The constants of a body, for what has no formula for crystals.
+
+    Raises:
+        CaseError: the body is a crystal.
+    """
+    known = isotropic(case.bodies[name])
+    if known is None:
+        found = f"found the crystal {name!r}: what it needs is {IS_CRYSTAL}"
+        raise CaseError(f"{case.source}: {what}: expected isotropic bodies, {found}")
+    return known
 
 
 def _misfits(case: Case, dimension: int) -> Iterator[Problem]:

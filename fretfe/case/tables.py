@@ -20,7 +20,6 @@ from fretfe.case.base import (
     Positive,
     Selector,
     Table,
-    Temperature,
     Text,
     Vector,
     file_problem,
@@ -137,54 +136,6 @@ class Geometry(Table):
             keys = " and ".join(map(repr, wrong))
             raise ValueError(f"expected {keys} with a file only, found together with 'template'")
         return self
-
-
-class Body(Table):
-    """An elastic body; its key is the physical surface group of the mesh."""
-
-    young: Positive = Field(description="Young's modulus, in stress units; > 0.")
-    poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio; -1 < poisson < 0.5.")
-    density: Positive | None = Field(
-        default=None,
-        description="Mass density in consistent units (mm, N, s: t/mm^3); > 0. "
-        "Needed in every body when a load is a rotation or an acceleration.",
-    )
-    expansion: Number | None = Field(
-        default=None,
-        description="Coefficient of thermal expansion, per degree. Needed, with "
-        "reference_temperature, in every body that a temperature load acts on.",
-    )
-    reference_temperature: Temperature | None = Field(
-        default=None,
-        description="Temperature without thermal strain, in degrees Celsius.",
-    )
-
-    @property
-    def shear_modulus(self) -> float:
-        """Shear modulus E/(2(1 + nu)), in stress units."""
-        return self.young / (2 * (1 + self.poisson))
-
-
-def plane_modulus(body: Body, plane: Plane) -> float:
-    """Modulus of uniaxial stress in the plane: E/(1 - nu^2) in plane strain, E in plane stress."""
-    return body.young / (1 - body.poisson**2) if plane == "strain" else body.young
-
-
-def contact_modulus(body1: Body, body2: Body, plane: Plane) -> float:
-    """Contact modulus E*: 1/E* = sum of 1/plane_modulus of the two bodies (Hertz).
-
-    Valid for plane problems; for two bodies of E and nu in plane strain E* = E/(2(1 - nu^2)).
-    """
-    return 1 / (1 / plane_modulus(body1, plane) + 1 / plane_modulus(body2, plane))
-
-
-def antiplane_ratio(body1: Body, body2: Body) -> float:
-    """Antiplane compliance of two half-planes over that in the plane, (1/G1 + 1/G2) E*/2.
-
-    In plane strain; 1/(1 - ν) for two bodies of one material.
-    """
-    shear = sum((1 + each.poisson) / each.young for each in (body1, body2))
-    return shear * contact_modulus(body1, body2, "strain")
 
 
 class Contact(Table):

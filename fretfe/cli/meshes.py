@@ -66,7 +66,7 @@ def _print(checked: Checked) -> None:
         for warning in coarse_contacts(case, checked.mesh, history):
             console.print(f"Warning: {warning}", highlight=False, markup=False)
     for body in checked.definition.bodies:
-        console.print(f"{body.name}: E = {body.material.young:g}, ν = {body.material.poisson:g}")
+        console.print(f"{body.name}: {body.material.text}")
         for coordinate in body.coordinates:
             console.print(f"  {coordinate.label}: {coordinate.control}", highlight=False)
     for pair in checked.pairs:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fretfe.case import Case, plane_modulus
+from fretfe.case import Case, normal_modulus
 from fretfe.evaluate.contacts import Contact
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
@@ -92,7 +92,7 @@ def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:
         "use smaller loads or more friction, or a code for large sliding",
     )
     modulus = min(
-        plane_modulus(case.bodies[body], case.model.plane)
+        normal_modulus(case.bodies[body], case.model.plane, contact.mean_normal)
         for body in (contact.body1, contact.body2)
     )
     yield ModelLimit(

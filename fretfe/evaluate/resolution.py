@@ -373,7 +373,7 @@ def proposed_sizes(
 def _proposal(
     case: Case, name: str, initial: InitialGap, normal: Array, force: float, tolerance: float
 ) -> Proposal:
-    load, carrier = _load(case, initial, force), _carrier(case.contacts[name], initial)
+    load, carrier = _load(case, initial, normal, force), _carrier(case.contacts[name], initial)
     long, short = _hertz(initial, carrier, normal, load).half_axes
     largest = math.inf
     if math.isfinite(long):
@@ -391,16 +391,16 @@ def _proposal(
     return Proposal(name, force, short, float(f"{size:.2g}"))
 
 
-def _load(case: Case, initial: InitialGap, force: float) -> float:
+def _load(case: Case, initial: InitialGap, normal: Array, force: float) -> float:
     """P/E* of a contact."""
     body1, body2 = case.bodies[initial.surface1.body], case.bodies[initial.surface2.body]
-    return force / contact_modulus(body1, body2, case.model.plane)
+    return force / contact_modulus(body1, body2, case.model.plane, normal)
 
 
 def _warning(
     case: Case, name: str, initial: InitialGap, normal: Array, force: float
 ) -> Iterator[str]:
-    load, carrier = _load(case, initial, force), _carrier(case.contacts[name], initial)
+    load, carrier = _load(case, initial, normal, force), _carrier(case.contacts[name], initial)
     solid = len(normal) == 3
     expected = _across_ellipse if solid else _across_strip
     width, count = expected(initial, carrier, normal, load)
@@ -451,8 +451,10 @@ def hertz_contact(case: Case, name: str, initial: InitialGap, force: float) -> H
     """A contact of solids by Hertz under P; None where its gap is no paraboloid or cylinder."""
     nearest = int(np.argmin(initial.gap))
     normal = initial.surface2.normals[initial.facet2[nearest]].mean(axis=0)
-    carrier, modulus = _carrier(case.contacts[name], initial), force / _load(case, initial, force)
-    found = _hertz(initial, carrier, normal / np.linalg.norm(normal), force / modulus)
+    normal /= np.linalg.norm(normal)
+    carrier = _carrier(case.contacts[name], initial)
+    modulus = force / _load(case, initial, normal, force)
+    found = _hertz(initial, carrier, normal, force / modulus)
     return replace(found, peak=found.peak * modulus) if math.isfinite(found.half_axes[1]) else None
 
 

@@ -22,6 +22,7 @@ from dolfinx.mesh import meshtags_from_entities
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
+from fretfe.analytic.crystals import PAIRS, VOIGT
 from fretfe.bodies.definition import DistributedLoad, Material
 from fretfe.bodies.point_values import PointValues
 from fretfe.fem._compat import (
@@ -49,6 +50,7 @@ FOLDER, LOCK = "fretfe", "lock"
 TIMEOUT = 120
 # Components of a stress that are written, those that do not follow from others.
 PLANE_COMPONENTS = ((0, 0), (1, 1), (0, 1))
+PLANE_VOIGT = np.array([[0, 2], [2, 1]])
 PLANE_TENSOR = ((0, 0), (1, 1), (2, 2), (0, 1))
 COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
@@ -100,7 +102,7 @@ def remove_leftovers(folder: Path) -> None:
 
 @dataclass(frozen=True)
 class Elasticity:
-    """Constants of a material in UFL, as `Material` names them."""
+    """Constants of an isotropic material in UFL, as `Material` names them."""
 
     kolosov: Any
     shear_modulus: Any
@@ -116,6 +118,48 @@ class Elasticity:
         """Stress (d, d) of a strain (d, d)."""
         spread = self.first_lame * ufl.tr(strain) * ufl.Identity(strain.ufl_shape[0])
         return 2 * self.shear_modulus * strain + spread
+
+
+@dataclass(frozen=True)
+class CrystalElasticity:
+    """Stiffness of any material in UFL.
+
+    Attributes:
+        stiffness: (6, 6), in the plane (3, 3), in some axes, in Voigt's order.
+        turn: (3, 3) rows: axes of stress and strain in those axes; None for the same.
+    """
+
+    stiffness: Any
+    turn: Any = None
+
+    @classmethod
+    def of(cls, mesh: Any, material: Material) -> CrystalElasticity:
+        """The stiffness of a material on a mesh, in the axes of the model."""
+        return cls(fem.Constant(mesh, of_dimension(material.stiffness, mesh.geometry.dim)))
+
+    def stress(self, strain: Any) -> Any:
+        """Stress (d, d) of a strain (d, d)."""
+        if self.turn is not None:
+            strain = self.turn.T * strain * self.turn
+        size = strain.ufl_shape[0]
+        number = (VOIGT if size == 3 else PLANE_VOIGT).tolist()
+        pairs = PAIRS if size == 3 else PLANE_COMPONENTS
+        given = ufl.as_vector([strain[i, j] if i == j else 2 * strain[i, j] for i, j in pairs])
+        found = self.stiffness * given
+        stress = ufl.as_matrix([[found[number[i][j]] for j in range(size)] for i in range(size)])
+        return stress if self.turn is None else self.turn * stress * self.turn.T
+
+
+def of_dimension(stiffness: Array, size: int) -> Array:
+    """(6, 6) or (3, 3) stiffness of the components that a mesh of 3 or 2 dimensions has."""
+    kept = range(6) if size == 3 else [0, 1, 5]
+    return stiffness[np.ix_(kept, kept)].copy()
+
+
+def elasticity_of(mesh: Any, material: Material) -> Elasticity | CrystalElasticity:
+    """Hooke's law of a material on a mesh."""
+    kind = Elasticity if material.crystal is None else CrystalElasticity
+    return kind.of(mesh, material)
 
 
 class ElasticBody:
@@ -176,7 +220,7 @@ class ElasticBody:
     def stress(self, displacement: Any) -> Any:
         """Stress (UFL) of a displacement."""
         strain = ufl.sym(ufl.grad(displacement))
-        return Elasticity.of(self.mesh, self.material).stress(strain)
+        return elasticity_of(self.mesh, self.material).stress(strain)
 
     def _energy(self, displacement: Any) -> Any:
         return self._work(self.stress(displacement))
@@ -331,9 +375,7 @@ class ElasticBody:
         values = self._stress_expression.eval(self.mesh, cells)
         values = values.reshape(*self._element_nodes.shape, -1)
         if self.gdim == 2:
-            xx, yy, xy = np.moveaxis(values, 2, 0)
-            zz = 0.0 * xx if self.material.plane == "stress" else self.material.poisson * (xx + yy)
-            values = np.stack([xx, yy, zz, xy], axis=2)
+            values = np.insert(values, 2, values @ self.material.across, axis=2)
         if initial is not None:
             table = initial.function_space.element.basix_element.tabulate(
                 0, np.ascontiguousarray(self._element_points[self._element_order])

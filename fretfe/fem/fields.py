@@ -15,7 +15,6 @@ from dolfinx import fem
 from scipy import sparse
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.bodies.definition import Material
 from fretfe.errors import OutputError
 from fretfe.fem._compat import cells_around
 from fretfe.fem.elasticity import COMPONENTS, PLANE_TENSOR, ElasticBody
@@ -347,22 +346,11 @@ def _operator(
     nodes = space.tabulate_dof_coordinates()[space.dofmap.list[cells], :dim]
     jacobians = np.einsum("nkd,nke->nde", nodes, _tabulated(space, at)[1])
     slopes = np.einsum("nke,ned->nkd", _tabulated(elastic.space, at)[1], np.linalg.inv(jacobians))
-    rows = np.stack([_row(elastic.material, slopes, pair) for pair in pairs], axis=1)
+    stiffness = np.array([elastic.material.tensor[pair] for pair in pairs])[..., :dim, :dim]
+    rows = np.einsum("cij,nkj->ncki", stiffness, slopes)
     unknowns = elastic.space.dofmap.list[cells][..., None] * dim + np.arange(dim)
     count, width = len(cells) * len(pairs), unknowns.shape[1] * dim
     columns = np.repeat(unknowns.reshape(len(cells), width), len(pairs), axis=0)
     indptr = np.arange(count + 1) * width
     shape = count, len(elastic.space.tabulate_dof_coordinates()) * dim
     return sparse.csr_matrix((rows.ravel(), columns.ravel(), indptr), shape=shape)
-
-
-def _row(material: Material, slopes: Array, pair: tuple[int, int]) -> Array:
-    """(n, k, d) factors of a stress component from slopes (n, k, d): Hooke's law."""
-    i, j = pair
-    row = np.zeros_like(slopes)
-    if i == j and not (material.plane == "stress" and i >= slopes.shape[2]):
-        row += material.first_lame * slopes
-    if max(i, j) < slopes.shape[2]:
-        row[..., i] += material.shear_modulus * slopes[..., j]
-        row[..., j] += material.shear_modulus * slopes[..., i]
-    return row

@@ -15,9 +15,17 @@ from dolfinx import fem
 from ufl.algorithms.analysis import extract_constants
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.analytic.crystals import CrackTip, turned
 from fretfe.bodies.definition import DistributedLoad
 from fretfe.fem._compat import form_on
-from fretfe.fem.elasticity import ElasticBody, Elasticity, compiled, in_space_of
+from fretfe.fem.elasticity import (
+    CrystalElasticity,
+    ElasticBody,
+    Elasticity,
+    compiled,
+    in_space_of,
+    of_dimension,
+)
 
 # Distances below this fraction of the reach are zero.
 SMALLEST = 1e-9
@@ -55,6 +63,7 @@ class FrontPlace:
 
     Attributes:
         axes: rows across, inward, along of the nearest point of the osculating circle.
+        turn: the same in the axes of the station; None in the plane.
         height: over the tangent plane.
         ahead: distance from the circle in that plane, positive in the contact.
         arc: along the circle, from the station.
@@ -64,6 +73,7 @@ class FrontPlace:
     """
 
     axes: Any
+    turn: Any
     height: Any
     ahead: Any
     arc: Any
@@ -84,7 +94,7 @@ def front_place(offset: Any, frame: Any, curvature: Any, nothing: Any) -> FrontP
     local = frame * offset
     if len(offset) == 2:
         radius = ufl.sqrt(local[0] ** 2 + local[1] ** 2 + nothing**2)
-        return FrontPlace(frame, local[0], local[1], 0.0, 0.0, 1.0, radius)
+        return FrontPlace(frame, None, local[0], local[1], 0.0, 0.0, 1.0, radius)
     height, deep, side = local[0], local[1], local[2]
     turned, left = curvature * side, 1 - curvature * deep
     # Distance from the centre of the circle over its radius.
@@ -100,6 +110,7 @@ def front_place(offset: Any, frame: Any, curvature: Any, nothing: Any) -> FrontP
     turn = ufl.as_matrix([[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]])
     return FrontPlace(
         axes=turn * frame,
+        turn=turn,
         height=height,
         ahead=ahead,
         arc=2 * side / (root + left) * ratio,
@@ -238,7 +249,7 @@ def _slopes(
     ]
 
 
-def _plane(slopes: list[list[Any]], material: Elasticity) -> TipField:
+def _plane(slopes: list[list[Any]], material: Elasticity | CrystalElasticity) -> TipField:
     """The field of a straight front in the plane."""
     gradient = ufl.as_matrix(slopes)
     return TipField(gradient, material.stress(ufl.sym(gradient)), ufl.as_vector([0, 0]))
@@ -263,6 +274,132 @@ def _bent(
             material.shear_modulus * shear_inward - 2 * bend * stress[1, 2],
         ]
     )
+    return TipField(gradient, stress, divergence)
+
+
+# A complex number in UFL, or of constants: real and imaginary part.
+Complex = tuple[Any, Any]
+
+
+class CrystalTip:
+    """Constants of `CrackTip` at the station that is looked at, in UFL.
+
+    Args:
+        mesh: of the body.
+        stiffness: (6, 6) of the body in the axes of the model.
+    """
+
+    def __init__(self, mesh: Any, stiffness: Array) -> None:
+        size = mesh.geometry.dim
+        self._given, self._size = stiffness, size
+        # In the axes of the station.
+        self._stiffness = fem.Constant(mesh, of_dimension(stiffness, size))
+        self._roots = fem.Constant(mesh, np.zeros((2, size)))
+        # With powers 0, 1 and 2 of the roots: slopes along the normal bring one each.
+        self._shapes = fem.Constant(mesh, np.zeros((3, 2, size, size, size)))
+
+    def look_at(self, frame: Array) -> None:
+        """Take the constants of a station with a frame (d, d)."""
+        whole = np.eye(3)
+        whole[: self._size, : self._size] = frame
+        own = turned(self._given, whole)
+        self._stiffness.value[:] = of_dimension(own, self._size)
+        tip = CrackTip.of(own, self._size)
+        powers = np.array([tip.shapes * tip.roots**power for power in range(3)])
+        self._roots.value[:] = tip.roots.real, tip.roots.imag
+        self._shapes.value[:] = np.stack([powers.real, powers.imag], axis=1)
+
+    def elasticity(self, place: FrontPlace) -> CrystalElasticity:
+        """Hooke's law in the axes of a place."""
+        return CrystalElasticity(self._stiffness, place.turn)
+
+    def fields(self, place: FrontPlace, side: Any, nothing: Any) -> list[TipField]:
+        """Fields of all modes; arguments as of `tip_fields`."""
+        material = self.elasticity(place)
+        height = place.height + side * nothing
+        roots = [self._square_root(place.ahead, height, side, a) for a in range(self._size)]
+        inverses = [_inverse(root) for root in roots]
+        cubes = [_product(each, _product(each, each)) for each in inverses]
+        fields = []
+        for mode in range(self._size):
+            slopes = [
+                [self._component(mode, i, power, inverses) / 2 for power in (1, 0)]
+                for i in range(self._size)
+            ]
+            if self._size == 2:
+                fields.append(_plane(slopes, material))
+                continue
+            values = [self._component(mode, i, 0, roots) for i in range(3)]
+            curved = [
+                [-self._component(mode, i, power, cubes) / 4 for power in (2, 1, 0)]
+                for i in range(3)
+            ]
+            fields.append(_bent_crystal(place, values, slopes, curved, material))
+        return fields
+
+    def _square_root(self, ahead: Any, height: Any, side: Any, root: int) -> Complex:
+        """Root of x + p y, cut through the other body."""
+        real, imaginary = ahead + self._roots[0, root] * height, self._roots[1, root] * height
+        size = ufl.sqrt(real**2 + imaginary**2)
+        first = ufl.sqrt((size + side * imaginary) / 2)
+        second = -side * real / (2 * first)
+        return (first - side * second) / np.sqrt(2), (side * first + second) / np.sqrt(2)
+
+    def _component(self, mode: int, component: int, power: int, values: list[Complex]) -> Any:
+        """sqrt(2/pi) Re sum of c p^power times values of each root."""
+        shapes = self._shapes
+        return np.sqrt(2 / np.pi) * sum(
+            shapes[power, 0, mode, component, a] * real - shapes[power, 1, mode, component, a] * im
+            for a, (real, im) in enumerate(values)
+        )
+
+
+def _inverse(number: Complex) -> Complex:
+    squared = number[0] ** 2 + number[1] ** 2
+    return number[0] / squared, -number[1] / squared
+
+
+def _product(one: Complex, other: Complex) -> Complex:
+    return one[0] * other[0] - one[1] * other[1], one[0] * other[1] + one[1] * other[0]
+
+
+def _bent_crystal(
+    place: FrontPlace,
+    values: list[Any],
+    slopes: list[list[Any]],
+    curved: list[list[Any]],
+    material: CrystalElasticity,
+) -> TipField:
+    """The field along a front in space of a crystal, which does not turn with the front.
+
+    Args:
+        place: where.
+        values: (3,) components of the displacement, the same all along the front.
+        slopes: (3, 2) their slopes across and inward.
+        curved: (3, 3) their second derivatives: twice across, across and inward, twice inward.
+        material: of the body, in the axes of the place.
+    """
+    bend, (_, inward, along) = place.bend, values
+    by_turning = [0, bend * along, -bend * inward]
+    gradient = ufl.as_matrix([[*row, last] for row, last in zip(slopes, by_turning, strict=True)])
+    strain = ufl.sym(gradient)
+    stress = material.stress(strain)
+    by_across = [0, bend * slopes[2][0], -bend * slopes[1][0]]
+    by_inward = [
+        0,
+        bend * (bend * along + slopes[2][1]),
+        -bend * (bend * inward + slopes[1][1]),
+    ]
+    across, ahead = (
+        material.stress(ufl.sym(ufl.as_matrix(rows)))
+        for rows in (
+            [[two, mixed, last] for (two, mixed, _), last in zip(curved, by_across, strict=True)],
+            [[mixed, two, last] for (_, mixed, two), last in zip(curved, by_inward, strict=True)],
+        )
+    )
+    turn = bend * ufl.as_matrix([[0, 0, 0], [0, 0, 1], [0, -1, 0]])
+    beside = material.stress(2 * ufl.sym(turn * strain))
+    divergence = ufl.as_vector([across[i, 0] + ahead[i, 1] + beside[i, 2] for i in range(3)])
     return TipField(gradient, stress, divergence)
 
 
@@ -373,7 +510,7 @@ class _Surroundings:
 
     place: FrontPlace
     fields: list[TipField]
-    material: Elasticity
+    material: Elasticity | CrystalElasticity
     weight: Any
     slopes: list[Any]
     normal: Any
@@ -419,6 +556,7 @@ class InteractionForm:
         cells = np.arange(mesh.topology.index_map(dim).size_local, dtype=np.int32)
         facets = np.concatenate([elastic.facet_tags.find(elastic.groups[s]) for s in surfaces])
         self._cells, self._facets = _Places(mesh, dim, cells), _Places(mesh, dim - 1, facets)
+        self._crystal: CrystalTip | None = None
         around = self._surroundings(elastic)
         integral = self._integral(around)
         self._constants = extract_constants(integral)
@@ -490,6 +628,8 @@ class InteractionForm:
 
     def _look_at(self, tip: Tip, tube: Tube) -> None:
         self._point.value[:] = tip.point
+        if self._crystal is not None and not np.array_equal(self._frame.value, tip.frame):
+            self._crystal.look_at(tip.frame)
         self._frame.value[:] = tip.frame
         self._curvature.value = tip.curvature
         self._reach.value = tube.reach
@@ -505,11 +645,18 @@ class InteractionForm:
         nothing = SMALLEST * self._reach
         offset = ufl.SpatialCoordinate(mesh) - self._point
         place = front_place(offset, self._frame, self._curvature, nothing)
-        material = Elasticity.of(mesh, elastic.material)
+        material: Elasticity | CrystalElasticity
+        if elastic.material.crystal is None:
+            material = Elasticity.of(mesh, elastic.material)
+            tips = tip_fields(place, self._side, material, nothing, self._epsilon)
+        else:
+            self._crystal = CrystalTip(mesh, elastic.material.stiffness)
+            material = self._crystal.elasticity(place)
+            tips = self._crystal.fields(place, self._side, nothing)
         weight, slopes = self._weight(place)
         return _Surroundings(
             place=place,
-            fields=tip_fields(place, self._side, material, nothing, self._epsilon),
+            fields=tips,
             material=material,
             weight=weight,
             slopes=slopes,

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.bodies.definition import BodyDefinition, Pair
-from fretfe.case import Case
+from fretfe.case import Case, isotropic
 from fretfe.contact.interface import coordinate_range
 from fretfe.contact.recorder import Recorder, StateBlock
 from fretfe.errors import ConvergenceError
@@ -24,7 +24,7 @@ from fretfe.evaluate.slip import cycle_states
 from fretfe.fem.model import Model, Reduction
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import StateArray, blocks
-from fretfe.idealise.bodies import SIMILAR, dissimilarity
+from fretfe.idealise.bodies import SIMILAR, cross_compliance, dissimilarity
 from fretfe.mesh.elements import reference_nodes, shape_values
 from fretfe.surface.checks import INTERPENETRATION_PER_FACET
 from fretfe.surface.surface import Surface, curvatures, deviations, mean_curvature, normal_vectors
@@ -144,27 +144,38 @@ def _balance_limit(solution: Solution, kind: str) -> ModelLimit:
 
 def oscillates(case: Case, history: ContactHistory) -> bool:
     """True if full stick oscillates next to the edges of a contact: K_I alone means nothing."""
-    return any(limit.found > SIMILAR for limit in _dissimilar(case, history))
+    return any(limit.found > SIMILAR for limit in list(_dissimilar(case, history))[:1])
 
 
 def _dissimilar(case: Case, history: ContactHistory) -> Iterator[ModelLimit]:
-    """Between unlike bodies full stick oscillates at an edge, which is left out between solids."""
+    """Between unlike bodies full stick oscillates at an edge, which only plane isotropic ones know.
+
+    Second, of crystals, that pressure and shear depend on each other without oscillating.
+    """
     if not np.any(history.friction > 0):
         return
-    bodies, solid = (
-        (case.bodies[history.body1], case.bodies[history.body2]),
-        history.facets is not None,
-    )
+    bodies = case.bodies[history.body1], case.bodies[history.body2]
+    known = history.facets is None and all(isotropic(each) for each in bodies)
     yield ModelLimit(
         history.name,
         "Dundurs' beta of the bodies, with friction",
-        abs(dissimilarity(*bodies, case.model.plane)),
-        SIMILAR if solid else LARGEST_BETA,
-        "the tractions of full stick oscillate next to an edge, which K_T, K_I and what follows "
-        "from them neglect; rely on tractions and slip zones"
-        if solid
-        else "the slip-zone formulas were not measured so far; rely on tractions and slip zones",
+        abs(dissimilarity(*bodies, case.model.plane, history.mean_normal)),
+        LARGEST_BETA if known else SIMILAR,
+        "the slip-zone formulas were not measured so far; rely on tractions and slip zones"
+        if known
+        else "the tractions of full stick oscillate next to an edge, which K_T, K_I and what "
+        "follows from them neglect; rely on tractions and slip zones",
     )
+    cross = cross_compliance(*bodies, case.model.plane, history.mean_normal)
+    if cross > 0:
+        yield ModelLimit(
+            history.name,
+            "cross compliance of the crystals, over those of pressure and shear, with friction",
+            cross,
+            SIMILAR,
+            "shear changes the pressure next to an edge, which slip zones predicted from the edge "
+            "factors neglect; rely on the computed ones",
+        )
 
 
 def _motion_limits(

@@ -13,7 +13,7 @@ from dolfinx import fem
 
 from fretfe._typing import Array, Bools
 from fretfe.bodies.definition import Pair
-from fretfe.case import Case, contact_modulus, plane_modulus
+from fretfe.case import Case, half_plane
 from fretfe.contact.full_stick import FRACTION, Increments
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
@@ -213,28 +213,21 @@ def _integrate(
 
 
 def _whole(case: Case, probe: Probe, sums: list[Array]) -> list[Array]:
-    """For each place of a probe: (R, d, J) factors from integrals over both bodies."""
-    moduli, shares = _moduli(case, probe)
-    signs = _signs(len(probe.frames[0]))
+    """For each place of a probe: (R, d, J) factors from integrals over both bodies.
+
+    Between unlike bodies those of both modes in the plane by E* cosh^2(pi epsilon).
+    """
+    size, bonded = len(probe.frames[0]), math.cosh(math.pi * probe.oscillation) ** 2
     results = []
     for integrals, tips, frame in zip(sums, probe.tips, probe.frames, strict=True):
-        factors = (signs * moduli[: len(signs)] / np.sqrt(2 * np.pi))[:, None] * integrals
-        results.append(_turned(factors, tips, frame, shares[: len(signs)]))
+        compliances = [
+            half_plane(case.bodies[name], case.model.plane, tip.frame).compliance[:size, :size] / 2
+            for name, tip in zip(probe.bodies, tips, strict=True)
+        ]
+        factors = bonded * np.linalg.solve(sum(compliances), integrals) / np.sqrt(2 * np.pi)
+        shares = [np.linalg.solve(sum(compliances), each) for each in compliances]
+        results.append(_turned(_signs(size)[:, None] * factors, tips, frame, shares))
     return results
-
-
-def _moduli(case: Case, probe: Probe) -> tuple[Array, Array]:
-    """(3,) stress intensity factor of each mode by its integral, and the share (3, 2) of each body.
-
-    E* cosh^2(pi epsilon) of modes I and II, 2/(1/G1 + 1/G2) of mode III.
-    """
-    bodies = [case.bodies[name] for name in probe.bodies]
-    plane = contact_modulus(bodies[0], bodies[1], case.model.plane)
-    shares = plane / np.array([plane_modulus(body, case.model.plane) for body in bodies])
-    softness = np.array([1 / body.shear_modulus for body in bodies])
-    bonded = plane * math.cosh(math.pi * probe.oscillation) ** 2
-    moduli = np.array([bonded, bonded, 2 / softness.sum()])
-    return moduli, np.array([shares, shares, softness / softness.sum()])
 
 
 def _signs(size: int) -> Array:
@@ -245,7 +238,7 @@ def _signs(size: int) -> Array:
     return np.array([-1.0, 1.0, 1.0])[:size]
 
 
-def _turned(factors: Array, tips: tuple[Tip, Tip], frame: Array, shares: Array) -> Array:
+def _turned(factors: Array, tips: tuple[Tip, Tip], frame: Array, shares: Sequence[Array]) -> Array:
     """Factors (R, d, J) in the frame of the contact instead of those of the two surfaces.
 
     Each body measures the traction of the ligament along its own surface; the two surfaces are not
@@ -255,12 +248,10 @@ def _turned(factors: Array, tips: tuple[Tip, Tip], frame: Array, shares: Array) 
         factors: sums over both bodies.
         tips: the station as body 1 and body 2 see it.
         frame: (d, d) of the contact.
-        shares: (d, 2) share of each body in the sum, E*/E' of modes I and II.
+        shares: (d, d) of each body in the sum of the compliances; E*/E' of modes I and II.
     """
     signs = _signs(len(frame))
-    turn = sum(
-        share[:, None] * (tip.frame @ frame.T) for share, tip in zip(shares.T, tips, strict=True)
-    )
+    turn = sum(share @ tip.frame @ frame.T for share, tip in zip(shares, tips, strict=True))
     return np.linalg.solve(signs[:, None] * turn * signs, factors)
 
 

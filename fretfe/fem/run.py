@@ -11,7 +11,7 @@ from typing import Any
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.definition import Pair, require_above_absolute_zero
-from fretfe.case import Case, Wave, antiplane_ratio, contact_modulus
+from fretfe.case import Case, Wave, antiplane_ratio, contact_modulus, isotropic
 from fretfe.contact.interface import Place
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import extrapolate_slip, solve_history
@@ -195,9 +195,10 @@ class _Run:
 
         bodies = {}
         for each in solution.contacts:
-            pair = self._case.bodies[each.body1], self._case.bodies[each.body2]
-            modulus = contact_modulus(*pair, "strain")
-            bodies[each.name] = EdgeBodies(modulus, antiplane_ratio(*pair))
+            pair = [isotropic(self._case.bodies[name]) for name in (each.body1, each.body2)]
+            if pair[0] is not None and pair[1] is not None:
+                modulus = contact_modulus(pair[0], pair[1], "strain")
+                bodies[each.name] = EdgeBodies(modulus, antiplane_ratio(pair[0], pair[1]))
         return add_local_problems(solution, contacts, bodies, self._fields.edge_slip)
 
     def write(self) -> tuple[str, ...]:

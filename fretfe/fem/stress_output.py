@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.case import Body, Case
+from fretfe.case import Body, Case, require_isotropic
 from fretfe.case.tables import Plane
 from fretfe.contact.recorder import Recorder
 from fretfe.errors import CaseError, OutputError
@@ -39,6 +39,9 @@ from fretfe.surface.surface import Surface
 # A contact node is above the other surface if the nearest place of that is no farther away along
 # the surface than this part of the largest facet.
 BESIDE = 0.5
+
+# What needs isotropic bodies, for messages.
+WHAT = "output.stress_depths"
 
 
 @dataclass(frozen=True)
@@ -260,7 +263,7 @@ class _Writer:
             count[each.reason] += bool(each.reason)
 
     def _body(self, site: _Site, number: int) -> Body:
-        return self._case.bodies[site.place.bodies[number]]
+        return require_isotropic(self._case, site.place.bodies[number], WHAT)
 
     @property
     def _plane(self) -> Plane:
@@ -314,7 +317,7 @@ def _initial_strains(model: Model, body: str, strain: SurfaceStrain) -> Array:
     for own, load in zip(found, loads, strict=True):
         if load.strains(body):
             initial = load.initial_strain(body, material, strain.places)
-            constants, plane = model.case.bodies[body], model.case.model.plane
+            constants, plane = require_isotropic(model.case, body, WHAT), model.case.model.plane
             own[0] = free_strain(initial, strain.tangents, constants, plane)
             own[1] = initial[:, 2, 2]
     return found
@@ -335,11 +338,14 @@ def _below(surface: Surface, points: Array, depths: Array) -> tuple[Array, Array
 
 
 def refuse_solids(case: Case, dimension: int) -> None:
-    """Check that the stress near contacts is asked of plane bodies only.
+    """Check that the stress near contacts is asked of plane isotropic bodies only.
 
     Raises:
-        CaseError: if it is asked of solids.
+        CaseError: if it is asked of solids or crystals.
     """
+    if case.output.stress_depths:
+        for name in case.bodies:
+            require_isotropic(case, name, WHAT)
     if case.output.stress_depths and dimension == 3:
         raise CaseError(
             f"{case.source}: output.stress_depths: expected plane bodies, found solids: the stress "

@@ -179,6 +179,12 @@ class ContactHistory:
     dundurs: float = 0.0
 
     @property
+    def mean_normal(self) -> Array:
+        """(d,) mean unit normal of body 2 over the surface."""
+        mean: Array = self.weights @ self.frames[:, 0]
+        return mean / np.linalg.norm(mean)
+
+    @property
     def exists(self) -> Bools:
         """(T,) states in which the patch exists; a pair with one patch only always does."""
         if self.node_range is None:

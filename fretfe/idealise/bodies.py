@@ -7,15 +7,33 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.analytic.crystals import coupling
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge
-from fretfe.case import Body, Case, Plane, contact_modulus
+from fretfe.case import (
+    AnyBody,
+    Case,
+    Plane,
+    contact_modulus,
+    couples_across,
+    half_plane,
+    half_planes,
+    isotropic,
+)
 
 UPPER, LOWER = "upper", "lower"
+# Of the contact surface of the lower body, and with it a tangent.
+NORMAL = np.array([0.0, 1.0])
+FRAME = np.array([[0.0, 1.0], [1.0, 0.0]])
 # Dundurs' second constant up to which bodies count as elastically similar. It couples pressure and
 # shear: tractions change by about this fraction.
 SIMILAR = 0.01
 # Less than this is round-off of the constants of equal materials.
 ROUND_OFF = 1e-12
+# Compliances of crystals that differ by less than this part of them count as equal.
+ALIKE = 1e-4
 
 # Relative error of a half-plane in place of a body, times the square of the half-width of the
 # contact over the height or half-width of the body. Measured by finite elements on cylinders, 3 to
@@ -81,7 +99,8 @@ PROFILES = {"cylinder": _cylinder, "wedge": _wedge, "flat_rounded": _flat_rounde
 
 def read_block(template: str, values: Mapping[str, float], case: Case) -> Block:
     """The idealised bodies of a template, one of `PROFILES`, with all its parameters."""
-    e_star = contact_modulus(case.bodies[UPPER], case.bodies[LOWER], case.model.plane)
+    bodies = case.bodies[UPPER], case.bodies[LOWER]
+    e_star = contact_modulus(*bodies, case.model.plane, NORMAL)
     return Block(
         profile=PROFILES[template](values, e_star),
         top_width=2 * values["upper_width"],
@@ -110,6 +129,8 @@ def geometry_obstacles(case: Case) -> Iterator[str]:
             )
     if set(case.bodies) != {UPPER, LOWER}:
         yield f"bodies: expected {UPPER!r} and {LOWER!r}, found {', '.join(case.bodies)}"
+        return
+    yield from _crystal_obstacles(case)
 
 
 def unlike_obstacles(case: Case) -> Iterator[str]:
@@ -117,7 +138,7 @@ def unlike_obstacles(case: Case) -> Iterator[str]:
 
     There is no closed form of partial slip between unlike bodies.
     """
-    beta = dissimilarity(case.bodies[UPPER], case.bodies[LOWER], case.model.plane)
+    beta = dissimilarity(case.bodies[UPPER], case.bodies[LOWER], case.model.plane, NORMAL)
     if abs(beta) > SIMILAR and any(contact.friction > 0 for contact in case.contacts.values()):
         yield (
             "bodies: expected elastically similar bodies (Dundurs' beta up to "
@@ -126,24 +147,75 @@ def unlike_obstacles(case: Case) -> Iterator[str]:
         )
 
 
-def dissimilarity(body1: Body, body2: Body, plane: Plane) -> float:
+def _crystal_obstacles(case: Case) -> Iterator[str]:
+    """Reasons why crystals are no half-planes whose pressure and shear obey one law."""
+    pair = case.bodies[UPPER], case.bodies[LOWER]
+    coupled = [name for name in (UPPER, LOWER) if couples_across(case.bodies[name])]
+    for name in coupled:
+        yield (
+            f"bodies.{name}.orientation: expected one in which z is normal to a plane of symmetry "
+            "of the crystal, because any other one couples displacements in the plane with those "
+            "along z"
+        )
+    if coupled or all(isotropic(each) for each in pair):
+        return
+    upper, lower = (half_plane(each, case.model.plane, FRAME).compliance for each in pair)
+    both = (upper + lower)[:2, :2]
+    if np.abs(both / both[0, 0] - np.eye(2)).max() > ALIKE:
+        (normal, cross), (_, tangential) = both
+        yield (
+            "bodies: expected crystals that yield to pressure and to shear alike, each without the "
+            f"other, found the compliances {normal:.4g} and {tangential:.4g}, and {cross:.2g} of "
+            "one by the other"
+        )
+    beta = dissimilarity(*pair, case.model.plane, NORMAL)
+    if beta > SIMILAR and any(contact.friction > 0 for contact in case.contacts.values()):
+        yield (
+            "bodies: expected crystals that are elastically similar (Dundurs' beta, generalised, "
+            f"up to {SIMILAR:g}), found {beta:.3g}: pressure and shear depend on each other"
+        )
+
+
+def dissimilarity(body1: AnyBody, body2: AnyBody, plane: Plane, normal: Array) -> float:
     """Dundurs' second constant beta; zero if pressure and shear do not interact.
 
     beta = [mu1 (kappa2 - 1) - mu2 (kappa1 - 1)]/[mu1 (kappa2 + 1) + mu2 (kappa1 + 1)] with
-    kappa = 3 - 4 nu in plane strain and (3 - nu)/(1 + nu) in plane stress (Dundurs 1969).
+    kappa = 3 - 4 nu in plane strain and (3 - nu)/(1 + nu) in plane stress (Dundurs 1969). Of
+    crystals the size of its generalisation, the largest around the normal (d,) in space.
     """
-    kappa1, kappa2 = (_kolosov(body.poisson, plane) for body in (body1, body2))
-    mu1, mu2 = body1.shear_modulus, body2.shear_modulus
+    known1, known2 = isotropic(body1), isotropic(body2)
+    if known1 is None or known2 is None:
+        both = (half_planes(body, plane, normal) for body in (body1, body2))
+        return max(coupling(*each) for each in zip(*both, strict=True))
+    kappa1, kappa2 = (_kolosov(body.poisson, plane) for body in (known1, known2))
+    mu1, mu2 = known1.shear_modulus, known2.shear_modulus
     difference = mu1 * (kappa2 - 1) - mu2 * (kappa1 - 1)
     return difference / (mu1 * (kappa2 + 1) + mu2 * (kappa1 + 1))
 
 
 def coupled_beta(case: Case, contact: str, body1: str, body2: str) -> float:
-    """Dundurs' beta of a plane contact in which pressure and shear meet; zero without friction."""
-    if case.contacts[contact].friction == 0:
+    """Dundurs' beta of a plane contact in which pressure and shear meet.
+
+    Zero without friction, and of crystals, whose coupling is not counted.
+    """
+    pair = case.bodies[body1], case.bodies[body2]
+    if case.contacts[contact].friction == 0 or not all(isotropic(each) for each in pair):
         return 0.0
-    beta = dissimilarity(case.bodies[body1], case.bodies[body2], case.model.plane)
+    beta = dissimilarity(*pair, case.model.plane, NORMAL)
     return beta if abs(beta) > ROUND_OFF else 0.0
+
+
+def cross_compliance(body1: AnyBody, body2: AnyBody, plane: Plane, normal: Array) -> float:
+    """Displacement that pressure and shear cause of each other over their own; 0 if isotropic.
+
+    |D_nt|/sqrt(D_nn D_tt) with the sum D of the compliances of both half-planes, the largest around
+    the normal (d,) in space. Unlike beta it is not what full stick oscillates by.
+    """
+    if isotropic(body1) and isotropic(body2):
+        return 0.0
+    pairs = zip(*(half_planes(each, plane, normal) for each in (body1, body2)), strict=True)
+    sums = [first.compliance + second.compliance for first, second in pairs]
+    return max(abs(each[0, 1]) / math.sqrt(each[0, 0] * each[1, 1]) for each in sums)
 
 
 def _kolosov(poisson: float, plane: Plane) -> float:

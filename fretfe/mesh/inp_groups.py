@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fretfe.case import Body, Selector
+from fretfe.case import AnyBody, Selector
 from fretfe.errors import MeshError
 from fretfe.mesh.elements import (
     FACETS,
@@ -84,7 +84,7 @@ def sides(number: int, nodes: tuple[int, ...], dimension: int) -> list[Facet]:
 
 def read_inp(
     path: Path,
-    bodies: Mapping[str, Body | None],
+    bodies: Mapping[str, AnyBody | None],
     boundaries: Iterable[str],
     selectors: tuple[Mapping[str, Selector], Mapping[str, Selector]],
 ) -> RawMesh:
@@ -140,7 +140,7 @@ def unused(path: Path, deck: Deck, used: Set[int]) -> Iterator[str]:
 
 
 def _material_notes(
-    path: Path, deck: Deck, bodies: Mapping[str, Body | None], members: Mapping[str, list[int]]
+    path: Path, deck: Deck, bodies: Mapping[str, AnyBody | None], members: Mapping[str, list[int]]
 ) -> Iterator[str]:
     """Numbers of materials that the case has not, or other ones, in words: the case counts."""
     names = material_names(deck)
@@ -154,7 +154,8 @@ def _material_notes(
             )
         elif found and case is not None:
             there = deck.materials.get(found[0], Material()).numbers
-            here = {key: getattr(case, key) for key in there}
+            # a crystal has other constants
+            here = {key: getattr(case, key, None) for key in there}
             other = [key for key in there if _differ(here[key], there[key])]
             if other:
                 theirs = ", ".join(f"{key} = {there[key]:.9g}" for key in other)

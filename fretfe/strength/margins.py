@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from fretfe._typing import Array, Bools
-from fretfe.case import Body
+from fretfe.case import AnyBody, isotropic
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.results.model import Result
@@ -51,7 +51,7 @@ class ComponentEdge:
     k_t_range: float
     k_t_range_spread: float
     friction: float
-    bodies: tuple[Body, ...]
+    bodies: tuple[AnyBody, ...]
     obstacle: str
     remarks: tuple[str, ...]
 
@@ -129,11 +129,11 @@ def _edge(
         k_n=k_n, k_n_spread=edge.last_k_n[1],
         k_t_range=k_t_range, k_t_range_spread=float(edge.k_range_spread),
         friction=friction, bodies=_bodies(result, pair),
-        obstacle=_obstacle(result, k_n, k_t_range), remarks=tuple(remarks),
+        obstacle=_obstacle(result, pair, k_n, k_t_range), remarks=tuple(remarks),
     )  # fmt: skip
 
 
-def _bodies(result: Result, pair: str) -> tuple[Body, ...]:
+def _bodies(result: Result, pair: str) -> tuple[AnyBody, ...]:
     """The two bodies of a contact; all of the case if a result does not tell which they are."""
     named = result.solution.contacts if result.solution is not None else ()
     for each in named:
@@ -142,7 +142,9 @@ def _bodies(result: Result, pair: str) -> tuple[Body, ...]:
     return tuple(result.case.bodies.values())
 
 
-def _obstacle(result: Result, k_n: float, k_t_range: float) -> str:
+def _obstacle(result: Result, pair: str, k_n: float, k_t_range: float) -> str:
+    if not all(isotropic(each) for each in _bodies(result, pair)):
+        return "a body is a crystal, and tests tell E and ν only"
     if result.failure is not None:
         return "the run is not complete"
     if not math.isfinite(k_n):
@@ -267,15 +269,16 @@ def _agreeing(tests: StrengthTests, edge: ComponentEdge) -> Bools:
         if edge.friction
         else tests.friction < 0
     )
-    for body in edge.bodies:
+    for body in filter(None, map(isotropic, edge.bodies)):
         agree &= np.abs(tests.young / body.young - 1) <= YOUNG
         agree &= np.abs(tests.poisson - body.poisson) <= POISSON
     return np.asarray(agree)
 
 
 def _disagreement(tests: StrengthTests, edge: ComponentEdge) -> str:
-    young = " and ".join(dict.fromkeys(f"{body.young:g}" for body in edge.bodies))
-    poisson = " and ".join(dict.fromkeys(f"{body.poisson:g}" for body in edge.bodies))
+    bodies = list(filter(None, map(isotropic, edge.bodies)))
+    young = " and ".join(dict.fromkeys(f"{body.young:g}" for body in bodies))
+    poisson = " and ".join(dict.fromkeys(f"{body.poisson:g}" for body in bodies))
     return (
         f"no test has its friction and material, f = {edge.friction:g}, E = {young}, "
         f"ν = {poisson}: "

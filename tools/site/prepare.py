@@ -28,7 +28,7 @@ SECTIONS = {
         "how-notebook",
         "how-report",
     ),
-    "Input": ("case-file", "templates", "geometry", "solids", "refinement", "mesh"),
+    "Input": ("case-file", "materials", "templates", "geometry", "solids", "refinement", "mesh"),
     "Output": ("report", "results", "exchange", "match", "strength", "local"),
     "Use": ("command-line", "python", "api/index", "edges", "backends"),
     "Trust": ("theory", "applicability", "method", "validate", "verify", "security"),

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.case import IS_CRYSTAL
 from fretfe.evaluate.contacts import (
     Contact,
     Front,
@@ -84,7 +85,7 @@ def add_local_problems(
     Args:
         solution: the solved history.
         contacts: evaluated.
-        bodies: of each contact, by name.
+        bodies: of each contact, by name; no crystals, of which there are no plane problems yet.
         share: has parts of it solved.
 
     Returns:
@@ -94,10 +95,18 @@ def add_local_problems(
     return tuple(
         replace(
             each,
-            fronts=_fronts(solution, histories[each.name], each.fronts, bodies[each.name], share),
+            fronts=_fronts(solution, histories[each.name], each.fronts, bodies[each.name], share)
+            if each.name in bodies
+            else tuple(_unknown(front) for front in each.fronts),
         )
         for each in contacts
     )
+
+
+def _unknown(front: Front) -> Front:
+    """A front between crystals."""
+    local = no_local_problem(IS_CRYSTAL)
+    return replace(front, stations=tuple(replace(each, local=local) for each in front.stations))
 
 
 def _fronts(

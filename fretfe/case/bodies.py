@@ -1,0 +1,380 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The bodies of a case file: isotropic ones, crystals, and the moduli of their contacts."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Any, Self
+
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+
+from fretfe.case.base import TAG, Number, Positive, Table, Temperature
+from fretfe.case.tables import Plane
+
+if TYPE_CHECKING:
+    from fretfe._typing import Array
+    from fretfe.analytic.crystals import HalfPlane
+
+# Rows of a rotation, and two crystal directions, may miss right angles and lengths by this: numbers
+# typed with four digits pass.
+ORTHOGONALITY = 1e-3
+# Largest stiffness that couples displacements in the plane with those across, over the largest one:
+# its square is what the plane leaves out.
+COUPLED = 1e-6
+
+
+# Shared by isotropic bodies and crystals.
+Density = Annotated[
+    Positive | None,
+    Field(
+        description="Mass density in consistent units (mm, N, s: t/mm^3); > 0. "
+        "Needed in every body when a load is a rotation or an acceleration."
+    ),
+]
+Expansion = Annotated[
+    Number | None,
+    Field(
+        description="Coefficient of thermal expansion, per degree. Needed, with "
+        "reference_temperature, in every body that a temperature load acts on."
+    ),
+]
+Reference = Annotated[
+    Temperature | None,
+    Field(description="Temperature without thermal strain, in degrees Celsius."),
+]
+
+
+class Body(Table):
+    """An isotropic elastic body; its key is the physical surface group of the mesh."""
+
+    young: Positive = Field(description="Young's modulus, in stress units; > 0.")
+    poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio; -1 < poisson < 0.5.")
+    density: Density = None
+    expansion: Expansion = None
+    reference_temperature: Reference = None
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus E/(2(1 + nu)), in stress units."""
+        return self.young / (2 * (1 + self.poisson))
+
+
+Three = tuple[Number, Number, Number]
+
+
+class Orthotropic(Table):
+    """Engineering constants of a material with three planes of symmetry."""
+
+    young: tuple[Positive, Positive, Positive] = Field(
+        description="Young's moduli E1, E2, E3 along its axes, in stress units."
+    )
+    poisson: Three = Field(
+        description="Poisson's ratios nu12, nu13, nu23: nu_ij is the contraction along j over the "
+        "strain along i in tension along i, so that nu_ij/E_i = nu_ji/E_j."
+    )
+    shear: tuple[Positive, Positive, Positive] = Field(
+        description="Shear moduli G12, G13, G23, in stress units."
+    )
+
+
+class Elastic(Table):
+    """Elastic constants of a crystal in its own axes; exactly one way to give them."""
+
+    cubic: Three | None = Field(
+        default=None, description="c11, c12 and c44 of a cubic crystal, in stress units."
+    )
+    orthotropic: Orthotropic | None = Field(default=None, description="Engineering constants.")
+    constants: Annotated[tuple[Number, ...], Field(min_length=21, max_length=21)] | None = Field(
+        default=None,
+        description="The 21 stiffnesses of any material, in stress units: upper triangle of the "
+        "matrix row by row, C11, C12 ... C16, C22 ... C66, in Voigt's order 11, 22, 33, 23, 13, "
+        "12, for engineering shear strains.",
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        given = [name for name in type(self).model_fields if getattr(self, name) is not None]
+        if len(given) != 1:
+            found = " and ".join(map(repr, given)) or "none"
+            raise ValueError(
+                f"expected exactly one of 'cubic', 'orthotropic' and 'constants', found {found}"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _positive_definite(self) -> Self:
+        from fretfe.analytic.crystals import smallest_eigenvalue
+
+        what = "stiffness" if self.orthotropic is None else "compliance"
+        smallest = smallest_eigenvalue(self._given)
+        if not smallest > 0:
+            raise ValueError(
+                f"expected constants by which every strain takes energy (a positive definite {what}"
+                f"), found a {what} with the eigenvalue {smallest:.4g}"
+            )
+        return self
+
+    @property
+    def _given(self) -> Array:
+        """(6, 6) stiffness, of engineering constants compliance."""
+        from fretfe.analytic import crystals
+
+        if self.cubic is not None:
+            return crystals.cubic(*self.cubic)
+        if self.orthotropic is not None:
+            each = self.orthotropic
+            return crystals.orthotropic_compliance(each.young, each.poisson, each.shear)
+        assert self.constants is not None
+        return crystals.triclinic(self.constants)
+
+    @cached_property
+    def stiffness(self) -> Array:
+        """(6, 6) in Voigt's order, in the axes of the crystal."""
+        import numpy as np
+
+        return np.linalg.inv(self._given) if self.orthotropic is not None else self._given
+
+
+def _right_handed(matrix: tuple[Three, Three, Three]) -> tuple[Three, Three, Three]:
+    import numpy as np
+
+    rows = np.array(matrix)
+    worst, volume = np.abs(rows @ rows.T - np.eye(3)).max(), np.linalg.det(rows)
+    if worst > ORTHOGONALITY or volume < 0:
+        raise ValueError(
+            "expected a rotation (rows of length 1 at right angles, determinant 1), found a matrix "
+            f"with the determinant {volume:.4g} whose rows miss that by {worst:.2g}"
+        )
+    return matrix
+
+
+class Orientation(Table):
+    """Orientation of a crystal in the axes of the model; exactly one way to say it."""
+
+    x: Three | None = Field(
+        default=None, description="Direction in the crystal that lies along x of the model."
+    )
+    y: Three | None = Field(default=None, description="The same along y.")
+    z: Three | None = Field(default=None, description="The same along z.")
+    euler: Three | None = Field(
+        default=None,
+        description="Bunge's Euler angles phi1, Phi, phi2 in degrees: they turn the axes of the "
+        "model into those of the crystal, about z, then the new x, then the new z.",
+    )
+    matrix: Annotated[tuple[Three, Three, Three], AfterValidator(_right_handed)] | None = Field(
+        default=None,
+        description="Rotation whose rows are the axes of the crystal in those of the model.",
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        directions = self._directions
+        ways = [name for name in ("euler", "matrix") if getattr(self, name) is not None]
+        if len(ways) + bool(directions) > 1 or len(directions) not in (0, 2):
+            raise ValueError(
+                "expected two of the directions 'x', 'y' and 'z', or 'euler', or 'matrix', found "
+                f"{' and '.join(map(repr, [*directions, *ways]))}"
+            )
+        if directions:
+            (first, u), (second, v) = directions.items()
+            lengths = math.hypot(*u), math.hypot(*v)
+            if 0 in lengths:
+                raise ValueError("expected directions of non-zero length, found a zero vector")
+            cosine = sum(a * b for a, b in zip(u, v, strict=True)) / math.prod(lengths)
+            if abs(cosine) > ORTHOGONALITY:
+                angle = math.degrees(math.acos(max(-1.0, min(1.0, cosine))))
+                raise ValueError(
+                    f"expected crystal directions {first!r} and {second!r} at right angles, found "
+                    f"{angle:.1f} degrees between them"
+                )
+        return self
+
+    @property
+    def _directions(self) -> dict[str, Three]:
+        given = {name: getattr(self, name) for name in "xyz"}
+        return {name: each for name, each in given.items() if each is not None}
+
+    @cached_property
+    def axes(self) -> Array:
+        """(3, 3) rows: axes of the crystal in the axes of the model."""
+        import numpy as np
+
+        from fretfe.analytic.crystals import bunge_rotation
+
+        if self.euler is not None:
+            return bunge_rotation(self.euler)
+        if self.matrix is not None:
+            left, _, right = np.linalg.svd(np.array(self.matrix))  # the nearest rotation
+            return np.asarray(left @ right)
+        if not self._directions:
+            return np.eye(3)
+        columns = {name: np.array(each) for name, each in self._directions.items()}
+        (first, one), (second, two) = columns.items()
+        columns[first] = one = one / np.linalg.norm(one)
+        two = two - one * (one @ two)
+        columns[second] = two / np.linalg.norm(two)
+        third, before, after = next(
+            turn for turn in ("xyz", "yzx", "zxy") if turn[0] not in columns
+        )
+        columns[third] = np.cross(columns[before], columns[after])
+        return np.column_stack([columns[name] for name in "xyz"])
+
+
+class Crystal(Table):
+    """An anisotropic elastic body; its key is the physical surface group of the mesh."""
+
+    elastic: Elastic = Field(description="Elastic constants, in place of young and poisson.")
+    orientation: Orientation = Field(
+        default=Orientation(),
+        description="Orientation of the crystal; without it its axes are those of the model.",
+    )
+    density: Density = None
+    expansion: Expansion = None
+    reference_temperature: Reference = None
+
+    @cached_property
+    def stiffness(self) -> Array:
+        """(6, 6) in Voigt's order, in the axes of the model."""
+        from fretfe.analytic.crystals import turned
+
+        return turned(self.elastic.stiffness, self.orientation.axes.T)
+
+
+ISOTROPIC, CRYSTAL = f"{TAG}isotropic", f"{TAG}crystal"
+
+
+def _kind(value: Any) -> str:
+    crystal = isinstance(value, Crystal) or (
+        isinstance(value, dict) and ("elastic" in value or "orientation" in value)
+    )
+    return CRYSTAL if crystal else ISOTROPIC
+
+
+AnyBody = Annotated[
+    Annotated[Body, Tag(ISOTROPIC)] | Annotated[Crystal, Tag(CRYSTAL)], Discriminator(_kind)
+]
+# Why a number is not known that isotropic bodies have.
+IS_CRYSTAL = "unknown, because a body is a crystal"
+
+
+def isotropic(body: AnyBody) -> Body | None:
+    """The body if it is isotropic, whichever way its constants are given; None for a crystal."""
+    if isinstance(body, Body):
+        return body
+    from fretfe.analytic.crystals import young_and_poisson
+
+    found = young_and_poisson(body.stiffness)
+    if found is None:
+        return None
+    return Body(
+        young=found[0],
+        poisson=found[1],
+        density=body.density,
+        expansion=body.expansion,
+        reference_temperature=body.reference_temperature,
+    )
+
+
+def stiffness(body: AnyBody, plane: Plane) -> Array:
+    """(6, 6) stiffness in the axes of the model; in plane stress that of strains in the plane."""
+    from fretfe.analytic import crystals
+
+    own = body.stiffness if isinstance(body, Crystal) else crystals.isotropic(*_constants(body))
+    return crystals.plane_stress(own) if plane == "stress" else own
+
+
+def _constants(body: Body) -> tuple[float, float]:
+    return body.young, body.poisson
+
+
+def couples_across(body: AnyBody) -> bool:
+    """True if displacements in the plane and across it depend on each other."""
+    from fretfe.analytic.crystals import couples_across
+
+    return isinstance(body, Crystal) and couples_across(body.stiffness) > COUPLED
+
+
+def half_plane(body: AnyBody, plane: Plane, frame: Array) -> HalfPlane:
+    """The half-plane of a body with a frame (d, d): rows normal, tangent and, in space, across."""
+    import numpy as np
+
+    from fretfe.analytic.crystals import HalfPlane
+
+    if (known := isotropic(body)) is not None:
+        return HalfPlane.isotropic(known.young, known.poisson, plane)
+    whole = np.eye(3)
+    whole[: len(frame), : len(frame)] = frame
+    return HalfPlane.of(stiffness(body, plane), whole)
+
+
+def half_planes(body: AnyBody, plane: Plane, normal: Array) -> list[HalfPlane]:
+    """Half-planes of a body with a normal (d,): in space all around it."""
+    import numpy as np
+
+    from fretfe.analytic.crystals import around
+
+    if len(normal) == 2:
+        return [half_plane(body, plane, np.array([normal, [normal[1], -normal[0]]]))]
+    return [half_plane(body, plane, frame) for frame in around(np.asarray(normal))]
+
+
+def plane_modulus(body: AnyBody, plane: Plane, along: tuple[float, float] = (1.0, 0.0)) -> float:
+    """Modulus of uniaxial stress in the plane: E/(1 - nu^2) in plane strain, E in plane stress.
+
+    Args:
+        body: the body.
+        plane: state of the plane.
+        along: direction (2,) of the stress, which matters to a crystal.
+    """
+    known = isotropic(body)
+    if known is not None:
+        return known.young / (1 - known.poisson**2) if plane == "strain" else known.young
+    import numpy as np
+
+    assert isinstance(body, Crystal)
+    x, y = along
+    tensile = np.array([x * x, y * y, 0.0, 0.0, 0.0, x * y])
+    compliance = np.linalg.inv(body.stiffness)
+    across = compliance[2] if plane == "strain" else np.zeros(6)
+    stretch = compliance @ tensile - across * (across @ tensile) / compliance[2, 2]
+    return float(1 / (stretch @ tensile))
+
+
+def normal_modulus(body: AnyBody, plane: Plane, normal: Array | None = None) -> float:
+    """Modulus by which pressure on a half-plane, or half-space, displaces its surface.
+
+    E' of an isotropic body. Of a crystal 2/A_n with the normal component A_n of the compliance; in
+    space the mean of A_n over all directions, which is that of the Green's function.
+
+    Args:
+        body: the body.
+        plane: state of the plane; without meaning in space.
+        normal: (d,) of its surface; a crystal needs it.
+    """
+    if (known := isotropic(body)) is not None:
+        return plane_modulus(known, plane)
+    assert normal is not None
+    around = half_planes(body, plane, normal)
+    return 2 * len(around) / float(sum(each.compliance[0, 0] for each in around))
+
+
+def contact_modulus(
+    body1: AnyBody, body2: AnyBody, plane: Plane, normal: Array | None = None
+) -> float:
+    """Contact modulus E*: 1/E* = sum of 1/normal_modulus of the two bodies (Hertz).
+
+    For two isotropic bodies of E and nu in plane strain E* = E/(2(1 - nu^2)). In space the contact
+    of crystals is not quite that of isotropic bodies with this modulus.
+    """
+    return 1 / sum(1 / normal_modulus(body, plane, normal) for body in (body1, body2))
+
+
+def antiplane_ratio(body1: Body, body2: Body) -> float:
+    """Antiplane compliance of two half-planes over that in the plane, (1/G1 + 1/G2) E*/2.
+
+    In plane strain; 1/(1 - ν) for two bodies of one material.
+    """
+    compliance = sum(1 / plane_modulus(each, "strain") for each in (body1, body2))
+    shear = sum((1 + each.poisson) / each.young for each in (body1, body2))
+    return shear / compliance
