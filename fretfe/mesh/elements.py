@@ -405,7 +405,24 @@ def facet_measures(points: Array, facets: Indices) -> Array:
 def facet_feet(points: Array, facets: Indices, targets: Array) -> tuple[Array, Array]:
     """Places on facets (f, k) that are nearest to targets (f, d), and unit normals outward there.
 
-    Both are (f, d). Curved facets by a few Gauss-Newton steps from their centres.
+    Both are (f, d).
+    """
+    shape, order = KINDS[points.shape[1], facets.shape[1]]
+    nodes, at = points[facets], nearest_in_facets(points, facets, targets)
+    tangents = np.einsum("fak,fkd->fad", shape_slopes(shape, order, at), nodes)
+    if shape == "line":
+        normals = np.stack([tangents[:, 0, 1], -tangents[:, 0, 0]], axis=1)
+    else:
+        normals = np.cross(tangents[:, 0], tangents[:, 1])
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    feet = np.einsum("fk,fkd->fd", shape_values(shape, order, at), nodes)
+    return feet, normals
+
+
+def nearest_in_facets(points: Array, facets: Indices, targets: Array) -> Array:
+    """(f, d - 1) reference coordinates of the places on facets (f, k) nearest to targets (f, d).
+
+    By a few Gauss-Newton steps from the centres.
     """
     shape, order = KINDS[points.shape[1], facets.shape[1]]
     nodes = points[facets]
@@ -418,14 +435,7 @@ def facet_feet(points: Array, facets: Indices, targets: Array) -> tuple[Array, A
         at = np.clip(at + step, 0.0, 1.0)
         if shape == "triangle":
             at /= np.maximum(at.sum(axis=1), 1.0)[:, None]
-    tangents = np.einsum("fak,fkd->fad", shape_slopes(shape, order, at), nodes)
-    if shape == "line":
-        normals = np.stack([tangents[:, 0, 1], -tangents[:, 0, 0]], axis=1)
-    else:
-        normals = np.cross(tangents[:, 0], tangents[:, 1])
-    normals /= np.linalg.norm(normals, axis=1)[:, None]
-    feet = np.einsum("fk,fkd->fd", shape_values(shape, order, at), nodes)
-    return feet, normals
+    return at
 
 
 def in_gmsh_order(gmsh_type: int, nodes: Indices) -> Indices:
