@@ -61,6 +61,7 @@ COMMANDS: tuple[tuple[Callable[..., None], str], ...] = (
     (exchange.edges, exchange.EDGES_EXAMPLES),
     (exchange.compare, exchange.COMPARE_EXAMPLES),
     (exchange.export, exchange.EXPORT_EXAMPLES),
+    (exchange.forces, exchange.FORCES_EXAMPLES),
     (laboratory.strength, laboratory.STRENGTH_EXAMPLES),
     (lists.animate, lists.ANIMATE_EXAMPLES),
     (lists.scene, lists.SCENE_EXAMPLES),

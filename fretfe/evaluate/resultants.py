@@ -119,7 +119,7 @@ def solid_resultants(contact: ContactHistory) -> dict[str, Array]:
     weights, points, tangents = contact.weights, contact.points, contact.frames[:, 1:]
 
     def own(states: slice, mean: Array) -> dict[str, Array]:
-        pressure, vectors = mean[..., 0] * weights, _vectors(contact, mean)
+        pressure, vectors = mean[..., 0] * weights, traction_vectors(contact, mean)
         normal_force = pressure.sum(axis=1)
         pressed = np.where(normal_force > 0, normal_force, np.nan)
         centre = pressure @ points / pressed[:, None]
@@ -149,7 +149,7 @@ def _resultants(
         common = {
             # The weights are those of the solution itself: P balances the loads to round-off.
             "normal_force": contact.traction[states, :, 0] @ contact.weights,
-            "force": np.einsum("n,tnd->td", contact.weights, _vectors(contact, mean)),
+            "force": np.einsum("n,tnd->td", contact.weights, traction_vectors(contact, mean)),
             "contact_area": (status != OPEN) @ contact.weights,
             "stick_area": (status == STICK) @ contact.weights,
             "largest_pressure": mean[..., 0].max(axis=1),
@@ -159,7 +159,7 @@ def _resultants(
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def _vectors(contact: ContactHistory, traction: Array) -> Array:
+def traction_vectors(contact: ContactHistory, traction: Array) -> Array:
     """(n, N, d) tractions of body 1 on body 2, in the axes of the case, in n states."""
     # On body 2 the pressure acts against its outward normal.
     signs = np.where(np.arange(traction.shape[2]) > 0, 1.0, -1.0)

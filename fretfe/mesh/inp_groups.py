@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fretfe._typing import Array, Indices
 from fretfe.case import AnyBody, Selector
 from fretfe.errors import MeshError
 from fretfe.mesh.elements import (
@@ -137,6 +138,55 @@ def unused(path: Path, deck: Deck, used: Set[int]) -> Iterator[str]:
     if kinds:
         listed = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
         yield f"{path.name}: elements that are not used: {listed}"
+
+
+@dataclass(frozen=True)
+class DeckSurface:
+    """A surface of a model.
+
+    Attributes:
+        points: (n, d) its nodes.
+        labels: of the nodes, as they are written in the file.
+        facets: blocks (f, k) of facets with as many nodes each, corners first.
+        inside: (f, d) a place in the element behind each facet, by block.
+    """
+
+    points: Array
+    labels: tuple[str, ...]
+    facets: tuple[Indices, ...]
+    inside: tuple[Array, ...]
+
+
+def read_surface(path: Path, name: str) -> DeckSurface:
+    """A surface, node set or element set of facets on the outside of all elements of a file.
+
+    Args:
+        path: input file.
+        name: of the surface or set.
+
+    Raises:
+        MeshError: the file cannot be read, or has no facets of that name.
+    """
+    deck = read_deck(path)
+    dimension = 3 if any(SOLID.match(kind) for kind, _ in deck.elements.values()) else 2
+    cells = _cells(path, deck, dimension)
+    facets = _Groups(path, deck, dimension, [list(cells.items())]).boundary(name, name.upper())
+    numbers = sorted({node for facet in facets for node in facet.nodes})
+    place = {number: index for index, number in enumerate(numbers)}
+    centres = [
+        np.mean([deck.nodes[node] for node in cells[facet.element]], axis=0) for facet in facets
+    ]
+    sizes = np.array([len(facet.nodes) for facet in facets])
+    rows = {size: np.flatnonzero(sizes == size) for size in np.unique(sizes)}
+    return DeckSurface(
+        np.array([deck.nodes[number] for number in numbers])[:, :dimension],
+        tuple(deck.text(number) for number in numbers),
+        tuple(
+            np.array([[place[node] for node in facets[row].nodes] for row in own])
+            for own in rows.values()
+        ),
+        tuple(np.array(centres)[own, :dimension] for own in rows.values()),
+    )
 
 
 def _material_notes(
