@@ -83,17 +83,16 @@ class BorderedFactor:
     ) -> None:
         self.matrix = matrix
         comm, end = matrix.comm, matrix.getOwnershipRange()[1]
-        # The multipliers follow the unknowns of the first rank.
-        first = comm.tompi4py().bcast(end)
         count = border.shape[0]
-        solver = _unfactored(_bordered(matrix, border, first), dimension, symmetric)
-        # Without the bordered matrix, which only the solver refers to.
+        bordered = _bordered(matrix, border)
+        solver = _unfactored(bordered, dimension, symmetric)
         factor = self._factor = solver.getFactorMatrix()
         # A distributed matrix needs the whole list on the first rank and none on the others.
-        mine = first + np.arange(count if comm.rank == 0 else 0)
+        mine = end + np.arange(count if comm.rank == 0 else 0)
         index_set = PETSc.IS().createGeneral(mine.astype(PETSc.IntType), comm=comm)
         _call("MatFactorSetSchurIS", factor.handle, index_set.handle)
         _set_up(solver, count)
+        _destroy(solver, bordered)
         self.compliance = _read_complement(factor, comm.rank, count)
         factor.setMumpsIcntl(SCHUR_CONTROL, NO_COMPLEMENT)
         factor.setMumpsIcntl(SCHUR_SOLVE_CONTROL, INTERIOR_ONLY)
@@ -115,6 +114,7 @@ class BorderedFactor:
         solutions = [side.duplicate() for side in sides]
         for column, solution in zip(found.getDenseArray().T, solutions, strict=True):
             solution.array[:] = column[:own]
+        _destroy(rhs, found)
         return solutions
 
 
@@ -179,6 +179,12 @@ def _unfactored(matrix: PETSc.Mat, dimension: int, symmetric: bool) -> PETSc.PC:
     return solver
 
 
+def _destroy(*objects: PETSc.Object) -> None:
+    """Destroy large objects now: of several ranks, PETSc keeps what Python drops. Collective."""
+    for each in objects:
+        each.destroy()
+
+
 def _set_up(solver: PETSc.PC, multipliers: int = 0) -> None:
     """Factorise a matrix, some of whose unknowns are multipliers.
 
@@ -197,29 +203,22 @@ def _set_up(solver: PETSc.PC, multipliers: int = 0) -> None:
         )
 
 
-def _bordered(matrix: PETSc.Mat, border: sparse.csr_matrix, first: int) -> PETSc.Mat:
-    """K with the border as additional rows and columns that begin at a number. Collective."""
+def _bordered(matrix: PETSc.Mat, border: sparse.csr_matrix) -> PETSc.Mat:
+    """K, which is referred to, with the border as further rows and columns. Collective.
+
+    The multipliers belong to the first rank: they follow its unknowns.
+    """
     comm, (start, end) = matrix.comm, matrix.getOwnershipRange()
-    count, size = border.shape
-    # Unknowns of later ranks move up.
-    moved = np.arange(size) + count * (np.arange(size) >= first)
-    indptr, indices, values = matrix.getValuesCSR()
-    shape = end - start, size + count
-    own = sparse.csr_matrix((values, moved[indices], indptr), shape=shape)
-    across = sparse.coo_matrix(border[:, start:end].T)
-    columns = sparse.csr_matrix((across.data, (across.row, first + across.col)), shape=shape)
-    rows = own + columns
-    if comm.rank == 0:
-        along = sparse.coo_matrix(border)
-        below = sparse.csr_matrix(
-            (along.data, (along.row, moved[along.col])), shape=(count, size + count)
-        )
-        rows = sparse.vstack([rows, below]).tocsr()
-    rows.sort_indices()
-    local = rows.shape[0]
-    integers = (each.astype(PETSc.IntType) for each in (rows.indptr, rows.indices))
-    sizes = ((local, None), (local, None))
-    return PETSc.Mat().createAIJ(sizes, csr=(*integers, rows.data), comm=comm)
+    own = border if comm.rank == 0 else border[:0]
+    below = _distributed(comm, own, end - start)
+    beside = _distributed(comm, border[:, start:end].T.tocsr(), own.shape[0])
+    return PETSc.Mat().createNest([[matrix, beside], [below, None]], comm=comm)
+
+
+def _distributed(comm: PETSc.Comm, rows: sparse.csr_matrix, columns: int) -> PETSc.Mat:
+    """A matrix of which this rank has some rows, and so many columns. Collective."""
+    csr = *(each.astype(PETSc.IntType) for each in (rows.indptr, rows.indices)), rows.data
+    return PETSc.Mat().createAIJ(((rows.shape[0], None), (columns, None)), csr=csr, comm=comm)
 
 
 def _read_complement(factor: PETSc.Mat, rank: int, size: int) -> Array | None:

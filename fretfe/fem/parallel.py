@@ -219,6 +219,7 @@ def together(comm: MPI.Comm, work: Callable[[], T]) -> T:
         result = work()
     except FretfeError as error:
         failure = error
+    _wait_for_all(comm, _nothing)
     failures = [each for each in comm.allgather(failure) if each is not None]
     if failures:
         raise failures[0]

@@ -83,14 +83,16 @@ def test_run_writes_pictures_and_fields(results: Path, name: str) -> None:
     assert (results / name).stat().st_size > 0
 
 
-def test_two_processes_give_the_same_results(results: Path, folder: Path) -> None:
-    done = on_two_processes("run", "--no-report", folder / "case.toml", "-o", folder / "parallel")
+@pytest.mark.parametrize("ranks", [2, 4])
+def test_several_processes_give_the_same_results(results: Path, folder: Path, ranks: int) -> None:
+    """Two have a body each; of four, two share each body's factor."""
+    out = folder / f"on-{ranks}"
+    words = "-m", "fretfe", "run", "--no-report", folder / "case.toml", "-o", out
+    done = python(*words, ranks=ranks)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("Results in") == 1
-    serial, parallel = (
-        json.loads((path / "results.json").read_text()) for path in (results, folder / "parallel")
-    )
-    assert parallel["ranks"] == 2
+    serial, parallel = (json.loads((path / "results.json").read_text()) for path in (results, out))
+    assert parallel["ranks"] == ranks
     for quantity in ("normal_force", "shear_force", "half_width", "centre"):
         compare(serial["contacts"]["main"][quantity], parallel["contacts"]["main"][quantity])
     edges = (
@@ -107,7 +109,7 @@ def test_two_processes_give_the_same_results(results: Path, folder: Path) -> Non
 def compare(one: object, other: object) -> None:
     first, second = (np.array(values, dtype=float) for values in (one, other))
     scale = np.nanmax(np.abs(first))
-    assert np.allclose(first, second, rtol=0, atol=1e-8 * scale, equal_nan=True)
+    assert np.allclose(first, second, rtol=0, atol=1e-10 * scale, equal_nan=True)
 
 
 def test_check_lists_what_would_be_solved(folder: Path) -> None:
