@@ -10,7 +10,12 @@ from fretfe.backends.protocol import DEFAULTS, RunOptions, field_obstacles
 from fretfe.case import Case
 from fretfe.evaluate.contacts import Contact, Station, fronts_of
 from fretfe.evaluate.evaluate import evaluate
-from fretfe.evaluate.limits import ModelLimit, contact_limits, with_limit_warnings
+from fretfe.evaluate.limits import (
+    ModelLimit,
+    contact_limits,
+    unlike_notes,
+    with_limit_warnings,
+)
 from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.step_ends import at_step_ends, division_notes
 from fretfe.halfplane.solver import solve_half_planes
@@ -83,6 +88,7 @@ class HalfPlaneBackend:
         if problem.dundurs:
             beta = f"Dundurs' beta = {problem.dundurs:.3g}"
             notes = (*notes, f"pressure and shear depend on each other ({beta})")
+            notes = (*notes, *unlike_notes(contacts))
         limits = (*judged, *(size_limit(each.name, problem) for each in contacts))
         solution, contacts = at_step_ends(solution, contacts)
         return Result(

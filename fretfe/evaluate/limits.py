@@ -104,6 +104,23 @@ def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:
     )
 
 
+def unlike_notes(contacts: Iterable[Contact]) -> Iterator[str]:
+    """A line for each edge between unlike bodies: the length of its factors, lambda and epsilon."""
+    for contact in contacts:
+        for station in contact.stations:
+            if not station.oscillation:
+                continue
+            fall = 10 ** (station.exponent - 0.5) - 1
+            turn = math.degrees(station.oscillation * math.log(10))
+            yield (
+                f"{contact.name}, {station.front} edge, unlike bodies: K_N at the length "
+                f"{station.reference_length:.3g}, K_T at a quarter and K_I at a twentieth of it; "
+                f"lambda = {station.exponent:.4f}, epsilon = {station.oscillation:.4f}: a length "
+                f"ten times as large changes K_N by {fall:+.1%} and turns (K_T, K_I) by {turn:.2g} "
+                "degrees"
+            )
+
+
 @dataclass(frozen=True)
 class ContactExtent:
     """The largest of some quantities over all states of a contact.

@@ -19,7 +19,7 @@ from fretfe.errors import ConvergenceError, ModelError, OutputError, StoppedErro
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.cycles import cycle_changes, may_become_steady
 from fretfe.evaluate.evaluate import Tracks, evaluate
-from fretfe.evaluate.limits import with_limit_warnings
+from fretfe.evaluate.limits import unlike_notes, with_limit_warnings
 from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.resultants import load_extremes
 from fretfe.evaluate.step_ends import division_notes, step_ends
@@ -177,7 +177,14 @@ class _Run:
             loads=solution.loads,
             contacts=contacts,
             solution=solution,
-            notes=(*model.notes, *self._prepared.mesh.notes, *divided, *repeats, *added),
+            notes=(
+                *model.notes,
+                *self._prepared.mesh.notes,
+                *divided,
+                *repeats,
+                *added,
+                *unlike_notes(contacts),
+            ),
             failure=failure,
             limits=limits,
             bodies=self._prepared.mesh.bodies,

@@ -3,17 +3,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import blocks
 import numpy as np
 import numpy.typing as npt
 import pytest
+from pad_cases import PAD, pad, press, shear
 
 from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation
+from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.bodies.definition import Material
+from fretfe.case import parse_case
+from fretfe.evaluate.verdicts import AGREES, last_verdict
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
+from fretfe.results.model import Result
 
 POISSON, REACH, SIZE = 0.3, 0.5, 0.05
 KOLOSOV = 3 - 4 * POISSON
@@ -73,3 +81,35 @@ def factors(beta: float, inward: float) -> Array:
 def test_exact_fields_of_an_interface(beta: float, inward: float) -> None:
     """Both bodies by their own potentials (Rice and Sih 1965), ten elements to the reach."""
     assert factors(beta, inward) == pytest.approx(np.eye(2), abs=1e-3)
+
+
+TITANIUM, STEEL = {"young": 114e3, "poisson": 0.34}, {"young": 210e3, "poisson": 0.29}
+# Large, so that half-planes are near.
+SIZES = {"upper_width": 20.0, "lower_width": 30.0, "lower_height": 30.0, "upper_height": 20.0}
+
+
+def test_titanium_on_steel(solved: Callable[[dict[str, Any]], Result]) -> None:
+    """Finite elements against half-planes with the coupling, beta = -.049 and f = .6."""
+    values = {"upper_radius": 50.0, "lower_radius": 0.0, "size": 0.01, "zone": 1.1, **SIZES}
+    case = pad(
+        geometry={"template": "cylinder", "parameters": values},
+        bodies={"upper": TITANIUM, "lower": STEEL},
+        loads={"press": press(), "shear": shear(108.0, steps=12)},
+        contacts={"main": {**PAD["contacts"]["main"], "friction": 0.6}},
+        model={"degree": 2},
+    )
+    found, reference = solved(case), HALFPLANE.solve(parse_case(case))
+    assert sum("unlike bodies" in note for note in found.notes) == 2
+    for one, other in zip(found.contacts[0].stations, reference.contacts[0].stations, strict=True):
+        assert one.k_range == pytest.approx(other.k_range, rel=0.005)
+        assert one.k_i_range == pytest.approx(other.k_i_range, abs=0.005 * other.k_range)
+        for zone, truth in zip(one.slip_zones[-2:], other.slip_zones[-2:], strict=True):
+            difference = abs(one.k_n[zone.end] - other.k_n[truth.end])
+            assert difference < 0.01 * other.k_n[truth.end]
+            assert difference < np.hypot(one.k_n_spread[zone.end], other.k_n_spread[truth.end])
+            assert zone.length == pytest.approx(truth.length, rel=0.03)
+            assert abs(zone.length - truth.length) < np.hypot(zone.spread, truth.spread)
+        # The zones of the two directions differ by 9 %.
+        lengths = [zone.length for zone in one.slip_zones[-2:]]
+        assert max(lengths) > 1.06 * min(lengths)
+        assert last_verdict(one).word == last_verdict(other).word == AGREES

@@ -31,7 +31,7 @@ SECTIONS = {
     "Input": ("case-file", "materials", "templates", "geometry", "solids", "refinement", "mesh"),
     "Output": ("report", "results", "exchange", "match", "strength", "local"),
     "Use": ("command-line", "python", "api/index", "edges", "backends"),
-    "Trust": ("theory", "applicability", "method", "validate", "verify", "security"),
+    "Trust": ("theory", "unlike", "applicability", "method", "validate", "verify", "security"),
     "Behind it": ("architecture", "performance", "changes"),
 }
 # Where links from the root lead in the site.
