@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.case import Body
+from fretfe.case import AnyBody, compliance
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.critical_planes import (
     Critical,
@@ -189,7 +189,7 @@ class StressParameters:
 def stress_parameters(
     history: StressHistory,
     number: int,
-    material: Body,
+    material: AnyBody,
     shear_numbers: tuple[float, float] | None = None,
 ) -> StressParameters:
     """Parameters of one of the two bodies of a contact.
@@ -225,12 +225,21 @@ def stress_parameters(
     )
 
 
-def _critical(stress: Array, material: Body, parameter: Parameter) -> Critical:
+def _critical(stress: Array, material: AnyBody, parameter: Parameter) -> Critical:
     """Largest parameter at D * N points, of stresses (n, D, N, 4)."""
+    tensors = _tensors(stress)
+    # Voigt's order of compliances is another one; half of a shear strain is the tensor's.
+    order = [0, 1, 2, 5, 3, 4]
+    matrix = compliance(material)[np.ix_(order, order)] / [[1], [1], [1], [2], [2], [2]]
+    return find_critical(tensors, tensors @ matrix.T, parameter)
+
+
+def _tensors(stress: Array) -> Array:
+    """(n, D * N, 6) all components of stresses (n, D, N, 4) as of `critical_planes.PAIRS`."""
     states, depths, nodes, own = stress.shape
     tensors = np.zeros((states, depths * nodes, 6))
     tensors[..., :own] = stress.reshape(states, depths * nodes, own)
-    return find_critical(tensors, material.young, material.poisson, parameter)
+    return tensors
 
 
 def _along_surface(stress: Array, frames: Array) -> Array:
