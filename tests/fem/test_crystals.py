@@ -29,6 +29,7 @@ from fretfe.case import IS_CRYSTAL, Crystal, Solid, parse_case
 from fretfe.case.bodies import Elastic, Orientation
 from fretfe.errors import CaseError
 from fretfe.evaluate.surface_stress import SurfaceLaw
+from fretfe.exchange.export import export_tables
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import COMPONENTS, PLANE_TENSOR, ElasticBody
 from fretfe.fem.fields import StressPoints
@@ -264,3 +265,23 @@ def test_stress_near_contacts(tmp_path: Path) -> None:
         line = 2 * below[0] - below[1]
         assert np.abs(surface - line)[:, middle].max() < 0.03 * peak
     assert {each.reason for each in history.edges} == {IS_CRYSTAL}
+    upper, _ = answer.stress_parameters("main")
+    stress = history.bodies[0].stress[:, 1]
+    # Crystal axes at 30 degrees about z: (111)[1-10] by hand.
+    c, s = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    axes = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+    normal, slip = np.ones(3) @ axes / np.sqrt(3), np.array([1, -1, 0]) @ axes / np.sqrt(2)
+    tensors = np.zeros((*stress.shape[:2], 3, 3))
+    for part, (i, j) in enumerate(PLANE_TENSOR):
+        tensors[..., i, j] = tensors[..., j, i] = stress[..., part]
+    one = np.ptp(np.einsum("tnij,i,j->tn", tensors, slip, normal), axis=0)
+    # Of all planes half of the largest chord of the principal stresses.
+    span = np.ptp(np.linalg.eigvalsh(tensors), axis=2)
+    own = upper.octahedral_shear[1]
+    known = np.isfinite(own)
+    assert np.all(own[known] >= one[known] * (1 - 1e-12)) and np.isclose(own, one).any()
+    assert np.all(own[known] <= span.max(axis=0)[known])
+    (table,) = (each for each in export_tables(answer) if each.file == "stress.csv")
+    number = [each.name for each in table.headings].index("octahedral_shear")
+    below = [row[number] for row in table.rows if row[1] == "upper" and row[2] == 0.02]
+    np.testing.assert_array_equal(below, own)
