@@ -21,7 +21,6 @@ from fretfe.case import (
     normal_modulus,
     parse_case,
     plane_modulus,
-    require_isotropic,
 )
 from fretfe.errors import CaseError
 from fretfe.idealise.bodies import cross_compliance, dissimilarity
@@ -220,12 +219,3 @@ def test_what_half_planes_do_not_know_of_crystals() -> None:
     assert "expected crystals that yield to pressure and to shear alike" in alike
     soft = {"young": 70e3, "poisson": 0.1}
     assert any("Dundurs' beta" in each for each in obstacles(case_of({"elastic": NICKEL}, soft)))
-
-
-def test_what_needs_isotropic_bodies_says_so() -> None:
-    case = case_of({"elastic": NICKEL}, STEEL)
-    assert require_isotropic(case, "lower", "SWT").young == 210e3
-    with pytest.raises(
-        CaseError, match="SWT: expected isotropic bodies, found the crystal 'upper'"
-    ):
-        require_isotropic(case, "upper", "SWT")

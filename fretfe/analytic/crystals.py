@@ -146,6 +146,28 @@ def couples_across(matrix: Array) -> float:
     return float(np.abs(across).max() / np.abs(matrix).max())
 
 
+def slip_systems(axes: Array) -> tuple[Array, Array]:
+    """Schmid tensors (12, 3, 3) of {111}<110> and (6, 3, 3) of {001}<110> in a cubic crystal.
+
+    Their products with a stress are the shear stresses on these planes along these directions.
+
+    Args:
+        axes: (3, 3) rows: axes of the crystal in those of the model.
+    """
+    signs = np.array([[1, 1, 1], [-1, 1, 1], [1, -1, 1], [1, 1, -1]])
+    along = np.array([[1, 1, 0], [1, -1, 0], [1, 0, 1], [1, 0, -1], [0, 1, 1], [0, 1, -1]])
+    found = []
+    for planes in (signs, np.eye(3)):
+        pairs = [(n, b) for n in planes for b in along if n @ b == 0]
+        normals, directions = (
+            np.array(each) / np.linalg.norm(each, axis=1, keepdims=True) @ axes
+            for each in zip(*pairs, strict=True)
+        )
+        products = np.einsum("si,sj->sij", directions, normals)
+        found.append((products + products.swapaxes(1, 2)) / 2)
+    return found[0], found[1]
+
+
 def _parts(stiffness: Array, m: Array, n: Array) -> tuple[Array, Array, Array]:
     """(..., 3, 3) Q, R and T for unit vectors m and n (..., 3)."""
     first = np.einsum("ijkl,...j->...ikl", stiffness, m)

@@ -10,6 +10,7 @@ from fretfe.case.bodies import (
     Body,
     Crystal,
     antiplane_ratio,
+    compliance,
     contact_modulus,
     couples_across,
     half_plane,
@@ -49,7 +50,6 @@ from fretfe.case.reading import (
     check_dimension,
     load_case,
     parse_case,
-    require_isotropic,
 )
 from fretfe.case.tables import (
     Contact,
@@ -109,6 +109,7 @@ __all__ = [
     "changed",
     "check_dimension",
     "complaint",
+    "compliance",
     "contact_modulus",
     "couples_across",
     "file_kind",
@@ -120,7 +121,6 @@ __all__ = [
     "parse_assignments",
     "parse_case",
     "plane_modulus",
-    "require_isotropic",
     "stiffness",
     "unit_vector",
 ]

@@ -284,6 +284,13 @@ def stiffness(body: AnyBody, plane: Plane) -> Array:
     return crystals.plane_stress(own) if plane == "stress" else own
 
 
+def compliance(body: AnyBody) -> Array:
+    """(6, 6) in the axes of the model, in Voigt's order for engineering strains."""
+    import numpy as np
+
+    return np.linalg.inv(stiffness(body, "strain"))
+
+
 def _constants(body: Body) -> tuple[float, float]:
     return body.young, body.poisson
 

@@ -13,7 +13,7 @@ import tomli_w
 from pydantic import TypeAdapter, ValidationError
 
 from fretfe.case.base import AXES, Name, Table
-from fretfe.case.bodies import IS_CRYSTAL, AnyBody, Body, isotropic
+from fretfe.case.bodies import AnyBody
 from fretfe.case.loads import (
     AnyLoad,
     ChannelAtPoints,
@@ -256,19 +256,6 @@ def check_dimension(case: Case, dimension: int) -> None:
     lines = [complaint(case.source, *problem) for problem in _misfits(case, dimension)]
     if lines:
         raise CaseError("\n".join(lines))
-
-
-def require_isotropic(case: Case, name: str, what: str) -> Body:
-    """The constants of a body, for what has no formula for crystals.
-
-    Raises:
-        CaseError: the body is a crystal.
-    """
-    known = isotropic(case.bodies[name])
-    if known is None:
-        found = f"found the crystal {name!r}: what it needs is {IS_CRYSTAL}"
-        raise CaseError(f"{case.source}: {what}: expected isotropic bodies, {found}")
-    return known
 
 
 def _misfits(case: Case, dimension: int) -> Iterator[Problem]:

@@ -37,14 +37,13 @@ class OnPlanes:
 
     Attributes:
         stress: (n, m, 6).
+        strain: (n, m, 6), components of the tensor.
         normals: (m or 1, P, 3) unit normals.
-        young, poisson: of the body.
     """
 
     stress: Array
+    strain: Array
     normals: Array
-    young: float
-    poisson: float
 
     @cached_property
     def _normal_stress(self) -> Array:
@@ -58,16 +57,14 @@ class OnPlanes:
     @property
     def strain_range(self) -> Array:
         """(m, P) largest less smallest normal strain."""
-        trace = self.stress[:, :, None, :3].sum(axis=3)
-        strain = ((1 + self.poisson) * self._normal_stress - self.poisson * trace) / self.young
-        return np.asarray(np.ptp(strain, axis=0))
+        return np.asarray(np.ptp(_component(self.strain, self.normals, self.normals), axis=0))
 
     @property
     def shear_range(self) -> Array:
         """(m, P) largest distance between two places of the shear strain."""
         along = _tangents(self.normals)
-        x, y = (_component(self.stress, self.normals, tangent) for tangent in along)
-        return _longest_chord(x, y) * 2 * (1 + self.poisson) / self.young
+        x, y = (_component(self.strain, self.normals, tangent) for tangent in along)
+        return 2 * _longest_chord(x, y)
 
 
 @dataclass(frozen=True)
@@ -124,13 +121,12 @@ def fatemi_socie(k: float, yield_stress: float) -> Parameter:
     return parameter
 
 
-def find_critical(stress: Array, young: float, poisson: float, parameter: Parameter) -> Critical:
+def find_critical(stress: Array, strain: Array, parameter: Parameter) -> Critical:
     """Find the plane of the largest parameter at every point.
 
     Args:
         stress: (n, M, 6) of n states, in their order.
-        young: Young's modulus.
-        poisson: Poisson's ratio.
+        strain: (n, M, 6) elastic strain there, components of the tensor.
         parameter: `smith_watson_topper`, or one that `fatemi_socie` gives.
     """
     count = stress.shape[1]
@@ -140,18 +136,18 @@ def find_critical(stress: Array, young: float, poisson: float, parameter: Parame
     part = max(MOST_VALUES // (len(stress) * len(grid)), 1)
     for start in range(0, len(known), part):
         points = known[start : start + part]
-        own = stress[:, points]
-        coarse = parameter(OnPlanes(own, grid[None], young, poisson))
+        own = stress[:, points], strain[:, points]
+        coarse = parameter(OnPlanes(*own, grid[None]))
         best = np.argmax(coarse, axis=1)
         value[points], normal[points] = _refined(
-            own, coarse[np.arange(len(points)), best], grid[best], (young, poisson), parameter
+            own, coarse[np.arange(len(points)), best], grid[best], parameter
         )
     normal[normal[:, 2] < 0] *= -1
     return Critical(value, normal)
 
 
 def _refined(
-    stress: Array, value: Array, normal: Array, moduli: tuple[float, float], parameter: Parameter
+    own: tuple[Array, Array], value: Array, normal: Array, parameter: Parameter
 ) -> tuple[Array, Array]:
     """Walk from planes (m, 3) with the values (m,) uphill, in steps that get smaller."""
     step = np.radians(COARSE) / 2
@@ -162,7 +158,7 @@ def _refined(
             first, second = _tangents(normal)
             around = cosines * first[:, None] + sines * second[:, None]
             tried = np.cos(step) * normal[:, None] + np.sin(step) * around
-            found = parameter(OnPlanes(stress, tried, *moduli))
+            found = parameter(OnPlanes(*own, tried))
             best, rows = np.argmax(found, axis=1), np.arange(len(normal))
             better = found[rows, best] > value
             value = np.where(better, found[rows, best], value)

@@ -14,9 +14,11 @@ import numpy as np
 import numpy.typing as npt
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.case import Body
+from fretfe.analytic.crystals import slip_systems
+from fretfe.case import AnyBody, Crystal, compliance
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.critical_planes import (
+    PAIRS,
     Critical,
     Parameter,
     fatemi_socie,
@@ -174,6 +176,8 @@ class StressParameters:
         swt_normal: (D, N, 3) normal of its plane.
         shear_strain: (D, N) largest amplitude of the shear strain on any plane [1].
         fatemi_socie: (D, N) Fatemi-Socie parameter [1]; None without its two numbers.
+        octahedral_shear, cube_shear: (D, N) largest range of the resolved shear stress on the 12
+            slip systems {111}<110> and the 6 {001}<110> [stress]; NaN if no cubic crystal.
     """
 
     body: str
@@ -184,12 +188,14 @@ class StressParameters:
     swt_normal: Array
     shear_strain: Array
     fatemi_socie: Array | None
+    octahedral_shear: Array
+    cube_shear: Array
 
 
 def stress_parameters(
     history: StressHistory,
     number: int,
-    material: Body,
+    material: AnyBody,
     shear_numbers: tuple[float, float] | None = None,
 ) -> StressParameters:
     """Parameters of one of the two bodies of a contact.
@@ -212,6 +218,7 @@ def stress_parameters(
     def sheared(parameter: Parameter) -> Array:
         return _critical(body.stress, material, parameter).value.reshape(shape)
 
+    octahedral, cube = _resolved_shear(body.stress, material)
     return StressParameters(
         body=body.name,
         depths=history.depths,
@@ -222,15 +229,41 @@ def stress_parameters(
         # Without the normal stress there is nothing to be weighted by the yield stress.
         shear_strain=sheared(fatemi_socie(0.0, 1.0)),
         fatemi_socie=sheared(combined) if combined else None,
+        octahedral_shear=octahedral,
+        cube_shear=cube,
     )
 
 
-def _critical(stress: Array, material: Body, parameter: Parameter) -> Critical:
+def _resolved_shear(stress: Array, material: AnyBody) -> tuple[Array, Array]:
+    """Largest ranges (D, N) over octahedral and cube systems, of stresses (n, D, N, 4)."""
+    shape = stress.shape[1:3]
+    if not isinstance(material, Crystal) or material.elastic.cubic is None:
+        return np.full(shape, np.nan), np.full(shape, np.nan)
+    tensors, found = _tensors(stress), []
+    for systems in slip_systems(material.orientation.axes):
+        factors = np.stack([systems[:, i, j] * (1 + (i != j)) for i, j in PAIRS])
+        largest = np.full(tensors.shape[1], -np.inf)
+        for each in factors.T:
+            largest = np.maximum(largest, np.ptp(tensors @ each, axis=0))
+        found.append(largest.reshape(shape))
+    return found[0], found[1]
+
+
+def _critical(stress: Array, material: AnyBody, parameter: Parameter) -> Critical:
     """Largest parameter at D * N points, of stresses (n, D, N, 4)."""
+    tensors = _tensors(stress)
+    # Voigt's order of compliances is another one; half of a shear strain is the tensor's.
+    order = [0, 1, 2, 5, 3, 4]
+    matrix = compliance(material)[np.ix_(order, order)] / [[1], [1], [1], [2], [2], [2]]
+    return find_critical(tensors, tensors @ matrix.T, parameter)
+
+
+def _tensors(stress: Array) -> Array:
+    """(n, D * N, 6) all components of stresses (n, D, N, 4) as of `critical_planes.PAIRS`."""
     states, depths, nodes, own = stress.shape
     tensors = np.zeros((states, depths * nodes, 6))
     tensors[..., :own] = stress.reshape(states, depths * nodes, own)
-    return find_critical(tensors, material.young, material.poisson, parameter)
+    return tensors
 
 
 def _along_surface(stress: Array, frames: Array) -> Array:

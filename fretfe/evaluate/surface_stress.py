@@ -9,8 +9,9 @@ to initial strains e0,
     sigma_t = E/(1 - nu^2) (eps_t - e0_t - nu e0_z) - nu/(1 - nu) p    in plane strain,
     sigma_t = E (eps_t - e0_t) - nu p                                  in plane stress,
 
-and eps_t is best at the Gauss points of the facets, as many as the degree of the displacements,
-where the error of the slope of a finite-element function is of one order higher (Barlow 1976).
+and of crystals `SurfaceLaw`. eps_t is best at the Gauss points of the facets, as many as the degree
+of the displacements, where the error of the slope of a finite-element function is of one order
+higher (Barlow 1976).
 
 Next to an edge p falls with the square root of the distance, and so does -sigma_t: it has a cusp
 there. Their sum is smooth throughout the slip zone, as sigma_t by the shear f p is, and grows with
@@ -26,7 +27,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
-from fretfe.case import Body, plane_modulus
+from fretfe.case import AnyBody, compliance
 from fretfe.case.tables import Plane
 from fretfe.history.solution import OPEN, SLIP, ContactHistory
 from fretfe.mesh.elements import quadrature, shape_slopes, shape_values
@@ -99,45 +100,82 @@ def arc_of(contact: ContactHistory, places: Array) -> Array:
     return np.asarray(contact.arc[nearest] + ahead)
 
 
-def tangential_stress(strain: Array, pressure: Array, body: Body, plane: Plane) -> Array:
-    """Stress along the surface from the strain along it and the pressure; all of one shape.
+@dataclass(frozen=True)
+class SurfaceLaw:
+    """Hooke's law of a plane body as its surface sees it, of crystals too.
 
-    The strain is without the initial one, `free_strain`.
+    In the plane, with stress and strain xx, yy, xy (strain 2 xy) as vectors,
+    eps = compliance sigma + e0 - across e0_z, and sigma_zz = -across sigma - modulus e0_z.
+
+    Attributes:
+        compliance: (3, 3) [1/stress].
+        across: (3,) S_3a/S_33 with the compliances S of the body; nothing in plane stress.
+        modulus: 1/S_33 [stress], of no use in plane stress.
     """
-    contraction = body.poisson / (1 - body.poisson) if plane == "strain" else body.poisson
-    return plane_modulus(body, plane) * strain - contraction * pressure
+
+    compliance: Array
+    across: Array
+    modulus: float
+
+    @classmethod
+    def of(cls, body: AnyBody, plane: Plane) -> SurfaceLaw:
+        """That of a body of a case."""
+        whole, own = compliance(body), [0, 1, 5]
+        inner = whole[np.ix_(own, own)]
+        if plane == "stress":
+            return cls(inner, np.zeros(3), 0.0)
+        across, modulus = whole[2, own] / whole[2, 2], float(1 / whole[2, 2])
+        return cls(inner - np.outer(across, across) / modulus, across, modulus)
+
+    def tangential_stress(self, strain: Array, traction: Array, frames: Array) -> Array:
+        """(n,) stress along a surface from the strain along it and the tractions.
+
+        Args:
+            strain: (n,) without the initial one, `free_strain`.
+            traction: (n, 2) p and q, as of `ContactHistory`.
+            frames: (n, 2, 2) normal and tangent.
+        """
+        along = _stress_vector(frames[:, 1], frames[:, 1]) @ self.compliance
+        free = strain - np.sum(along * _by_traction(traction, frames), axis=1)
+        return np.asarray(free / np.sum(along * _stress_vector(frames[:, 1], frames[:, 1]), axis=1))
+
+    def free_strain(self, strain: Array, tangents: Array) -> Array:
+        """(g,) strain along a surface by initial strains (g, 3, 3) that nothing hinders."""
+        inner = strain[:, [0, 1, 0], [0, 1, 1]] * [1, 1, 2] - self.across * strain[:, 2, 2, None]
+        return np.asarray(np.sum(_stress_vector(tangents, tangents) * inner, axis=1))
+
+    def stress(self, tangential: Array, traction: Array, frames: Array, across: Array) -> Array:
+        """(N, 4) stress xx, yy, zz, xy at a surface; the same in both bodies but for `tangential`.
+
+        Args:
+            tangential: (N,) stress along the surface.
+            traction: (N, 2) p and q, as of `ContactHistory`.
+            frames: (N, 2, 2) normal and tangent.
+            across: (N,) initial strain along z.
+        """
+        own = tangential[:, None] * _stress_vector(frames[:, 1], frames[:, 1])
+        xx, yy, xy = (own + _by_traction(traction, frames)).T
+        along_z = -(self.across @ [xx, yy, xy]) - self.modulus * across
+        return np.stack([xx, yy, along_z, xy], axis=1)
 
 
-def free_strain(strain: Array, tangents: Array, body: Body, plane: Plane) -> Array:
-    """(g,) strain along a surface that initial strains (g, 3, 3) cause where nothing hinders it."""
-    along = np.einsum("gi,gij,gj->g", tangents, strain[:, :2, :2], tangents)
-    return np.asarray(along + body.poisson * strain[:, 2, 2] if plane == "strain" else along)
-
-
-def surface_tensor(
-    tangential: Array, traction: Array, frames: Array, body: Body, plane: Plane, across: Array
-) -> Array:
-    """(N, 4) stress xx, yy, zz, xy at a surface; the same in both bodies but for `tangential`.
-
-    Args:
-        tangential: (N,) stress along the surface.
-        traction: (N, 2) p and q, as of `ContactHistory`.
-        frames: (N, 2, 2) normal and tangent.
-        body: that the surface belongs to.
-        plane: of the model.
-        across: (N,) initial strain along z.
-    """
-    p, q = traction.T
-    normal, tangent = frames[:, 0], frames[:, 1]
-    both = np.einsum("ni,nj->nij", normal, tangent)
-    tensor = (
-        -p[:, None, None] * np.einsum("ni,nj->nij", normal, normal)
-        + q[:, None, None] * (both + both.swapaxes(1, 2))
-        + tangential[:, None, None] * np.einsum("ni,nj->nij", tangent, tangent)
+def _stress_vector(one: Array, other: Array) -> Array:
+    """(n, 3) xx, yy, xy of the symmetric part of the products of vectors (n, 2)."""
+    return np.stack(
+        [
+            one[:, 0] * other[:, 0],
+            one[:, 1] * other[:, 1],
+            (one[:, 0] * other[:, 1] + one[:, 1] * other[:, 0]) / 2,
+        ],
+        axis=1,
     )
-    held = body.poisson * (tangential - p) - body.young * across
-    along_z = held if plane == "strain" else 0.0 * p
-    return np.stack([tensor[:, 0, 0], tensor[:, 1, 1], along_z, tensor[:, 0, 1]], axis=1)
+
+
+def _by_traction(traction: Array, frames: Array) -> Array:
+    """(n, 3) stress xx, yy, xy by tractions (n, 2) alone: nothing along the surface."""
+    normal, tangent = frames[:, 0], frames[:, 1]
+    pressed = -traction[:, :1] * _stress_vector(normal, normal)
+    return pressed + 2 * traction[:, 1:] * _stress_vector(normal, tangent)
 
 
 @dataclass(frozen=True)

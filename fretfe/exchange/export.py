@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.case import Units
+from fretfe.case import Crystal, Units
 from fretfe.errors import CaseError, OutputError
 from fretfe.evaluate.contacts import AreaPatch, Contact
 from fretfe.evaluate.stress import StressParameters
@@ -81,6 +81,10 @@ STRESS = (
     Column("ruiz2", "stress slip", "that, if it is tension, times ruiz of local.csv; surface only"),
     Column("swt", "stress", "Smith-Watson-Topper parameter of the plane where it is largest"),
     Column("shear_strain", "", "largest amplitude of the shear strain on any plane"),
+)
+SLIP_SYSTEMS = (
+    Column("octahedral_shear", "stress", "largest range of the shear stress on {111}<110>"),
+    Column("cube_shear", "stress", "largest range of the shear stress on {001}<110>"),
 )
 FATEMI_SOCIE = Column("fatemi_socie", "", "Fatemi-Socie parameter of the plane where it is largest")
 EDGE_STRESS = (
@@ -274,7 +278,10 @@ def _local(result: Result) -> ExportTable:
 
 
 def _stress(result: Result, fatemi_socie: tuple[float, float] | None) -> ExportTable:
-    named = [*STRESS, *([FATEMI_SOCIE] if fatemi_socie else [])]
+    cubic = any(
+        isinstance(each, Crystal) and each.elastic.cubic for each in result.case.bodies.values()
+    )
+    named = [*STRESS, *(SLIP_SYSTEMS if cubic else ()), *([FATEMI_SOCIE] if fatemi_socie else [])]
     # All is computed before the file is made: what is wrong with the numbers is told first.
     found = {
         name: (result.stress_history(name).arc, result.stress_parameters(name, fatemi_socie))
@@ -285,16 +292,18 @@ def _stress(result: Result, fatemi_socie: tuple[float, float] | None) -> ExportT
         for contact, (arc, bodies) in found.items()
         for body in bodies
         for number, depth in enumerate(body.depths)
-        for row in _parameters(arc, body, number)
+        for row in _parameters(arc, body, number, cubic)
     )
     return ExportTable("stress.csv", _headings(result, named), rows)
 
 
-def _parameters(arc: Array, body: StressParameters, number: int) -> Array:
-    """(N, 5 or 6) place and parameters at one of the depths."""
+def _parameters(arc: Array, body: StressParameters, number: int, cubic: bool) -> Array:
+    """(N, 5 to 8) place and parameters at one of the depths."""
     at_surface = body.depths[number] == 0
     ruiz2 = body.ruiz2 if at_surface else np.full_like(body.ruiz2, np.nan)
     values = [arc, body.largest_tension[number], ruiz2, body.swt[number], body.shear_strain[number]]
+    if cubic:
+        values += [body.octahedral_shear[number], body.cube_shear[number]]
     if body.fatemi_socie is not None:
         values.append(body.fatemi_socie[number])
     return np.column_stack(values)

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.case import Body, Case, require_isotropic
-from fretfe.case.tables import Plane
+from fretfe.case import IS_CRYSTAL, Case, isotropic
 from fretfe.contact.recorder import Recorder
 from fretfe.errors import CaseError, OutputError
 from fretfe.evaluate.contacts import Contact, Station
@@ -22,11 +21,9 @@ from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.stress import judged_states
 from fretfe.evaluate.surface_stress import (
     EdgeValue,
+    SurfaceLaw,
     SurfaceStrain,
     edge_stress,
-    free_strain,
-    surface_tensor,
-    tangential_stress,
 )
 from fretfe.fem.fields import FieldSource, Places
 from fretfe.fem.model import Model
@@ -39,9 +36,6 @@ from fretfe.surface.surface import Surface
 # A contact node is above the other surface if the nearest place of that is no farther away along
 # the surface than this part of the largest facet.
 BESIDE = 0.5
-
-# What needs isotropic bodies, for messages.
-WHAT = "output.stress_depths"
 
 
 @dataclass(frozen=True)
@@ -64,6 +58,7 @@ class _Site:
     surfaces: tuple[Surface, Surface]
     strains: tuple[SurfaceStrain, SurfaceStrain]
     initial: tuple[Array, Array]
+    laws: tuple[SurfaceLaw, SurfaceLaw]
     depths: Array
     place: StressSite
 
@@ -206,19 +201,18 @@ class _Writer:
         for number, (surface, strain) in enumerate(zip(site.surfaces, site.strains, strict=True)):
             free, across = np.tensordot(amplitudes, site.initial[number], axes=1)
             found = strain.values(moved[surface.name]) - free
-            own = self._tangential(site, number, strain.arc, found, traction)
-            smooth.append(own + np.interp(strain.arc, first.arc, traction[:, 0]))
+            tractions, frames = _at(first, strain.arc, traction)
+            own = site.laws[number].tangential_stress(found, tractions, frames)
+            smooth.append(own + tractions[:, 0])
             below = self._depths > 0
             stress[number, below] = inner[site.contact, number].reshape(-1, len(first.arc), 4)
             if not below.all():
                 at_nodes = np.interp(first.arc, strain.arc, found, left=np.nan, right=np.nan)
-                tangential = self._tangential(site, number, first.arc, at_nodes, traction)
-                stress[number, ~below] = surface_tensor(
-                    tangential,
+                law = site.laws[number]
+                stress[number, ~below] = law.stress(
+                    law.tangential_stress(at_nodes, traction, first.frames),
                     traction,
                     first.frames,
-                    self._body(site, number),
-                    self._plane,
                     np.interp(first.arc, strain.arc, across),
                 )
         edges = [self._edge(site, state, smooth, *edge) for edge in site.edges]
@@ -232,13 +226,6 @@ class _Writer:
             "edge_spread": [each.spread for each in edges],
         }
 
-    def _tangential(
-        self, site: _Site, number: int, arc: Array, strain: Array, traction: Array
-    ) -> Array:
-        """Stress along the surface of a body at places along the arc."""
-        pressure = np.interp(arc, site.patches[0].arc, traction[:, 0])
-        return tangential_stress(strain, pressure, self._body(site, number), self._plane)
-
     def _edge(
         self,
         site: _Site,
@@ -248,6 +235,9 @@ class _Writer:
         station: Station,
         body: int,
     ) -> EdgeValue:
+        if isotropic(self._case.bodies[site.place.bodies[body]]) is None:
+            # Pressure alone does not make sigma_t = -p: there is another singular part.
+            return EdgeValue(np.nan, np.nan, IS_CRYSTAL)
         return edge_stress(
             site.strains[body].arc,
             smooth[body],
@@ -261,13 +251,6 @@ class _Writer:
         self._known[site.contact] |= [not each.reason for each in edges]
         for count, each in zip(self._reasons[site.contact], edges, strict=True):
             count[each.reason] += bool(each.reason)
-
-    def _body(self, site: _Site, number: int) -> Body:
-        return require_isotropic(self._case, site.place.bodies[number], WHAT)
-
-    @property
-    def _plane(self) -> Plane:
-        return self._case.model.plane
 
     def _error(self, error: OSError) -> OutputError:
         return OutputError(
@@ -297,7 +280,8 @@ def _site(
     points, normals = (np.array(each) for each in zip(*seen, strict=True))
     degree = model.case.model.degree
     strains = [SurfaceStrain.of(surface, degree, pair) for surface in surfaces]
-    initial = [_initial_strains(model, *each) for each in zip(bodies, strains, strict=True)]
+    laws = [SurfaceLaw.of(model.case.bodies[name], model.case.model.plane) for name in bodies]
+    initial = [_initial_strains(model, *each) for each in zip(bodies, strains, laws, strict=True)]
     place = StressSite(pair.pair, pair.arc, pair.frames, bodies, points, normals, edges)
     return _Site(
         patches,
@@ -305,20 +289,28 @@ def _site(
         surfaces,
         (strains[0], strains[1]),
         (initial[0], initial[1]),
+        (laws[0], laws[1]),
         depths,
         place,
     )
 
 
-def _initial_strains(model: Model, body: str, strain: SurfaceStrain) -> Array:
+def _at(contact: ContactHistory, arc: Array, traction: Array) -> tuple[Array, Array]:
+    """(g, 2) p and q, and (g, 2, 2) normal and tangent, at places (g,) along the arc."""
+    values = np.concatenate([traction, contact.frames.reshape(-1, 4)], axis=1)
+    found = np.stack([np.interp(arc, contact.arc, each) for each in values.T], axis=1)
+    frames = found[:, 2:].reshape(-1, 2, 2)
+    return found[:, :2], frames / np.linalg.norm(frames, axis=2, keepdims=True)
+
+
+def _initial_strains(model: Model, body: str, strain: SurfaceStrain, law: SurfaceLaw) -> Array:
     """(l, 2, g) initial strains at a surface, as of `_Site`."""
     loads, material = model.reduction.definition.loads, model.body_definition(body).material
     found = np.zeros((len(loads), 2, len(strain.arc)))
     for own, load in zip(found, loads, strict=True):
         if load.strains(body):
             initial = load.initial_strain(body, material, strain.places)
-            constants, plane = require_isotropic(model.case, body, WHAT), model.case.model.plane
-            own[0] = free_strain(initial, strain.tangents, constants, plane)
+            own[0] = law.free_strain(initial, strain.tangents)
             own[1] = initial[:, 2, 2]
     return found
 
@@ -338,14 +330,11 @@ def _below(surface: Surface, points: Array, depths: Array) -> tuple[Array, Array
 
 
 def refuse_solids(case: Case, dimension: int) -> None:
-    """Check that the stress near contacts is asked of plane isotropic bodies only.
+    """Check that the stress near contacts is asked of plane bodies only.
 
     Raises:
-        CaseError: if it is asked of solids or crystals.
+        CaseError: if it is asked of solids.
     """
-    if case.output.stress_depths:
-        for name in case.bodies:
-            require_isotropic(case, name, WHAT)
     if case.output.stress_depths and dimension == 3:
         raise CaseError(
             f"{case.source}: output.stress_depths: expected plane bodies, found solids: the stress "

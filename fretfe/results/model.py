@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fretfe._typing import Array
-from fretfe.case import Case, require_isotropic
+from fretfe.case import Case
 from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.limits import ModelLimit
@@ -245,9 +245,7 @@ class Result:
         """
         history = self.stress_history(contact)
         first, second = (
-            stress_parameters(
-                history, number, require_isotropic(self.case, body.name, STRESSES), fatemi_socie
-            )
+            stress_parameters(history, number, self.case.bodies[body.name], fatemi_socie)
             for number, body in enumerate(history.bodies)
         )
         return first, second

@@ -18,6 +18,7 @@ from fretfe.analytic.crystals import (
     isotropic,
     orthotropic_compliance,
     plane_stress,
+    slip_systems,
     smallest_eigenvalue,
     triclinic,
     turned,
@@ -174,6 +175,25 @@ def test_isotropic_constants_are_recognised() -> None:
     assert found is not None and found == pytest.approx((E, NU), rel=1e-12)
     assert young_and_poisson(NICKEL) is None
     assert young_and_poisson(cubic(1.0, -2.0, 1.0)) is None
+
+
+@pytest.mark.parametrize(
+    ("along", "octahedral", "cube"),
+    [
+        ([0, 0, 1], 1 / np.sqrt(6), 0.0),
+        ([1, 1, 1], np.sqrt(2 / 27), np.sqrt(2) / 3),
+        ([0, 1, 1], 1 / np.sqrt(6), np.sqrt(2) / 4),
+    ],
+)
+def test_schmid_factors_in_tension(along: list[int], octahedral: float, cube: float) -> None:
+    """Those of textbooks for the corners of the standard triangle, in crystals turned any way."""
+    for axes in rotations(3):
+        pull = np.array(along) / np.linalg.norm(along) @ axes
+        systems = slip_systems(axes)
+        assert [len(each) for each in systems] == [12, 6]
+        assert max(np.abs(np.trace(each, axis1=1, axis2=2)).max() for each in systems) < 1e-15
+        found = [np.abs(np.einsum("sij,i,j->s", each, pull, pull)).max() for each in systems]
+        assert found == pytest.approx([octahedral, cube], abs=1e-12)
 
 
 def test_planes_of_symmetry() -> None:

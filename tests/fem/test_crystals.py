@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import blocks
@@ -24,8 +25,11 @@ from fretfe.analytic.crystals import (
 )
 from fretfe.analytic.crystals import isotropic as isotropic_stiffness
 from fretfe.bodies.definition import Material
-from fretfe.case import Solid
+from fretfe.case import IS_CRYSTAL, Crystal, Solid, parse_case
+from fretfe.case.bodies import Elastic, Orientation
 from fretfe.errors import CaseError
+from fretfe.evaluate.surface_stress import SurfaceLaw
+from fretfe.exchange.export import export_tables
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import COMPONENTS, PLANE_TENSOR, ElasticBody
 from fretfe.fem.fields import StressPoints
@@ -33,7 +37,9 @@ from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
 from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
+from fretfe.runner import Runner
 
+RUNNER = Runner.find("fem")
 Solve = Callable[[dict[str, Any]], Result]
 NICKEL = cubic(252.0, 161.0, 131.0)
 ORIENTED = {
@@ -85,6 +91,45 @@ def test_stress_is_hookes_law(size: int, plane: str) -> None:
     points = np.array([[0.11, 0.07, 0.13], [0.5, 0.3, 0.4]])[:, :size]
     at = StressPoints(body, points)
     np.testing.assert_allclose(at.stress(moved) - wanted, 0, atol=1e-10 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("plane", ["strain", "stress"])
+def test_stress_at_a_surface_from_the_strain_along_it(plane: Any) -> None:
+    """Back from a stress: p, q, the strain along the surface less the free one."""
+    body = Crystal(
+        elastic=Elastic(cubic=(252.0, 161.0, 131.0)),
+        orientation=Orientation(euler=(20.0, 0.0, 0.0)),
+    )
+    generator = np.random.default_rng(4)
+    stress = generator.normal(size=(5, 3, 3)) * [[1, 1, 0], [1, 1, 0], [0, 0, 1]]
+    stress += stress.swapaxes(1, 2)
+    initial = np.tile(np.diag([1e-3, 2e-3, 3e-3]), (5, 1, 1))
+    compliance = np.linalg.inv(body.stiffness)
+    if plane == "stress":
+        stress[:, 2, 2] = 0
+    else:
+        inner = stress[:, [0, 1, 0], [0, 1, 1]] @ compliance[2, [0, 1, 5]]
+        stress[:, 2, 2] = -(inner + 3e-3) / compliance[2, 2]
+    strain = initial + np.einsum("ijkl,nkl->nij", np.linalg.tensorinv(full(body.stiffness)), stress)
+    assert plane == "stress" or np.abs(strain[:, 2, 2]).max() < 1e-15
+    angle = generator.uniform(0, 6, 5)
+    normal = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    tangent = np.stack([np.sin(angle), -np.cos(angle)], axis=1)
+    frames = np.stack([normal, tangent], axis=1)
+    local = np.einsum("nai,nij,nbj->nab", frames, stress[:, :2, :2], frames)
+    law = SurfaceLaw.of(body, plane)
+    along = np.einsum("ni,nij,nj->n", tangent, strain[:, :2, :2], tangent)
+    traction = np.stack([-local[:, 0, 0], local[:, 0, 1]], axis=1)
+    found = law.tangential_stress(along - law.free_strain(initial, tangent), traction, frames)
+    np.testing.assert_allclose(found, local[:, 1, 1], atol=1e-12)
+    whole = law.stress(found, traction, frames, initial[:, 2, 2])
+    np.testing.assert_allclose(whole, stress[:, [0, 1, 2, 0], [0, 1, 2, 1]], atol=1e-12)
+
+
+def full(matrix: Array) -> Array:
+    """(3, 3, 3, 3) stiffness that has an inverse as a map of all tensors."""
+    skew = np.eye(9).reshape(3, 3, 3, 3)
+    return tensor(matrix) + (skew - skew.swapaxes(2, 3)) / 2
 
 
 @pytest.mark.parametrize("plane", ["strain", "stress"])
@@ -207,8 +252,36 @@ def test_a_plane_needs_a_plane_of_symmetry(solved: Solve) -> None:
         solved(tables(askew))
 
 
-def test_stress_near_contacts_is_not_known_yet(solved: Solve) -> None:
-    case = tables(nickel(0.0))
-    case["output"] = {"stress_depths": [0.0, 0.1]}
-    with pytest.raises(CaseError, match=r"output\.stress_depths: expected isotropic bodies"):
-        solved(case)
+def test_stress_near_contacts(tmp_path: Path) -> None:
+    """That at the surface is next to that just below; with a cusp at the edge as K_N has one."""
+    case = tables(nickel(30.0))
+    case["output"] = {"fields": "none", "stress_depths": [0.0, 0.02, 0.04]}
+    answer = RUNNER.run(parse_case(case), tmp_path / "run")
+    history = answer.stress_history("main")
+    middle = np.abs(history.arc - history.arc.mean()) < 0.2
+    peak = history.traction[..., 0].max()
+    for body in history.bodies:
+        surface, *below = np.moveaxis(body.stress, 1, 0)
+        line = 2 * below[0] - below[1]
+        assert np.abs(surface - line)[:, middle].max() < 0.03 * peak
+    assert {each.reason for each in history.edges} == {IS_CRYSTAL}
+    upper, _ = answer.stress_parameters("main")
+    stress = history.bodies[0].stress[:, 1]
+    # Crystal axes at 30 degrees about z: (111)[1-10] by hand.
+    c, s = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    axes = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+    normal, slip = np.ones(3) @ axes / np.sqrt(3), np.array([1, -1, 0]) @ axes / np.sqrt(2)
+    tensors = np.zeros((*stress.shape[:2], 3, 3))
+    for part, (i, j) in enumerate(PLANE_TENSOR):
+        tensors[..., i, j] = tensors[..., j, i] = stress[..., part]
+    one = np.ptp(np.einsum("tnij,i,j->tn", tensors, slip, normal), axis=0)
+    # Of all planes half of the largest chord of the principal stresses.
+    span = np.ptp(np.linalg.eigvalsh(tensors), axis=2)
+    own = upper.octahedral_shear[1]
+    known = np.isfinite(own)
+    assert np.all(own[known] >= one[known] * (1 - 1e-12)) and np.isclose(own, one).any()
+    assert np.all(own[known] <= span.max(axis=0)[known])
+    (table,) = (each for each in export_tables(answer) if each.file == "stress.csv")
+    number = [each.name for each in table.headings].index("octahedral_shear")
+    below = [row[number] for row in table.rows if row[1] == "upper" and row[2] == 0.02]
+    np.testing.assert_array_equal(below, own)

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from fretfe._typing import Array, Bools
-from fretfe.case import Case, require_isotropic
+from fretfe.case import Case
 from fretfe.evaluate.contacts import Contact, SlipZone, Station
 from fretfe.evaluate.resultants import load_extremes
 from fretfe.evaluate.slip import SMALLEST_SLIP
@@ -253,9 +253,7 @@ def _draw_stress(
     for (top, bottom), edge, (low, high) in _edge_columns(panels, shown, labels):
         seen = history.at(np.flatnonzero((history.arc >= low) & (history.arc <= high)))
         for place, body in enumerate(seen.bodies):
-            found = stress_parameters(
-                seen, place, require_isotropic(shown.run.case, body.name, "SWT")
-            )
+            found = stress_parameters(seen, place, shown.run.case.bodies[body.name])
             _stress_lines(top, bottom, seen, found, place, units.length)
         _edge_values(top, edge, [each for each in edges if each.edge == edge.front], history)
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=4)
