@@ -31,6 +31,10 @@
 // contact_angle of each rounding, and what lies opposite on the disc. The blade is mesh side 1, the
 // disc 7 % coarser, so the meshes do not match.
 //
+// With sectors > 0 the disc is a sector of one: its sides are radial, its bottom is an arc, the bore,
+// and disc_width has no meaning. The axis of the disc is at (0, -pitch_radius); the middle of the
+// flanks, at y = 0, is as far from it.
+//
 // Element size: edge_size along the four contact edges (from edge_zone before to edge_zone behind
 // the points where flat and rounding meet), flank_size on the rest of the candidate contact surfaces,
 // and from there growing by `growth` per distance. The left half of the mesh mirrors the right half.
@@ -56,11 +60,13 @@ DefineConstant[
   mouth_height   = {3,    Min 0.1,   Max 50,  Name "Parameters/15 Height of the straight wall at the mouth of the slot [mm]"},
   shank_height   = {12,   Min 1,     Max 100, Name "Parameters/16 Height of the blade top above the disc [mm]"},
   disc_width     = {60,   Min 5,     Max 500, Name "Parameters/17 Width of the disc block [mm]"},
-  disc_depth     = {45,   Min 5,     Max 500, Name "Parameters/18 Height of the disc block [mm]"},
+  disc_depth     = {45,   Min 5,     Max 500, Name "Parameters/18 Height of the disc block or sector [mm]"},
   edge_size      = {0.008,Min 1e-4,  Max 1,   Name "Parameters/19 Element size at the contact edges [mm]"},
   edge_zone      = {0.2,  Min 1e-3,  Max 5,   Name "Parameters/20 Length of the fine mesh on either side of the end of the flat [mm]"},
   flank_size     = {0.15, Min 1e-3,  Max 2,   Name "Parameters/21 Element size along the flank [mm]"},
-  growth         = {0.2,  Min 0.02,  Max 0.5, Name "Parameters/22 Growth of the element size per distance from the contact [-]"}
+  growth         = {0.2,  Min 0.02,  Max 0.5, Name "Parameters/22 Growth of the element size per distance from the contact [-]"},
+  sectors        = {0,    Min 0,     Max 1000,Name "Parameters/23 Number of sectors of the disc, 0 for a block [-]", Step 1},
+  pitch_radius   = {250,  Min 10,    Max 5000,Name "Parameters/24 Radius from the axis of the disc to the middle of the flanks [mm]"}
 ];
 
 // Angles, and the directions of the right flank: (tx, ty) down along it, (nx, ny) out of the blade.
@@ -97,6 +103,18 @@ mouth = mouth_cx - mouth_radius;
 disc_top = mouth_cy + mouth_height;
 disc_base = disc_top - disc_depth;
 blade_top = disc_top + shank_height;
+
+// Upper and lower end of the right side of the disc, and its distance from the slot.
+side_x = disc_width / 2; side_y = disc_base;
+corner_x = side_x;
+beside = side_x - slot;
+bore = pitch_radius + disc_base;
+If (sectors >= 3)
+  half = Pi / sectors;
+  corner_x = (pitch_radius + disc_top) * Tan(half);
+  side_x = bore * Sin(half); side_y = bore * Cos(half) - pitch_radius;
+  beside = (pitch_radius + slot_bottom) * Tan(half) - slot;
+EndIf
 
 // What the parameters must satisfy together; a message begins with the name of its parameter.
 // Outside the contact surfaces the bodies stay apart by `apart`, far more than elastic displacements.
@@ -155,7 +173,18 @@ If (shank_height < least)
   Error("shank_height: expected at least %.6g (the neck fillet must end below the top), found %g", least, shank_height); wrong = 1;
 EndIf
 least = 2 * (slot + slot_fillet);
-If (disc_width < least)
+If (sectors > 0 && sectors < 3)
+  Error("sectors: expected 0 (a block) or at least 3, found %g", sectors); wrong = 1;
+EndIf
+If (sectors >= 3 && beside < slot_fillet)
+  Error("sectors: expected at least %.6g between the slot and the sides of the sector, found %.6g (sectors %g); fewer sectors or a larger pitch_radius helps", slot_fillet, beside, sectors); wrong = 1;
+EndIf
+least = disc_depth - disc_top + slot_fillet;
+If (sectors >= 3 && pitch_radius < least)
+  Error("pitch_radius: expected at least %.6g (the disc ends above its axis), found %g", least, pitch_radius); wrong = 1;
+EndIf
+least = 2 * (slot + slot_fillet);
+If (sectors == 0 && disc_width < least)
   Error("disc_width: expected at least %.6g (width of the slot and its fillets), found %g", least, disc_width); wrong = 1;
 EndIf
 least = disc_top - slot_bottom + slot_fillet;
@@ -179,6 +208,7 @@ axis_blade_top = newp; Point(axis_blade_top) = {0, blade_top, 0};
 axis_root = newp; Point(axis_root) = {0, root_bottom, 0};
 axis_slot = newp; Point(axis_slot) = {0, slot_bottom, 0};
 axis_disc = newp; Point(axis_disc) = {0, disc_base, 0};
+disc_centre = newp; Point(disc_centre) = {0, -pitch_radius, 0};
 blade_axis = newc; Line(blade_axis) = {axis_root, axis_blade_top};
 disc_axis = newc; Line(disc_axis) = {axis_slot, axis_disc};
 
@@ -251,8 +281,8 @@ For side In {1 : -1 : -2}
   Point(p + 13) = {side * mouth_cx, mouth_cy, 0};
   Point(p + 14) = {side * mouth, mouth_cy, 0};
   Point(p + 15) = {side * mouth, disc_top, 0};
-  Point(p + 16) = {side * disc_width / 2, disc_top, 0};
-  Point(p + 17) = {side * disc_width / 2, disc_base, 0};
+  Point(p + 16) = {side * corner_x, disc_top, 0};
+  Point(p + 17) = {side * side_x, side_y, 0};
   c = newc;
   Line(c)        = {axis_slot, p};
   Circle(c + 1)  = {p, p + 1, p + 2};
@@ -269,7 +299,11 @@ For side In {1 : -1 : -2}
   Line(c + 12)   = {p + 14, p + 15};
   Line(c + 13)   = {p + 15, p + 16};
   Line(c + 14)   = {p + 16, p + 17};
-  Line(c + 15)   = {p + 17, axis_disc};
+  If (sectors > 0)
+    Circle(c + 15) = {p + 17, disc_centre, axis_disc};
+  Else
+    Line(c + 15) = {p + 17, axis_disc};
+  EndIf
   If (side > 0)
     disc_right[] = {c : c + 15};
   Else
@@ -319,7 +353,7 @@ blade_size = Sprintf("Min(Min(%g + %g*F3, %g + %g*F4), %g)",
                      neck_fillet, growth, root_corner, growth, neck);
 disc_size = Sprintf("Min(Min(%g + %g*F5, %g + %g*F6), %g)",
                     slot_fillet, growth, mouth_radius, growth,
-                    Min(disc_width / 2 - slot, slot_bottom - disc_base));
+                    Min(beside, slot_bottom - disc_base));
 Field[7] = MathEval;
 Field[7].F = StrCat("Min(", contact_size, ",", blade_size, ")");
 Field[8] = Restrict;

@@ -19,6 +19,7 @@ COARSER = {
     "size = 0.01 }": "size = 0.05 }",
     "edge_size = 0.002 }": "edge_size = 0.05, flank_size = 0.4 }",
     "edge_size = 0.004 }": "edge_size = 0.05, flank_size = 0.4 }",
+    "edge_size = 0.004\n": "edge_size = 0.05\nflank_size = 0.4\n",
     "steps_per_cycle = 20": "steps_per_cycle = 8",
     "steps_per_cycle = 32": "steps_per_cycle = 8",
     "cycles = 3": "cycles = 1",

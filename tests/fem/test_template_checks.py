@@ -216,6 +216,15 @@ BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
         "slot_fillet: expected at most ",
     ),
     ("dovetail", "disc depth"): ({"disc_depth": 15}, "disc_depth: expected at least "),
+    ("dovetail", "two sectors"): ({"sectors": 2}, "sectors: expected 0 (a block) or at least 3"),
+    ("dovetail", "sectors as wide as the slot"): (
+        {"sectors": 60},
+        "sectors: expected at least 3 between the slot and the sides of the sector, found ",
+    ),
+    ("dovetail", "disc around its axis"): (
+        {"sectors": 3, "pitch_radius": 35},
+        "pitch_radius: expected at least ",
+    ),
     ("cylinder", "upper half cylinder"): (
         {"upper_width": 9},
         "upper_width: expected at most 7.92 ",

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from template_parameters import checked
 
+from fretfe.bodies.cyclic import tie_sides
+from fretfe.case import Symmetry
 from fretfe.errors import CaseError, MeshError
 from fretfe.mesh.elements import directed_facets, exterior_facets, facet_measures
 from fretfe.mesh.make import mesh_template
@@ -553,3 +555,18 @@ def test_summary_counts_and_measures() -> None:
     assert top.measure == pytest.approx(14.0)
     assert top.facets == len(body.boundaries["upper_top"])
     assert 0 < top.smallest_facet <= top.measure / top.facets <= top.largest_facet
+
+
+def test_sides_of_a_sector_match_node_by_node() -> None:
+    disc = dovetail(sectors=36, pitch_radius=300.0, disc_depth=100.0).bodies["disc"]
+    sides = {"boundary1": "disc_side_left", "boundary2": "disc_side_right"}
+    table = {"type": "cyclic", "sectors": 36, "centre": (0.0, -300.0), **sides}
+    tie = tie_sides(
+        Symmetry.model_validate(table), ("symmetry", "disc"), Path("case.toml"), disc, 2
+    )
+    np.testing.assert_array_equal(tie.weights.data, 1.0)
+    assert len(tie.weights.data) == len(tie.followers) > 10
+    # The bore: as far below the top of the disc as the disc is deep.
+    x, y = facet_nodes(disc, "disc_bottom").reshape(-1, 2).T
+    bore = np.hypot(x, y + 300.0)
+    np.testing.assert_allclose(bore, bore[0], rtol=1e-5)

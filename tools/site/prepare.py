@@ -18,7 +18,14 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 # Sections of the site, in the order in which they are listed.
 SECTIONS = {
-    "Begin": ("install", "tutorial-dovetail", "tutorial-solids", "gallery", "glossary"),
+    "Begin": (
+        "install",
+        "tutorial-dovetail",
+        "tutorial-sector",
+        "tutorial-solids",
+        "gallery",
+        "glossary",
+    ),
     "How to": (
         "how-own-mesh",
         "new-geometry",
