@@ -13,7 +13,7 @@ from fretfe.bodies.definition import (
     contact_surfaces,
     couple_contacts,
     layer_notes,
-    require_above_absolute_zero,
+    require_possible,
 )
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import Case, parse_case
@@ -136,7 +136,7 @@ def check(case: Case) -> Checked | None:
         return None
     history, mesh = build_history(case), _first_mesh(case)
     definition = held_model(case, mesh)
-    require_above_absolute_zero(case, definition, history)
+    require_possible(case, definition, history)
     pairs = couple_contacts(case, contact_surfaces(definition, mesh))
     restrained = modes_restrained_by_contact(definition, mesh)
     return Checked(case, history, mesh, definition, pairs, restrained)

@@ -15,6 +15,7 @@ from fretfe.case.loads import (
     AccelerationLoad,
     AnyLoad,
     DisplacementLoad,
+    FieldLoad,
     InterferenceLoad,
     Load,
     PlatenLoad,
@@ -31,7 +32,7 @@ Key = tuple[str | int, ...]
 # digits pass, a slip of a degree does not.
 ORTHOGONALITY = 1e-5
 # Loads that prescribe displacements of a boundary, which is no platen.
-MOVES = DisplacementLoad | ShapeLoad
+MOVES = DisplacementLoad | ShapeLoad | FieldLoad
 
 
 class Problem(NamedTuple):
