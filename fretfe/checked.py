@@ -12,6 +12,7 @@ from fretfe.bodies.definition import (
     Pair,
     contact_surfaces,
     couple_contacts,
+    cut_notes,
     layer_notes,
     require_possible,
 )
@@ -55,7 +56,8 @@ class Checked:
     @property
     def notes(self) -> tuple[str, ...]:
         """Things that a reader of its results should know, in words."""
-        return layer_notes(self.case, self.definition, self.mesh)
+        layers = layer_notes(self.case, self.definition, self.mesh)
+        return (*layers, *cut_notes(self.definition))
 
     @property
     def cost(self) -> Cost:
