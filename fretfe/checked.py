@@ -12,8 +12,9 @@ from fretfe.bodies.definition import (
     Pair,
     contact_surfaces,
     couple_contacts,
+    cut_notes,
     layer_notes,
-    require_above_absolute_zero,
+    require_possible,
 )
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import Case, parse_case
@@ -55,7 +56,8 @@ class Checked:
     @property
     def notes(self) -> tuple[str, ...]:
         """Things that a reader of its results should know, in words."""
-        return layer_notes(self.case, self.definition, self.mesh)
+        layers = layer_notes(self.case, self.definition, self.mesh)
+        return (*layers, *cut_notes(self.definition))
 
     @property
     def cost(self) -> Cost:
@@ -136,7 +138,7 @@ def check(case: Case) -> Checked | None:
         return None
     history, mesh = build_history(case), _first_mesh(case)
     definition = held_model(case, mesh)
-    require_above_absolute_zero(case, definition, history)
+    require_possible(case, definition, history)
     pairs = couple_contacts(case, contact_surfaces(definition, mesh))
     restrained = modes_restrained_by_contact(definition, mesh)
     return Checked(case, history, mesh, definition, pairs, restrained)

@@ -13,7 +13,7 @@ import pytest
 from pad_cases import HOLD, STEEL, pad, press
 
 from fretfe._typing import Array
-from fretfe.bodies.definition import define_model, require_above_absolute_zero
+from fretfe.bodies.definition import define_model, require_possible
 from fretfe.bodies.point_values import PointValues, read_points
 from fretfe.case import check_dimension, load_case, parse_case
 from fretfe.case.reading import case_text
@@ -188,8 +188,8 @@ def test_a_history_below_absolute_zero_is_refused() -> None:
     with pytest.raises(CaseError, match=r"heat\.history: expected temperatures >= .* found -300"):
         data["loads"]["heat"]["history"][1]["ramp"] = -4.0
         cold = parse_case(data)
-        require_above_absolute_zero(cold, definition, build_history(cold))
-    require_above_absolute_zero(case, definition, history)
+        require_possible(cold, definition, build_history(cold))
+    require_possible(case, definition, history)
 
 
 def test_files_are_found_from_elsewhere(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -13,6 +14,7 @@ from scipy.spatial import cKDTree
 from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.crystals import isotropic as isotropic_stiffness
 from fretfe.analytic.crystals import plane_stress, tensor
+from fretfe.bodies.cut import Cut, read_cut
 from fretfe.bodies.cyclic import Tie, tie_sides
 from fretfe.bodies.point_values import OUTSIDE, PointValues, read_points
 from fretfe.case import (
@@ -31,6 +33,7 @@ from fretfe.case.loads import (
     ChannelAtPoints,
     DisplacementLoad,
     EigenstrainLoad,
+    FieldLoad,
     ForceLoad,
     InterferenceLoad,
     PlatenLoad,
@@ -40,8 +43,8 @@ from fretfe.case.loads import (
     TiltLoad,
     TractionLoad,
 )
-from fretfe.contact.interface import Coordinate
-from fretfe.errors import CaseError, ModelError
+from fretfe.contact.interface import Coordinate, Course
+from fretfe.errors import CaseError, MeshError, ModelError
 from fretfe.loads import History
 from fretfe.mesh.elements import CORNERS
 from fretfe.mesh.mesh import BodyMesh, Mesh, place_text
@@ -337,6 +340,15 @@ FINEST = 1.01
 TILT_CONTROLS = {"moment": "force", "rotation": "displacement"}
 
 
+class Driven(NamedTuple):
+    """A constraint and what its coordinate has to know."""
+
+    constraint: Constraint
+    control: str = "fixed"
+    channel: str = ""
+    course: Course | None = None
+
+
 @dataclass(frozen=True)
 class BodyDefinition:
     """Definition of one body.
@@ -348,6 +360,7 @@ class BodyDefinition:
         coordinates: one for each constraint.
         surfaces: contact surfaces of the body, in the order of the contacts.
         tie: of its sides, if it is a part of a sector.
+        cuts: boundaries of the body that another run moves.
     """
 
     name: str
@@ -356,6 +369,7 @@ class BodyDefinition:
     coordinates: tuple[Coordinate, ...]
     surfaces: tuple[str, ...]
     tie: Tie | None = None
+    cuts: tuple[Cut, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -407,23 +421,26 @@ def _define_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyDefinition
             f"body {name!r} has no contact surface: expected one of its boundaries "
             f"({', '.join(sorted(own)) or 'none'}) in a contact of the case."
         )
-    moved = _displacements(case, gdim) + _shapes(case, mesh.bodies[name])
+    shapes = _shapes(case, mesh.bodies[name])
+    cut, cuts = _cuts(case, mesh.bodies[name])
+    moved = _displacements(case, gdim) + shapes + cut
     constrained = [
-        entry
-        for entry in _platens(case, gdim) + moved + _supports(case, gdim)
-        if entry[0].boundary in own
+        each
+        for each in _platens(case, gdim) + moved + _supports(case, gdim)
+        if each.constraint.boundary in own
     ]
     _require_plane(case, name, gdim)
     return BodyDefinition(
         name=name,
         material=Material.of(case.bodies[name], case.model.plane),
-        constraints=tuple(constraint for constraint, _, _ in constrained),
+        constraints=tuple(each.constraint for each in constrained),
         coordinates=tuple(
-            Coordinate(constraint.label, name, control, channel)
-            for constraint, control, channel in constrained
+            Coordinate(each.constraint.label, name, each.control, each.channel, each.course)
+            for each in constrained
         ),
         surfaces=tuple(surfaces),
         tie=_tie(case, mesh.bodies[name]),
+        cuts=cuts,
     )
 
 
@@ -447,16 +464,16 @@ def _require_plane(case: Case, name: str, gdim: int) -> None:
         raise CaseError(complaint(case.source, ("bodies", name, "orientation"), text))
 
 
-def _platens(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
+def _platens(case: Case, gdim: int) -> list[Driven]:
     """Loaded directions of each platen, then the guided ones, then its tilts."""
     platens: dict[str, list[str]] = {}
     for name, load in case.loads.items():
         if isinstance(load, PlatenLoad | TiltLoad):
             platens.setdefault(load.boundary, []).append(name)
-    constrained: list[tuple[Constraint, str, str]] = []
+    constrained: list[Driven] = []
     for boundary, names in platens.items():
         directions: list[tuple[float, ...]] = []
-        tilts: list[tuple[Constraint, str, str]] = []
+        tilts: list[Driven] = []
         for name in names:
             load = case.loads[name]
             if isinstance(load, TiltLoad):
@@ -464,32 +481,35 @@ def _platens(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
                 continue
             assert isinstance(load, PlatenLoad)
             directions.append(unit_vector(load.direction, gdim))
-            constrained.append((Constraint(name, boundary, directions[-1]), load.control, name))
+            moved = Constraint(name, boundary, directions[-1])
+            constrained.append(Driven(moved, load.control, name))
         for direction in _complement(directions, gdim):
             label = f"{boundary} guide {_direction_name(direction)}"
-            constrained.append((Constraint(label, boundary, direction), "fixed", ""))
+            constrained.append(Driven(Constraint(label, boundary, direction)))
         constrained += tilts
     return constrained
 
 
-def _tilt(name: str, load: TiltLoad, gdim: int) -> tuple[Constraint, str, str]:
+def _tilt(name: str, load: TiltLoad, gdim: int) -> Driven:
     """A rotation and its moment are the displacement and the force of their coordinate."""
     axis, control = unit_vector(load.axis, 3), TILT_CONTROLS[load.control]
     constraint = Constraint(
         name, load.boundary, (0.0,) * gdim, axis=axis, centre=load.centre[:gdim]
     )
-    return constraint, control, name
+    return Driven(constraint, control, name)
 
 
-def _displacements(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
+def _displacements(case: Case, gdim: int) -> list[Driven]:
     return [
-        (Constraint(name, load.boundary, unit_vector(load.direction, gdim)), "displacement", name)
+        Driven(
+            Constraint(name, load.boundary, unit_vector(load.direction, gdim)), "displacement", name
+        )
         for name, load in case.loads.items()
         if isinstance(load, DisplacementLoad)
     ]
 
 
-def _shapes(case: Case, body: BodyMesh) -> list[tuple[Constraint, str, str]]:
+def _shapes(case: Case, body: BodyMesh) -> list[Driven]:
     """Shapes of the displacement of boundaries of a body, each with rigid motions that are held.
 
     The forces of those are the resultant of the forces on the boundary.
@@ -501,18 +521,48 @@ def _shapes(case: Case, body: BodyMesh) -> list[tuple[Constraint, str, str]]:
         gdim = body.points.shape[1]
         given = _values(case, name, load, gdim, [f"u{axis}" for axis in AXES[:gdim]])
         given = PointValues(load.factor * given.points, load.factor * given.values)
-        places = boundary_surface(body, load.boundary).displacement_points(case.model.degree)
+        places = _nodes(case, body, load.boundary)
         what = f"the boundary {load.boundary!r}"
         _require_points_beside(case, name, given, places, what)
         _require_points_around(case, name, given, places, what)
         shape = NodalShape(places, given.at(places))
         moved = Constraint(name, load.boundary, (0.0,) * gdim, shape=shape)
-        constrained.append((moved, "displacement", name))
+        constrained.append(Driven(moved, "displacement", name))
         constrained += _resultant(name, load.boundary, places)
     return constrained
 
 
-def _resultant(name: str, boundary: str, places: Array) -> list[tuple[Constraint, str, str]]:
+def _nodes(case: Case, body: BodyMesh, boundary: str) -> Array:
+    """(n, d) nodes of the displacement on a boundary."""
+    return boundary_surface(body, boundary).displacement_points(case.model.degree)
+
+
+def _cuts(case: Case, body: BodyMesh) -> tuple[list[Driven], tuple[Cut, ...]]:
+    """Cut boundaries of a body: the shapes that move them, with the motions that give resultants.
+
+    Raises:
+        CaseError: if the field of a run is not as expected.
+    """
+    constrained, cuts = [], []
+    for name, load in case.loads.items():
+        if not isinstance(load, FieldLoad) or load.boundary not in body.boundaries:
+            continue
+        places = _nodes(case, body, load.boundary)
+        try:
+            cut = read_cut(case.resolve(load.file), load, name, body.name, places)
+        except (CaseError, MeshError) as error:
+            raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
+        cuts.append(cut)
+        rest = (0.0,) * places.shape[1]
+        for number, (shape, course) in enumerate(zip(cut.shapes, cut.courses, strict=True), 1):
+            moved = NodalShape(places, shape)
+            constraint = Constraint(f"{name} {number}", load.boundary, rest, shape=moved)
+            constrained.append(Driven(constraint, "displacement", name, course))
+        constrained += _resultant(name, load.boundary, places)
+    return constrained, tuple(cuts)
+
+
+def _resultant(name: str, boundary: str, places: Array) -> list[Driven]:
     """Rigid motions of a boundary that are held, about the middle of its extent; nodes (n, d)."""
     gdim = places.shape[1]
     centre = tuple(((places.min(axis=0) + places.max(axis=0)) / 2).tolist())
@@ -526,18 +576,18 @@ def _resultant(name: str, boundary: str, places: Array) -> list[tuple[Constraint
         for axis, vector in axes.items()
         if gdim == 3 or axis == "z"
     ]
-    return [(each, "fixed", "") for each in (*moves, *turns)]
+    return [Driven(each) for each in (*moves, *turns)]
 
 
-def _supports(case: Case, gdim: int) -> list[tuple[Constraint, str, str]]:
+def _supports(case: Case, gdim: int) -> list[Driven]:
     """Components that are held, then the inclined rollers: those go last at a common node."""
     fixed = [
-        (Constraint(f"{name} {axis}", support.boundary, unit_vector(axis, gdim)), "fixed", "")
+        Driven(Constraint(f"{name} {axis}", support.boundary, unit_vector(axis, gdim)))
         for name, support in case.supports.items()
         for axis in support.fix
     ]
     rollers = [
-        (Constraint(name, support.boundary, support.direction, roller=True), "fixed", "")
+        Driven(Constraint(name, support.boundary, support.direction, roller=True))
         for name, support in case.supports.items()
         if support.direction is not None
     ]
@@ -712,7 +762,23 @@ def _require_points_beside(
         )
 
 
-def require_above_absolute_zero(case: Case, definition: ModelDefinition, history: History) -> None:
+def require_possible(case: Case, definition: ModelDefinition, history: History) -> None:
+    """Check that loads are possible in a history, as far as its values and the loads tell.
+
+    Raises:
+        CaseError: names the first load that is not.
+    """
+    _require_above_absolute_zero(case, definition, history)
+    for cut in [cut for body in definition.bodies for cut in body.cuts]:
+        cut.require_steps(case, history)
+
+
+def cut_notes(definition: ModelDefinition) -> tuple[str, ...]:
+    """Fate of the fields of other runs, in words."""
+    return tuple(cut.note for body in definition.bodies for cut in body.cuts)
+
+
+def _require_above_absolute_zero(case: Case, definition: ModelDefinition, history: History) -> None:
     """Check that no temperature of a history is below absolute zero.
 
     Raises:

@@ -302,6 +302,36 @@ class ShapeLoad(ChannelAtPoints):
         return self
 
 
+class FieldLoad(Channel):
+    """A cut boundary whose displacement is that of another run."""
+
+    type: Literal["field"] = Field(
+        description='"field": displacement of a cut, in the steps of another run. The history is '
+        "the position in that run: 0 is unloaded, and between its steps displacements are linear."
+    )
+    boundary: Text = Field(description="Physical group of the boundary.")
+    file: Text = Field(
+        description="Displacements of the run: a CSV file with columns x, y (z), ux, uy (uz) and "
+        "time or step, a .vtu, .vtk, .pvd or VTKHDF file, or a results folder; relative to the "
+        "folder of the case file."
+    )
+    part: Text | None = Field(
+        default=None,
+        description="Part of the run that the boundary is cut from, of a results folder its body; "
+        "without it the part with the name of the body.",
+    )
+    position: Literal["time", "number"] = Field(
+        default="time",
+        description='What the history counts: the "time" of the run, or the "number" of its steps '
+        "in the file, from 1 on.",
+    )
+    factor: Positive = Field(
+        default=1.0,
+        description="Factor of all lengths, coordinates and displacements: 1000 for metres in a "
+        "case in millimetres.",
+    )
+
+
 class ForceLoad(Channel):
     """A force spread evenly over a boundary, or a part of it."""
 
@@ -437,6 +467,7 @@ Load = (
     | TractionLoad
     | DisplacementLoad
     | ShapeLoad
+    | FieldLoad
     | ForceLoad
     | RotationLoad
     | AccelerationLoad
@@ -450,6 +481,7 @@ LOADS: dict[str, type[Channel]] = {
     "traction": TractionLoad,
     "displacement": DisplacementLoad,
     "shape": ShapeLoad,
+    "field": FieldLoad,
     "force": ForceLoad,
     "rotation": RotationLoad,
     "acceleration": AccelerationLoad,
@@ -471,6 +503,7 @@ AnyLoad = Annotated[
     | Annotated[TractionLoad, Tag(f"{TAG}traction")]
     | Annotated[DisplacementLoad, Tag(f"{TAG}displacement")]
     | Annotated[ShapeLoad, Tag(f"{TAG}shape")]
+    | Annotated[FieldLoad, Tag(f"{TAG}field")]
     | Annotated[ForceLoad, Tag(f"{TAG}force")]
     | Annotated[RotationLoad, Tag(f"{TAG}rotation")]
     | Annotated[AccelerationLoad, Tag(f"{TAG}acceleration")]

@@ -17,6 +17,7 @@ from fretfe.case.loads import (
     AccelerationLoad,
     AnyLoad,
     DisplacementLoad,
+    FieldLoad,
     InterferenceLoad,
     Load,
     PlatenLoad,
@@ -43,7 +44,7 @@ Key = tuple[str | int, ...]
 # digits pass, a slip of a degree does not.
 ORTHOGONALITY = 1e-5
 # Loads that prescribe displacements of a boundary, which is no platen.
-MOVES = DisplacementLoad | ShapeLoad
+MOVES = DisplacementLoad | ShapeLoad | FieldLoad
 # Distance of two axes over that of their points from the origin, up to which they are one.
 SAME_AXIS = 1e-6
 

@@ -18,6 +18,7 @@ from fretfe.case.loads import (
     AnyLoad,
     ChannelAtPoints,
     EigenstrainLoad,
+    FieldLoad,
     ForceLoad,
     InterferenceLoad,
     Load,
@@ -236,7 +237,13 @@ def _full(case: Case, file: str) -> str:
 
 
 WITHOUT_DIRECTION = (
-    RotationLoad | TiltLoad | TemperatureLoad | EigenstrainLoad | InterferenceLoad | ShapeLoad
+    RotationLoad
+    | TiltLoad
+    | TemperatureLoad
+    | EigenstrainLoad
+    | InterferenceLoad
+    | ShapeLoad
+    | FieldLoad
 )
 # Added to a complaint about a direction.
 PLANE = "; the mesh is plane, and [geometry.solid] would extrude it"

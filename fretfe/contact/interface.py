@@ -67,6 +67,23 @@ class DenseCompliance:
         return self._matrix[np.ix_(rows, columns)]
 
 
+@dataclass(frozen=True, eq=False)
+class Course:
+    """An amplitude by the position in another run: linear between its steps.
+
+    Attributes:
+        positions: (n,) of the steps, increasing from 0, which is unloaded.
+        values: (n,) amplitudes, the first one 0.
+    """
+
+    positions: Array
+    values: Array
+
+    def at(self, positions: Array) -> Array:
+        """(m,) amplitudes at positions (m,)."""
+        return np.interp(positions, self.positions, self.values)
+
+
 @dataclass(frozen=True)
 class Coordinate:
     """One amplitude c_j of the interface problem.
@@ -77,12 +94,18 @@ class Coordinate:
         control: "force" or "displacement" (driven by a channel), "fixed", or "free" (a rigid mode
             restrained only by contact; no force acts on it).
         channel: name of the load that drives it, "" if none.
+        course: of its amplitude over the values of that load; None if they are the amplitude.
     """
 
     label: str
     body: str
     control: str
     channel: str = ""
+    course: Course | None = None
+
+    def amplitudes(self, values: Array) -> Array:
+        """(T,) amplitudes, or forces, by values (T,) of its load."""
+        return values if self.course is None else self.course.at(values)
 
     @property
     def prescribed(self) -> bool:

@@ -20,6 +20,7 @@ from fretfe.case import Contact as ContactTable
 from fretfe.case.loads import (
     AccelerationLoad,
     DisplacementLoad,
+    FieldLoad,
     ForceLoad,
     PlatenLoad,
     RotationLoad,
@@ -623,7 +624,7 @@ def _held(case: Case, own: set[str], normal: Array) -> bool:
     ]
     platens: dict[str, Array] = {}
     for load in case.loads.values():
-        if isinstance(load, ShapeLoad) and load.boundary in own:
+        if isinstance(load, ShapeLoad | FieldLoad) and load.boundary in own:
             return True
         if not isinstance(load, DisplacementLoad | PlatenLoad) or load.boundary not in own:
             continue

@@ -20,6 +20,7 @@ from fretfe.bodies.definition import (
     Pair,
     contact_surfaces,
     couple_contacts,
+    cut_notes,
     layer_notes,
 )
 from fretfe.bodies.rigid_modes import held_model
@@ -114,7 +115,8 @@ class Model:
             on_root(comm, lambda: _refuse_too_large(case, mesh, pairs))  # type: ignore[arg-type]
         why = unsymmetric_because()
         layers = on_root(comm, lambda: layer_notes(case, definition, mesh))  # type: ignore[arg-type]
-        self.notes: tuple[str, ...] = (*((f"{LARGER_FACTORS}: {why}",) if why else ()), *layers)
+        larger = (f"{LARGER_FACTORS}: {why}",) if why else ()
+        self.notes: tuple[str, ...] = (*larger, *layers, *cut_notes(definition))
         self.forms: Forms = {}
         self._definition = definition
         work = comm.bcast(_work(definition, mesh, case.model.degree) if mesh else None)
@@ -253,7 +255,9 @@ def step_loads(
         for load in definition.loads
     ]
     moved = [
-        values[c.channel] / _per_thickness(case, c.control) if c.channel else np.zeros(count)
+        c.amplitudes(values[c.channel]) / _per_thickness(case, c.control)
+        if c.channel
+        else np.zeros(count)
         for c in interface.coordinates
     ]
     friction = [

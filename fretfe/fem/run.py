@@ -3,15 +3,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fretfe.backends.protocol import DEFAULTS, RunOptions
-from fretfe.bodies.definition import Pair, require_above_absolute_zero
-from fretfe.case import Case, Wave, antiplane_ratio, contact_modulus, isotropic
+from fretfe.bodies.definition import Pair, require_possible
+from fretfe.case import Case, FieldLoad, Wave, antiplane_ratio, contact_modulus, isotropic
 from fretfe.contact.interface import Place
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import extrapolate_slip, solve_history
@@ -110,6 +113,26 @@ def solve_prepared(
         return replace(result, notes=result.notes + lead.run(run.write))
 
 
+def _cut_notes(case: Case, solution: Solution) -> Iterator[str]:
+    """Largest resultants on boundaries that another run moves, in words."""
+    solid, units = solution.dimension == 3, case.units
+    force, moment = units.force, f"{units.force}·{units.length}"
+    if not solid:
+        force, moment = (f"{unit}/{units.length}" for unit in (force, moment))
+    for name, load in case.loads.items():
+        if isinstance(load, FieldLoad):
+            largest = []
+            for what in ("force", "moment"):
+                labels = [label.startswith(f"{name} {what} ") for label in solution.coordinates]
+                own = np.asarray(solution.forces)[:, labels]
+                largest.append(float(np.linalg.norm(own, axis=1).max()))
+            yield (
+                f"loads.{name}: the largest force on the cut is {largest[0]:.4g} {force}, the "
+                f"largest moment about the middle of its extent {largest[1]:.4g} {moment}; those "
+                "of the other run should be the same"
+            )
+
+
 def _without_states(comm: MPI.Comm, result: Result | None) -> Result:
     """The result of rank 0; the others have all of it but what may be large. Collective."""
     light = replace(result, solution=None, bodies={}) if result is not None else None
@@ -179,6 +202,7 @@ class _Run:
             solution=solution,
             notes=(
                 *model.notes,
+                *_cut_notes(case, solution),
                 *self._prepared.mesh.notes,
                 *divided,
                 *repeats,
@@ -306,7 +330,7 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     """Solve all steps; one that fails ends the history and keeps what was computed."""
     reduction, march = prepared.model.reduction, prepared.march
     cycles = _Cycles(history, most_added(case, history, prepared.model.dimension))
-    require_above_absolute_zero(case, reduction.definition, cycles.longest)
+    require_possible(case, reduction.definition, cycles.longest)
     steps = step_loads(case, cycles.longest, reduction.interface, reduction.definition)
     places = [_place(prepared.model, pair) for pair in reduction.pairs]
     channels = [load.channel for load in reduction.definition.loads]

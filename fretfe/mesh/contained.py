@@ -16,7 +16,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -38,8 +38,10 @@ READING, READING_MEGABYTE, MESHING = 20.0, 20.0, 3600.0
 WORK, OPENED, MESH, ERROR, MESSAGES = "work", "opened", "mesh.npz", "error", "messages"
 ERRORS = {each.__name__: each for each in (CaseError, DependencyError, MeshError)}
 
-# Reads a file into a mesh; calls what it is given when the file has been read.
+# Reads a file into a mesh, or into arrays; calls what it is given when the file has been read.
 Work = Callable[[Callable[[], None]], RawMesh]
+ArrayWork = Callable[[Callable[[], None]], Mapping[str, Array]]
+T = TypeVar("T")
 
 
 def write_raw(path: Path, raw: RawMesh) -> None:
@@ -79,6 +81,12 @@ def read_raw(path: Path) -> RawMesh:
     return RawMesh(points, head["dimension"], bodies, boundaries)
 
 
+def read_arrays(path: Path) -> dict[str, Array]:
+    """Read named arrays; nothing in such a file is executed."""
+    with np.load(path, allow_pickle=False) as file:
+        return {name: file[name] for name in file.files}
+
+
 def raw_mesh_of(work: Work, path: Path, reading: float | None = None) -> RawMesh:
     """Let another process read a file, and mesh what is in it.
 
@@ -91,6 +99,17 @@ def raw_mesh_of(work: Work, path: Path, reading: float | None = None) -> RawMesh
         FretfeError: as `work` raises it.
         MeshError: if the process crashes, ends early or takes longer than it may.
     """
+    return _found_by(work, path, reading, read_raw)
+
+
+def arrays_of(work: ArrayWork, path: Path) -> dict[str, Array]:
+    """Let another process read arrays from a file, as `raw_mesh_of` does a mesh; same errors."""
+    return _found_by(work, path, None, read_arrays)
+
+
+def _found_by(
+    work: Work | ArrayWork, path: Path, reading: float | None, read: Callable[[Path], T]
+) -> T:
     if reading is None:
         reading = READING + READING_MEGABYTE * path.stat().st_size / 1e6
     with tempfile.TemporaryDirectory(prefix="fretfe-") as name:
@@ -104,7 +123,7 @@ def raw_mesh_of(work: Work, path: Path, reading: float | None = None) -> RawMesh
                 raise _too_large(path)
             raise ERRORS[kind](text)
         if code == 0 and (folder / MESH).exists():
-            return read_raw(folder / MESH)
+            return read(folder / MESH)
         raise _ended(path, code, (folder / MESSAGES).read_text(errors="replace"))
 
 
@@ -118,7 +137,8 @@ def _process(folder: Path) -> Iterator[subprocess.Popen[bytes]]:
             stdin=subprocess.PIPE,
             stdout=messages,
             stderr=messages,
-            env=without_launcher(os.environ),
+            # Threads of small tasks wait for one another.
+            env={**without_launcher(os.environ), "OMP_NUM_THREADS": "1"},
             start_new_session=True,
         )
     try:
@@ -188,8 +208,12 @@ def main(folder: Path) -> None:
     _limit_memory()
     try:
         # Written by the process that started this one, into a folder that is its own.
-        work: Work = pickle.loads((folder / WORK).read_bytes())
-        write_raw(folder / MESH, work((folder / OPENED).touch))
+        work: Work | ArrayWork = pickle.loads((folder / WORK).read_bytes())
+        found = work((folder / OPENED).touch)
+        if isinstance(found, RawMesh):
+            write_raw(folder / MESH, found)
+        else:
+            np.savez(folder / MESH, **found)  # type: ignore[arg-type]
     except FretfeError as error:
         (folder / ERROR).write_text(f"{type(error).__name__}\n{error}", encoding="utf-8")
     except Exception as error:

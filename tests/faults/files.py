@@ -12,7 +12,16 @@ from pathlib import Path
 import h5py
 import numpy as np
 from faults.fault import CHECK, HALFPLANE, Fault, Prepare, damaged
-from faults.originals import DRAWINGS, GRIDS, MESHES, case_text, csv_case, points_case, shape_case
+from faults.originals import (
+    DRAWINGS,
+    GRIDS,
+    MESHES,
+    case_text,
+    csv_case,
+    field_case,
+    points_case,
+    shape_case,
+)
 
 Change = Callable[[bytes], bytes]
 
@@ -30,6 +39,7 @@ def faults() -> Iterator[Fault]:
     yield from _load_tables()
     yield from _point_tables()
     yield from _shape_tables()
+    yield from _fields()
     yield from _traction_tables()
 
 
@@ -361,6 +371,54 @@ def _shape_tables() -> Iterator[Fault]:
     for name, content in contents.items():
         change = _constant(content.encode())
         yield Fault(f"{file}/{name}", CHECK, _with(file, change, text), True)
+
+
+def _fields() -> Iterator[Fault]:
+    """Displacements of another run: as a grid of VTK, and as a table."""
+    grid, table = "run.vtu", "run.csv"
+    text = field_case(grid)
+    yield Fault(f"{grid}/whole", CHECK, _with(grid, lambda data: data, text), False)
+    for seed in range(16):
+        yield Fault(f"{grid}/damaged/{seed}", CHECK, _with(grid, _damaging(seed), text))
+    yield Fault(f"{grid}/pipe", CHECK, _pipe(grid, text), True)
+    replaced = {
+        "no displacement": (b'"U"', b'"V"'),
+        "many points": (b'NumberOfPoints="9"', b'NumberOfPoints="999999999999"'),
+        "many cells": (b'NumberOfCells="4"', b'NumberOfCells="999999999999"'),
+        "negative": (b'NumberOfPoints="9"', b'NumberOfPoints="-9"'),
+        "entity": (b"<VTKFile", b'<!DOCTYPE x [<!ENTITY a SYSTEM "file:///etc/passwd">]><VTKFile'),
+    }
+    for name, (old, new) in replaced.items():
+        yield Fault(f"{grid}/{name}", CHECK, _with(grid, _replacing(old, new), text))
+    text = field_case(table)
+    square = "x,y,ux,uy,time\n-40,-50,1e-4,0,1\n40,-50,1e-4,0,1\n-40,50,1e-4,0,1\n40,50,{},1\n"
+    contents = {
+        "nan": square.format("nan,0"),
+        "huge": square.format("1e300,0"),
+        "missing": square.format("1"),
+        "a point twice": square.format("0,0,1\n40,50,1e-4,0"),
+        "elsewhere": square.replace("40", "1").format("0,0"),
+        "metres": square.replace("40", ".04").replace("50", ".05").format("0,0"),
+        "missing step": square.format("0,0").replace(",1\n", ",0.4\n"),
+        "before 0": square.format("0,0").replace(",1\n", ",-1\n"),
+        "other points": square.format("0,0") + "0,0,0,0,2\n",
+        "no points": "x,y,ux,uy,time\n",
+    }
+    for name, content in contents.items():
+        content = content if content.endswith("\n") else content + "\n"
+        yield Fault(f"{table}/{name}", CHECK, _table(table, content, text), True)
+
+
+def _replacing(old: bytes, new: bytes) -> Change:
+    return lambda data: data.replace(old, new)
+
+
+def _table(file: str, content: str, text: str) -> Prepare:
+    def prepare(good: Path, here: Path) -> None:
+        (here / "case.toml").write_text(text)
+        (here / file).write_text(content)
+
+    return prepare
 
 
 def _traction_tables() -> Iterator[Fault]:

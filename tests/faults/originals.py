@@ -156,6 +156,13 @@ def shape_case() -> str:
     return tomli_w.dumps({**PAD, "loads": {"press": press(), "mode": mode}})
 
 
+def field_case(file: str) -> str:
+    """A case in which another run moves a cut."""
+    history = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
+    cut = {"type": "field", "boundary": "lower_right", "file": file, "history": history}
+    return tomli_w.dumps({**PAD, "loads": {"press": press(), "cut": cut}})
+
+
 def write_originals(folder: Path) -> None:
     """Write all of them."""
     write_cad(folder / "pad.step")
@@ -172,6 +179,7 @@ def write_originals(folder: Path) -> None:
     (folder / "points.csv").write_text("x,y,T\n" + corners)
     rows = "".join(f"{x},{y},{y / 1e4},0\n" for x in (-30, 30) for y in (-40, -20, 0, 40))
     (folder / "shape.csv").write_text("# mode 1\nx,y,ux,uy\n" + rows)
+    _write_grid_run(folder / "run.vtu")
     x = np.linspace(-1.2, 1.2, 60)
     p = np.sqrt(np.clip(1 - x**2, 0, None)) * 400
     lines = [f"{a:.6g},{b:.6g},{0.1 * b:.6g}" for a, b in zip(x, p, strict=True)]
@@ -240,6 +248,16 @@ def _convert(folder: Path) -> None:
             gmsh.write(str(folder / f"{name}.msh"))
     finally:
         gmsh.finalize()
+
+
+def _write_grid_run(path: Path) -> None:
+    """Displacements of a rectangle around the bodies, as text."""
+    import pyvista
+
+    grid = pyvista.ImageData(dimensions=(3, 3, 1), spacing=(40, 50, 1), origin=(-40, -50, 0))
+    grid = grid.cast_to_unstructured_grid()
+    grid.point_data["U"] = 1e-5 * grid.points
+    grid.save(path, binary=False)
 
 
 def _write_grids(folder: Path) -> None:

@@ -23,6 +23,7 @@ EXPECTED = {
     "mpirun": ("how-mpi",),
     "own mesh": ("how-own-mesh",),
     "load history": ("how-load-history",),
+    "global model": ("how-global-model",),
     "sweep": ("sweep", "glossary"),
     "notebook": ("how-notebook",),
     "edge factor": ("glossary",),

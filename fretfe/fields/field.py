@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Displacement fields of a run, of this program or another one, by the kind of their file.
+
+A new kind of file has a function in `READERS`, by the ending of its name, which returns a `Field`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fretfe._typing import Array, Indices
+from fretfe.case.base import AXES
+from fretfe.errors import CaseError, OutputError
+from fretfe.files import require_file
+from fretfe.loads.csv_file import Table, read_table
+from fretfe.results.field_files import CELL_TYPES, FIELDS, FieldReader
+
+# The time of the only step of a file that names none.
+ONLY_STEP = 1.0
+# Rounding of numbers in single precision.
+SINGLE = float(np.finfo(np.float32).eps) / 2
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Elements between the points of a field, as VTK has them.
+
+    Attributes:
+        nodes: (c,) numbers of the points of each element, one element after the other.
+        offsets: (m + 1,) where they begin, and the end.
+        shapes: (m,) VTK's number of each element.
+        parts: (m,) number of the part of each element among `names`.
+        names: of the parts; () if the file has none.
+    """
+
+    nodes: Indices
+    offsets: Indices
+    shapes: Indices
+    parts: Indices
+    names: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Field:
+    """Displacements at points, in the steps of a run.
+
+    Attributes:
+        points: (n, 3), z = 0 in the plane.
+        times: (T,) of the steps, increasing; their numbers where the file has no times.
+        values: (n, 3) displacements in a step, by its number from 0.
+        cells: elements between the points; None if the file has none.
+        rounding: of the displacements, relative; 0 if it is not known.
+    """
+
+    points: Array
+    times: Array
+    values: Callable[[int], Array]
+    cells: Cells | None = None
+    rounding: float = 0.0
+
+
+def read_field(path: Path) -> Field:
+    """Displacements in a file, or in the results folder of a run.
+
+    Raises:
+        CaseError: if it is not as expected.
+        DependencyError: if what reads it is not installed.
+    """
+    if path.is_dir():
+        path = path / FIELDS
+    require_file(path, "a file with displacements, or a results folder with fields", CaseError)
+    read = READERS.get(path.suffix.lower())
+    if read is None:
+        raise CaseError(
+            f"{path}: expected a file of displacements whose name ends in one of "
+            f"{', '.join(READERS)}, or a results folder"
+        )
+    found = read(path)
+    _require_good(path, found)
+    return found
+
+
+def _require_good(path: Path, found: Field) -> None:
+    """Check what no reader has to: finite points, and times that increase."""
+    if not np.isfinite(found.points).all():
+        row = int(np.flatnonzero(~np.isfinite(found.points).all(axis=1))[0])
+        raise CaseError(
+            f"{path}: expected finite coordinates, found {found.points[row]} (point {row})"
+        )
+    if not len(found.times) or not len(found.points):
+        missing = "steps" if len(found.points) else "points"
+        raise CaseError(f"{path}: expected displacements of at least one step, found no {missing}")
+    if found.cells is not None:
+        _require_elements(path, found.cells, len(found.points))
+    back = np.flatnonzero(np.diff(found.times) <= 0)
+    if back.size or found.times[0] < 0 or not np.isfinite(found.times).all():
+        raise CaseError(
+            f"{path}: expected times of steps that are not negative and increase, found "
+            f"{', '.join(f'{time:g}' for time in found.times[:10])}"
+        )
+
+
+def _require_elements(path: Path, cells: Cells, count: int) -> None:
+    """Check that elements are made of points that are there: libraries do not."""
+    good = len(cells.nodes) and 0 <= cells.nodes.min() and cells.nodes.max() < count
+    ends = cells.offsets
+    if not good or len(ends) != len(cells.shapes) + 1 or (np.diff(ends) <= 0).any():
+        raise CaseError(f"{path}: expected elements between its {count} points, found others")
+    if ends[0] != 0 or ends[-1] != len(cells.nodes):
+        raise CaseError(f"{path}: expected {len(cells.nodes)} nodes of elements, found {ends[-1]}")
+
+
+def _read_csv(path: Path) -> Field:
+    """Columns x, y (z), ux, uy (uz), and time or step, the same number in all rows of a step."""
+    names = ("x", "y", "ux", "uy")
+    table = read_table(path, names, ("z", "uz", "time", "step"), comment="#")
+    columns = table.columns
+    if ("z" in columns) != ("uz" in columns):
+        raise CaseError(f"{path}: line 1: expected both or none of the columns 'z' and 'uz'")
+    if "time" in columns and "step" in columns:
+        raise CaseError(
+            f"{path}: line 1: expected one of the columns 'time' and 'step', found both"
+        )
+    clock = columns.get("time", columns.get("step"))
+    zero = np.zeros(len(columns["x"]))
+    places = np.stack([columns.get(axis, zero) for axis in AXES], axis=1)
+    moved = np.stack([columns.get(f"u{axis}", zero) for axis in AXES], axis=1)
+    if clock is None:
+        clock = np.full(len(zero), ONLY_STEP)
+    times, number = np.unique(clock, return_inverse=True)
+    rows = [
+        _sorted_rows(table, places, np.flatnonzero(number == step)) for step in range(len(times))
+    ]
+    for time, own in zip(times[1:], rows[1:], strict=True):
+        if len(own) != len(rows[0]) or (places[own] != places[rows[0]]).any():
+            raise CaseError(
+                f"{path}: expected the same points in every step, found others at {time:g} than at "
+                f"{times[0]:g}"
+            )
+    return Field(places[rows[0]], times, lambda step: moved[rows[step]])
+
+
+def _sorted_rows(table: Table, places: Array, rows: Indices) -> Indices:
+    """Rows of a step in the order of their points, of which there are no two."""
+    order = rows[np.lexsort(places[rows].T)]
+    again = np.flatnonzero((np.diff(places[order], axis=0) == 0).all(axis=1))
+    if again.size:
+        table.complain(
+            int(order[again[0] + 1]), "x", "a point of its own in each step, not one twice"
+        )
+    return order
+
+
+def _read_results(path: Path) -> Field:
+    """Fields of a run of this program; the parts are its bodies."""
+    try:
+        reader = FieldReader(path)
+        nodes = {body: reader.nodes(body) for body in reader.bodies}
+    except OutputError as error:
+        raise CaseError(str(error)) from None
+    widths = np.concatenate([np.full(len(each), each.shape[1]) for each in nodes.values()])
+    points = np.concatenate([each.reshape(-1, 3) for each in nodes.values()])
+    counts = [len(each) for each in nodes.values()]
+    dimension = 3 if np.ptp(points[:, 2]) > 0 else 2
+    shapes = [CELL_TYPES[dimension, each.shape[1]] for each in nodes.values()]
+    cells = Cells(
+        nodes=np.arange(len(points)),
+        offsets=np.concatenate([[0], np.cumsum(widths)]),
+        shapes=np.repeat(shapes, counts),
+        parts=np.repeat(np.arange(len(counts)), counts),
+        names=tuple(nodes),
+    )
+
+    def values(step: int) -> Array:
+        each = [reader.values("displacement", body, step).reshape(-1, 3) for body in reader.bodies]
+        return np.concatenate(each)
+
+    return Field(points, reader.times, values, cells, SINGLE)
+
+
+def _read_hdf(path: Path) -> Field:
+    """Fields of this program, or of another one that writes VTKHDF."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            own = "VTKHDF/CellData/body" in file and "VTKHDF/Steps" in file
+    except (OSError, RuntimeError) as error:
+        raise CaseError(f"{path}: expected a VTKHDF file, found: {error}") from None
+    return _read_results(path) if own else _read_vtk(path)
+
+
+def _read_vtk(path: Path) -> Field:
+    """Steps of a file that VTK reads, which takes a while to load."""
+    from fretfe.fields.vtk import read_grid
+
+    times, read = read_grid(path)
+    points, cells, first = read(0)
+
+    def values(step: int) -> Array:
+        places, _, moved = read(step)
+        if places.shape != points.shape or (places != points).any():
+            raise CaseError(
+                f"{path}: expected the same points in every step, found others in step {step + 1}"
+            )
+        return moved
+
+    single = (first == first.astype(np.float32)).all()
+    return Field(points, times, values, cells, SINGLE if single else 0.0)
+
+
+READERS: Mapping[str, Callable[[Path], Field]] = {
+    ".csv": _read_csv,
+    ".txt": _read_csv,
+    ".hdf": _read_hdf,
+    ".vtkhdf": _read_hdf,
+    ".vtu": _read_vtk,
+    ".vtk": _read_vtk,
+    ".pvd": _read_vtk,
+}

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Fields that VTK reads, and where places are in the elements of a field, by PyVista."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from fretfe._typing import Array, Indices
+from fretfe.errors import CaseError
+from fretfe.fields.field import ONLY_STEP, Cells, Field
+from fretfe.results.tables import require
+
+# Names of the displacement among the values at nodes that programs write, in small letters.
+DISPLACEMENTS = ("displacement", "displacements", "disp", "u")
+# A place is in an element if it is nearer to it than this part of the extent of all.
+INSIDE = 1e-9
+# Nodes of the largest elements that VTK knows, and more.
+MOST_NODES = 512
+
+# Points, elements and displacements in a step.
+Grid = tuple[Array, Cells, Array]
+
+
+def read_grid(path: Path) -> tuple[Array, Callable[[int], Grid]]:
+    """(T,) times of the steps of a file, and what reads one of them.
+
+    Raises:
+        CaseError: if it is not as expected.
+        DependencyError: if PyVista is not installed.
+    """
+    pyvista = require("pyvista")
+    try:
+        reader = pyvista.get_reader(path)
+        times, set_step = _steps(reader)
+    except Exception as error:  # of many types, PyVista's and Python's
+        raise CaseError(f"{path}: expected a file that VTK reads, found a damaged one") from error
+
+    def read(step: int) -> Grid:
+        try:
+            set_step(step)
+            grid = reader.read()
+            if isinstance(grid, pyvista.MultiBlock):
+                grid = grid.combine()
+            grid = grid.cast_to_unstructured_grid()
+        except Exception as error:
+            raise CaseError(
+                f"{path}: expected step {step + 1} as VTK reads it, found it damaged"
+            ) from error
+        if not grid.n_cells:
+            raise CaseError(f"{path}: expected elements, found none in step {step + 1}")
+        return np.array(grid.points, dtype=float), _cells(grid), _displacement(path, grid)
+
+    return times, read
+
+
+def _steps(reader: Any) -> tuple[Array, Callable[[int], None]]:
+    """(T,) times of the steps of a reader, and what sets one of them."""
+    if hasattr(reader, "set_active_time_point"):
+        return np.array(reader.time_values, dtype=float), reader.set_active_time_point
+    from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+
+    source = reader.reader
+    source.UpdateInformation()
+    information, key = source.GetOutputInformation(0), vtkStreamingDemandDrivenPipeline.TIME_STEPS()
+    if information.Has(key):
+        times = np.array(information.Get(key), dtype=float)
+        if len(times) > 1:
+            return times, lambda step: source.UpdateTimeStep(times[step])
+    return np.array([ONLY_STEP]), lambda step: None
+
+
+def _cells(grid: Any) -> Cells:
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    # By VTK itself: PyVista has changed their names.
+    cells = grid.GetCells()
+    return Cells(
+        nodes=np.array(vtk_to_numpy(cells.GetConnectivityArray()), dtype=np.int64),
+        offsets=np.array(vtk_to_numpy(cells.GetOffsetsArray()), dtype=np.int64),
+        shapes=np.array(grid.celltypes, dtype=np.int64),
+        parts=np.zeros(grid.n_cells, dtype=np.int64),
+    )
+
+
+def _displacement(path: Path, grid: Any) -> Array:
+    """(n, 3) the displacement among the values at the nodes."""
+    arrays = {name: np.asarray(grid.point_data[name]) for name in grid.point_data}
+    vectors = {name: each for name, each in arrays.items() if each.shape[1:] in ((2,), (3,))}
+    named = [name for name in vectors if name.lower() in DISPLACEMENTS]
+    if len(named) != 1:
+        raise CaseError(
+            f"{path}: expected one vector at the nodes that is called one of "
+            f"{', '.join(DISPLACEMENTS)}, found {', '.join(map(repr, arrays)) or 'none'}"
+        )
+    found = vectors[named[0]].astype(float)
+    return np.pad(found, ((0, 0), (0, 3 - found.shape[1])))
+
+
+def element_weights(
+    field: Field, chosen: Indices, places: Array
+) -> tuple[sparse.csr_matrix, Array]:
+    """Weights of the points of a field at places, by the shape functions of its elements.
+
+    Args:
+        field: with elements.
+        chosen: numbers of the elements to look in.
+        places: (m, 3).
+
+    Returns:
+        (m, n) weights at the place of the elements that is nearest to each of the places, and (m,)
+        distances from it over the diagonal of the box of its element.
+
+    Raises:
+        DependencyError: if PyVista is not installed.
+    """
+    pyvista = require("pyvista")
+    from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
+
+    assert field.cells is not None
+    starts, ends = field.cells.offsets[chosen], field.cells.offsets[chosen + 1]
+    counts = ends - starts
+    # In VTK's list each element begins with the number of its nodes.
+    rows = np.repeat(starts - np.cumsum(counts) + counts, counts) + np.arange(counts.sum())
+    listed = np.insert(field.cells.nodes[rows], np.cumsum(counts) - counts, counts)
+    grid = pyvista.UnstructuredGrid(listed, field.cells.shapes[chosen], field.points)
+    locator = vtkStaticCellLocator()
+    locator.SetDataSet(grid)
+    locator.BuildLocator()
+    near = INSIDE * float(np.ptp(field.points, axis=0).max())
+    found = [_locate(locator, place, near) for place in places]
+    entries = np.concatenate([weights for _, weights, _ in found])
+    columns = np.concatenate([nodes for nodes, _, _ in found])
+    row_ends = np.cumsum([0, *(len(nodes) for nodes, _, _ in found)])
+    shape = len(places), len(field.points)
+    away = np.array([distance for _, _, distance in found])
+    return sparse.csr_matrix((entries, columns, row_ends), shape=shape), away
+
+
+def _locate(locator: Any, place: Array, near: float) -> tuple[Indices, Array, float]:
+    """Nodes of the element nearest to a place (3,), their weights, and the distance from it."""
+    from vtkmodules.vtkCommonCore import reference
+    from vtkmodules.vtkCommonDataModel import vtkGenericCell
+
+    cell: Any = vtkGenericCell()
+    part: Any = reference(0)
+    square: Any = reference(0.0)
+    local, weights, away = [0.0, 0.0, 0.0], np.zeros(MOST_NODES), 0.0
+    if locator.FindCell(place, near**2, cell, part, local, weights) < 0:
+        closest, number = [0.0, 0.0, 0.0], reference(0)
+        locator.FindClosestPoint(place, closest, cell, number, part, square)
+        away = float(np.sqrt(square.get() / cell.GetLength2()))
+        cell.EvaluatePosition(closest, [0.0, 0.0, 0.0], part, local, square, weights)
+    count = cell.GetNumberOfPoints()
+    nodes = np.array([cell.GetPointId(node) for node in range(count)], dtype=np.int64)
+    return nodes, weights[:count].copy(), away

@@ -1,0 +1,365 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Fields of other runs: read, interpolated to a cut, reduced in time; files that are refused."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import blocks
+import h5py
+import numpy as np
+import pytest
+from pad_cases import pad, press
+
+from fretfe._typing import Array
+from fretfe.bodies import cut as bodies_cut
+from fretfe.bodies.cut import Cut, read_cut, reduce_in_time
+from fretfe.bodies.definition import cut_notes, define_model, require_possible
+from fretfe.case import Case, parse_case
+from fretfe.case.loads import FieldLoad
+from fretfe.errors import CaseError, FretfeError
+from fretfe.fields.field import read_field
+from fretfe.loads import build_history, csv_file
+from fretfe.mesh.mesh import Mesh
+from fretfe.results.field_files import FieldWriter
+
+pyvista = pytest.importorskip("pyvista")
+
+
+@pytest.fixture(autouse=True)
+def _here(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read files in this process, which is faster, unless they are to break it."""
+    if request.function is not test_broken_grids:
+        monkeypatch.setattr(bodies_cut, "arrays_of", lambda work, path: work(lambda: None))
+
+
+RANDOM = np.random.default_rng(3)
+RAMP = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
+TIMES = (0.5, 1.0, 2.5)
+# Places of a cut inside of the unit square or cube.
+INSIDE = 0.1 + 0.8 * RANDOM.random((7, 3))
+
+
+def linear(points: Array, time: float = 1.0) -> Array:
+    """(n, 3) a displacement that every element follows."""
+    slopes = np.array([[0.1, 0.3, 0.2], [-0.2, 0.5, 0.1], [0.4, -0.1, 0.3]])
+    return np.asarray(time * (points @ slopes + np.array([1.0, 2.0, 3.0])))
+
+
+def field_load(file: str = "run", **keys: Any) -> FieldLoad:
+    data = {"type": "field", "boundary": "b", "file": file, "history": RAMP, **keys}
+    return FieldLoad.model_validate(data)
+
+
+def cut(path: Path, places: Array, **keys: Any) -> Cut:
+    return read_cut(path, field_load(**keys), "cut", "upper", places)
+
+
+def displacement(found: Cut, position: float) -> Array:
+    """(m, d) at a position."""
+    amplitudes = [course.at(np.array([position]))[0] for course in found.courses]
+    return np.asarray(np.einsum("r,rmd->md", amplitudes, found.shapes))
+
+
+def write_csv(path: Path, points: Array, dimension: int, times: tuple[float, ...] = TIMES) -> None:
+    axes = "xyz"[:dimension]
+    names = [*axes, *(f"u{axis}" for axis in axes), "time"]
+    rows = [
+        ",".join(f"{v:.17g}" for v in [*point[:dimension], *moved[:dimension], time])
+        for time in times
+        for point, moved in zip(points, linear(points, time), strict=True)
+    ]
+    path.write_text("\n".join(["# a run", ",".join(names), *rows]) + "\n")
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_points_of_a_table(tmp_path: Path, dimension: int) -> None:
+    grid = np.stack(np.meshgrid(*[np.linspace(0, 1, 6)] * dimension), axis=-1)
+    points = np.pad(grid.reshape(-1, dimension), ((0, 0), (0, 3 - dimension)))
+    write_csv(tmp_path / "run.csv", points, dimension)
+    places = INSIDE * (np.arange(3) < dimension)
+    found = cut(tmp_path / "run.csv", places[:, :dimension])
+    assert (len(found.shapes), found.rest < 1e-10) == (1, True)
+    for time in (0.0, 0.2, 0.5, 1.75, 2.5):
+        expected = linear(places, time)[:, :dimension]
+        np.testing.assert_allclose(displacement(found, time), expected, atol=1e-12)
+    numbered = cut(tmp_path / "run.csv", places[:, :dimension], position="number")
+    np.testing.assert_array_equal(numbered.positions, [1, 2, 3])
+
+
+def test_other_units(tmp_path: Path) -> None:
+    points = np.pad(RANDOM.random((200, 2)), ((0, 0), (0, 1)))
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.0]])
+    write_csv(tmp_path / "run.csv", np.concatenate([points, corners]), 2)
+    places = INSIDE * [1, 1, 0]
+    found = cut(tmp_path / "run.csv", 1000 * places[:, :2], factor=1000.0)
+    np.testing.assert_allclose(displacement(found, 1.0), 1000 * linear(places)[:, :2], rtol=1e-9)
+    with pytest.raises(CaseError, match=r"run\.csv: expected points around all nodes of the cut"):
+        cut(tmp_path / "run.csv", 1000 * places[:, :2])
+
+
+def test_anisotropic_points_are_found_far_away(tmp_path: Path) -> None:
+    x, y = np.meshgrid(np.linspace(0, 1, 3), np.linspace(0, 1, 400))
+    write_csv(tmp_path / "run.csv", np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1), 2)
+    places = np.array([[0.25, 0.5, 0], [0.25, 0.501, 0]])
+    found = cut(tmp_path / "run.csv", places[:, :2])
+    np.testing.assert_allclose(displacement(found, 1.0), linear(places)[:, :2], rtol=1e-9)
+
+
+def grid_of(kind: str) -> Any:
+    cube = pyvista.ImageData(dimensions=(5, 5, 5), spacing=(0.25, 0.25, 0.25))
+    grid = {
+        "hexahedra": lambda: cube.cast_to_unstructured_grid(),
+        "tetrahedra": lambda: cube.to_tetrahedra(),
+        "square": lambda: pyvista.ImageData(
+            dimensions=(5, 5, 1), spacing=(0.25, 0.25, 0.25)
+        ).cast_to_unstructured_grid(),
+    }[kind]()
+    return grid
+
+
+@pytest.mark.parametrize("ending", [".vtu", ".vtk"])
+@pytest.mark.parametrize("kind", ["hexahedra", "tetrahedra", "square"])
+def test_elements_of_a_grid(tmp_path: Path, kind: str, ending: str) -> None:
+    grid = grid_of(kind)
+    grid.point_data["U"] = linear(np.asarray(grid.points, dtype=float))
+    grid.point_data["S"] = np.zeros((grid.n_points, 6))
+    path = tmp_path / f"run{ending}"
+    grid.save(path)
+    dimension = 2 if kind == "square" else 3
+    # corners and sides of elements as well
+    places = np.concatenate([INSIDE, [[0.0, 1.0, 1.0], [1.0, 0.3, 0.25]]])
+    places = places * (np.arange(3) < dimension)
+    found = cut(path, places[:, :dimension])
+    np.testing.assert_allclose(found.positions, [1.0])
+    expected = linear(places)[:, :dimension]
+    np.testing.assert_allclose(displacement(found, 1.0), expected, atol=1e-6)
+    outside = places.copy()
+    outside[3, 0] = 1.1
+    with pytest.raises(CaseError, match=r"expected elements at all nodes of the cut, found the no"):
+        cut(path, outside[:, :dimension])
+
+
+def test_steps_of_a_series(tmp_path: Path) -> None:
+    grid = grid_of("hexahedra")
+    entries = []
+    for number, time in enumerate(TIMES):
+        grid.point_data["displacement"] = linear(np.asarray(grid.points, dtype=float), time)
+        grid.save(tmp_path / f"run{number}.vtu")
+        entries.append(f'<DataSet timestep="{time}" part="0" file="run{number}.vtu"/>')
+    head = '<?xml version="1.0"?><VTKFile type="Collection" version="0.1"><Collection>'
+    text = "".join([head, *entries, "</Collection></VTKFile>"])
+    (tmp_path / "run.pvd").write_text(text)
+    found = cut(tmp_path / "run.pvd", INSIDE)
+    np.testing.assert_allclose(found.positions, TIMES)
+    np.testing.assert_allclose(displacement(found, 2.5), linear(INSIDE, 2.5), atol=1e-5)
+
+
+def write_results(folder: Path) -> None:
+    """Two bodies of quadratic elements, side by side; the second one moves twice as far."""
+    nodes = {}
+    for number, name in enumerate(("upper", "other")):
+        body = blocks.block(name, np.linspace(0, 1, 4) + number, np.linspace(0, 1, 4), order=2)
+        nodes[name] = body.points[body.cells]
+    writer = FieldWriter(folder / "fields.hdf", nodes)
+    for time in (0.0, *TIMES):
+        moved = []
+        for factor, places in zip((1, 2), nodes.values(), strict=True):
+            flat = np.pad(places.reshape(-1, 2), ((0, 0), (0, 1)))
+            moved.append(factor * linear(flat, time).reshape(*places.shape[:2], 3)[..., :2])
+        stress = [np.zeros((*places.shape[:2], 6)) for places in nodes.values()]
+        writer.add(time, {"displacement": moved, "stress": stress})
+    writer.close()
+
+
+def test_a_results_folder(tmp_path: Path) -> None:
+    write_results(tmp_path)
+    places = INSIDE * [1, 1, 0]
+    found = cut(tmp_path, places[:, :2])
+    np.testing.assert_allclose(found.positions, TIMES)
+    assert len(found.shapes) == 1 and found.rest < 1e-7
+    expected = linear(places, 2.5)[:, :2]
+    np.testing.assert_allclose(displacement(found, 2.5), expected, rtol=1e-6)
+    beside = places + np.array([1.0, 0.0, 0.0])
+    other = cut(tmp_path, beside[:, :2], part="other")
+    np.testing.assert_allclose(displacement(other, 1.0), 2 * linear(beside)[:, :2], rtol=1e-6)
+    with pytest.raises(CaseError, match="expected elements at all nodes of the cut"):
+        cut(tmp_path, beside[:, :2])
+    with pytest.raises(
+        CaseError, match="expected one of its parts 'upper', 'other', found 'blade'"
+    ):
+        cut(tmp_path, places[:, :2], part="blade")
+
+
+@pytest.mark.parametrize("rounding", [0.0, 1e-8])
+def test_a_long_mission_has_few_shapes(rounding: float) -> None:
+    """A field of a few loads and of contacts that change a little, in single precision too."""
+    time = np.linspace(0, 1, 500)
+    courses = np.stack([np.sin(2 * np.pi * (k + 1) * time) * 10.0**-k for k in range(9)])
+    moved = np.einsum("kt,kmd->tmd", courses, RANDOM.standard_normal((9, 300, 3)))
+    noisy = moved * (1 + rounding * RANDOM.standard_normal(moved.shape))
+    found = reduce_in_time("cut", np.arange(1.0, 501), noisy)
+    assert len(found.shapes) == (20 if rounding else 9)
+    assert found.rest < (1e-6 if rounding else 1e-10)
+    known = reduce_in_time("cut", np.arange(1.0, 501), noisy, rounding)
+    assert len(known.shapes) == 9
+    for step in (3, 250, 499):
+        expected = moved[step]
+        np.testing.assert_allclose(
+            displacement(found, step + 1.0), expected, atol=1e-7 if rounding else 1e-9
+        )
+
+
+BAD_TABLES = {
+    "no column": ("x,y,ux\n0,0,1\n", "line 1: expected one column 'uy'"),
+    "z alone": ("x,y,z,ux,uy\n0,0,0,1,1\n", "expected both or none of the columns 'z' and 'uz'"),
+    "two clocks": ("x,y,ux,uy,time,step\n0,0,1,1,1,1\n", "one of the columns 'time' and 'step'"),
+    "nan": ("x,y,ux,uy\n0,0,1,nan\n", "line 2, column 'uy': expected a finite number"),
+    "one point": ("x,y,ux,uy\n0,0,1,1\n", "expected at least 2 points, found 1"),
+    "twice": ("x,y,ux,uy\n0,0,1,1\n0,0,1,2\n", "line 3, column 'x': expected a point of its own"),
+    "other points": (
+        "x,y,ux,uy,step\n0,0,1,1,1\n1,1,1,1,1\n0,0,1,1,2\n",
+        "expected the same points in every step, found others at 2 than at 1",
+    ),
+    "before 0": ("x,y,ux,uy,time\n0,0,1,1,-1\n", "expected times of steps that are not negative"),
+    "on a line": ("x,y,ux,uy\n0,0,1,1\n1,0,1,2\n", "found the node at"),
+    "elsewhere": (
+        "x,y,ux,uy\n5,5,1,1\n6,5,1,2\n6,6,1,1\n",
+        "expected points around all nodes of the cut, found the node at (0.",
+    ),
+    "at time 0": (
+        "x,y,ux,uy,time\n0,0,1,1,0\n1,0,1,2,0\n0,1,1,1,0\n1,1,1,1,0\n",
+        "expected no displacement at time 0, the unloaded state, found",
+    ),
+    "only 0": (
+        "x,y,ux,uy,time\n0,0,0,0,1\n1,0,0,0,1\n0,1,0,0,1\n1,1,0,0,1\n",
+        "expected displacements of the cut, found none but 0",
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "expected"), BAD_TABLES.values(), ids=BAD_TABLES)
+def test_bad_tables(tmp_path: Path, text: str, expected: str) -> None:
+    (tmp_path / "run.csv").write_text(text)
+    with pytest.raises(CaseError, match=re.escape(expected)):
+        cut(tmp_path / "run.csv", INSIDE[:, :2])
+
+
+def test_bad_grids(tmp_path: Path) -> None:
+    grid = grid_of("hexahedra")
+    path = tmp_path / "run.vtu"
+    grid.point_data["temperature"] = np.zeros(grid.n_points)
+    grid.save(path)
+    with pytest.raises(CaseError, match="expected one vector at the nodes that is called one of"):
+        cut(path, INSIDE)
+    grid.point_data["U"] = np.where(np.arange(3) == 1, np.nan, linear(grid.points))
+    grid.save(path)
+    with pytest.raises(CaseError, match=r"expected finite displacements, found others near .* 1$"):
+        cut(path, INSIDE)
+
+
+def test_broken_grids(tmp_path: Path) -> None:
+    """In the process that reads them, whatever VTK does with them."""
+    path = tmp_path / "run.vtu"
+    grid_of("square").save(path)
+    data = path.read_bytes()
+    for broken in (data[: len(data) // 2], bytes(500)):
+        path.write_bytes(broken)
+        with pytest.raises(FretfeError, match=r"run\.vtu"):
+            cut(path, INSIDE)
+
+
+def test_bad_results(tmp_path: Path) -> None:
+    with pytest.raises(CaseError, match=r"expected a file with displacements, or a results folder"):
+        read_field(tmp_path)
+    with pytest.raises(CaseError, match=r"whose name ends in one of \.csv, "):
+        (tmp_path / "run.odb").write_text("")
+        read_field(tmp_path / "run.odb")
+    write_results(tmp_path)
+    with h5py.File(tmp_path / "fields.hdf", "r+") as file:
+        file["VTKHDF/Points"][3] = np.nan
+    with pytest.raises(CaseError, match="expected finite coordinates"):
+        cut(tmp_path, INSIDE[:, :2])
+
+
+def mesh() -> Mesh:
+    upper = blocks.block("upper", [0, 0.5, 1], [0, 1])
+    return Mesh({"upper": upper, "lower": blocks.block("lower", [0, 1, 2], [-1, 0])})
+
+
+def driven(folder: Path, history: list[dict[str, Any]], **keys: Any) -> Case:
+    """The right side of the upper body of `mesh` is driven by run.csv."""
+    points = np.array([[x, y, 0] for x in (-1, 2) for y in (-1, 2.0)])
+    write_csv(folder / "run.csv", points, 2)
+    own = {"type": "field", "boundary": "upper_right", "file": "run.csv", "history": history}
+    data = pad(loads={"press": press(), "cut": {**own, **keys}})
+    contact = {**data["contacts"]["main"], "surface1": "upper_bottom", "surface2": "lower_top"}
+    return parse_case({**data, "contacts": {"main": contact}}, folder / "case.toml")
+
+
+HISTORIES: dict[str, tuple[list[dict[str, Any]], str]] = {
+    "all steps": ([{"times": [1, 2, 3], "values": TIMES}], ""),
+    "within": ([{"times": [1, 2, 3, 4], "values": [0.2, 0.5, 0.9, 0.7]}], ""),
+    "beyond": (
+        [{"times": [1, 2, 3, 4], "values": [0.5, 1, 2.5, 3]}],
+        "loads.cut.history: expected positions in the run, from 0 (unloaded) to 2.5 (its last step)"
+        ", found 3 at time 4",
+    ),
+    "before": ([{"times": [1], "values": [-0.1]}], "to 2.5 (its last step), found -0.025 at"),
+    "missing": (
+        [{"times": [1, 2], "values": [0.5, 2.5]}],
+        "loads.cut.history: expected a load step at every step of the run, found none at 1, between"
+        " 0.5 at time 1 and 2.5 at time 2",
+    ),
+}
+
+
+@pytest.mark.parametrize(("history", "expected"), HISTORIES.values(), ids=HISTORIES)
+def test_histories(tmp_path: Path, history: list[dict[str, Any]], expected: str) -> None:
+    case = driven(tmp_path, history)
+    definition = define_model(case, mesh())
+    (note,) = cut_notes(definition)
+    assert note.startswith("loads.cut: 3 steps of the run, up to 2.5, as 1 shape; ")
+    if not expected:
+        require_possible(case, definition, build_history(case))
+        return
+    with pytest.raises(CaseError, match=re.escape(expected)):
+        require_possible(case, definition, build_history(case))
+
+
+def test_messages_name_the_load(tmp_path: Path) -> None:
+    case = driven(tmp_path, RAMP, part="blade")
+    (tmp_path / "run.csv").write_text("x,y,ux\n")
+    with pytest.raises(CaseError, match=r"case\.toml: loads\.cut\.file: .*run\.csv: line 1: expec"):
+        define_model(case, mesh())
+
+
+def test_large_tables_are_the_same_read_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "run.csv"
+    write_csv(path, RANDOM.random((50, 3)), 3)
+    names = ("x", "uz", "time")
+    slow = csv_file.read_table(path, names, ("none",), comment="#")
+    monkeypatch.setattr(csv_file, "LARGE", 0)
+    fast = csv_file.read_table(path, names, ("none",), comment="#")
+    assert isinstance(fast.lines, range) and list(slow.lines) == list(fast.lines)
+    assert list(slow.columns) == list(fast.columns)
+    for name, column in slow.columns.items():
+        np.testing.assert_array_equal(fast.columns[name], column)
+    text = path.read_text()
+    for wrong, expected in (
+        (text.replace("\n0.", "\n\n0.", 1), None),
+        (text + "1,2,3\n", "line 153, column 'uz': expected a finite number, found an empty"),
+        (text + "1,2,3,4,5,6,7,8\n", "line 153: expected at most 7 cells"),
+        (text + "1,2,3,4,5,6,nan\n", "line 153, column 'time': expected a finite number, found 'n"),
+        (text + "1,2,3,4,5,6,1e-320\n", "line 153, column 'time': expected 0, or a number of"),
+    ):
+        path.write_text(wrong)
+        if expected is None:
+            assert len(csv_file.read_table(path, names, comment="#").lines) == len(slow.lines)
+            continue
+        with pytest.raises(CaseError, match=re.escape(expected)):
+            csv_file.read_table(path, names, comment="#")
