@@ -287,7 +287,7 @@ def test_what_cannot_be_written(tmp_path: Path) -> None:
     assert "--time: expected the time of a state with tractions, such as 1.125, 1.25" in message
     for value in ("nan", "inf", "-1", "0"):
         message = forces_refused(tmp_path, text, "--body", "lower", "--factor", value)
-        assert message.startswith("--factor: expected a number > 0, found")
+        assert message.startswith("--factor: expected a number from 1e-12 to 1e12")
     message = forces_refused(tmp_path, text, "--body", "lower", "--factor", "0.1")
     assert "model.inp: top: expected a surface within" in message
     message = forces_refused(tmp_path, text.replace("TOP", "HEAD"), "--body", "lower")

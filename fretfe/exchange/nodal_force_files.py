@@ -85,8 +85,8 @@ def export_forces(
     """
     if result.solution is None:
         raise CaseError(f"expected results with tractions, found none: '{result.backend}' has none")
-    if not 0 < wanted.factor < np.inf:
-        raise CaseError(f"--factor: expected a number > 0, found {wanted.factor:g}")
+    if not 1e-12 <= wanted.factor <= 1e12:
+        raise CaseError(f"--factor: expected a number from 1e-12 to 1e12, found {wanted.factor:g}")
     contact = _contact(result.solution, wanted)
     state = _state(result.solution, wanted.time)
     other = read_surface(mesh, surface)

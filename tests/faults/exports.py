@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from faults.fault import Fault, damaged
@@ -15,6 +15,16 @@ CELLS = [row.split(",") for row in ROWS]
 EDGES = ("edges", "foreign.csv", "--friction", "0.4", "--json")
 # In place of a folder with results.
 NO_RUNS = ("nothing", "run/results.json", "", ".", "/dev/null", "x" * 5000)
+DECK = """*NODE
+1, -2.0, -1.0
+2, 2.0, -1.0
+3, 2.0, 0.0
+4, -2.0, 0.0
+*ELEMENT, TYPE=CPE4, ELSET=BODY
+1, 1, 2, 3, 4
+*SURFACE, NAME=TOP
+BODY, S3
+"""
 # What seems to be the list of an earlier export.
 LISTINGS = {
     "paths": b"file\n../rig.csv\n/etc/passwd.csv\n..csv\n",
@@ -32,6 +42,7 @@ def faults() -> Iterator[Fault]:
     """All of them."""
     yield from _compare()
     yield from _export()
+    yield from _forces()
     for name, content in ACCEPTED.items():
         yield _foreign(name, content, (), False)
     for name, content in REFUSED.items():
@@ -81,6 +92,40 @@ def _export() -> Iterator[Fault]:
             (here / "out" / "columns.csv").write_bytes(listing)
 
         yield Fault(f"export/columns.csv: {name}", (*into, "out"), with_runs(write), True)
+
+
+def _forces() -> Iterator[Fault]:
+    """Models that take forces: the block below the contact, y = 0 its upper side."""
+    words = ("model.inp", "top", "--body", "lower", "-o", "out")
+    whole = DECK.encode()
+    decks: dict[str, tuple[bytes, bool | None]] = {
+        "whole": (whole, False),
+        "elsewhere": (whole.replace(b", 0.0\n", b", 7.0\n"), True),
+        "without area": (whole.replace(b"2.0, 0.0", b"-2.0, 0.0"), True),
+        "nan": (whole.replace(b"2.0, 0.0", b"nan, 0.0"), True),
+        "tiny": (whole.replace(b"2.0, ", b"2e-30, "), True),
+        "another surface": (whole.replace(b"NAME=TOP", b"NAME=FOOT"), True),
+        "the other way": (whole.replace(b", -1.0", b", 1.0"), None),
+        "empty": (b"", True),
+    }
+    decks |= {f"damaged/{seed}": (damaged(whole, seed), None) for seed in range(20)}
+    for name, (data, refused) in decks.items():
+        prepare = with_runs(_model(data))
+        yield Fault(f"forces/{name}", ("forces", "run", *words), prepare, refused)
+    for name in (*NO_RUNS, "analytic", "solid"):
+        command = ("forces", name, *words)
+        yield Fault(f"forces/of {name[:20]!r}", command, with_runs(_model(whole)), True)
+    for more in (("--time", "nan"), ("--time", "-1"), ("--factor", "nan"), ("--factor", "1e300"),
+                 ("--contact", "x"), ("--body", "../x")):  # fmt: skip
+        other = ("forces", "run", *words, *more)
+        yield Fault(f"forces/{' '.join(more)}", other, with_runs(_model(whole)), True)
+    for name, output, work in OUTPUTS:
+        command = ("forces", "run", *words[:-1], output)
+        yield Fault(f"forces/into {name}", command, with_runs(_model(whole), work), True)
+
+
+def _model(data: bytes) -> Callable[[Path], object]:
+    return lambda here: (here / "model.inp").write_bytes(data)
 
 
 def _foreign(
