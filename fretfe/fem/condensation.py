@@ -88,6 +88,7 @@ class Body:
         operator: (n, p*gdim) weighted relative displacements of the contact nodes by those of the
             points; the same on all ranks.
         clock: for timings.
+        on_disk: whether the factor is kept in temporary files.
 
     Attributes:
         elastic: space and operators of the body.
@@ -104,6 +105,8 @@ class Body:
         surface_points: Array,
         operator: sparse.csr_matrix,
         clock: Clock,
+        *,
+        on_disk: bool = False,
     ) -> None:
         self.elastic = elastic
         self._index_map = elastic.space.dofmap.index_map
@@ -124,7 +127,8 @@ class Body:
         unknowns = elastic.gdim * self._index_map.size_global
         with clock("condensation", f"{elastic.name}, {unknowns} unknowns"):
             symmetric = elastic.comm.allreduce(not unsymmetric_because(), op=MPI.LAND)
-            self._factor = BorderedFactor(matrix, self._border(), elastic.gdim, symmetric=symmetric)
+            kind = {"symmetric": symmetric, "on_disk": on_disk}
+            self._factor = BorderedFactor(matrix, self._border(), elastic.gdim, **kind)
         with clock("load columns"):
             self.condensed = self._condense()
 
