@@ -66,6 +66,20 @@ def test_what_cannot_fit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     refuse_too_large(large)
 
 
+def test_factors_go_to_disk_where_memory_is_short(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cost, "machine_memory", lambda: None)
+    there = estimate_cost(solid(20, 4), 2, nodes=300, steps=10)
+    assert not there.on_disk
+    for share, on_disk in ((0.9, False), (1.1, True)):
+        monkeypatch.setattr(
+            cost, "machine_memory", lambda share=share: there.memory / cost.IN_MEMORY / share
+        )
+        found = estimate_cost(solid(20, 4), 2, nodes=300, steps=10)
+        assert found.on_disk is on_disk
+        assert (found.memory < there.memory) is on_disk
+        assert ("GB (factors on disk) and" in found.text) is on_disk
+
+
 def solid(cells: int, layers: int) -> Mesh:
     lines = blocks.graded(0.0, 1.0, cells), blocks.graded(0.0, 1.0, cells)
     flat = Mesh({"b": blocks.block("b", *lines)})

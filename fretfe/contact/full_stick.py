@@ -110,7 +110,7 @@ class FullStickSolver:
         conditions = Conditions(
             status=np.where(closed, STICK, OPEN).astype(np.int8),
             pull=np.zeros((count, tangents)),
-            turning=np.zeros((count, tangents, tangents)),
+            turning=np.zeros(count),
             penalty=np.zeros(count),
             known=self._fixed,
             amplitudes=np.zeros((self._fixed.sum(), self._forces.shape[1])),

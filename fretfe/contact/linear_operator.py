@@ -11,6 +11,7 @@ those of `fretfe.contact.interface`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -35,13 +36,14 @@ class Conditions:
 
     * open: p = 0, q = 0;
     * stuck: g = 0, Δ = 0;
-    * slipping: g = 0, q = p `pull` + `turning` (q − r Δ).
+    * slipping: g = 0, q = p `pull` + T (q − r Δ) with the matrix T of `turning`.
 
     Attributes:
         status: (N,) OPEN, STICK or SLIP.
         pull: (N, d-1) friction coefficient times direction of the shear; read at slipping nodes.
-        turning: (N, d-1, d-1) derivative of the direction times the friction bound; read at
-            slipping nodes, in three dimensions only: in the plane a direction cannot turn.
+        turning: (N,) t of the derivative t (1 - direction x direction) of the direction times the
+            friction bound; read at slipping nodes, in three dimensions only: in the plane a
+            direction cannot turn. Without a direction, the derivative is t.
         penalty: (N,) r.
         known: (m,) coordinates of known amplitude; on the others the force is known.
         amplitudes: (k, J) the known amplitudes.
@@ -56,6 +58,28 @@ class Conditions:
     known: Bools
     amplitudes: Array
     floating: bool = False
+
+    def turned(self, nodes: Indices) -> Array:
+        """(n, d-1, d-1) T of some nodes."""
+        t = self._directions(nodes)
+        across = np.eye(t.shape[1]) - t[:, :, None] * t[:, None, :]
+        return np.asarray(self.turning[nodes][:, None, None] * across)
+
+    def across(self, nodes: Indices) -> tuple[Indices, Array]:
+        """Which of some nodes can turn, once for each (n, d-1) unit vector along which they do."""
+        t = self._directions(nodes)
+        if t.shape[1] == 1:
+            return np.zeros(0, dtype=np.int64), np.zeros((0, 1))
+        turns, directed = self.turning[nodes] > 0, t.any(axis=1)
+        one, any_way = nodes[turns & directed], nodes[turns & ~directed]
+        around = t[turns & directed][:, ::-1] * np.array([-1.0, 1.0])
+        both = np.repeat(np.eye(2), len(any_way), axis=0)
+        return np.concatenate([one, any_way, any_way]), np.vstack([around, both])
+
+    def _directions(self, nodes: Indices) -> Array:
+        pull = self.pull[nodes]
+        length = np.linalg.norm(pull, axis=1, keepdims=True)
+        return np.asarray(pull / np.where(length > 0, length, 1.0))
 
 
 @dataclass(frozen=True)
@@ -81,10 +105,14 @@ class Response:
 # leave the block as it is.
 STEP = 1 / 64
 # Nodes that are factorised: at least so many, and so many times those in contact.
-FEWEST, SPARE = 300, 2
+FEWEST, SPARE = 300, 1.25
 # Work of opening a component among those of a block, for each of them, over that of a factorisation
 # for each cube of an unknown (measured: 18 ns, .03 ns).
 OPENING = 600
+# Rows of a system that are gathered at a time.
+BLOCK = 256
+# Work of reading an entry of a matrix, over that of a multiplication and addition in a product.
+READING = 12
 # Singular values below this fraction of the largest belong to motions that nothing resists.
 UNRESISTED = 1e-10
 
@@ -124,61 +152,132 @@ class RegularisedFactor:
         return np.asarray(held - self._response @ moved)
 
 
-def unknown_tractions(conditions: Conditions) -> int:
-    """Number of traction components that are unknown once slip has been eliminated."""
-    d = conditions.pull.shape[1] + 1
-    stuck = np.count_nonzero(conditions.status == STICK)
-    return int(d * stuck + np.count_nonzero(conditions.status == SLIP))
+class DirectSystem:
+    """Linear contact conditions for as few unknowns as they leave, without any inverse.
 
-
-def solve_directly(
-    interface: Interface, conditions: Conditions, free: Array, forces: Array
-) -> Response:
-    """Solve linear contact conditions of a plane problem; see `StuckSolution.release`.
+    These are all components of the traction of a stuck node; of a slipping one its pressure, which
+    pulls a shear behind it, and of solids the shear across that, along which its direction turns.
 
     Args:
-        interface: the interface problem, d = 2.
+        interface: the interface problem.
         conditions: contact conditions; bodies do not float.
-        free: (N, 2, J) gap and increment without tractions and coordinates.
-        forces: (m, J) forces on the coordinates, R + H a.
 
-    Raises:
-        numpy.linalg.LinAlgError: if the conditions leave a motion without any resistance.
+    Attributes:
+        count: number of unknown tractions; coordinates follow.
+        numbers: the same for systems with the same unknowns.
     """
-    stuck, slipping = (conditions.status == each for each in (STICK, SLIP))
-    level, scale = interface.compliance.level, coordinate_scale(interface)
-    normal = 2 * np.flatnonzero(slipping)
-    held = np.concatenate([(2 * np.flatnonzero(stuck)[:, None] + [0, 1]).ravel(), normal])
-    pull = conditions.pull[slipping]
-    split = len(held)
-    matrix = np.empty((split + len(scale), split + len(scale)))
-    matrix[:split, :split] = interface.compliance.block(held, held)
-    sliding = slice(split - len(normal), split)
-    if pull.any():
-        matrix[:split, sliding] += interface.compliance.block(held, normal + 1) * pull.T
-    matrix[:split, :split] /= level
-    motion = interface.motion * scale
-    work = motion[held]
-    work[sliding] += pull * motion[normal + 1]
-    matrix[:split, split:] = motion[held]
-    matrix[split:, :split] = work.T
-    matrix[split:, split:] = -interface.stiffness * np.outer(scale, scale) * level
-    flat = free.reshape(-1, free.shape[-1])
-    target = np.vstack([-flat[held], -forces * scale[:, None] * level])
-    known = split + np.flatnonzero(conditions.known)
-    matrix[known] = 0.0
-    matrix[known, known] = 1.0
-    target[known] = conditions.amplitudes / scale[conditions.known, None]
-    solved = np.linalg.solve(matrix, target)
-    coordinates = solved[split:] * scale[:, None]
-    traction = np.zeros_like(flat)
-    traction[held] = solved[:split] / level
-    traction[normal + 1] = pull * traction[normal]
-    relative = interface.motion @ coordinates + flat
-    for case, column in enumerate(traction.T):
-        relative[:, case] += interface.compliance.apply(np.ascontiguousarray(column))
-    relative[held] = 0.0
-    return Response(traction.reshape(free.shape), relative.reshape(free.shape), coordinates)
+
+    def __init__(self, interface: Interface, conditions: Conditions) -> None:
+        d = interface.components
+        stuck, slipping = (np.flatnonzero(conditions.status == each) for each in (STICK, SLIP))
+        self._interface, self._conditions = interface, conditions
+        self._level, self._scale = interface.compliance.level, coordinate_scale(interface)
+        self._normal = d * slipping
+        components = (d * stuck[:, None] + np.arange(d)).ravel()
+        self._held = np.concatenate([components, self._normal])
+        self._sliding = slice(len(components), len(self._held))
+        self._pull = conditions.pull[slipping]
+        turning, self._across = conditions.across(slipping)
+        self._turning = d * turning
+        self._weight = conditions.turning[turning]
+        own = (1 - self._weight) / (conditions.penalty[turning] * self._level)
+        self._own = len(self._held) + np.arange(len(turning)), own
+        self.count = len(self._held) + len(turning)
+        self.numbers = np.concatenate([self._held, self._turning + 1])
+
+    def solve(self, systems: SimilarSystems, free: Array, forces: Array) -> Response:
+        """Solve the system; see `StuckSolution.release`.
+
+        Args:
+            systems: solves it.
+            free: (N, d, J) gap and increment without tractions and coordinates.
+            forces: (m, J) forces on the coordinates, R + H a.
+
+        Raises:
+            numpy.linalg.LinAlgError: if the conditions leave a motion without any resistance.
+        """
+        interface, count = self._interface, self.count
+        flat = free.reshape(-1, free.shape[-1])
+        target = np.vstack([-self._tested(flat.__getitem__), -forces * self._unit[:, None]])
+        known = count + np.flatnonzero(self._conditions.known)
+        target[known] = self._conditions.amplitudes / self._scale[self._conditions.known, None]
+        matrix = self._matrix()
+        matrix[known] = 0.0
+        matrix[known, known] = 1.0
+        solved = systems.solve(self.numbers, matrix, target)
+        coordinates = solved[count:] * self._scale[:, None]
+        traction = self._tractions(solved[:count], np.zeros_like(flat)) / self._level
+        relative = interface.motion @ coordinates + flat
+        for case, column in enumerate(traction.T):
+            relative[:, case] += interface.compliance.apply(np.ascontiguousarray(column))
+        relative[self._held] = 0.0
+        return Response(traction.reshape(free.shape), relative.reshape(free.shape), coordinates)
+
+    @property
+    def _unit(self) -> Array:
+        """(m,) of the forces on the coordinates."""
+        return self._scale * self._level
+
+    def _matrix(self) -> Array:
+        interface, count = self._interface, self.count
+        matrix = np.empty((count + len(self._scale),) * 2)
+        # Few rows at a time: what they are gathered from is larger than they are.
+        for begin in range(0, len(self._held), BLOCK):
+            rows = self._held[begin : begin + BLOCK]
+            matrix[begin : begin + len(rows), :count] = self._displacements(rows)
+        for begin in range(0, len(self._turning), BLOCK):
+            part = slice(begin, begin + BLOCK)
+            place = slice(len(self._held) + begin, min(len(self._held) + begin + BLOCK, count))
+            matrix[place, :count] = self._turned(self._displacements, part)
+        matrix[:count, :count] /= self._level
+        matrix[self._own[0], self._own[0]] += self._own[1]
+        motion = interface.motion * self._scale
+        matrix[:count, count:] = self._tested(motion.__getitem__)
+        work = motion[self._held]
+        for component, pull in enumerate(self._pull.T, start=1):
+            work[self._sliding] += pull[:, None] * motion[self._normal + component]
+        across = self._along(motion.__getitem__, slice(None))
+        matrix[count:, :count] = np.vstack([work, across]).T
+        matrix[count:, count:] = -interface.stiffness * np.outer(self._scale, self._unit)
+        return matrix
+
+    def _displacements(self, rows: Indices) -> Array:
+        """(r, count) displacements of some components by the unknown tractions."""
+        block, held = self._interface.compliance.block, self._held
+        found = np.empty((len(rows), self.count))
+        found[:, : len(held)] = block(rows, held)
+        for component, pull in enumerate(self._pull.T, start=1):
+            if pull.any():
+                found[:, self._sliding] += block(rows, self._normal + component) * pull
+        found[:, len(held) :] = self._along(lambda columns: block(rows, columns).T, slice(None)).T
+        return found
+
+    def _tested(self, rows: Callable[[Indices], Array]) -> Array:
+        """(count, J) what the conditions are about of the rows of an array."""
+        return np.vstack([rows(self._held), self._turned(rows, slice(None))])
+
+    def _turned(self, rows: Callable[[Indices], Array], part: slice) -> Array:
+        """That of the directions that turn, as far as they do."""
+        return self._weight[part, None] * self._along(rows, part)
+
+    def _along(self, rows: Callable[[Indices], Array], part: slice) -> Array:
+        """(t, J) rows across the shear of slipping nodes."""
+        nodes, across = self._turning[part], self._across[part]
+        parts = (
+            each[:, None] * rows(nodes + component)
+            for component, each in enumerate(across.T, start=1)
+        )
+        return np.asarray(sum(parts))
+
+    def _tractions(self, solved: Array, traction: Array) -> Array:
+        """(N*d, J) tractions, from none, by the unknown ones."""
+        traction[self._held] = solved[: len(self._held)]
+        for component, pull in enumerate(self._pull.T, start=1):
+            traction[self._normal + component] = pull[:, None] * traction[self._normal]
+        turns = solved[len(self._held) :]
+        for component, each in enumerate(self._across.T, start=1):
+            np.add.at(traction, self._turning + component, each[:, None] * turns)
+        return traction
 
 
 class FactoredOperator:
@@ -204,10 +303,12 @@ class FactoredOperator:
         self._met += closed
         if self._order is None or self._order.is_worn(closed):
             keys = gap / self.interface.roots, -self._met, ~closed  # the last one counts most
-            # Never fewer than before: a contact that shrank will grow again.
-            self._count = max(self._count, SPARE * int(closed.sum()))
+            if self._order is not None and self._order.factorised:
+                # Never fewer than before: a contact that shrank will grow again.
+                self._count = len(self._order.nodes)
             self._order = None  # its matrices make room for those of the next
-            self._order = ContactOrder(self.interface, np.lexsort(keys)[: self._count])
+            count = max(self._count, math.ceil(SPARE * int(closed.sum())))
+            self._order = ContactOrder(self.interface, np.lexsort(keys)[:count])
         return self._order.area(closed)
 
     def memory(self) -> dict[str, NDArray[Any]]:
@@ -215,16 +316,19 @@ class FactoredOperator:
         found = {"operator_count": np.array(self._count), "operator_met": self._met}
         if self._order is None:
             return found
-        order = {"operator_order": self._order.nodes, "operator_cost": np.array(self._order.cost)}
-        return {**found, **order, **self._order.rows.memory()}
+        order = self._order
+        found["operator_order"] = order.nodes
+        found["operator_cost"] = np.array([order.cost, order.rent])
+        return {**found, **order.rows.memory()} if order.factorised else found
 
     def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
         """Go on as the operator, of the same interface, that `memory` is of: with its round-off."""
         self._count, self._met = int(memory["operator_count"]), memory["operator_met"]
         if "operator_order" in memory:
             self._order = ContactOrder(self.interface, memory["operator_order"])
-            self._order.cost = float(memory["operator_cost"])
-            self._order.rows.recall(memory)
+            self._order.cost, self._order.rent = memory["operator_cost"].tolist()
+            if "operator_rows" in memory:
+                self._order.rows.recall(memory)
 
     def regularised(self, penalty: float) -> RegularisedFactor:
         """Bodies with an elastic layer between them.
@@ -238,6 +342,8 @@ class FactoredOperator:
 class ContactOrder:
     """The compliance of the nodes that come into contact first, factorised in this order.
 
+    It is not factorised before that pays: a contact that slides as a whole has no use for it.
+
     Args:
         interface: the interface problem.
         nodes: (K,) these nodes; the others do not touch.
@@ -250,11 +356,9 @@ class ContactOrder:
         level: mean compliance, the unit of tractions.
         scale: (m,) unit of each coordinate.
         motion: (K*d, m) G in these units and this order.
-        effect: displacements of the others by tractions, then by coordinates, in these units.
         stiffness: (m, m) K in these units.
         cost: of opening nodes out of order so far.
-        inverse: of the leading blocks of A.
-        rows: of these inverses, and G times them.
+        rent: what direct solutions have cost so far beyond those with the factors.
     """
 
     def __init__(self, interface: Interface, nodes: Indices) -> None:
@@ -266,27 +370,70 @@ class ContactOrder:
         self._rank[nodes] = np.arange(len(nodes))
         self._step = max(1, round(STEP * len(nodes)))
         self._area: NestedArea | None = None
-        self.cost = 0.0
+        self.cost = self.rent = 0.0
         self.level = interface.compliance.level
         self.scale = coordinate_scale(interface)
         self.motion = interface.motion[self.components] * self.scale
         self.others = np.delete(np.arange(interface.size * d), self.components)
-        self.effect = (
-            interface.compliance.block(self.others, self.components) / self.level,
-            interface.motion[self.others] * self.scale,
-        )
         self.stiffness = interface.stiffness * np.outer(self.scale, self.scale) * self.level
-        matrix = interface.compliance.block(self.components, self.components).T  # Fortran's order
+
+    @cached_property
+    def effect(self) -> tuple[Array, Array]:
+        """Displacements of the others by tractions, then by coordinates, in these units."""
+        tractions = self.interface.compliance.block(self.others, self.components)
+        tractions /= self.level
+        return tractions, self.interface.motion[self.others] * self.scale
+
+    @cached_property
+    def inverse(self) -> NestedInverse:
+        """Inverses of the leading blocks of A.
+
+        Raises:
+            ModelError: if A is not positive definite.
+        """
+        # In Fortran's order: a symmetric matrix.
+        matrix = self.interface.compliance.block(self.components, self.components).T
         matrix /= self.level
         try:
-            self.inverse = NestedInverse(matrix)
+            return NestedInverse(matrix)
         except np.linalg.LinAlgError as error:
             raise ModelError(
                 "expected a compliance of the contact nodes that is positive definite, found that "
                 f"{error}: some nodes of the surface that carries the multipliers face nothing, or "
                 "round-off has destroyed the stiffness of a body"
             ) from None
-        self.rows = InverseRows(self.inverse, self.motion)
+
+    @cached_property
+    def rows(self) -> InverseRows:
+        """Rows of these inverses, and G times them."""
+        return InverseRows(self.inverse, self.motion)
+
+    @property
+    def factorised(self) -> bool:
+        """True once the inverses are there."""
+        return "rows" in vars(self)
+
+    def direct_pays(self, direct: int, size: int, released: Indices) -> bool:
+        """Tell whether to solve a system directly, until what that costs would pay for the inverse.
+
+        Args:
+            direct: number of unknowns of the direct system.
+            size: of the leading block.
+            released: (k,) components whose rows of the inverse the other system takes.
+        """
+        whole, count = self.interface.size * self.interface.components, len(released)
+        extra = (direct**3 - count**3) / 3 + READING * (
+            direct**2 + whole**2 / 2 - count * size - len(self.others) * size
+        )
+        if self.factorised:
+            price = self.rows.missing(released) * size**2 / 2
+        else:
+            price = count * size**2 / 2 + len(self.components) ** 3 / 3
+        if extra > price - self.rent:
+            self.rent = 0.0
+            return False
+        self.rent += max(extra, 0.0)
+        return True
 
     def is_worn(self, closed: Bools) -> bool:
         """Tell whether another order is needed, or has been paid by opening nodes out of order.
@@ -296,6 +443,8 @@ class ContactOrder:
         if self._last(closed) > len(self.nodes):
             return True
         opened = self._last(closed) - int(closed.sum())
+        if not self.factorised:  # another one costs nothing
+            return opened > 0
         size, released = len(self.components), opened * self.interface.components
         self.cost += OPENING * released * int(closed.sum()) + released**3
         return opened > 0 and self.cost > size**3
@@ -346,16 +495,18 @@ class StuckSolution:
     """
 
     def __init__(self, area: NestedArea, free: Array, forces: Array) -> None:
-        order, size = area.order, area.size
+        order = area.order
         self._area = area
         self._given = free, forces
         self._free = free.reshape(-1, free.shape[-1])
         self._forces = forces * order.scale[:, None] * order.level
-        self._systems = SimilarSystems()
-        # Forces that the tractions leave over with all coordinates at rest.
-        self._missing = (
-            order.rows.vectors(size) @ self._free[order.components[:size]] - self._forces
-        )
+        self._systems, self._direct = SimilarSystems(), SimilarSystems()
+
+    @cached_property
+    def _missing(self) -> Array:
+        """(m, J) forces that the tractions leave over with all coordinates at rest."""
+        order, size = self._area.order, self._area.size
+        return order.rows.vectors(size) @ self._free[order.components[:size]] - self._forces
 
     @cached_property
     def _traction(self) -> Array:
@@ -388,9 +539,10 @@ class StuckSolution:
         area, order = self._area, self._area.order
         released = _Released(area, conditions)
         count = len(released.all)
-        plane = order.interface.components == 2
-        if plane and not conditions.floating and unknown_tractions(conditions) < count:
-            return solve_directly(order.interface, conditions, *self._given)
+        if not conditions.floating:
+            system = DirectSystem(order.interface, conditions)
+            if order.direct_pays(system.count, area.size, released.all):
+                return system.solve(self._direct, *self._given)
         # Tractions by unit displacements of the released components, less those by coordinates.
         units, vectors = order.rows.units(area.size, released.all), order.rows.vectors(area.size)
         motion = order.motion[: area.size]
@@ -480,7 +632,7 @@ class _Released:
             each[self.sliding].reshape(*shape, each.shape[1]) for each in (matrix, target)
         )
         if shape[1] > 1:
-            turning = conditions.turning[nodes]
+            turning = conditions.turned(nodes)
             for values in (rows, targets):
                 values -= turning @ values
             # Of q − r Δ; Δ is an unknown itself.

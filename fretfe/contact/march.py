@@ -163,8 +163,14 @@ class March:
     def _newton_from(
         self, guess: ContactState | None, state: ContactState, loads: StepLoads
     ) -> tuple[ContactState, int]:
-        """Newton's method from a guess, and without one or where that fails from full stick."""
+        """Newton's method from a guess, and without one or where that fails from full stick.
+
+        A contact that slides as a whole is likely to go on sliding. For it full stick is a bad
+        start, and one with the most unknowns.
+        """
         reference, spent = state.relative[:, 1:], 0
+        if guess is None and slides_as_a_whole(state):
+            guess = state
         if guess is not None:
             try:
                 return self._newton.solve(loads, reference, guess.status, guess.direction)
@@ -189,6 +195,11 @@ class March:
             count = max(FIRST_TOUCH_NODES, int(FIRST_TOUCH_FRACTION * (nodes.stop - nodes.start)))
             closed[nodes.start + np.argsort(gap[nodes], kind="stable")[:count]] = True
         return closed
+
+
+def slides_as_a_whole(state: ContactState) -> bool:
+    """True if some nodes touch and none of them sticks."""
+    return bool(state.closed.any()) and not np.any(state.status == STICK)
 
 
 # Mean movement of the edges within a part, over the half-width, that is aimed at: increments by the

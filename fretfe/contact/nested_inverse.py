@@ -124,10 +124,13 @@ class InverseRows:
     def units(self, size: int, components: Indices) -> Array:
         """(k, n) rows of the inverse of a leading block; a copy."""
         self._resize(size)
-        missing = components[self._place[components] < 0]
-        if len(missing):
-            self._add(missing)
+        if self.missing(components):
+            self._add(components[self._place[components] < 0])
         return self._rows[self._place[components], :size]
+
+    def missing(self, components: Indices) -> int:
+        """Number of rows that are not there yet."""
+        return int(np.count_nonzero(self._place[components] < 0))
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """The rows, which are sums in the order in which the block grew; see `recall`."""
@@ -180,14 +183,14 @@ class SimilarSystems:
 
     def __init__(self) -> None:
         self._unknowns: Indices | None = None
-        self._factors: tuple[Array, Indices]
+        self._factors: tuple[Array, Indices] | None = None
 
     def solve(self, unknowns: Indices, matrix: Array, target: Array) -> Array:
         """(k, J) solution of a system.
 
         Args:
             unknowns: numbers that tell its unknowns from those of other systems.
-            matrix: (k, k).
+            matrix: (k, k), in C's order; it may be overwritten.
             target: (k, J) right-hand sides.
 
         Raises:
@@ -199,16 +202,19 @@ class SimilarSystems:
             found = self._iterate(matrix, target)
             if found is not None:
                 return found
-        factors, pivots, info = linalg.lapack.dgetrf(matrix)
+        # Of the transposed matrix, in its place.
+        self._unknowns = None
+        self._factors = None
+        factors, pivots, info = linalg.lapack.dgetrf(matrix.T, overwrite_a=1)
         if info:
-            self._unknowns = None
             raise np.linalg.LinAlgError(f"row {info} of the matrix depends on those before it")
         self._unknowns, self._factors = unknowns, (factors, pivots)
         return self._approximate(target)
 
     def _approximate(self, target: Array) -> Array:
         """Solution with the matrix that was factorised."""
-        return np.asarray(linalg.lu_solve(self._factors, target, check_finite=False))
+        assert self._factors is not None
+        return np.asarray(linalg.lu_solve(self._factors, target, trans=1, check_finite=False))
 
     def _iterate(self, matrix: Array, target: Array) -> Array | None:
         """Solution by preconditioned iterations; None if there would have to be many."""

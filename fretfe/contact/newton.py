@@ -197,15 +197,10 @@ class Newton:
         f p / |q − r Δ| times the projection across t, which turns the shear towards the slip.
         """
         prescribed = self._operator.interface.prescribed
-        t = guess.direction
-        turning = np.zeros((*t.shape, t.shape[1]))
-        if t.shape[1] > 1:  # in the plane a direction cannot turn
-            across = np.eye(t.shape[1]) - t[:, :, None] * t[:, None, :]
-            turning += guess.turning[:, None, None] * across
         return Conditions(
             status=guess.status,
-            pull=loads.friction[:, None] * t,
-            turning=turning,
+            pull=loads.friction[:, None] * guess.direction,
+            turning=guess.turning,
             penalty=self._rules.penalty,
             known=prescribed,
             amplitudes=loads.values[prescribed, None],

@@ -23,6 +23,11 @@ from __future__ import annotations
 
 import ctypes
 import os
+import shutil
+import tempfile
+import weakref
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
@@ -52,6 +57,14 @@ SCHUR_CONTROL, BY_ROWS = 19, 1
 NO_COMPLEMENT = 0
 # Rows of a full matrix that are worked on at a time.
 BLOCK = 256
+# MUMPS control: a factor goes to files while it is made, and is read from them by each solve. In
+# memory stay the fronts of the moment. The environment variable names the folder.
+FILES_CONTROL, ON_DISK = 22, 1
+FOLDER = "MUMPS_OOC_TMPDIR"
+# By this name a factor keeps the folder of its files.
+FILES = "fretfe_files"
+# MUMPS error: files cannot be written or read.
+NO_FILES = -90
 # MUMPS errors: work space cannot be allocated, or is too small.
 OUT_OF_MEMORY = (-5, -7, -8, -9, -13, -17, -19, -20)
 
@@ -72,6 +85,8 @@ class BorderedFactor:
         border: (n, N) B, all of it on every rank; zero at unknowns that are fixed in K.
         dimension: of space, 2 or 3.
         symmetric: L D Lᵀ, not LU; the same on all ranks.
+        on_disk: whether the factor is kept in temporary files, which vanish with it, or at the end
+            of the process; the same on all ranks.
 
     Attributes:
         matrix: K.
@@ -79,13 +94,19 @@ class BorderedFactor:
     """
 
     def __init__(
-        self, matrix: PETSc.Mat, border: sparse.csr_matrix, dimension: int, *, symmetric: bool
+        self,
+        matrix: PETSc.Mat,
+        border: sparse.csr_matrix,
+        dimension: int,
+        *,
+        symmetric: bool,
+        on_disk: bool = False,
     ) -> None:
         self.matrix = matrix
         comm, end = matrix.comm, matrix.getOwnershipRange()[1]
         count = border.shape[0]
         bordered = _bordered(matrix, border)
-        solver = _unfactored(bordered, dimension, symmetric)
+        solver = _unfactored(bordered, dimension, symmetric, on_disk)
         factor = self._factor = solver.getFactorMatrix()
         # A distributed matrix needs the whole list on the first rank and none on the others.
         mine = end + np.arange(count if comm.rank == 0 else 0)
@@ -165,7 +186,7 @@ def _needs_dgemmt() -> bool:
     return not libraries or any(b"\0dgemmt" in Path(each).read_bytes() for each in libraries)
 
 
-def _unfactored(matrix: PETSc.Mat, dimension: int, symmetric: bool) -> PETSc.PC:
+def _unfactored(matrix: PETSc.Mat, dimension: int, symmetric: bool, on_disk: bool) -> PETSc.PC:
     """A MUMPS factorisation that is not set up yet."""
     matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
     solver = PETSc.PC().create(matrix.comm)
@@ -176,6 +197,10 @@ def _unfactored(matrix: PETSc.Mat, dimension: int, symmetric: bool) -> PETSc.PC:
     factor = solver.getFactorMatrix()
     factor.setMumpsIcntl(ORDERING_CONTROL, MINIMUM_DEGREE if dimension == 2 else NESTED_DISSECTION)
     factor.setMumpsCntl(PIVOTING_CONTROL, 0.0)
+    if on_disk:
+        factor.setMumpsIcntl(FILES_CONTROL, ON_DISK)
+        # MUMPS takes an error of files that are gone: they live as long as the factor itself.
+        factor.setAttr(FILES, _Files())
     return solver
 
 
@@ -185,6 +210,29 @@ def _destroy(*objects: PETSc.Object) -> None:
         each.destroy()
 
 
+class _Files:
+    """A folder for the files of a factor, removed after it or at the end of the process."""
+
+    def __init__(self) -> None:
+        self.name = tempfile.mkdtemp(prefix="fretfe-")
+        weakref.finalize(self, shutil.rmtree, self.name, ignore_errors=True)
+
+
+@contextmanager
+def _folder(files: _Files | None) -> Iterator[None]:
+    """Have MUMPS write its files to a folder, which it asks for while it factorises."""
+    before = os.environ.get(FOLDER)
+    try:
+        if files is not None:
+            os.environ[FOLDER] = files.name
+        yield
+    finally:
+        if files is not None and before is None:
+            del os.environ[FOLDER]
+        elif before is not None:
+            os.environ[FOLDER] = before
+
+
 def _set_up(solver: PETSc.PC, multipliers: int = 0) -> None:
     """Factorise a matrix, some of whose unknowns are multipliers.
 
@@ -192,11 +240,15 @@ def _set_up(solver: PETSc.PC, multipliers: int = 0) -> None:
         MemoryShortError: if there is not enough memory.
         ModelError: if MUMPS cannot for another reason.
     """
-    solver.setUp()
+    with _folder(solver.getFactorMatrix().getAttr(FILES)):
+        solver.setUp()
     code = solver.getFactorMatrix().getMumpsInfog(1)
     if code < 0:
         short = code in OUT_OF_MEMORY
         reason = "there is not enough memory" if short else "a pivot is zero"
+        if code == NO_FILES:
+            place = tempfile.gettempdir()
+            reason = f"its factor cannot be written to {place} (TMPDIR names another folder)"
         unknowns = solver.getOperators()[0].size[0] - multipliers
         raise (MemoryShortError if short else ModelError)(
             f"a body with {unknowns} unknowns cannot be factorised: {reason} (MUMPS error {code})"

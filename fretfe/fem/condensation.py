@@ -86,6 +86,7 @@ class Body:
             points; the same on all ranks.
         clock: for timings.
         tie: of the sides, if the body is a part of a sector; the same on all ranks.
+        on_disk: whether the factor is kept in temporary files.
 
     Attributes:
         elastic: space and operators of the body.
@@ -103,6 +104,8 @@ class Body:
         operator: sparse.csr_matrix,
         clock: Clock,
         tie: Tie | None = None,
+        *,
+        on_disk: bool = False,
     ) -> None:
         self.elastic = elastic
         self._index_map = elastic.space.dofmap.index_map
@@ -124,7 +127,8 @@ class Body:
         unknowns = elastic.gdim * self._index_map.size_global
         with clock("condensation", f"{elastic.name}, {unknowns} unknowns"):
             symmetric = elastic.comm.allreduce(not unsymmetric_because(), op=MPI.LAND)
-            self._factor = BorderedFactor(matrix, self._border(), elastic.gdim, symmetric=symmetric)
+            kind = {"symmetric": symmetric, "on_disk": on_disk}
+            self._factor = BorderedFactor(matrix, self._border(), elastic.gdim, **kind)
         with clock("load columns"):
             self.condensed = self._condense()
 

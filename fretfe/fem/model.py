@@ -112,7 +112,7 @@ class Model:
             surfaces = on_root(comm, lambda: contact_surfaces(definition, mesh))  # type: ignore[arg-type]
             self.surfaces = surfaces
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
-            on_root(comm, lambda: _refuse_too_large(case, mesh, pairs))  # type: ignore[arg-type]
+            self._on_disk = on_root(comm, lambda: _factors_on_disk(case, mesh, pairs))  # type: ignore[arg-type]
         why = unsymmetric_because()
         layers = on_root(comm, lambda: layer_notes(case, definition, mesh))  # type: ignore[arg-type]
         larger = (f"{LARGER_FACTORS}: {why}",) if why else ()
@@ -170,7 +170,14 @@ class Model:
             points, operator = comm.bcast((task.points, task.operator) if task else None)
             loads = list(self._definition.loads)
             bodies[body.name] = Body(
-                elastic, list(body.constraints), loads, points, operator, clock, body.tie
+                elastic,
+                list(body.constraints),
+                loads,
+                points,
+                operator,
+                clock,
+                body.tie,
+                on_disk=self._on_disk,
             )
         return bodies
 
@@ -228,10 +235,16 @@ class Model:
         }
 
 
-def _refuse_too_large(case: Case, mesh: Mesh, pairs: tuple[Pair, ...]) -> None:
-    """Refuse what cannot fit into memory; on rank 0."""
+def _factors_on_disk(case: Case, mesh: Mesh, pairs: tuple[Pair, ...]) -> bool:
+    """Tell whether memory is short enough for factors on disk; on rank 0.
+
+    Raises:
+        ModelError: if the model cannot fit into memory even then.
+    """
     nodes = sum(len(pair.coupling.weights) for pair in pairs)
-    refuse_too_large(estimate_cost(mesh, case.model.degree, nodes, steps=0))
+    cost = estimate_cost(mesh, case.model.degree, nodes, steps=0)
+    refuse_too_large(cost)
+    return cost.on_disk
 
 
 def _work(definition: ModelDefinition, mesh: Mesh, degree: int) -> list[float]:

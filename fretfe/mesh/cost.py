@@ -37,7 +37,13 @@ PER_ENTRY, PER_UNKNOWN, ALWAYS = 10.0, {2: 1200.0, 3: 3500.0}, 2.0e8
 # of meshes that fit everywhere.
 UNKNOWNS_PER_ELEMENT, FEWEST_UNKNOWNS = {2: 1.0, 3: 0.54}, 1000
 # Full matrices of the size of the interface that are held at the same time, of 8 bytes an entry.
-MATRICES = 8
+MATRICES = 5.5
+# Part of the memory of the machine from which on factors go to disk: two ranks condense two bodies
+# at the same time, each with the fronts of its own, and the system keeps the files in what is left.
+IN_MEMORY = 0.5
+# With factors on disk: bytes for an unknown; the largest fronts, over the square of the unknowns of
+# the last one, the contact tractions among them.
+PER_UNKNOWN_ON_DISK, FRONTS = {2: 1000.0, 3: 2200.0}, 1.6
 # Seconds: a factor by n^1.5 in the plane and n^2 in space, what is done cell by cell by n, start-up
 # and what does not grow.
 FACTORISING = {2: (3.0e-8, 1.5), 3: (1.7e-9, 2.0)}
@@ -67,7 +73,8 @@ class Cost:
         unknowns: displacements of all bodies.
         tractions: unknown tractions at the contact nodes.
         steps: of the load history.
-        memory: bytes.
+        memory: bytes, of one process.
+        on_disk: whether the factors of the bodies are to be kept on disk.
         seconds: with one thread, pictures and report included.
         behind: those of them behind the last step.
         dimension: 2 of a plane case, 3 of a solid one.
@@ -77,6 +84,7 @@ class Cost:
     tractions: int
     steps: int
     memory: float
+    on_disk: bool
     seconds: float
     behind: float
     dimension: int
@@ -84,9 +92,10 @@ class Cost:
     @property
     def text(self) -> str:
         """The estimate in words."""
+        disk = " (factors on disk)" if self.on_disk else ""
         return (
             f"{self.unknowns} unknowns, {self.tractions} contact tractions, {self.steps} steps: "
-            f"about {_rounded(self.memory / 2**30)} GB and {_duration(self.seconds)}, "
+            f"about {_rounded(self.memory / 2**30)} GB{disk} and {_duration(self.seconds)}, "
             f"{_duration(self.behind)} of them for edge factors, fields and pictures"
         )
 
@@ -110,6 +119,10 @@ def estimate_cost(
     entries = sum(_factor_entries(body, degree) for body in mesh.bodies.values())
     dense = 8.0 * MATRICES * tractions**2
     memory = ALWAYS + PER_ENTRY * entries + PER_UNKNOWN[dimension] * sum(bodies) + dense
+    there = machine_memory()
+    on_disk = there is not None and memory > IN_MEMORY * there
+    if on_disk:
+        memory = _memory_on_disk(mesh, degree, tractions)
     factor, power = FACTORISING[dimension]
     preparation = sum(factor * n**power + ASSEMBLING[dimension] * n for n in bodies)
     interface = ORDERS * INTERFACE * tractions**3
@@ -118,7 +131,25 @@ def estimate_cost(
     behind = unknowns * (EDGES[dimension] * stations + FIELDS[dimension] * states)
     behind += DRAWING + PICTURES[dimension] * unknowns
     seconds = STARTING + preparation + interface + march + behind
-    return Cost(unknowns, tractions, steps, memory, seconds, behind, dimension)
+    return Cost(unknowns, tractions, steps, memory, on_disk, seconds, behind, dimension)
+
+
+def _memory_on_disk(mesh: Mesh, degree: int, tractions: int) -> float:
+    """Bytes of a model whose factors are on disk: most in the steps, or in the last body."""
+    dimension, full = mesh.dimension, 8.0 * tractions**2
+    unknowns = sum(body_unknowns(body, degree) for body in mesh.bodies.values())
+    last = max(_last_front(body, degree, tractions) for body in mesh.bodies.values())
+    condensing = full * len(mesh.bodies) + 8.0 * FRONTS * last**2
+    return ALWAYS + PER_UNKNOWN_ON_DISK[dimension] * unknowns + max(condensing, full * MATRICES)
+
+
+def _last_front(body: BodyMesh, degree: int, tractions: int) -> float:
+    """Unknowns of the last front of a body: those that separate its halves, and the tractions."""
+    if body.points.shape[1] == 2:
+        return float(tractions)
+    corners = body.cells[:, : CORNERS[body.cell]]
+    nodes = math.sqrt(_squared_separators(body.points, corners, 1))
+    return tractions + 3 * PER_CORNER[degree] * nodes
 
 
 def least_memory(elements: float, dimension: int) -> float:

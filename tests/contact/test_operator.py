@@ -11,7 +11,12 @@ import pytest
 from fretfe._typing import Array, Bools
 from fretfe.contact import linear_operator
 from fretfe.contact.interface import Coordinate, DenseCompliance, Interface
-from fretfe.contact.linear_operator import Conditions, FactoredOperator, Response, unknown_tractions
+from fretfe.contact.linear_operator import (
+    Conditions,
+    ContactOrder,
+    FactoredOperator,
+    Response,
+)
 from fretfe.contact.state import OPEN, SLIP, STICK
 
 NODES = 40
@@ -22,6 +27,12 @@ SAME = 1e-9
 
 OPERATORS = pytest.mark.parametrize("make", [FactoredOperator])
 DIMENSIONS = pytest.mark.parametrize("d", [2, 3])
+
+
+@pytest.fixture(params=[True, False], ids=["directly", "with the inverse"])
+def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of solving systems, whatever pays."""
+    monkeypatch.setattr(ContactOrder, "direct_pays", lambda *_: request.param)
 
 
 def problem(d: int) -> Interface:
@@ -48,7 +59,7 @@ def conditions(interface: Interface, known: Bools) -> Conditions:
     return Conditions(
         status=np.tile([STICK, SLIP, OPEN], NODES)[:NODES].astype(np.int8),
         pull=0.5 * rng.standard_normal((NODES, tangents)),
-        turning=0.3 * rng.standard_normal((NODES, tangents, tangents)) * (tangents > 1),
+        turning=rng.uniform(0.0, 1.0, NODES),
         penalty=rng.uniform(0.5, 1.5, NODES),
         known=known,
         amplitudes=rng.standard_normal((known.sum(), CASES)),
@@ -59,6 +70,13 @@ def matrix_of(interface: Interface) -> Array:
     """A, column by column."""
     unit = np.eye(len(interface.gap))
     return np.array([interface.compliance.apply(column) for column in unit]).T
+
+
+def turning_matrix(wanted: Conditions, node: int) -> Array:
+    """T of a slipping node; nothing turns in the plane."""
+    pull = wanted.pull[node]
+    across = np.eye(len(pull)) - np.outer(pull, pull) / max(pull @ pull, 1e-300)
+    return np.asarray(wanted.turning[node] * across * (len(pull) > 1))
 
 
 def solved_directly(
@@ -78,7 +96,7 @@ def solved_directly(
         if status == OPEN:
             system[rows], rhs[rows] = traction[rows], 0.0
         if status == SLIP:
-            shear, turning = rows[1:], wanted.turning[node]
+            shear, turning = rows[1:], turning_matrix(wanted, node)
             r = wanted.penalty[node]
             trial = traction[shear] - r * displacement[shear]
             system[shear] = traction[shear] - turning @ trial
@@ -107,6 +125,7 @@ def loads(interface: Interface) -> tuple[Array, Array]:
     return free, rng.standard_normal((len(interface.coordinates), CASES))
 
 
+@pytest.mark.usefixtures("way")
 @OPERATORS
 @DIMENSIONS
 @pytest.mark.parametrize(
@@ -124,23 +143,24 @@ def test_release_meets_the_conditions(make: type[FactoredOperator], d: int, know
     assert_solved_directly(found, interface, wanted, free, forces)
 
 
+@pytest.mark.usefixtures("way")
 @OPERATORS
+@DIMENSIONS
 @pytest.mark.parametrize(
     "status", [[SLIP, SLIP, SLIP, OPEN], [SLIP, SLIP, OPEN, SLIP, OPEN, SLIP, STICK]]
 )
 @pytest.mark.parametrize("friction", [0.0, 0.5])
 def test_contacts_most_of_which_slide(
-    make: type[FactoredOperator], friction: float, status: list[int]
+    make: type[FactoredOperator], d: int, friction: float, status: list[int]
 ) -> None:
-    interface = problem(2)
+    """Without friction a direction turns freely, as that of a node that just closed."""
+    interface = problem(d)
     wanted = conditions(interface, np.array([False, True, True, True]))
     wanted = replace(
         wanted,
         status=np.tile(status, NODES)[:NODES].astype(np.int8),
         pull=2 * friction * wanted.pull,
     )
-    counts = np.bincount(wanted.status)
-    assert unknown_tractions(wanted) < 2 * counts[OPEN] + counts[SLIP]  # solved directly
     free, forces = loads(interface)
     found = make(interface).area(wanted.status != OPEN, free[:, 0, 0]).stuck(free, forces)
     response = found.release(wanted)
@@ -193,9 +213,11 @@ def test_area_is_the_same_while_it_serves(make: type[FactoredOperator]) -> None:
     first = operator.area(closed, gap)
     assert operator.area(np.arange(NODES) < 18, gap) is not first
     again = operator.area(closed, gap)
+    assert again.order.rows  # factorised: another order takes work
     assert operator.area((np.arange(NODES) < 20) & (np.arange(NODES) != 3), gap) is again
 
 
+@pytest.mark.usefixtures("way")
 @OPERATORS
 @DIMENSIONS
 def test_nodes_that_are_not_factorised_come_into_contact(
@@ -213,6 +235,25 @@ def test_nodes_that_are_not_factorised_come_into_contact(
         area = operator.area(now.status != OPEN, free[:, 0, 0])
         found = area.stuck(free, forces).release(now)
         assert_solved_directly(found, interface, now, free, forces)
+
+
+def test_systems_are_solved_directly_until_the_inverse_pays(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With many nodes stuck an inverse pays; with none stuck it never does."""
+    monkeypatch.setattr(linear_operator, "READING", 0)  # which counts in small systems alone
+    interface = problem(3)
+    free, forces = loads(interface)
+    for status, limit in (([SLIP, SLIP, OPEN], 100), ([STICK, SLIP, STICK], 20)):
+        operator = FactoredOperator(interface)
+        wanted = conditions(interface, np.array([False, True, True, True]))
+        wanted = replace(wanted, status=np.tile(status, NODES)[:NODES].astype(np.int8))
+        area = operator.area(wanted.status != OPEN, free[:, 0, 0])
+        assert not area.order.factorised
+        for _ in range(limit):
+            found = area.stuck(free, forces).release(wanted)
+        assert area.order.factorised == (STICK in status)
+        assert_solved_directly(found, interface, wanted, free, forces)
 
 
 @OPERATORS

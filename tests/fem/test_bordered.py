@@ -4,10 +4,13 @@
 from __future__ import annotations
 
 import ctypes
+import gc
 import os
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
+from pathlib import Path
 
 import blocks
 import numpy as np
@@ -92,6 +95,46 @@ def test_solution_is_that_of_dense_algebra(
             largest = np.abs(expected).max()
             np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * largest)
     np.testing.assert_array_equal(dense(matrix), full)
+
+
+@pytest.mark.parametrize("symmetric", [False, True])
+def test_a_factor_on_disk_is_the_same_and_leaves_no_files(
+    matrix: PETSc.Mat, symmetric: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two of them at the same time, each with files of its own."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.delenv(bordered.FOLDER, raising=False)
+    operator, side = border(matrix.size[0]), matrix.createVecRight()
+    side.array[:] = np.cos(np.arange(*side.getOwnershipRange()))
+    factors = [
+        BorderedFactor(matrix, operator, 3, symmetric=symmetric, on_disk=on_disk)
+        for on_disk in (False, True, True)
+    ]
+    assert bordered.FOLDER not in os.environ
+    folders = [each for each in tmp_path.iterdir() if each.is_dir()]
+    assert len(folders) == 2
+    assert all(any(file.stat().st_size for file in each.iterdir()) for each in folders)
+    there = factors[0].solve([side])[0].array.copy()
+    for other in factors[1:]:
+        found = other.solve([side])[0].array
+        np.testing.assert_allclose(found, there, rtol=0, atol=1e-13 * np.abs(there).max())
+        if other.compliance is not None:
+            np.testing.assert_array_equal(other.compliance, factors[0].compliance)
+    del factors, other
+    gc.collect()
+    PETSc.garbage_cleanup(matrix.comm)
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_factor_that_cannot_be_written_is_an_error_in_words(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    full = sparse.csr_matrix(np.eye(20))
+    csr = full.indptr, full.indices, full.data
+    one = PETSc.Mat().createAIJ(full.shape, csr=csr, comm=MPI.COMM_SELF)
+    monkeypatch.setattr(tempfile, "mkdtemp", lambda prefix: str(tmp_path / prefix / "gone"))
+    with pytest.raises(ModelError, match=r"cannot be written to .* \(TMPDIR names another folder"):
+        BorderedFactor(one, border(20), 2, symmetric=True, on_disk=True)
 
 
 @pytest.mark.parametrize("symmetric", [False, True])
