@@ -142,6 +142,15 @@ def test_elements_of_a_grid(tmp_path: Path, kind: str, ending: str) -> None:
         cut(path, outside[:, :dimension])
 
 
+@pytest.mark.parametrize("name", ["solids.frd", "solids_binary.frd"])
+def test_a_run_of_calculix(name: str) -> None:
+    """The first element grows freely from its corner at the origin, by 1e-3 and then 2e-3."""
+    places = np.array([[0.3, 0.2, 0.9], [0.7, 0.5, 0.1], [0.1, 0.9, 0.4]])
+    found = cut(Path(__file__).parent / "data" / name, places)
+    for position, growth in ((0.5, 0.5e-3), (1.0, 1e-3), (1.5, 2e-3)):
+        np.testing.assert_allclose(displacement(found, position), growth * places, rtol=2e-5)
+
+
 def test_steps_of_a_series(tmp_path: Path) -> None:
     grid = grid_of("hexahedra")
     entries = []

@@ -312,8 +312,8 @@ class FieldLoad(Channel):
     boundary: Text = Field(description="Physical group of the boundary.")
     file: Text = Field(
         description="Displacements of the run: a CSV file with columns x, y (z), ux, uy (uz) and "
-        "time or step, a .vtu, .vtk, .pvd or VTKHDF file, or a results folder; relative to the "
-        "folder of the case file."
+        "time or step, a .frd, .vtu, .vtk, .pvd or VTKHDF file, or a results folder; relative to "
+        "the folder of the case file."
     )
     part: Text | None = Field(
         default=None,

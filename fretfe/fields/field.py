@@ -15,6 +15,7 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.case.base import AXES
 from fretfe.errors import CaseError, OutputError
+from fretfe.fields.frd import read_frd
 from fretfe.files import require_file
 from fretfe.loads.csv_file import Table, read_table
 from fretfe.results.field_files import CELL_TYPES, FIELDS, FieldReader
@@ -194,6 +195,14 @@ def _read_hdf(path: Path) -> Field:
     return _read_results(path) if own else _read_vtk(path)
 
 
+def _read_calculix(path: Path) -> Field:
+    """Steps of a result file of CalculiX; nodes without a displacement are those of beams."""
+    found = read_frd(path)
+    count = len(found.shapes)
+    cells = Cells(found.nodes, found.offsets, found.shapes, np.zeros(count, dtype=np.int64))
+    return Field(found.points, found.times, found.displacements, cells if count else None, SINGLE)
+
+
 def _read_vtk(path: Path) -> Field:
     """Steps of a file that VTK reads, which takes a while to load."""
     from fretfe.fields.vtk import read_grid
@@ -218,6 +227,7 @@ READERS: Mapping[str, Callable[[Path], Field]] = {
     ".txt": _read_csv,
     ".hdf": _read_hdf,
     ".vtkhdf": _read_hdf,
+    ".frd": _read_calculix,
     ".vtu": _read_vtk,
     ".vtk": _read_vtk,
     ".pvd": _read_vtk,

@@ -19,6 +19,8 @@ from fretfe.results.tables import require
 DISPLACEMENTS = ("displacement", "displacements", "disp", "u")
 # A place is in an element if it is nearer to it than this part of the extent of all.
 INSIDE = 1e-9
+# Steps to a place in an element from where VTK finds it.
+NEWTON_STEPS = 2
 # Nodes of the largest elements that VTK knows, and more.
 MOST_NODES = 512
 
@@ -150,11 +152,29 @@ def _locate(locator: Any, place: Array, near: float) -> tuple[Indices, Array, fl
     part: Any = reference(0)
     square: Any = reference(0.0)
     local, weights, away = [0.0, 0.0, 0.0], np.zeros(MOST_NODES), 0.0
-    if locator.FindCell(place, near**2, cell, part, local, weights) < 0:
+    inside = locator.FindCell(place, near**2, cell, part, local, weights) >= 0
+    if not inside:
         closest, number = [0.0, 0.0, 0.0], reference(0)
         locator.FindClosestPoint(place, closest, cell, number, part, square)
         away = float(np.sqrt(square.get() / cell.GetLength2()))
         cell.EvaluatePosition(closest, [0.0, 0.0, 0.0], part, local, square, weights)
     count = cell.GetNumberOfPoints()
     nodes = np.array([cell.GetPointId(node) for node in range(count)], dtype=np.int64)
-    return nodes, weights[:count].copy(), away
+    return nodes, _refined(cell, place, local) if inside else weights[:count].copy(), away
+
+
+def _refined(cell: Any, place: Array, local: list[float]) -> Array:
+    """(k,) weights of the nodes at a place inside of an element, near local coordinates.
+
+    VTK ends its own iterations at a thousandth of an element.
+    """
+    count, size = cell.GetNumberOfPoints(), cell.GetCellDimension()
+    points = np.array([cell.points.GetPoint(node) for node in range(count)])
+    weights, slopes, at = np.zeros(count), np.zeros(size * count), np.array(local)
+    for _ in range(NEWTON_STEPS):
+        cell.InterpolateFunctions(at, weights)
+        cell.InterpolateDerivs(at, slopes)
+        tangents = (slopes.reshape(size, count) @ points).T
+        at[:size] += np.linalg.lstsq(tangents, place - weights @ points, rcond=None)[0]
+    cell.InterpolateFunctions(at, weights)
+    return weights
