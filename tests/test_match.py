@@ -298,6 +298,7 @@ def test_what_is_not_known_is_not_matched(exact: Result) -> None:
         ({"k_t_range": math.nan, "k_range": math.nan}, "expected the range of K_T to be known"),
         ({"k_range_spread": math.nan}, "found no error bar"),
         ({"slip_zones": gross}, "the whole contact slips"),
+        ({"oscillation": 0.02}, r"found unlike ones, epsilon = 0.02: shear alone makes K_I vary"),
     ):
         with pytest.raises(ModelError, match=text):
             read_target(with_station(exact, **values), "main.left")

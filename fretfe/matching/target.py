@@ -9,9 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.analytic.edges import oscillation
 from fretfe.errors import ModelError
 from fretfe.evaluate.contacts import NO_NUMBER, Contact, Front, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
+from fretfe.idealise.bodies import SIMILAR
 from fretfe.results.model import Result
 
 # Correlation of K_T and K_I below which they do not vary in step.
@@ -122,6 +124,7 @@ def read_target(result: Result, edge: str) -> Target:
     _require_known(name, "K_N", k_n, k_n_spread)
     _require_known(name, "the range of K_T", k_t_range, spread)
     _require_partial(name, station)
+    _require_similar(name, station)
     zones = station.slip_zones[-2:]
     lengths = [zone.reported_length for zone in zones] + [math.nan] * (2 - len(zones))
     spreads = [float(zone.spread) for zone in zones] + [math.nan] * (2 - len(zones))
@@ -187,6 +190,15 @@ def _require_partial(edge: str, station: Station) -> None:
         raise ModelError(
             f"edge {edge}: expected slip next to the edge only, found that the whole contact slips "
             "in the cycle: there are no edge factors that a test could match"
+        )
+
+
+def _require_similar(edge: str, station: Station) -> None:
+    if abs(station.oscillation) > oscillation(SIMILAR):
+        raise ModelError(
+            f"edge {edge}: expected elastically similar bodies (Dundurs' beta up to {SIMILAR:g}), "
+            f"found unlike ones, epsilon = {station.oscillation:.3g}: shear alone makes K_I vary "
+            "there, which tests with pads of similar materials do not follow"
         )
 
 

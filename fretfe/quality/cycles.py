@@ -21,6 +21,9 @@ YOUNG = 2 * (1 - POISSON**2) * E_STAR
 NORMAL_FORCE = pads.hertz_load(HALF_WIDTH, RADIUS, E_STAR)
 # All lags are whole steps. At a lag of 90 degrees K_T turns at a step too.
 STEPS = 72
+# Unlike bodies: steps in a cycle, and known values at the left and the right edge.
+UNLIKE_STEPS = 16
+UNLIKE_SLIP, UNLIKE_K_N, UNLIKE_RANGE = (0.17360, 0.15306), (1.43094, 1.39545), 0.105826
 ANGLE, PUNCH_RADIUS, FLAT = 0.5, 100.0, 0.5
 STICK = 0.85
 BODIES = {"upper_width": 30.0, "upper_height": 30.0, "lower_width": 60.0, "lower_height": 60.0}
@@ -244,6 +247,34 @@ def _cyclic_shear(punch: Punch) -> Benchmark:
             shear=[HOLD, wave(shear_force, steps=STEPS)],
         ),
         quantities=tuple(quantities),
+    )
+
+
+def unlike_bodies() -> Benchmark:
+    """Titanium on steel as far as Young's moduli go, beta = -.085: K_N and d at either edge, ΔK_T.
+
+    Between unlike bodies K_N and K_T are those at lengths, and the edges differ.
+    """
+    ratio, load = 210 / 114, pads.hertz_load(HALF_WIDTH, RADIUS, E_STAR)
+    soft = (1 - POISSON**2) * E_STAR * (1 + 1 / ratio)
+    parameters = pads.hertz_parameters(RADIUS, HALF_WIDTH) | {"size": 0.01 * HALF_WIDTH}
+    pad = Pad("cylinder", parameters, FRICTION, (soft, soft * ratio), POISSON)
+    factor, length = {"halfplane": 2e-3, "fem": 0.01}, {"halfplane": 6e-4, "fem": 0.004}
+    width = {"halfplane": 1e-3, "fem": 5e-3}
+    slip, k_n = UNLIKE_SLIP, UNLIKE_K_N
+    return Benchmark(
+        name="cyclic shear, unlike bodies",
+        source="half-planes with the coupling of pressure and shear, of its own, 900 elements",
+        case=pad_case(
+            pad,
+            normal=[press(load)],
+            shear=[HOLD, wave(0.3 * FRICTION * load, steps=UNLIKE_STEPS)],
+        ),
+        quantities=(
+            *at_both_edges("K_N {}", k_n, k_n[0], factor, measures.slipping_k_n),
+            *at_both_edges("d {}", slip, HALF_WIDTH, length, measures.slip_length),
+            *at_both_edges("ΔK_T {}", (UNLIKE_RANGE,) * 2, UNLIKE_RANGE, width, measures.k_t_range),
+        ),
     )
 
 

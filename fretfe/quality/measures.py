@@ -54,6 +54,16 @@ def slip_length(side: int) -> Measure:
     return lambda result: _last_zone(_contact(result).stations[side], "length")
 
 
+def slipping_k_n(side: int) -> Measure:
+    """K_N of an edge when its last slip zone is complete."""
+
+    def measure(result: Result) -> float:
+        station = _contact(result).stations[side]
+        return float(station.k_n[station.slip_zones[-1].end]) if station.slip_zones else np.nan
+
+    return measure
+
+
 def _last_zone(station: Station, attribute: str) -> float:
     """A number of the last slip zone; NaN without any."""
     return float(getattr(station.slip_zones[-1], attribute)) if station.slip_zones else np.nan

@@ -42,6 +42,7 @@ from fretfe.quality.cycles import (
     loop_case,
     rocking,
     slip_lengths,
+    unlike_bodies,
     varying_normal_load,
 )
 from fretfe.quality.loading import (
@@ -114,6 +115,7 @@ def benchmarks() -> tuple[Benchmark, ...]:
         *fretting_specimens(),
         *loop_benchmarks(),
         *cyclic_shear(),
+        unlike_bodies(),
         *varying_normal_load(),
         rocking(),
         sliding_wedge(),
