@@ -12,6 +12,7 @@ those of `fretfe.contact.interface`.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -67,8 +68,8 @@ class Response:
         relative: (N, d, J) gap and increment Δ; where they are released or stuck as the conditions
             have it, not as the bodies' displacements give it.
         coordinates: (m, J) c.
-        residual: what is left of the right-hand sides, relative to them, if bodies can move without
-            any resistance: zero but for round-off if the loads are in equilibrium.
+        residual: what is left of the right-hand sides, relative to them: zero but for round-off, or
+            if bodies can move without any resistance and the loads are not in equilibrium.
     """
 
     traction: Array
@@ -85,6 +86,14 @@ FEWEST, SPARE = 300, 2
 # Work of opening a component among those of a block, for each of them, over that of a factorisation
 # for each cube of an unknown (measured: 18 ns, .03 ns).
 OPENING = 600
+# Unknown tractions for each released component up to which a contact slides: its factors serve many
+# conditions.
+SLIDES = 1.2
+# What tells conditions of sliding contacts from one another; the columns of their border, over the
+# unknowns, from which on they are factorised; the residual, over displacements, that no border may
+# leave.
+SLIDING = ("status", "pull", "known")
+WIDEST_BORDER, BORDER_ERROR = 0.5, 1e-11
 # Singular values below this fraction of the largest belong to motions that nothing resists.
 UNRESISTED = 1e-10
 
@@ -131,54 +140,179 @@ def unknown_tractions(conditions: Conditions) -> int:
     return int(d * stuck + np.count_nonzero(conditions.status == SLIP))
 
 
-def solve_directly(
-    interface: Interface, conditions: Conditions, free: Array, forces: Array
-) -> Response:
-    """Solve linear contact conditions of a plane problem; see `StuckSolution.release`.
+class SlidingContact:
+    """Solver of plane conditions under which most nodes slide, by the factors of earlier ones.
+
+    Slip is eliminated: a slipping node has one unknown, its pressure. Components that are held or
+    released other than in the factorised conditions border the system.
 
     Args:
         interface: the interface problem, d = 2.
-        conditions: contact conditions; bodies do not float.
-        free: (N, 2, J) gap and increment without tractions and coordinates.
-        forces: (m, J) forces on the coordinates, R + H a.
-
-    Raises:
-        numpy.linalg.LinAlgError: if the conditions leave a motion without any resistance.
     """
-    stuck, slipping = (conditions.status == each for each in (STICK, SLIP))
-    level, scale = interface.compliance.level, coordinate_scale(interface)
-    normal = 2 * np.flatnonzero(slipping)
-    held = np.concatenate([(2 * np.flatnonzero(stuck)[:, None] + [0, 1]).ravel(), normal])
-    pull = conditions.pull[slipping]
-    split = len(held)
-    matrix = np.empty((split + len(scale), split + len(scale)))
-    matrix[:split, :split] = interface.compliance.block(held, held)
-    sliding = slice(split - len(normal), split)
-    if pull.any():
-        matrix[:split, sliding] += interface.compliance.block(held, normal + 1) * pull.T
-    matrix[:split, :split] /= level
-    motion = interface.motion * scale
-    work = motion[held]
-    work[sliding] += pull * motion[normal + 1]
-    matrix[:split, split:] = motion[held]
-    matrix[split:, :split] = work.T
-    matrix[split:, split:] = -interface.stiffness * np.outer(scale, scale) * level
-    flat = free.reshape(-1, free.shape[-1])
-    target = np.vstack([-flat[held], -forces * scale[:, None] * level])
-    known = split + np.flatnonzero(conditions.known)
-    matrix[known] = 0.0
-    matrix[known, known] = 1.0
-    target[known] = conditions.amplitudes / scale[conditions.known, None]
-    solved = np.linalg.solve(matrix, target)
-    coordinates = solved[split:] * scale[:, None]
-    traction = np.zeros_like(flat)
-    traction[held] = solved[:split] / level
-    traction[normal + 1] = pull * traction[normal]
-    relative = interface.motion @ coordinates + flat
-    for case, column in enumerate(traction.T):
-        relative[:, case] += interface.compliance.apply(np.ascontiguousarray(column))
-    relative[held] = 0.0
-    return Response(traction.reshape(free.shape), relative.reshape(free.shape), coordinates)
+
+    def __init__(self, interface: Interface) -> None:
+        self._interface = interface
+        self._level, self._scale = interface.compliance.level, coordinate_scale(interface)
+        self._base: Conditions | None = None
+        self._held: Indices
+        self._factors: tuple[Array, Indices]
+        self._columns: dict[tuple[int, float], Array]  # of the border so far
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """The factorised conditions by name; see `recall`."""
+        if self._base is None:
+            return {}
+        return {f"sliding_{name}": getattr(self._base, name) for name in SLIDING}
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Go on with the factors of `memory`."""
+        if f"sliding_{SLIDING[0]}" in memory:
+            status, pull, known = (memory[f"sliding_{name}"] for name in SLIDING)
+            unread = np.zeros(0)
+            self._factorise(Conditions(status, pull, unread, unread, known, unread))
+
+    def solve(self, conditions: Conditions, free: Array, forces: Array) -> Response:
+        """Solve contact conditions; arguments and errors as `StuckSolution.release`.
+
+        Args:
+            conditions: contact conditions; bodies do not float.
+            free: (N, 2, J) gap and increment without tractions and coordinates.
+            forces: (m, J) forces on the coordinates, R + H a.
+        """
+        if self._resembles(conditions):
+            with suppress(np.linalg.LinAlgError):
+                response = self._solve(conditions, free, forces)
+                if response.residual < BORDER_ERROR:
+                    return response
+        self._factorise(conditions)
+        return self._solve(conditions, free, forces)
+
+    def _resembles(self, conditions: Conditions) -> bool:
+        """Tell whether the border of the factorised conditions is narrow."""
+        base = self._base
+        if base is None or not np.array_equal(base.known, conditions.known):
+            return False
+        both = (base.status == SLIP) & (conditions.status == SLIP)
+        changes = np.setxor1d(self._held, _held(conditions)).size + len(self._columns)
+        few = changes < WIDEST_BORDER * len(self._held)
+        return few and np.array_equal(base.pull[both], conditions.pull[both])
+
+    def _factorise(self, conditions: Conditions) -> None:
+        self._base, self._held, self._columns = None, _held(conditions), {}
+        split, scale = len(self._held), self._scale
+        matrix = np.empty((split + len(scale), split + len(scale)), order="F")
+        matrix[:, :split] = self._effects(self._held, self._held, conditions)
+        matrix[:split, split:] = self._interface.motion[self._held] * scale
+        matrix[split:, split:] = -self._interface.stiffness * np.outer(scale, scale) * self._level
+        known = split + np.flatnonzero(conditions.known)
+        matrix[known] = 0.0
+        matrix[known, known] = 1.0
+        factors, pivots, info = linalg.lapack.dgetrf(matrix, overwrite_a=1)
+        if info:
+            raise np.linalg.LinAlgError(f"row {info} of the matrix depends on those before it")
+        self._base, self._factors = conditions, (factors, pivots)
+
+    def _effects(self, unknowns: Indices, rows: Indices, conditions: Conditions) -> Array:
+        """(r + m, k) displacements of some components, then forces on coordinates, by tractions.
+
+        The pressure of a slipping node brings its shear.
+        """
+        compliance, motion = self._interface.compliance, self._interface.motion * self._scale
+        nodes = unknowns // 2
+        pull = np.where(conditions.status[nodes] == SLIP, conditions.pull[nodes, 0], 0.0)
+        pulled = np.flatnonzero((unknowns % 2 == 0) & (pull != 0))
+        shear, pull = unknowns[pulled] + 1, pull[pulled]
+        # Symmetric: long parts of few rows are copied faster.
+        moved, sheared = (
+            compliance.block(rows, each)
+            if len(rows) < len(each)
+            else compliance.block(each, rows).T
+            for each in (unknowns, shear)
+        )
+        pushed = motion[unknowns]
+        moved[:, pulled] += pull * sheared
+        pushed[pulled] += pull[:, None] * motion[shear]
+        return np.vstack([moved / self._level, pushed.T])
+
+    def _border(self, added: Indices, removed: Indices, conditions: Conditions) -> Array:
+        """(n + m, k) effects of added tractions and of released displacements, solved for."""
+        slips, pull = conditions.status == SLIP, conditions.pull[:, 0]
+        keys = [
+            *((int(each), float(slips[each // 2] * pull[each // 2])) for each in added),
+            *((int(each), 0.0) for each in removed),
+        ]
+        missing = [number for number, key in enumerate(keys) if key not in self._columns]
+        if missing:
+            new = np.concatenate([added, removed])[missing]
+            count = int(np.count_nonzero(np.array(missing) < len(added)))
+            columns = np.zeros((len(self._factors[1]), len(new)))
+            columns[:, :count] = self._effects(new[:count], self._held, conditions)
+            assert self._base is not None
+            columns[len(self._held) + np.flatnonzero(self._base.known)] = 0.0
+            columns[np.searchsorted(self._held, new[count:]), np.arange(count, len(new))] = -1.0
+            solved = linalg.lu_solve(self._factors, columns, check_finite=False).T
+            self._columns |= {
+                keys[number]: own for number, own in zip(missing, solved, strict=True)
+            }
+        if not keys:
+            return np.zeros((len(self._factors[1]), 0))
+        return np.stack([self._columns[key] for key in keys], axis=1)
+
+    def _solve(self, conditions: Conditions, free: Array, forces: Array) -> Response:
+        base, held, interface = self._base, self._held, self._interface
+        assert base is not None
+        now, flat = _held(conditions), free.reshape(-1, free.shape[-1])
+        added, removed = np.setdiff1d(now, held), np.setdiff1d(held, now)
+        target = np.vstack([-flat[held], -forces * self._scale[:, None] * self._level])
+        known = len(held) + np.flatnonzero(base.known)
+        target[known] = conditions.amplitudes / self._scale[base.known, None]
+        found = linalg.lu_solve(self._factors, target, check_finite=False)
+        columns = self._border(added, removed, conditions)
+        # No displacement where tractions are added; where a component is released none of its own.
+        rows = np.zeros((len(added) + len(removed), len(target)))
+        rows[: len(added), : len(held)] = self._effects(held, added, base)[: len(added)]
+        rows[: len(added), len(held) :] = interface.motion[added] * self._scale
+        numbers, places = len(added) + np.arange(len(removed)), np.searchsorted(held, removed)
+        rows[numbers, places] = 1.0
+        shear = (removed % 2 == 1) & (conditions.status[removed // 2] == SLIP)
+        rows[numbers[shear], places[shear] - 1] = -conditions.pull[removed[shear] // 2, 0]
+        corner = np.zeros((len(rows), len(rows)))
+        corner[: len(added), : len(added)] = self._effects(added, added, conditions)[: len(added)]
+        missing = -rows @ found
+        missing[: len(added)] -= flat[added]
+        bordered = np.linalg.solve(corner - rows @ columns, missing)
+        found -= columns @ bordered
+        traction = np.zeros_like(flat)
+        traction[held] = found[: len(held)] / self._level
+        traction[added] = bordered[: len(added)] / self._level
+        return self._response(conditions, traction, found[len(held) :] * self._scale[:, None], free)
+
+    def _response(
+        self, conditions: Conditions, traction: Array, coordinates: Array, free: Array
+    ) -> Response:
+        interface, base = self._interface, self._base
+        assert base is not None
+        stays = 2 * np.flatnonzero((base.status == SLIP) & (conditions.status == STICK))
+        traction[stays + 1] += base.pull[stays // 2] * traction[stays]
+        slips, opened = (np.flatnonzero(conditions.status == each) for each in (SLIP, OPEN))
+        traction[2 * slips + 1] = conditions.pull[slips] * traction[2 * slips]
+        traction[2 * opened] = traction[2 * opened + 1] = 0.0
+        relative = interface.motion @ coordinates + free.reshape(traction.shape)
+        size = float(np.abs(relative).max(initial=np.finfo(np.float64).tiny))
+        for case, column in enumerate(traction.T):
+            relative[:, case] += interface.compliance.apply(np.ascontiguousarray(column))
+        held = _held(conditions)
+        left = float(np.abs(relative[held]).max(initial=0.0)) / size
+        relative[held] = 0.0
+        return Response(
+            traction.reshape(free.shape), relative.reshape(free.shape), coordinates, left
+        )
+
+
+def _held(conditions: Conditions) -> Indices:
+    """Components of a plane problem with an unknown traction once slip is eliminated."""
+    status = conditions.status
+    return np.flatnonzero(np.column_stack([status != OPEN, status == STICK]))
 
 
 class FactoredOperator:
@@ -193,6 +327,7 @@ class FactoredOperator:
         self._order: ContactOrder | None = None
         self._count = FEWEST
         self._met = np.zeros(interface.size, dtype=np.int64)  # how often a node was in contact
+        self._sliding = SlidingContact(interface)
 
     def area(self, closed: Bools, gap: Array) -> NestedArea:
         """Leading block that includes a contact area; the same object while it serves this one too.
@@ -207,12 +342,15 @@ class FactoredOperator:
             # Never fewer than before: a contact that shrank will grow again.
             self._count = max(self._count, SPARE * int(closed.sum()))
             self._order = None  # its matrices make room for those of the next
-            self._order = ContactOrder(self.interface, np.lexsort(keys)[: self._count])
+            self._order = ContactOrder(
+                self.interface, np.lexsort(keys)[: self._count], self._sliding
+            )
         return self._order.area(closed)
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """Numbers by name on which the next order, and so the round-off, depends; see `recall`."""
         found = {"operator_count": np.array(self._count), "operator_met": self._met}
+        found |= self._sliding.memory()
         if self._order is None:
             return found
         order = {"operator_order": self._order.nodes, "operator_cost": np.array(self._order.cost)}
@@ -221,8 +359,9 @@ class FactoredOperator:
     def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
         """Go on as the operator, of the same interface, that `memory` is of: with its round-off."""
         self._count, self._met = int(memory["operator_count"]), memory["operator_met"]
+        self._sliding.recall(memory)
         if "operator_order" in memory:
-            self._order = ContactOrder(self.interface, memory["operator_order"])
+            self._order = ContactOrder(self.interface, memory["operator_order"], self._sliding)
             self._order.cost = float(memory["operator_cost"])
             self._order.rows.recall(memory)
 
@@ -241,9 +380,11 @@ class ContactOrder:
     Args:
         interface: the interface problem.
         nodes: (K,) these nodes; the others do not touch.
+        sliding: solves the conditions of plane problems most of whose nodes slide.
 
     Attributes:
         interface: the interface problem.
+        sliding: as given.
         nodes: (K,) these nodes.
         components: (K*d,) theirs.
         others: components of the other nodes.
@@ -257,9 +398,9 @@ class ContactOrder:
         rows: of these inverses, and G times them.
     """
 
-    def __init__(self, interface: Interface, nodes: Indices) -> None:
+    def __init__(self, interface: Interface, nodes: Indices, sliding: SlidingContact) -> None:
         d = interface.components
-        self.interface = interface
+        self.interface, self.sliding = interface, sliding
         self.nodes = nodes
         self.components = (nodes[:, None] * d + np.arange(d)).ravel()
         self._rank = np.full(interface.size, len(nodes))
@@ -346,16 +487,19 @@ class StuckSolution:
     """
 
     def __init__(self, area: NestedArea, free: Array, forces: Array) -> None:
-        order, size = area.order, area.size
+        order = area.order
         self._area = area
         self._given = free, forces
         self._free = free.reshape(-1, free.shape[-1])
         self._forces = forces * order.scale[:, None] * order.level
         self._systems = SimilarSystems()
-        # Forces that the tractions leave over with all coordinates at rest.
-        self._missing = (
-            order.rows.vectors(size) @ self._free[order.components[:size]] - self._forces
-        )
+
+    @cached_property
+    def _missing(self) -> Array:
+        """(m, J) forces that the tractions leave over with all coordinates at rest."""
+        order, size = self._area.order, self._area.size
+        left = order.rows.vectors(size) @ self._free[order.components[:size]]
+        return np.asarray(left - self._forces)
 
     @cached_property
     def _traction(self) -> Array:
@@ -389,8 +533,8 @@ class StuckSolution:
         released = _Released(area, conditions)
         count = len(released.all)
         plane = order.interface.components == 2
-        if plane and not conditions.floating and unknown_tractions(conditions) < count:
-            return solve_directly(order.interface, conditions, *self._given)
+        if plane and not conditions.floating and unknown_tractions(conditions) <= SLIDES * count:
+            return order.sliding.solve(conditions, *self._given)
         # Tractions by unit displacements of the released components, less those by coordinates.
         units, vectors = order.rows.units(area.size, released.all), order.rows.vectors(area.size)
         motion = order.motion[: area.size]
