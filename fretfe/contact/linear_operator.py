@@ -193,12 +193,12 @@ class SlidingContact:
         if base is None or not np.array_equal(base.known, conditions.known):
             return False
         both = (base.status == SLIP) & (conditions.status == SLIP)
-        changes = np.setxor1d(self._held, _held(conditions)).size + len(self._columns)
+        changes = np.count_nonzero(_held(base) ^ _held(conditions)) + len(self._columns)
         few = changes < WIDEST_BORDER * len(self._held)
-        return few and np.array_equal(base.pull[both], conditions.pull[both])
+        return bool(few and np.array_equal(base.pull[both], conditions.pull[both]))
 
     def _factorise(self, conditions: Conditions) -> None:
-        self._base, self._held, self._columns = None, _held(conditions), {}
+        self._base, self._held, self._columns = None, np.flatnonzero(_held(conditions)), {}
         split, scale = len(self._held), self._scale
         matrix = np.empty((split + len(scale), split + len(scale)), order="F")
         matrix[:, :split] = self._effects(self._held, self._held, conditions)
@@ -261,8 +261,8 @@ class SlidingContact:
     def _solve(self, conditions: Conditions, free: Array, forces: Array) -> Response:
         base, held, interface = self._base, self._held, self._interface
         assert base is not None
-        now, flat = _held(conditions), free.reshape(-1, free.shape[-1])
-        added, removed = np.setdiff1d(now, held), np.setdiff1d(held, now)
+        now, before, flat = _held(conditions), _held(base), free.reshape(-1, free.shape[-1])
+        added, removed = np.flatnonzero(now & ~before), np.flatnonzero(before & ~now)
         target = np.vstack([-flat[held], -forces * self._scale[:, None] * self._level])
         known = len(held) + np.flatnonzero(base.known)
         target[known] = conditions.amplitudes / self._scale[base.known, None]
@@ -309,10 +309,10 @@ class SlidingContact:
         )
 
 
-def _held(conditions: Conditions) -> Indices:
-    """Components of a plane problem with an unknown traction once slip is eliminated."""
+def _held(conditions: Conditions) -> Bools:
+    """(2 N,) components with an unknown traction once slip is eliminated."""
     status = conditions.status
-    return np.flatnonzero(np.column_stack([status != OPEN, status == STICK]))
+    return np.column_stack([status != OPEN, status == STICK]).ravel()
 
 
 class FactoredOperator:
