@@ -402,6 +402,24 @@ def test_nodes_are_those_of_the_nearest_row_where_elements_are_long(solid: Resul
     assert along[nodes.nodes].max() < 0.5 * along[near.nodes].max()
 
 
+def test_nodes_are_those_of_a_whole_row_that_leaves_the_sector(solid: Result) -> None:
+    """Rows across a front that turn away from it by a tenth, far apart along it."""
+    (front,), history = solid.contacts[0].fronts, solid.contact_history("main")
+    size, length = 0.05, 0.3
+    station = replace(front.stations[5], size=size, curvature=0.0)
+    narrow = replace(front, length=2 * size * len(front.stations))  # sectors of an element
+    place = station.position[station.last]
+    deep, row = np.meshgrid(np.arange(0.5, 8) * size, np.arange(-3.0, 4.0))
+    aside = (row + 0.155) * length + 0.1 * deep
+    points = station.point + (place + deep)[..., None] * station.frame.inward
+    points = (points + aside[..., None] * station.frame.along).reshape(-1, 3)
+    assert np.count_nonzero(np.abs(aside) <= size) == 1  # of the nearest row
+    sparse = replace(history, points=points, frames=history.frames[: len(points)])
+    nodes = edge_nodes(sparse, narrow, station, station.last, (0.0, 0.5))
+    np.testing.assert_allclose(nodes.s, deep[0], atol=1e-12)
+    np.testing.assert_array_equal(nodes.nodes, 3 * deep.shape[1] + np.arange(deep.shape[1]))
+
+
 def test_lines_are_pale_where_the_shear_is_not_known(model: StationModel) -> None:
     top, bottom = (Figure().add_subplot() for _ in range(2))
     draw_half_cycle(top, bottom, model.ends, model.size, Units())

@@ -182,11 +182,18 @@ def _around(
     beside = np.abs((contact.points - station.point) @ station.frame.along) <= station.size
     beside &= np.abs(along * station.curvature) < np.pi / 2
     nodes = _from_front(np.where((np.abs(along) <= half) | beside, s, np.nan), reach)
-    if not len(nodes):
-        nodes = _from_front(s, reach)
-        aside = np.abs(along[nodes])
-        nodes = nodes[aside <= aside.min(initial=np.inf) + station.size]
+    nearest = _from_front(s, reach)
+    aside = np.abs(along[nearest])
+    nearest = nearest[aside <= aside.min(initial=np.inf) + station.size]
+    # A row that is not quite across the front leaves the sector.
+    if _rows(s[nodes], station) < _rows(s[nearest], station):
+        nodes = nearest
     return nodes, s[nodes]
+
+
+def _rows(s: Array, station: Station) -> int:
+    """Number of rows of elements along the front with nodes at distances (m,) from it."""
+    return len(np.unique(np.floor(s / station.size)))
 
 
 def _from_front(s: Array, reach: tuple[float, float]) -> Indices:
