@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from fretfe.backends.meshes import starting_mesh
 from fretfe.bodies.definition import (
     ModelDefinition,
     Pair,
@@ -156,4 +155,7 @@ def make_mesh(case: Case) -> Mesh | None:
 def _first_mesh(case: Case) -> Mesh:
     if case.edges.tolerance is None:
         return load_mesh(case)
+    # Imported where it is needed: with results, of which other cases know nothing.
+    from fretfe.backends.meshes import starting_mesh
+
     return starting_mesh(case)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import sparse
@@ -21,10 +22,12 @@ from fretfe.bodies.point_values import OUTSIDE, PointValues
 from fretfe.case import Case, FieldLoad, complaint
 from fretfe.contact.interface import Course
 from fretfe.errors import CaseError
-from fretfe.fields.field import Cells, Field, read_field
 from fretfe.loads import History
 from fretfe.mesh.contained import arrays_of
 from fretfe.mesh.mesh import place_text
+
+if TYPE_CHECKING:
+    from fretfe.fields.field import Cells, Field
 
 # Shapes are taken until the rest is below this part of the field,
 EXACT = 1e-10
@@ -158,6 +161,9 @@ def _displacements(
 
     This is done in another process, which the file may crash.
     """
+    # Imported where it is needed: most cases have no fields, and HDF5 takes a while.
+    from fretfe.fields.field import read_field
+
     field = read_field(path)
     opened()
     dimension = places.shape[1]

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -91,8 +92,8 @@ class Response:
         relative: (N, d, J) gap and increment Δ; where they are released or stuck as the conditions
             have it, not as the bodies' displacements give it.
         coordinates: (m, J) c.
-        residual: what is left of the right-hand sides, relative to them, if bodies can move without
-            any resistance: zero but for round-off if the loads are in equilibrium.
+        residual: what is left of the right-hand sides, relative to them: zero but for round-off, or
+            if bodies can move without any resistance and the loads are not in equilibrium.
     """
 
     traction: Array
@@ -113,6 +114,14 @@ OPENING = 600
 BLOCK = 256
 # Work of reading an entry of a matrix, over that of a multiplication and addition in a product.
 READING = 12
+# Unknown tractions for each released component up to which a contact slides: its factors serve many
+# conditions.
+SLIDES = 1.2
+# What tells conditions of sliding contacts from one another; the columns of their border, over the
+# unknowns, from which on they are factorised; the residual, over displacements, that no border may
+# leave.
+SLIDING = ("status", "pull", "known")
+WIDEST_BORDER, BORDER_ERROR = 0.5, 1e-11
 # Singular values below this fraction of the largest belong to motions that nothing resists.
 UNRESISTED = 1e-10
 
@@ -280,6 +289,186 @@ class DirectSystem:
         return traction
 
 
+class SlidingContact:
+    """Solver of plane conditions under which most nodes slide, by the factors of earlier ones.
+
+    Slip is eliminated: a slipping node has one unknown, its pressure. Components that are held or
+    released other than in the factorised conditions border the system.
+
+    Args:
+        interface: the interface problem, d = 2.
+    """
+
+    def __init__(self, interface: Interface) -> None:
+        self._interface = interface
+        self._level, self._scale = interface.compliance.level, coordinate_scale(interface)
+        self._base: Conditions | None = None
+        self._held: Indices
+        self._factors: tuple[Array, Indices]
+        self._columns: dict[tuple[int, float], Array]  # of the border so far
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """The factorised conditions by name; see `recall`."""
+        if self._base is None:
+            return {}
+        return {f"sliding_{name}": getattr(self._base, name) for name in SLIDING}
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Go on with the factors of `memory`."""
+        if f"sliding_{SLIDING[0]}" in memory:
+            status, pull, known = (memory[f"sliding_{name}"] for name in SLIDING)
+            unread = np.zeros(0)
+            self._factorise(Conditions(status, pull, unread, unread, known, unread))
+
+    def solve(self, conditions: Conditions, free: Array, forces: Array) -> Response:
+        """Solve contact conditions; arguments and errors as `StuckSolution.release`.
+
+        Args:
+            conditions: contact conditions; bodies do not float.
+            free: (N, 2, J) gap and increment without tractions and coordinates.
+            forces: (m, J) forces on the coordinates, R + H a.
+        """
+        if self._resembles(conditions):
+            with suppress(np.linalg.LinAlgError):
+                response = self._solve(conditions, free, forces)
+                if response.residual < BORDER_ERROR:
+                    return response
+        self._factorise(conditions)
+        return self._solve(conditions, free, forces)
+
+    def _resembles(self, conditions: Conditions) -> bool:
+        """Tell whether the border of the factorised conditions is narrow."""
+        base = self._base
+        if base is None or not np.array_equal(base.known, conditions.known):
+            return False
+        both = (base.status == SLIP) & (conditions.status == SLIP)
+        changes = np.count_nonzero(_held(base) ^ _held(conditions)) + len(self._columns)
+        few = changes < WIDEST_BORDER * len(self._held)
+        return bool(few and np.array_equal(base.pull[both], conditions.pull[both]))
+
+    def _factorise(self, conditions: Conditions) -> None:
+        self._base, self._held, self._columns = None, np.flatnonzero(_held(conditions)), {}
+        split, scale = len(self._held), self._scale
+        matrix = np.empty((split + len(scale), split + len(scale)), order="F")
+        matrix[:, :split] = self._effects(self._held, self._held, conditions)
+        matrix[:split, split:] = self._interface.motion[self._held] * scale
+        matrix[split:, split:] = -self._interface.stiffness * np.outer(scale, scale) * self._level
+        known = split + np.flatnonzero(conditions.known)
+        matrix[known] = 0.0
+        matrix[known, known] = 1.0
+        factors, pivots, info = linalg.lapack.dgetrf(matrix, overwrite_a=1)
+        if info:
+            raise np.linalg.LinAlgError(f"row {info} of the matrix depends on those before it")
+        self._base, self._factors = conditions, (factors, pivots)
+
+    def _effects(self, unknowns: Indices, rows: Indices, conditions: Conditions) -> Array:
+        """(r + m, k) displacements of some components, then forces on coordinates, by tractions.
+
+        The pressure of a slipping node brings its shear.
+        """
+        compliance, motion = self._interface.compliance, self._interface.motion * self._scale
+        nodes = unknowns // 2
+        pull = np.where(conditions.status[nodes] == SLIP, conditions.pull[nodes, 0], 0.0)
+        pulled = np.flatnonzero((unknowns % 2 == 0) & (pull != 0))
+        shear, pull = unknowns[pulled] + 1, pull[pulled]
+        # Symmetric: long parts of few rows are copied faster.
+        moved, sheared = (
+            compliance.block(rows, each)
+            if len(rows) < len(each)
+            else compliance.block(each, rows).T
+            for each in (unknowns, shear)
+        )
+        pushed = motion[unknowns]
+        moved[:, pulled] += pull * sheared
+        pushed[pulled] += pull[:, None] * motion[shear]
+        return np.vstack([moved / self._level, pushed.T])
+
+    def _border(self, added: Indices, removed: Indices, conditions: Conditions) -> Array:
+        """(n + m, k) effects of added tractions and of released displacements, solved for."""
+        slips, pull = conditions.status == SLIP, conditions.pull[:, 0]
+        keys = [
+            *((int(each), float(slips[each // 2] * pull[each // 2])) for each in added),
+            *((int(each), 0.0) for each in removed),
+        ]
+        missing = [number for number, key in enumerate(keys) if key not in self._columns]
+        if missing:
+            new = np.concatenate([added, removed])[missing]
+            count = int(np.count_nonzero(np.array(missing) < len(added)))
+            columns = np.zeros((len(self._factors[1]), len(new)))
+            columns[:, :count] = self._effects(new[:count], self._held, conditions)
+            assert self._base is not None
+            columns[len(self._held) + np.flatnonzero(self._base.known)] = 0.0
+            columns[np.searchsorted(self._held, new[count:]), np.arange(count, len(new))] = -1.0
+            solved = linalg.lu_solve(self._factors, columns, check_finite=False).T
+            self._columns |= {
+                keys[number]: own for number, own in zip(missing, solved, strict=True)
+            }
+        if not keys:
+            return np.zeros((len(self._factors[1]), 0))
+        return np.stack([self._columns[key] for key in keys], axis=1)
+
+    def _solve(self, conditions: Conditions, free: Array, forces: Array) -> Response:
+        base, held, interface = self._base, self._held, self._interface
+        assert base is not None
+        now, before, flat = _held(conditions), _held(base), free.reshape(-1, free.shape[-1])
+        added, removed = np.flatnonzero(now & ~before), np.flatnonzero(before & ~now)
+        target = np.vstack([-flat[held], -forces * self._scale[:, None] * self._level])
+        known = len(held) + np.flatnonzero(base.known)
+        target[known] = conditions.amplitudes / self._scale[base.known, None]
+        found = linalg.lu_solve(self._factors, target, check_finite=False)
+        columns = self._border(added, removed, conditions)
+        # No displacement where tractions are added; where a component is released none of its own.
+        rows = np.zeros((len(added) + len(removed), len(target)))
+        rows[: len(added), : len(held)] = self._effects(held, added, base)[: len(added)]
+        rows[: len(added), len(held) :] = interface.motion[added] * self._scale
+        numbers, places = len(added) + np.arange(len(removed)), np.searchsorted(held, removed)
+        rows[numbers, places] = 1.0
+        shear = (removed % 2 == 1) & (conditions.status[removed // 2] == SLIP)
+        rows[numbers[shear], places[shear] - 1] = -conditions.pull[removed[shear] // 2, 0]
+        corner = np.zeros((len(rows), len(rows)))
+        corner[: len(added), : len(added)] = self._effects(added, added, conditions)[: len(added)]
+        missing = -rows @ found
+        missing[: len(added)] -= flat[added]
+        bordered = np.linalg.solve(corner - rows @ columns, missing)
+        found -= columns @ bordered
+        traction = np.zeros_like(flat)
+        traction[held] = found[: len(held)] / self._level
+        traction[added] = bordered[: len(added)] / self._level
+        return self._response(conditions, traction, found[len(held) :] * self._scale[:, None], free)
+
+    def _response(
+        self, conditions: Conditions, traction: Array, coordinates: Array, free: Array
+    ) -> Response:
+        interface, base = self._interface, self._base
+        assert base is not None
+        stays = 2 * np.flatnonzero((base.status == SLIP) & (conditions.status == STICK))
+        traction[stays + 1] += base.pull[stays // 2] * traction[stays]
+        slips, opened = (np.flatnonzero(conditions.status == each) for each in (SLIP, OPEN))
+        traction[2 * slips + 1] = conditions.pull[slips] * traction[2 * slips]
+        traction[2 * opened] = traction[2 * opened + 1] = 0.0
+        relative = interface.motion @ coordinates + free.reshape(traction.shape)
+        size = float(np.abs(relative).max(initial=np.finfo(np.float64).tiny))
+        for case, column in enumerate(traction.T):
+            relative[:, case] += interface.compliance.apply(np.ascontiguousarray(column))
+        held = _held(conditions)
+        left = float(np.abs(relative[held]).max(initial=0.0)) / size
+        relative[held] = 0.0
+        return Response(
+            traction.reshape(free.shape), relative.reshape(free.shape), coordinates, left
+        )
+
+
+def unknown_tractions(conditions: Conditions) -> int:
+    """Number of traction components of a plane contact that are unknown without slip."""
+    return int(np.count_nonzero(_held(conditions)))
+
+
+def _held(conditions: Conditions) -> Bools:
+    """(2 N,) components with an unknown traction once slip is eliminated."""
+    status = conditions.status
+    return np.column_stack([status != OPEN, status == STICK]).ravel()
+
+
 class FactoredOperator:
     """Solves linear systems of an interface problem, factorised in the order of contact.
 
@@ -292,6 +481,7 @@ class FactoredOperator:
         self._order: ContactOrder | None = None
         self._count = FEWEST
         self._met = np.zeros(interface.size, dtype=np.int64)  # how often a node was in contact
+        self._sliding = SlidingContact(interface)
 
     def area(self, closed: Bools, gap: Array) -> NestedArea:
         """Leading block that includes a contact area; the same object while it serves this one too.
@@ -308,12 +498,14 @@ class FactoredOperator:
                 self._count = len(self._order.nodes)
             self._order = None  # its matrices make room for those of the next
             count = max(self._count, math.ceil(SPARE * int(closed.sum())))
-            self._order = ContactOrder(self.interface, np.lexsort(keys)[:count])
+            nodes = np.lexsort(keys)[:count]
+            self._order = ContactOrder(self.interface, nodes, self._sliding)
         return self._order.area(closed)
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """Numbers by name on which the next order, and so the round-off, depends; see `recall`."""
         found = {"operator_count": np.array(self._count), "operator_met": self._met}
+        found |= self._sliding.memory()
         if self._order is None:
             return found
         order = self._order
@@ -324,8 +516,9 @@ class FactoredOperator:
     def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
         """Go on as the operator, of the same interface, that `memory` is of: with its round-off."""
         self._count, self._met = int(memory["operator_count"]), memory["operator_met"]
+        self._sliding.recall(memory)
         if "operator_order" in memory:
-            self._order = ContactOrder(self.interface, memory["operator_order"])
+            self._order = ContactOrder(self.interface, memory["operator_order"], self._sliding)
             self._order.cost, self._order.rent = memory["operator_cost"].tolist()
             if "operator_rows" in memory:
                 self._order.rows.recall(memory)
@@ -347,9 +540,11 @@ class ContactOrder:
     Args:
         interface: the interface problem.
         nodes: (K,) these nodes; the others do not touch.
+        sliding: solves the conditions of plane problems most of whose nodes slide.
 
     Attributes:
         interface: the interface problem.
+        sliding: as given.
         nodes: (K,) these nodes.
         components: (K*d,) theirs.
         others: components of the other nodes.
@@ -361,9 +556,9 @@ class ContactOrder:
         rent: what direct solutions have cost so far beyond those with the factors.
     """
 
-    def __init__(self, interface: Interface, nodes: Indices) -> None:
+    def __init__(self, interface: Interface, nodes: Indices, sliding: SlidingContact) -> None:
         d = interface.components
-        self.interface = interface
+        self.interface, self.sliding = interface, sliding
         self.nodes = nodes
         self.components = (nodes[:, None] * d + np.arange(d)).ravel()
         self._rank = np.full(interface.size, len(nodes))
@@ -506,7 +701,8 @@ class StuckSolution:
     def _missing(self) -> Array:
         """(m, J) forces that the tractions leave over with all coordinates at rest."""
         order, size = self._area.order, self._area.size
-        return order.rows.vectors(size) @ self._free[order.components[:size]] - self._forces
+        left = order.rows.vectors(size) @ self._free[order.components[:size]]
+        return np.asarray(left - self._forces)
 
     @cached_property
     def _traction(self) -> Array:
@@ -539,7 +735,10 @@ class StuckSolution:
         area, order = self._area, self._area.order
         released = _Released(area, conditions)
         count = len(released.all)
-        if not conditions.floating:
+        if not conditions.floating and order.interface.components == 2:
+            if unknown_tractions(conditions) <= SLIDES * count:
+                return order.sliding.solve(conditions, *self._given)
+        elif not conditions.floating:
             system = DirectSystem(order.interface, conditions)
             if order.direct_pays(system.count, area.size, released.all):
                 return system.solve(self._direct, *self._given)

@@ -103,6 +103,8 @@ class NestedInverse:
 class InverseRows:
     """Rows of the inverse of a leading block, kept while the block grows and shrinks.
 
+    Each row follows the block when it is asked for.
+
     Args:
         inverse: of all blocks.
         vectors: (N, m) which are multiplied with the inverse as well.
@@ -114,19 +116,21 @@ class InverseRows:
         self._projections = inverse.projections(vectors)
         self._units = np.zeros(0, dtype=np.int64)
         self._rows = np.zeros_like(self._projections)
-        self._size = 0
+        self._sizes = np.zeros(len(self._rows), dtype=np.int64)
 
     def vectors(self, size: int) -> Array:
         """(m, n) inverse of a leading block times the vectors, as rows; a view."""
-        self._resize(size)
-        return self._rows[: len(self._projections), :size]
+        count = len(self._projections)
+        self._resize(np.arange(count), size)
+        return self._rows[:count, :size]
 
     def units(self, size: int, components: Indices) -> Array:
         """(k, n) rows of the inverse of a leading block; a copy."""
-        self._resize(size)
         if self.missing(components):
-            self._add(components[self._place[components] < 0])
-        return self._rows[self._place[components], :size]
+            self._append(components[self._place[components] < 0])
+        places = self._place[components]
+        self._resize(places, size)
+        return self._rows[places, :size]
 
     def missing(self, components: Indices) -> int:
         """Number of rows that are not there yet."""
@@ -137,36 +141,39 @@ class InverseRows:
         return {
             "operator_rows": self._rows,
             "operator_units": self._units,
-            "operator_size": np.array(self._size),
+            "operator_sizes": self._sizes,
         }
 
     def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
         """Go on with the rows of `memory`, of the same inverse: with the same round-off."""
         self._append(memory["operator_units"])
-        self._rows, self._size = memory["operator_rows"], int(memory["operator_size"])
+        self._rows, self._sizes = memory["operator_rows"], memory["operator_sizes"]
 
-    def _resize(self, size: int) -> None:
+    def _resize(self, places: Indices, size: int) -> None:
+        """Bring rows at some places to the size of a block."""
         # From nothing if that is less work.
-        if abs(size - self._size) > size:
-            self._rows[:] = 0.0
-            self._size = 0
-        if size != self._size:
-            sums = self._rows, self._projections, self._units
-            self._inverse.accumulate(*sums, self._size, size)
-            self._size = size
+        restart = places[np.abs(size - self._sizes[places]) > size]
+        self._rows[restart], self._sizes[restart] = 0.0, 0
+        for old in np.unique(self._sizes[places]).tolist():
+            if old != size:
+                self._accumulate(places[self._sizes[places] == old], old, size)
+        self._sizes[places] = size
 
-    def _add(self, components: Indices) -> None:
-        rows = np.zeros((len(components), self._inverse.size))
-        sums = rows, self._projections[:0], components
-        self._inverse.accumulate(*sums, int(components.min()), self._size)
-        self._rows = np.vstack([self._rows, rows])
-        self._append(components)
+    def _accumulate(self, places: Indices, old: int, size: int) -> None:
+        count = len(self._projections)
+        vectors, units = places[places < count], places[places >= count]
+        rows, components = self._rows[[*vectors, *units]], self._units[units - count]
+        # Terms before the first component are zero.
+        first = old if old or len(vectors) else int(components.min(initial=size))
+        self._inverse.accumulate(rows, self._projections[vectors], components, first, size)
+        self._rows[[*vectors, *units]] = rows
 
     def _append(self, components: Indices) -> None:
-        """Note that further rows are those of some components."""
-        count = len(self._projections) + len(self._units)
-        self._place[components] = count + np.arange(len(components))
+        """Make room for the rows of some components."""
+        self._place[components] = len(self._rows) + np.arange(len(components))
         self._units = np.concatenate([self._units, components])
+        self._rows = np.vstack([self._rows, np.zeros((len(components), self._inverse.size))])
+        self._sizes = np.concatenate([self._sizes, np.zeros(len(components), dtype=np.int64)])
 
 
 def _parts(begin: int, end: int) -> list[tuple[int, int]]:

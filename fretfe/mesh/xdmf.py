@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-import h5py
 import numpy as np
 
 from fretfe._typing import Array, Indices
@@ -142,6 +141,9 @@ def data_item(path: Path, parent: ET.Element) -> Array:
 
 def _from_hdf5(path: Path, text: str) -> Array:
     name, _, place = text.partition(":")
+    # Imported where it is needed: meshes of templates do without it.
+    import h5py
+
     source = path.parent / name.strip()
     require_file(source, f"the numbers of {path}", MeshError)
     try:

@@ -16,6 +16,7 @@ from fretfe.contact.linear_operator import (
     ContactOrder,
     FactoredOperator,
     Response,
+    unknown_tractions,
 )
 from fretfe.contact.state import OPEN, SLIP, STICK
 
@@ -147,7 +148,7 @@ def test_release_meets_the_conditions(make: type[FactoredOperator], d: int, know
 @OPERATORS
 @DIMENSIONS
 @pytest.mark.parametrize(
-    "status", [[SLIP, SLIP, SLIP, OPEN], [SLIP, SLIP, OPEN, SLIP, OPEN, SLIP, STICK]]
+    "status", [[SLIP, SLIP, SLIP, OPEN], [SLIP, SLIP, OPEN, *[SLIP] * 9, STICK]]
 )
 @pytest.mark.parametrize("friction", [0.0, 0.5])
 def test_contacts_most_of_which_slide(
@@ -161,10 +162,73 @@ def test_contacts_most_of_which_slide(
         status=np.tile(status, NODES)[:NODES].astype(np.int8),
         pull=2 * friction * wanted.pull,
     )
+    if interface.components == 2:  # solved by the factors of sliding contacts
+        counts = np.bincount(wanted.status)
+        assert unknown_tractions(wanted) <= linear_operator.SLIDES * counts[SLIP]
     free, forces = loads(interface)
     found = make(interface).area(wanted.status != OPEN, free[:, 0, 0]).stuck(free, forces)
     response = found.release(wanted)
     assert_solved_directly(response, interface, wanted, free, forces)
+
+
+@pytest.fixture
+def factorised(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Sizes of the systems of sliding contacts that are factorised."""
+    sizes: list[int] = []
+    factorise = linear_operator.linalg.lapack.dgetrf
+
+    def count(matrix: Array, **options: int) -> object:
+        sizes.append(len(matrix))
+        return factorise(matrix, **options)
+
+    monkeypatch.setattr(linear_operator.linalg.lapack, "dgetrf", count)
+    return sizes
+
+
+def test_sliding_contacts_that_change_a_little_share_factors(factorised: list[int]) -> None:
+    """Nodes open, close, stick and slip again; another friction coefficient is another system."""
+    interface = problem(2)
+    first = conditions(interface, np.array([False, True, True, True]))
+    status = np.full(NODES, SLIP, dtype=np.int8)
+    status[:6], status[6:8] = OPEN, STICK
+    first = replace(first, status=status)
+    free, forces = loads(interface)
+    operator = FactoredOperator(interface)
+    changes = [{}, {5: SLIP, 20: OPEN}, {5: STICK, 6: SLIP}, {7: OPEN, 20: STICK}, {30: STICK}, {}]
+    for change in changes:
+        now = status.copy()
+        now[list(change)] = list(change.values())
+        wanted = replace(first, status=now)
+        area = operator.area(now != OPEN, free[:, 0, 0])
+        found = area.stuck(free, forces).release(wanted)
+        assert_solved_directly(found, interface, wanted, free, forces)
+    assert len(factorised) == 1
+    again = FactoredOperator(interface)
+    again.recall(operator.memory())
+    for each, pull in ((again, 1.0), (operator, 0.5)):
+        wanted = replace(first, pull=pull * first.pull)
+        area = each.area(status != OPEN, free[:, 0, 0])
+        found = area.stuck(free, forces).release(wanted)
+        assert_solved_directly(found, interface, wanted, free, forces)
+    assert len(factorised) == 3
+
+
+def test_a_border_that_leaves_too_much_is_factorised(
+    factorised: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(linear_operator, "BORDER_ERROR", 0.0)
+    interface = problem(2)
+    wanted = conditions(interface, np.array([False, True, True, True]))
+    wanted = replace(wanted, status=np.full(NODES, SLIP, dtype=np.int8))
+    free, forces = loads(interface)
+    operator = FactoredOperator(interface)
+    for opened in (1, 2):
+        status = np.where(np.arange(NODES) < opened, OPEN, SLIP).astype(np.int8)
+        now = replace(wanted, status=status)
+        area = operator.area(status != OPEN, free[:, 0, 0])
+        found = area.stuck(free, forces).release(now)
+        assert_solved_directly(found, interface, now, free, forces)
+    assert factorised == [NODES + 3, NODES + 2]
 
 
 @OPERATORS
