@@ -192,28 +192,42 @@ class ElasticBody:
 
     def _tag_boundaries(
         self, mesh: BodyMesh | None, cell: str, order: int
-    ) -> tuple[dict[str, int], Any]:
-        """Number of each boundary name, and the facet tags that carry these numbers."""
-        names = self.comm.bcast(sorted(mesh.boundaries) if mesh else None)
-        groups = {name: number for number, name in enumerate(names, start=1)}
+    ) -> tuple[dict[str, tuple[int, ...]], Any]:
+        """Numbers of each boundary name, and the facet tags that carry these numbers.
+
+        A facet has one number, and may belong to several boundaries.
+        """
+        facets = np.empty((0, facet_node_count(cell, order)), np.int64)
+        values, groups = np.empty(0, np.int32), {}
+        if mesh:
+            names = sorted(mesh.boundaries)
+            counts = [len(mesh.boundaries[name]) for name in names]
+            every = np.concatenate([mesh.boundaries[name] for name in names])
+            _, first, place = np.unique(
+                np.sort(every, axis=1), axis=0, return_index=True, return_inverse=True
+            )
+            belongs = np.zeros((len(first), len(names)), dtype=bool)
+            belongs[place.ravel(), np.repeat(np.arange(len(names)), counts)] = True
+            kinds, kind = np.unique(belongs, axis=0, return_inverse=True)
+            facets, values = every[first], (kind.ravel() + 1).astype(np.int32)
+            groups = {
+                name: tuple((np.flatnonzero(own) + 1).tolist())
+                for name, own in zip(names, kinds.T, strict=True)
+            }
         dim = self.mesh.topology.dim - 1
         self.mesh.topology.create_connectivity(dim, 0)
         self.mesh.topology.create_connectivity(dim, dim + 1)
-        facets = np.empty((0, facet_node_count(cell, order)), np.int64)
-        values = np.empty(0, np.int32)
-        if mesh:
-            facets = np.concatenate([mesh.boundaries[name] for name in names])
-            values = np.repeat(
-                np.arange(1, len(names) + 1, dtype=np.int32),
-                [len(mesh.boundaries[name]) for name in names],
-            )
         local, numbers = distribute_entity_data(self.mesh, dim, facets, values)
         tags = meshtags_from_entities(self.mesh, dim, adjacencylist(local), numbers)
-        return groups, tags
+        return self.comm.bcast(groups), tags
+
+    def boundary_facets(self, boundary: str) -> npt.NDArray[np.int32]:
+        """Local numbers of the facets of a boundary."""
+        return np.sort(np.concatenate([self.facet_tags.find(n) for n in self.groups[boundary]]))
 
     def boundary_nodes(self, boundary: str) -> npt.NDArray[np.int32]:
         """Local numbers (owned and ghosted) of the displacement nodes on a boundary."""
-        facets = self.facet_tags.find(self.groups[boundary])
+        facets = self.boundary_facets(boundary)
         dim = self.mesh.topology.dim - 1
         return fem.locate_dofs_topological(self.space, dim, facets)
 
@@ -342,7 +356,7 @@ class ElasticBody:
     def _factors(self, load: DistributedLoad, given: PointValues) -> fem.Function:
         """Values at points of a traction, at the nodes of its boundary."""
         space = fem.functionspace(self.mesh, ("Lagrange", self.degree))
-        facets = self.facet_tags.find(self.groups[load.boundary])
+        facets = self.boundary_facets(load.boundary)
         nodes = fem.locate_dofs_topological(space, self.mesh.topology.dim - 1, facets)
         factors = fem.Function(space)
         places = space.tabulate_dof_coordinates()[nodes, : self.gdim]

@@ -554,7 +554,7 @@ class InteractionForm:
         self._epsilon = fem.Constant(mesh, oscillation) if oscillation else None
         dim = mesh.topology.dim
         cells = np.arange(mesh.topology.index_map(dim).size_local, dtype=np.int32)
-        facets = np.concatenate([elastic.facet_tags.find(elastic.groups[s]) for s in surfaces])
+        facets = np.concatenate([elastic.boundary_facets(name) for name in surfaces])
         self._cells, self._facets = _Places(mesh, dim, cells), _Places(mesh, dim - 1, facets)
         self._crystal: CrystalTip | None = None
         around = self._surroundings(elastic)

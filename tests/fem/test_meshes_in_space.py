@@ -86,8 +86,8 @@ def assembled(body: BodyMesh) -> tuple[float, dict[str, float]]:
     one = fem.Constant(elastic.mesh, 1.0)
     ds = ufl.Measure("ds", elastic.mesh, subdomain_data=elastic.facet_tags)
     areas = {
-        name: float(fem.assemble_scalar(fem.form(one * ds(number))))
-        for name, number in elastic.groups.items()
+        name: float(fem.assemble_scalar(fem.form(one * ds(numbers))))
+        for name, numbers in elastic.groups.items()
     }
     unknowns = 3 * elastic.space.dofmap.index_map.size_global
     assert unknowns == body_unknowns(body, body.order)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import blocks
@@ -30,6 +31,25 @@ def elastic_block(degree: int, cell: str = "triangle", columns: int = 5) -> Elas
     body = ElasticBody(MPI.COMM_WORLD, mesh if MPI.COMM_WORLD.rank == 0 else None, STEEL, degree)
     replace_meshes(body.mesh)
     return body
+
+
+@pytest.mark.mpi
+def test_facets_of_several_boundaries() -> None:
+    """A facet counts for every boundary that has it."""
+    mesh = blocks.block("b", blocks.graded(0, 2, 5, 1.0), blocks.graded(0, 1, 3))
+    top, bottom = (mesh.boundaries[name] for name in ("b_top", "b_bottom"))
+    mesh = replace(mesh, boundaries={"both": np.vstack([top, bottom]), "part": top[2:], **{
+        "b_top": top, "b_bottom": bottom
+    }})  # fmt: skip
+    body = ElasticBody(MPI.COMM_WORLD, mesh if MPI.COMM_WORLD.rank == 0 else None, STEEL, 2)
+    replace_meshes(body.mesh)
+    for name, length in {"both": 4.0, "part": 1.2, "b_top": 2.0, "b_bottom": 2.0}.items():
+        load = DistributedLoad("p", "traction", name, (1.0, 0.0))
+        assert resultant(body, load)[0] == pytest.approx(length)
+        nodes = body.boundary_nodes(name)
+        own = np.count_nonzero(nodes < body.space.dofmap.index_map.size_local)
+        found = MPI.COMM_WORLD.allreduce(own)
+        assert found == {"both": 22, "part": 7, "b_top": 11, "b_bottom": 11}[name]
 
 
 def resultant(body: ElasticBody, load: DistributedLoad) -> Array:
