@@ -111,15 +111,19 @@ def test_a_factor_on_disk_is_the_same_and_leaves_no_files(
         for on_disk in (False, True, True)
     ]
     assert bordered.FOLDER not in os.environ
-    folders = [each for each in tmp_path.iterdir() if each.is_dir()]
+    folders = list(tmp_path.iterdir())
     assert len(folders) == 2
-    assert all(any(file.stat().st_size for file in each.iterdir()) for each in folders)
+    # A rank may have no part of so small a factor.
+    sizes = [sum(file.stat().st_size for file in each.iterdir()) for each in folders]
+    assert all(size > 0 for size in MPI.COMM_WORLD.allreduce(np.array(sizes)))
     there = factors[0].solve([side])[0].array.copy()
     for other in factors[1:]:
         found = other.solve([side])[0].array
-        np.testing.assert_allclose(found, there, rtol=0, atol=1e-13 * np.abs(there).max())
-        if other.compliance is not None:
-            np.testing.assert_array_equal(other.compliance, factors[0].compliance)
+        # MUMPS distributes its work as it comes: sums differ by round-off on several ranks.
+        np.testing.assert_allclose(found, there, rtol=0, atol=1e-12 * np.abs(there).max())
+        pair = other.compliance, factors[0].compliance
+        if pair[0] is not None and pair[1] is not None:
+            np.testing.assert_allclose(*pair, rtol=0, atol=1e-12 * np.abs(pair[1]).max())
     del factors, other
     gc.collect()
     PETSc.garbage_cleanup(matrix.comm)
