@@ -169,7 +169,8 @@ def _refined(cell: Any, place: Array, local: list[float]) -> Array:
     VTK ends its own iterations at a thousandth of an element.
     """
     count, size = cell.GetNumberOfPoints(), cell.GetCellDimension()
-    points = np.array([cell.points.GetPoint(node) for node in range(count)])
+    own = cell.GetPoints()
+    points = np.array([own.GetPoint(node) for node in range(count)])
     weights, slopes, at = np.zeros(count), np.zeros(size * count), np.array(local)
     for _ in range(NEWTON_STEPS):
         cell.InterpolateFunctions(at, weights)
