@@ -67,10 +67,8 @@ class Conditions:
         return np.asarray(self.turning[nodes][:, None, None] * across)
 
     def across(self, nodes: Indices) -> tuple[Indices, Array]:
-        """Which of some nodes can turn, once for each (n, d-1) unit vector along which they do."""
+        """Which nodes of solids can turn, once for each (n, 2) unit vector along which they do."""
         t = self._directions(nodes)
-        if t.shape[1] == 1:
-            return np.zeros(0, dtype=np.int64), np.zeros((0, 1))
         turns, directed = self.turning[nodes] > 0, t.any(axis=1)
         one, any_way = nodes[turns & directed], nodes[turns & ~directed]
         around = t[turns & directed][:, ::-1] * np.array([-1.0, 1.0])
@@ -162,13 +160,13 @@ class RegularisedFactor:
 
 
 class DirectSystem:
-    """Linear contact conditions for as few unknowns as they leave, without any inverse.
+    """Linear contact conditions of solids for as few unknowns as they leave, without any inverse.
 
     These are all components of the traction of a stuck node; of a slipping one its pressure, which
-    pulls a shear behind it, and of solids the shear across that, along which its direction turns.
+    pulls a shear behind it, and the shear across that, along which its direction turns.
 
     Args:
-        interface: the interface problem.
+        interface: the interface problem, d = 3.
         conditions: contact conditions; bodies do not float.
 
     Attributes:

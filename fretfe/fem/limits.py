@@ -144,7 +144,8 @@ def _balance_limit(solution: Solution, kind: str) -> ModelLimit:
 
 def oscillates(case: Case, history: ContactHistory) -> bool:
     """True if full stick oscillates next to the edges of a contact: K_I alone means nothing."""
-    return any(limit.found > SIMILAR for limit in list(_dissimilar(case, history))[:1])
+    by_beta = next(_dissimilar(case, history), None)
+    return by_beta is not None and by_beta.found > SIMILAR
 
 
 def _dissimilar(case: Case, history: ContactHistory) -> Iterator[ModelLimit]:

@@ -138,8 +138,9 @@ def unlike_obstacles(case: Case) -> Iterator[str]:
 
     There is no closed form of partial slip between unlike bodies.
     """
-    beta = dissimilarity(case.bodies[UPPER], case.bodies[LOWER], case.model.plane, NORMAL)
-    if abs(beta) > SIMILAR and any(contact.friction > 0 for contact in case.contacts.values()):
+    (contact,) = case.contacts
+    beta = coupled_beta(case, contact, UPPER, LOWER)
+    if abs(beta) > SIMILAR:
         yield (
             "bodies: expected elastically similar bodies (Dundurs' beta up to "
             f"{SIMILAR:g}), found beta = {beta:.3g}: pressure and shear depend on each other, and "
