@@ -79,14 +79,25 @@ def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
         fitted = np.count_nonzero(pressure > 0, axis=1) >= FEWEST_NODES
         there = block.start + np.flatnonzero(fitted)
         sections = plane_sections(contact.arc, pressure[fitted])
-        ratios = plane_sections(contact.arc, pressure[fitted], shear[fitted])
-        for front, section, across in zip(PLANE_FRONTS, sections, ratios, strict=True):
-            coefficient = front.inward * _shear_over_pressure(section, across)
-            exponent = sliding_exponent(contact.dundurs, coefficient)
+        exponents = _exponents(contact, pressure[fitted], shear[fitted], sections)
+        for front, section, exponent in zip(PLANE_FRONTS, sections, exponents, strict=True):
             fit = fit_edge(section, solved=True, exponent=exponent)
             parts[front.number][:, there] = astuple(fit)
     known = parts[..., np.searchsorted(states, source)]
     return tuple(EdgeFit(*front) for front in known)
+
+
+def _exponents(
+    contact: ContactHistory, pressure: Array, shear: Array, sections: Sequence[Section]
+) -> list[Array]:
+    """Exponents (T,) of the pressure at both edges, by the way they slip; 1/2 of similar bodies."""
+    if not contact.dundurs:
+        return [np.full(len(pressure), 0.5)] * len(sections)
+    across = plane_sections(contact.arc, pressure, shear)
+    return [
+        sliding_exponent(contact.dundurs, front.inward * _shear_over_pressure(section, sheared))
+        for front, section, sheared in zip(PLANE_FRONTS, sections, across, strict=True)
+    ]
 
 
 def _shear_over_pressure(pressure: Section, shear: Section) -> Array:
