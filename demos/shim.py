@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """A blade, shims under the shoulders of its root and a sector of the disc: four bodies in a row.
 
-Blade and shims are held by contacts only, so each shim passes on what it gets, and both sides of the
-blade, which are meshed alike, carry half of the pull.
+Blade and shims are held by contacts only, so each shim passes on what it gets, and both sides of
+the blade, which are meshed alike, carry half of the pull.
 
 Run it with: python demos/shim.py
 """
