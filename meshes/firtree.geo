@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 //
-// Firtree: a blade root with 2 to 4 pairs of lobes in a disc sector, plane, symmetric about x = 0.
-// Lengths in mm. Pulling the blade top upwards presses the upper flank of every lobe against the disc.
+// Firtree: a blade root with 2 to 4 pairs of lobes in the slot of a disc, plane, symmetric
+// about x = 0. Lengths in mm. Pulling the blade top upwards presses the upper flank of every lobe against the disc.
 //
 //   right half, two of the lobes, not to scale          blade_top
 //                                                    x=0 ________
@@ -40,6 +40,10 @@
 // the upper end of the lowest flat, groove_radius is also that of the corners of the slot. The blade
 // is mesh side 1, the disc 7 % coarser, so the meshes do not match.
 //
+// With sectors > 0 the disc is a sector of one: its sides are radial, its bottom is an arc, the bore,
+// and disc_width has no meaning. The axis of the disc is at (0, -pitch_radius); the middle of the
+// flanks of lobe 1, at y = 0, is as far from it.
+//
 // Element size: edge_size along the contact edges (from edge_zone before to edge_zone behind the
 // points where flat and rounding meet), flank_size on the rest of the candidate contact surfaces, and
 // from there growing by `growth` per distance. The left half of the mesh mirrors the right half.
@@ -69,12 +73,14 @@ DefineConstant[
   groove_radius   = {1.1,  Min 0.1,   Max 20,  Name "Parameters/18 Radius of the grooves of the disc and of the corners of the slot [mm]"},
   rim_height      = {2,    Min 0.1,   Max 50,  Name "Parameters/19 Height of the straight wall beside the neck [mm]"},
   shank_height    = {10,   Min 0.5,   Max 100, Name "Parameters/20 Height of the blade top above the disc [mm]"},
-  disc_width      = {44,   Min 4,     Max 500, Name "Parameters/21 Width of the disc sector [mm]"},
-  disc_depth      = {45,   Min 4,     Max 500, Name "Parameters/22 Height of the disc sector [mm]"},
+  disc_width      = {44,   Min 4,     Max 500, Name "Parameters/21 Width of the disc block [mm]"},
+  disc_depth      = {45,   Min 4,     Max 500, Name "Parameters/22 Height of the disc block or sector [mm]"},
   edge_size       = {0.006,Min 1e-4,  Max 1,   Name "Parameters/23 Element size at the contact edges [mm]"},
   edge_zone       = {0.12, Min 1e-3,  Max 5,   Name "Parameters/24 Length of the fine mesh on either side of the ends of the flats [mm]"},
   flank_size      = {0.1,  Min 1e-3,  Max 2,   Name "Parameters/25 Element size along the flanks [mm]"},
-  growth          = {0.2,  Min 0.02,  Max 0.5, Name "Parameters/26 Growth of the element size per distance from the contact [-]"}
+  growth          = {0.2,  Min 0.02,  Max 0.5, Name "Parameters/26 Growth of the element size per distance from the contact [-]"},
+  sectors         = {0,    Min 0,     Max 1000,Name "Parameters/27 Number of sectors of the disc, 0 for a block [-]", Step 1},
+  pitch_radius    = {250,  Min 10,    Max 5000,Name "Parameters/28 Radius from the axis of the disc to the middle of the flanks of lobe 1 [mm]"}
 ];
 
 // Directions of the right flanks: (tx, ty) down along them, (nx, ny) out of the blade, at the angle
@@ -153,6 +159,21 @@ mouth_cy = (upper_x * nx + upper_y * ny + first_gap + tooth_radius - (mouth + to
 disc_top = mouth_cy + rim_height;
 disc_base = disc_top - disc_depth;
 blade_top = disc_top + shank_height;
+
+// Upper and lower end of the right side of the disc, and its distance from the slot.
+side_x = disc_width / 2; side_y = disc_base;
+corner_x = side_x;
+beside = side_x - slot;
+bore = pitch_radius + disc_base;
+If (sectors >= 3)
+  half = Pi / sectors;
+  corner_x = (pitch_radius + disc_top) * Tan(half);
+  side_x = bore * Sin(half); side_y = bore * Cos(half) - pitch_radius;
+  beside = (pitch_radius + slot_bottom) * Tan(half) - slot;
+  For i In {0 : lobes - 1}
+    beside = Min(beside, (pitch_radius + grooves_y[i]) * Tan(half) - grooves_x[i] - groove_radius);
+  EndFor
+EndIf
 
 // What the parameters must satisfy together; a message begins with the name of its parameter.
 wrong = 0;
@@ -275,8 +296,18 @@ If (pitch >= smallest_pitch)
     Error("shank_height: expected at least %.6g (the neck fillet must end below the top), found %g", least, shank_height); wrong = 1;
   EndIf
   least = 2 * (widest + 2 * groove_radius);
-  If (disc_width < least)
+  If (sectors == 0 && disc_width < least)
     Error("disc_width: expected at least %.6g (width of the slot and its grooves), found %g", least, disc_width); wrong = 1;
+  EndIf
+  If (sectors > 0 && sectors < 3)
+    Error("sectors: expected 0 (a block) or at least 3, found %g", sectors); wrong = 1;
+  EndIf
+  If (sectors >= 3 && beside < 2 * groove_radius)
+    Error("sectors: expected at least %.6g between the slot and the sides of the sector, found %.6g (sectors %g); fewer sectors or a larger pitch_radius helps", 2 * groove_radius, beside, sectors); wrong = 1;
+  EndIf
+  least = disc_depth - disc_top + groove_radius;
+  If (sectors >= 3 && pitch_radius < least)
+    Error("pitch_radius: expected at least %.6g (the disc ends above its axis), found %g", least, pitch_radius); wrong = 1;
   EndIf
   least = disc_top - slot_bottom + groove_radius;
   If (disc_depth < least)
@@ -292,6 +323,7 @@ axis_blade_top = newp; Point(axis_blade_top) = {0, blade_top, 0};
 axis_root = newp; Point(axis_root) = {0, root_bottom, 0};
 axis_slot = newp; Point(axis_slot) = {0, slot_bottom, 0};
 axis_disc = newp; Point(axis_disc) = {0, disc_base, 0};
+disc_centre = newp; Point(disc_centre) = {0, -pitch_radius, 0};
 blade_axis = newc; Line(blade_axis) = {axis_root, axis_blade_top};
 disc_axis = newc; Line(disc_axis) = {axis_slot, axis_disc};
 
@@ -306,15 +338,19 @@ For side In {1 : -1 : -2}
   p = newp;
   Point(p)     = {side * neck, blade_top, 0};
   Point(p + 1) = {side * mouth, disc_top, 0};
-  Point(p + 2) = {side * disc_width / 2, disc_top, 0};
-  Point(p + 3) = {side * disc_width / 2, disc_base, 0};
+  Point(p + 2) = {side * corner_x, disc_top, 0};
+  Point(p + 3) = {side * side_x, side_y, 0};
   blade_end = p;
   disc_end = p + 1;
   c = newc;
   Line(c)     = {axis_blade_top, p};
   Line(c + 1) = {p + 3, p + 2};
   Line(c + 2) = {p + 2, p + 1};
-  Line(c + 3) = {axis_disc, p + 3};
+  If (sectors > 0)
+    Circle(c + 3) = {axis_disc, disc_centre, p + 3};
+  Else
+    Line(c + 3) = {axis_disc, p + 3};
+  EndIf
   blade[] = {c};
   disc[] = {c + 3, c + 1, c + 2};
 
@@ -472,7 +508,7 @@ blade_size = Sprintf("Min(Min(%g + %g*F3, %g + %g*F4), %g)",
                      neck_fillet, growth, root_corner, growth, Min(neck, root));
 disc_size = Sprintf("Min(Min(%g + %g*F5, %g + %g*F6), %g)",
                     groove_radius, growth, tooth_radius, growth,
-                    Min(disc_width / 2 - slot, slot_bottom - disc_base));
+                    Min(beside, slot_bottom - disc_base));
 Field[7] = MathEval;
 Field[7].F = StrCat("Min(", contact_size, ",", blade_size, ")");
 Field[8] = Restrict;

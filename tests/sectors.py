@@ -36,9 +36,14 @@ def turned(mesh: BodyMesh, degrees: float, name: str = "", number: str = "") -> 
     return replace(mesh, name=name or mesh.name, points=points, boundaries=boundaries)
 
 
-def ring(angles: Array = ANGLES, order: int = 2, seat: tuple[float, float] = SEAT) -> BodyMesh:
+def ring(
+    angles: Array = ANGLES,
+    order: int = 2,
+    seat: tuple[float, float] = SEAT,
+    cell: str = "quadrilateral",
+) -> BodyMesh:
     """A sector of the ring: sides ring_bottom and ring_top; ring_seat, where the block presses."""
-    grid = blocks.block("ring", np.linspace(BORE, OUTSIDE, 4), angles, order=order)
+    grid = blocks.block("ring", np.linspace(BORE, OUTSIDE, 4), angles, order=order, cell=cell)
     inner = grid.boundaries["ring_left"]
     middles = grid.points[inner[:, :2], 1].mean(axis=1)
     inside = (middles > seat[0]) & (middles < seat[1])

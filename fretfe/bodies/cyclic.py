@@ -3,33 +3,55 @@
 
 Statically all sectors do the same (nodal diameter 0), so u(R x) = R u(x) for places x of one side,
 R the rotation about the axis by a sector. The side with more nodes follows the other one: its nodes
-move as the places of the other side that they are turned images of. Where the meshes of both sides
-match, these are nodes; elsewhere displacements are interpolated in the facet that the place is on.
+that are images of nodes move as these, the others so that both sides differ by nothing that
+multipliers on the following side would feel (mortar: Bernardi, Maday and Patera 1994):
+
+    ∫ ψ_i (u_s − R u_m) = 0,    ψ_i = φ_i + Σ_r T_ri φ_r
+
+with the shape functions φ_i of these nodes. Nodes r that are given, because they are images of
+nodes or are where a side ends and something else may act, have no ψ: theirs are shared by others so
+that the ψ still add up to 1, and to linear functions where enough nodes are near.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from scipy import sparse
+from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Symmetry, complaint
 from fretfe.case.model import Key
 from fretfe.errors import CaseError
-from fretfe.mesh.elements import lattice, nearest_on_facets, shape_values
+from fretfe.mesh.elements import (
+    lattice,
+    nearest_on_facets,
+    quadrature,
+    reference_nodes,
+    shape_values,
+)
 from fretfe.mesh.mesh import BodyMesh, place_text
-from fretfe.surface.surface import SAMPLES, Surface, boundary_surface
+from fretfe.surface.mortar import GAUSS_POINTS, project
+from fretfe.surface.surface import (
+    SAMPLES,
+    Surface,
+    boundary_surface,
+    facet_edges,
+    rim_edges,
+)
 
 # Distances of the turned image of a side from the other side, and places that are one node, over
 # the size of the body: mesh files may be rounded to this.
 SAME = 1e-6
 # Facets whose samples are nearest to a node and that it is looked for on.
 NEAREST_SAMPLES = 12
+# Weights below this are left out.
+NEGLIGIBLE = 1e-13
 
 
 @dataclass(frozen=True)
@@ -41,7 +63,7 @@ class Tie:
     Attributes:
         followers: (s, d) places.
         leaders: (m, d) places, corners of elements first.
-        weights: (s, m) shape functions of the leaders' side.
+        weights: (s, m) displacements of followers, not yet turned, by those of leaders.
         turn: (d, d) rotation from the leaders' side to the followers'.
         on_axis: (a, d) places of nodes on the axis.
         across: (2, d) unit vectors across the axis.
@@ -150,17 +172,128 @@ def _tied(
     degree: int,
 ) -> Tie:
     leaders, followers = (each.displacement_points(degree) for each in (leading, following))
+    image = replace(leading, points=centre + (leading.points - centre) @ turn.T)
     axial = np.linalg.norm((followers - centre) @ across.T, axis=1) < SAME * size
-    on_axis, followers = followers[axial], followers[~axial]
-    found = _places(centre + (followers - centre) @ turn, leading, degree)
-    # Nodes that are images of nodes have their displacements, not nearly so.
-    distance, node = cKDTree(leaders).query(centre + (followers - centre) @ turn)
-    same = distance < SAME * size
-    rows = np.flatnonzero(same)
-    exact = sparse.csr_matrix((np.ones(len(rows)), (rows, node[rows])), shape=found.weights.shape)
-    weights = (sparse.diags(1.0 - same) @ found.weights + exact).tocsr()
-    weights.eliminate_zeros()
-    return Tie(followers, leaders, weights, turn, on_axis, across, centre, size, leading.name)
+    weights = _Mortar(following, image, degree, SAME * size).weights()
+    return Tie(
+        followers[~axial],
+        leaders,
+        weights[~axial],
+        turn,
+        followers[axial],
+        across,
+        centre,
+        size,
+        leading.name,
+    )
+
+
+class _Mortar:
+    """Displacements of a side by those of a surface at the same place.
+
+    Args:
+        side: that follows.
+        image: of the side that leads, turned to the place of the other one.
+        degree: of the displacements.
+        same: distance up to which places are one.
+    """
+
+    def __init__(self, side: Surface, image: Surface, degree: int, same: float) -> None:
+        self._side, self._image, self._degree = side, image, degree
+        points = side.displacement_points(degree)
+        distance, node = cKDTree(image.displacement_points(degree)).query(points)
+        self._matched = distance < same
+        self._shape = len(points), len(image.displacement_points(degree))
+        rim = np.zeros(len(points), dtype=bool)
+        rim[_end_nodes(side, degree)] = True
+        self._given = rows = self._matched | rim
+        placed = _places(points[rows], image, degree).weights
+        exact = sparse.csr_matrix(
+            (np.ones(self._matched.sum()), (np.flatnonzero(self._matched), node[self._matched])),
+            shape=self._shape,
+        )
+        spread = sparse.eye(len(points), format="csr")[:, np.flatnonzero(rows)]
+        self._pinned = sparse.diags(1.0 - self._matched) @ spread @ placed + exact
+
+    def weights(self) -> sparse.csr_matrix:
+        """(s, m) displacements of the side by those of the image."""
+        weights = self._pinned
+        if not self._given.all():
+            free = np.flatnonzero(~self._given)
+            own, other = (self._tests()[free] @ each for each in self._products())
+            asked = (other - own @ self._pinned).toarray()
+            solved = splu(own[:, free].tocsc()).solve(asked)
+            solved[np.abs(solved) < NEGLIGIBLE] = 0.0
+            spread = sparse.eye(len(self._given), format="csr")[:, free]
+            weights = weights + spread @ sparse.csr_matrix(solved)
+        weights = weights.tocsr()
+        weights.eliminate_zeros()
+        return weights
+
+    def _products(self) -> Iterator[sparse.csr_matrix]:
+        """(s, s) and (s, m) integrals of functions of the side times those of both."""
+        side, image, degree = self._side, self._image, self._degree
+        line, weights = quadrature("line", GAUSS_POINTS)
+        in_space = [quadrature(each, GAUSS_POINTS) for each in ("quadrilateral", "triangle")]
+        rules = in_space if side.dimension == 3 else [(line[:, 0], weights)]
+        points = project(side, side.normals, image, *rules)
+        rows = side.displacement_facets(degree)[points.facet2]
+        tests = shape_values(side.shape, degree, points.at2) * points.weights[:, None]
+        for surface, facet, at in (
+            (side, points.facet2, points.at2),
+            (image, points.facet1, points.at1),
+        ):
+            columns = surface.displacement_facets(degree)[facet]
+            values = tests[:, :, None] * shape_values(surface.shape, degree, at)[:, None]
+            places = np.broadcast_arrays(rows[:, :, None], columns[:, None])
+            yield sparse.csr_matrix(
+                (values.ravel(), tuple(each.ravel() for each in places)),
+                shape=(len(self._given), len(surface.displacement_points(degree))),
+            )
+
+    def _tests(self) -> sparse.csr_matrix:
+        """(s, s) functions of nodes that test functions are sums of; none of given nodes."""
+        facets = self._side.displacement_facets(self._degree)
+        given, at = self._given[facets], reference_nodes(self._side.shape, self._degree)
+        lent, count = np.zeros((*facets.shape, facets.shape[1])), np.zeros(len(self._given))
+        for pattern in np.unique(given, axis=0):
+            where = (given == pattern).all(axis=1)
+            lent[where] = _shares(pattern, at)
+        lending = given & ~given.all(axis=1, keepdims=True)
+        np.add.at(count, facets[lending], 1.0)
+        lent /= np.maximum(count, 1.0)[facets][:, :, None]
+        places = np.broadcast_arrays(facets[:, None, :], facets[:, :, None])
+        whole = sparse.csr_matrix((lent.ravel(), tuple(each.ravel() for each in places)))
+        return whole + sparse.diags((~self._given).astype(float))
+
+
+def _shares(given: Bools, at: Array) -> Array:
+    """(k, k) what the other nodes (columns) of a facet get of the functions of given ones (rows).
+
+    Linear functions of the values at the others are so as far as these tell, constants always.
+    """
+    shares = np.zeros((len(at), len(at)))
+    if given.any() and not given.all():
+        basis = np.column_stack([np.ones(len(at)), at])
+        if np.linalg.matrix_rank(basis[~given]) < basis.shape[1]:
+            basis = basis[:, :1]
+        shares[np.ix_(given, ~given)] = basis[given] @ np.linalg.pinv(basis[~given])
+    return shares
+
+
+def _end_nodes(side: Surface, degree: int) -> Indices:
+    """Numbers of the nodes where a side ends."""
+    facets, corners = side.displacement_facets(degree), side.corners
+    if side.dimension == 2:
+        return np.flatnonzero(np.bincount(corners.ravel()) == 1)
+    rim = np.sort(rim_edges(corners), axis=1)
+    found = [rim.ravel()]
+    if degree == 2:
+        edges = np.sort(facet_edges(corners), axis=1)
+        ending = np.isin(edges @ [len(side.vertices), 1], rim @ [len(side.vertices), 1])
+        count = corners.shape[1]
+        found.append(facets[:, count : 2 * count].ravel()[ending])
+    return np.unique(np.concatenate(found))
 
 
 def _across(symmetry: Symmetry, gdim: int) -> Array:

@@ -375,13 +375,3 @@ def contact_modulus(
     of crystals is not quite that of isotropic bodies with this modulus.
     """
     return 1 / sum(1 / normal_modulus(body, plane, normal) for body in (body1, body2))
-
-
-def antiplane_ratio(body1: Body, body2: Body) -> float:
-    """Antiplane compliance of two half-planes over that in the plane, (1/G1 + 1/G2) E*/2.
-
-    In plane strain; 1/(1 - ν) for two bodies of one material.
-    """
-    compliance = sum(1 / plane_modulus(each, "strain") for each in (body1, body2))
-    shear = sum((1 + each.poisson) / each.young for each in (body1, body2))
-    return shear / compliance

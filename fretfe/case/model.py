@@ -17,6 +17,7 @@ from fretfe.case.loads import (
     AccelerationLoad,
     AnyLoad,
     DisplacementLoad,
+    EigenstrainLoad,
     FieldLoad,
     InterferenceLoad,
     Load,
@@ -71,6 +72,7 @@ def cross_problems(
         *_platen_direction_problems(loads),
         *_displacement_problems(supports, loads),
         *_density_problems(bodies, loads),
+        *_strained_body_problems(bodies, loads),
         *_temperature_problems(bodies, loads),
         *_interference_problems(contacts, loads),
         *_side_problems(contacts, supports, loads, symmetry),
@@ -213,12 +215,12 @@ def _density_problems(
             )
 
 
-def _temperature_problems(
+def _strained_body_problems(
     bodies: Mapping[str, AnyBody], loads: Mapping[str, Load]
 ) -> Iterator[Problem]:
-    """Temperatures of bodies that are not there, or whose expansion is not known."""
+    """Initial strains of bodies that are not there."""
     for name, load in loads.items():
-        if not isinstance(load, TemperatureLoad):
+        if not isinstance(load, TemperatureLoad | EigenstrainLoad):
             continue
         for number, body in enumerate(load.bodies or ()):
             if body not in bodies:
@@ -227,6 +229,15 @@ def _temperature_problems(
                     ("loads", name, "bodies", number),
                     f"expected one of the bodies {expected}, found {body!r}",
                 )
+
+
+def _temperature_problems(
+    bodies: Mapping[str, AnyBody], loads: Mapping[str, Load]
+) -> Iterator[Problem]:
+    """Temperatures of bodies whose expansion is not known."""
+    for name, load in loads.items():
+        if not isinstance(load, TemperatureLoad):
+            continue
         missing = [
             f"bodies.{body}.{key}"
             for body in bodies

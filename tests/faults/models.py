@@ -144,6 +144,13 @@ MODELS: dict[str, tuple[Tables, bool | None]] = {
     ),
     "heat at points of space": (heat(points=[[0, 0, 0], [1, 1, 1]], values=[1, 2]), True),
     "a layer below nothing": (peen(surfaces=["nothing"]), True),
+    "a layer and a file": (peen(file="strain.csv"), True),
+    "strains from a file that is not there": (
+        loads(weld={"type": "eigenstrain", "history": RAMP, "file": "no.csv"}), True,
+    ),
+    "strains from a folder": (
+        loads(weld={"type": "eigenstrain", "history": RAMP, "file": ".."}), True,
+    ),
     "a layer below a body": (peen(surfaces=["lower"]), True),
     "a layer of strain 1e20": (peen(values=[1e20, 0.0]), None),
     "a layer in the air": (peen(depths=[-1.0, 0.0]), True),

@@ -149,6 +149,13 @@ def points_case() -> str:
     return tomli_w.dumps({**PAD, "bodies": bodies, "loads": {"press": press(), "heat": heat}})
 
 
+def strain_case() -> str:
+    """A case whose residual strain is in strain.csv."""
+    history = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
+    weld = {"type": "eigenstrain", "file": "strain.csv", "history": history}
+    return tomli_w.dumps({**PAD, "loads": {"press": press(), "weld": weld}})
+
+
 def shape_case() -> str:
     """A case in which a boundary moves as shape.csv says."""
     history = [{"ramp": 1.0, "until": 1.0, "steps": 1}]

@@ -225,6 +225,15 @@ BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
         {"sectors": 3, "pitch_radius": 35},
         "pitch_radius: expected at least ",
     ),
+    ("firtree", "two sectors"): ({"sectors": 2}, "sectors: expected 0 (a block) or at least 3"),
+    ("firtree", "sectors as wide as the slot"): (
+        {"sectors": 60},
+        "sectors: expected at least 2.2 between the slot and the sides of the sector, found ",
+    ),
+    ("firtree", "disc around its axis"): (
+        {"sectors": 3, "pitch_radius": 35},
+        "pitch_radius: expected at least ",
+    ),
     ("cylinder", "upper half cylinder"): (
         {"upper_width": 9},
         "upper_width: expected at most 7.92 ",

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 import random
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -557,8 +557,9 @@ def test_summary_counts_and_measures() -> None:
     assert 0 < top.smallest_facet <= top.measure / top.facets <= top.largest_facet
 
 
-def test_sides_of_a_sector_match_node_by_node() -> None:
-    disc = dovetail(sectors=36, pitch_radius=300.0, disc_depth=100.0).bodies["disc"]
+@pytest.mark.parametrize("make", [dovetail, firtree])
+def test_sides_of_a_sector_match_node_by_node(make: Callable[..., Mesh]) -> None:
+    disc = make(sectors=36, pitch_radius=300.0, disc_depth=100.0).bodies["disc"]
     sides = {"boundary1": "disc_side_left", "boundary2": "disc_side_right"}
     table = {"type": "cyclic", "sectors": 36, "centre": (0.0, -300.0), **sides}
     tie = tie_sides(
