@@ -346,10 +346,14 @@ def _displacement(reduction: Reduction, pair: Pair, body: str, block: StateBlock
     """(n, N, d) displacement of body 1, or that of body 2 times -1, at the nodes of a contact."""
     interface = reduction.interface
     nodes, own = interface.contacts[pair.name], coordinate_range(interface.coordinates, body)
+    d = interface.components
     weighted = reduction.bodies[body].relative_displacement(
-        block.traction, block.coordinates[:, own], block.amplitudes
+        block.traction,
+        block.coordinates[:, own],
+        block.amplitudes,
+        slice(nodes.start * d, nodes.stop * d),
     )
-    relative = weighted.reshape(len(weighted), interface.size, -1)[:, nodes]
+    relative = weighted.reshape(len(weighted), -1, d)
     # Along the tangents w is that of body 2 relative to body 1.
     signs = np.where(np.arange(relative.shape[2]) > 0, -1.0, 1.0)
     parts = relative / interface.roots[nodes, None] * signs

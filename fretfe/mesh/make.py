@@ -28,11 +28,12 @@ from fretfe.mesh.templates import Template
 # The size of a model over its smallest elements up to which there are not many, in the plane and in
 # space.
 HARMLESS = {2: 1e5, 3: 5e2}
+# The same up to which lines along the curves of a template are counted at once.
+FEW_LINES = 1e7
 # More elements than any case needs.
 MOST_ELEMENTS = 5e6
 # Factors of all element sizes: for a first look at the curves, and for meshes that become finer.
 FIRST, COARSE, STEP, FINEST = 4096.0, 256.0, 4.0, 4.0
-FINE = 64.0
 # Elements along all curves that a coarse mesh may have; cells from which their number tells enough.
 ALONG_CURVES, ENOUGH = 2000, 5000
 # Equilateral triangles on the square of their side.
@@ -65,17 +66,14 @@ def require_room(gmsh: ModuleType, source: str, smallest: float, growth: float) 
     dimension = gmsh.model.getDimension()
     if extent <= HARMLESS[dimension] * smallest or gmsh.model.mesh.getElementTypes().size:
         return
-    memory = machine_memory()
-
-    def too_many(elements: float) -> bool:
+    memory, few = machine_memory(), dimension == 2 and extent <= FEW_LINES * smallest
+    # Meshes of templates grow from their curves, whose lines take a tenth of the time of triangles.
+    for count in (_most_in_rows, expected_elements) if few else (expected_elements,):
+        elements = count(gmsh, growth)
         needed = least_memory(elements, dimension)
-        return elements > MOST_ELEMENTS or needed > (memory or math.inf)
-
-    if smallest and dimension == 2 and not too_many(_most_in_rows(gmsh, growth)):
-        return
-    elements = expected_elements(gmsh, growth)
-    needed = least_memory(elements, dimension)
-    if too_many(elements):
+        if elements <= MOST_ELEMENTS and needed <= (memory or math.inf):
+            break
+    else:
         there = f" (there are {memory / 2**30:.0f} GB)" if memory else ""
         raise MeshError(
             f"{source}: expected at most {MOST_ELEMENTS:.0e} elements that this machine can solve, "
@@ -86,24 +84,15 @@ def require_room(gmsh: ModuleType, source: str, smallest: float, growth: float) 
 
 
 def _most_in_rows(gmsh: ModuleType, growth: float) -> float:
-    """Most triangles of the mesh to come if all sizes grow from those along curves.
+    """Most triangles of a mesh whose sizes grow from those along its curves, by their lines alone.
 
-    That is so for templates. It takes a tenth of the time of `expected_elements`, which makes
-    meshes of surfaces: each curve has its lines, in whole numbers, at sizes that are some times as
-    large, smaller ones if there are few.
+    Sizes that are some times as large make as many times fewer lines, in whole numbers.
     """
     before = gmsh.option.getNumber(FACTOR)
-    most, factor = math.inf, FIRST
-    try:
-        while factor >= FINE:
-            lines = _count(gmsh, 1, factor * before)
-            most, factor = factor * lines * PER_SQUARE / growth, factor / FIRST * FINE
-            if lines > ALONG_CURVES:
-                break
-    finally:
-        gmsh.option.setNumber(FACTOR, before)
-        gmsh.model.mesh.clear()
-    return most
+    lines = _count(gmsh, 1, COARSE * before)
+    gmsh.option.setNumber(FACTOR, before)
+    gmsh.model.mesh.clear()
+    return COARSE * lines * PER_SQUARE / growth
 
 
 def expected_elements(gmsh: ModuleType, growth: float) -> float:
