@@ -103,7 +103,7 @@ def test_refused_values(values: dict[str, Any], message: str) -> None:
 )
 def test_a_number_of_lobes_is_whole(value: float, message: str) -> None:
     firtree = find_template("firtree")
-    assert [each.name for each in firtree.parameters if each.whole] == ["lobes"]
+    assert [each.name for each in firtree.parameters if each.whole] == ["lobes", "sectors"]
     with pytest.raises(CaseError, match=message):
         check_parameters(firtree, {"lobes": value})
 

@@ -13,12 +13,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case, Geometry, Solid, check_dimension, complaint
@@ -143,7 +144,56 @@ def _extruded_mesh(case: Case, mesh: Mesh) -> Mesh:
             f"expected no boundaries with the names of the ends, found {', '.join(sorted(taken))}"
         )
         raise CaseError(complaint(case.source, ("geometry", "solid"), text))
-    return extrude(mesh, case.geometry.solid)
+    return extrude(mesh, case.geometry.solid, _sides(case, mesh))
+
+
+def _sides(case: Case, mesh: Mesh) -> dict[str, SectorSides]:
+    """Sides of sectors about an axis along z, by the body that has them."""
+    surfaces = {name for c in case.contacts.values() for name in (c.surface1, c.surface2)}
+    return {
+        name: SectorSides(
+            np.array(symmetry.centre[:2]),
+            body.points[np.unique(np.concatenate([body.boundaries[each] for each in sides]))],
+            body.points[np.unique(np.concatenate([body.boundaries[each] for each in touching]))],
+        )
+        for symmetry in case.symmetry.values()
+        for name, body in mesh.bodies.items()
+        if (sides := [s for s in (symmetry.boundary1, symmetry.boundary2) if s in body.boundaries])
+        and (touching := surfaces & set(body.boundaries))
+        and not any(symmetry.axis[:2])
+    }
+
+
+@dataclass(frozen=True)
+class SectorSides:
+    """Sides of a sector in the plane that is extruded.
+
+    Sides of a solid that leans would be no images of one another. So they turn about the axis,
+    along a helicoid, as fast as the contacts move around it; contacts lean, straight as a broach
+    makes them; and what is between them does so in the ratio of the distances.
+
+    Attributes:
+        centre: (2,) where the axis is.
+        sides: (n, 2) nodes of the sides.
+        contacts: (m, 2) nodes of the contact surfaces.
+    """
+
+    centre: Array
+    sides: Array
+    contacts: Array
+
+    def bend(self, points: Array, leaned: Array) -> Array:
+        """(n, 2) places in the solid of points (n, 2) that lean by (n,) along x."""
+        away = cKDTree(self.contacts).query(points)[0]
+        share = away / (away + cKDTree(self.sides).query(points)[0])
+        x, y = (self.contacts - self.centre).mean(axis=0)
+        angle = -y / (x**2 + y**2) * leaned
+        arms, cosine, sine = points - self.centre, np.cos(angle), np.sin(angle)
+        turned = np.column_stack(
+            [arms[:, 0] * cosine - arms[:, 1] * sine, arms[:, 0] * sine + arms[:, 1] * cosine]
+        )
+        straight = points + leaned[:, None] * [1.0, 0.0]
+        return np.asarray(straight + share[:, None] * (self.centre + turned - straight))
 
 
 def _mesh_of_case(case: Case, size: SetSizes | None) -> Mesh:
@@ -286,27 +336,35 @@ def _require_names(case: Case, kind: FileKind) -> None:
         raise CaseError("\n".join(sorted(missing)))
 
 
-def extrude(mesh: Mesh, solid: Solid) -> Mesh:
+def extrude(mesh: Mesh, solid: Solid, sectors: Mapping[str, SectorSides] | None = None) -> Mesh:
     """The solid that a plane mesh sweeps along (tan(skew), 0, 1) * length, from z = 0.
 
     Args:
         mesh: of plane bodies, with cells of order 1 or 2.
         solid: length in the units of the mesh, skew in degrees, number of layers.
+        sectors: sides of bodies that turn about an axis.
 
     Returns:
         Tetrahedra and hexahedra of the same order. The boundaries keep their names; those at the
         ends are called `<body>_back` (z = 0) and `<body>_front` (z = length).
     """
-    bodies = {name: _extruded_body(body, solid) for name, body in mesh.bodies.items()}
+    bodies = {
+        name: _extruded_body(body, solid, (sectors or {}).get(name))
+        for name, body in mesh.bodies.items()
+    }
     return replace(mesh, bodies=bodies)
 
 
-def _extruded_body(body: BodyMesh, solid: Solid) -> BodyMesh:
+def _extruded_body(body: BodyMesh, solid: Solid, sector: SectorSides | None) -> BodyMesh:
     """One body; its nodes are those of the plane mesh, level by level (half layers in order 2)."""
     levels = body.order * solid.layers + 1
     z = np.repeat(np.linspace(0.0, solid.length, levels), len(body.points))
     plane = np.tile(body.points, (levels, 1))
-    points = np.column_stack([plane[:, 0] + math.tan(math.radians(solid.skew)) * z, plane[:, 1], z])
+    leaned = math.tan(math.radians(solid.skew)) * z
+    across = plane + leaned[:, None] * [1.0, 0.0]
+    if sector is not None:
+        across = sector.bend(plane, leaned)
+    points = np.column_stack([across, z])
     columns = (_Prisms if body.cell == "triangle" else _Bricks)(body, solid.layers)
     sides = {name: columns.sides(facets) for name, facets in body.boundaries.items()}
     ends = {

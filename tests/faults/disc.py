@@ -4,15 +4,17 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import sectors
 import tomli_w
 from faults.fault import CHECK, FEM, HALFPLANE, Fault
 
+from fretfe._typing import Array
 from fretfe.case import Solid
 from fretfe.mesh.load import extrude
 from fretfe.mesh.make import write_mesh
@@ -69,6 +71,50 @@ TABLES: dict[str, tuple[Tables, bool | None]] = {
 }  # fmt: skip
 
 
+def moved(where: Callable[[Array, Array], Array]) -> BodyMesh:
+    """The sector with radii by a function of the part of the way to the top, and of radii."""
+    ring = sectors.ring()
+    radius = np.hypot(*ring.points.T)
+    angle = np.arctan2(ring.points[:, 1], ring.points[:, 0])
+    part = (np.degrees(angle) + 45) / 90
+    size = where(part, radius) / radius
+    return replace(ring, points=ring.points * size[:, None])
+
+
+def part_of_side(name: str) -> BodyMesh:
+    """The sector with only a part of a side in its group."""
+    ring = sectors.ring()
+    return replace(ring, boundaries={**ring.boundaries, name: ring.boundaries[name][:2]})
+
+
+# Sectors; must they be refused?
+MESHES: dict[str, tuple[Callable[[], BodyMesh], bool]] = {
+    "nodes of one side elsewhere": (
+        lambda: moved(lambda part, r: r + 0.2 * part * (r - sectors.BORE) * (sectors.OUTSIDE - r)),
+        False,
+    ),
+    "one side longer": (
+        lambda: moved(lambda part, r: r + 0.1 * part * (r - sectors.BORE)), True,
+    ),
+    "one side farther out": (lambda: moved(lambda part, r: r + 0.1 * part), True),
+    "one side a little longer": (
+        lambda: moved(lambda part, r: r + 1e-4 * part * (r - sectors.BORE)), True,
+    ),
+    "a part of a side": (lambda: part_of_side("ring_top"), True),
+    "a part of the other side": (lambda: part_of_side("ring_bottom"), True),
+    "a contact at a side": (lambda: sectors.ring(seat=(-50.0, 30.0)), True),
+    "a contact from side to side": (lambda: sectors.ring(seat=(-50.0, 50.0)), True),
+    "a sector around the axis": (lambda: shifted(-1.2), True),
+    "a sector with the axis on its bore": (lambda: shifted(-1.0), True),
+}  # fmt: skip
+
+
+def shifted(along: float) -> BodyMesh:
+    """The sector moved so that the axis of the case is elsewhere in it."""
+    ring = sectors.ring()
+    return replace(ring, points=ring.points + np.array([along, 0.0]))
+
+
 def turning() -> Tables:
     """A traction on the sector of which nothing takes the moment about the axis."""
     return {"loads": {"more": {**PUSH, "direction": "y"}}}
@@ -87,6 +133,11 @@ def faults() -> Iterator[Fault]:
         back = {each: {"boundary": f"{each}_back", "fix": ["z"]} for each in ("ring", "pad")}
         yield _fault(name, CHECK, sides, {"supports": back}, skew > 0, skew)
     yield _fault("solid that nothing holds", CHECK, sides, {}, True, 0.0)
+    for name, (mesh, refused) in MESHES.items():
+        for command in (CHECK, FEM):
+            yield _fault(
+                f"meshes/{name}/{command[0]}", command, sectors.cyclic(), {}, refused, ring=mesh
+            )
 
 
 def _both(name: str, sides: Tables, tables: Tables, refused: bool | None) -> Iterator[Fault]:
@@ -101,6 +152,7 @@ def _fault(
     tables: Tables,
     refused: bool | None,
     skew: float | None = None,
+    ring: Callable[[], BodyMesh] = sectors.ring,
 ) -> Fault:
     axis = () if skew is None else (0, 0, 1)
     data = copy.deepcopy(sectors.spinning(1, axis, symmetry=sides))
@@ -108,7 +160,7 @@ def _fault(
     data["geometry"] = {"file": "sector.msh"}
 
     def write(good: Path, here: Path) -> None:
-        mesh = Mesh({each.name: each for each in bodies()})
+        mesh = Mesh({each.name: each for each in bodies(ring())})
         if skew is not None:
             mesh = extrude(mesh, Solid(length=0.5, layers=1, skew=skew))
         write_mesh(mesh, here / "sector.msh")
@@ -117,9 +169,8 @@ def _fault(
     return Fault(f"disc/{name}", command, write, refused)
 
 
-def bodies() -> list[BodyMesh]:
+def bodies(ring: BodyMesh) -> list[BodyMesh]:
     """The sector and its block, all of their boundaries of one group each."""
-    ring = sectors.ring()
     outside = {name: ring.boundaries[name] for name in ("ring_bottom", "ring_top", "ring_right")}
     return [replace(ring, boundaries={**outside, "ring_seat": ring.boundaries["ring_seat"]}),
             sectors.pad()]  # fmt: skip

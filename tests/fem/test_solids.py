@@ -14,13 +14,15 @@ from numpy.typing import NDArray
 from pad_cases import pad_text, press
 from scipy.spatial import cKDTree
 
-from fretfe.case import Solid
+from fretfe.bodies.cyclic import tie_sides
+from fretfe.case import Solid, parse_case
 from fretfe.mesh.elements import directed_facets, exterior_facets, jacobian_determinants
 from fretfe.mesh.gmsh import gmsh_model
 from fretfe.mesh.load import extrude
 from fretfe.mesh.make import mesh_template, write_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.mesh.templates import find_template
+from fretfe.surface.checks import load_mesh
 
 COARSE: dict[str, dict[str, float]] = {
     "cylinder": {"size": 0.2, "growth": 0.5},
@@ -195,3 +197,49 @@ def test_commands_take_a_solid(tmp_path: Path) -> None:
     done = fretfe("run", case, "-o", results, "--set", "model.thickness=2.0")
     assert done.returncode == 2
     assert "model.thickness: expected 1 on a mesh of solids, found 2" in done.stderr
+
+
+@pytest.mark.parametrize("name", ["dovetail", "firtree"])
+def test_a_skewed_sector_has_straight_slots_and_sides_that_are_images(name: str) -> None:
+    flanks = ["left", "right"] if name == "dovetail" else ["left_1", "right_1"]
+    sides = {"boundary1": "disc_side_left", "boundary2": "disc_side_right"}
+    centre = [0.0, -300.0, 0.0]
+    sector = {"sectors": 36, "pitch_radius": 300.0, "disc_depth": 60.0}
+    case = parse_case(
+        {
+            "geometry": {
+                "template": name,
+                "parameters": COARSE[name] | sector,
+                "solid": {"length": 20.0, "skew": 10.0, "layers": 2},
+            },
+            "bodies": {body: {"young": 1.0, "poisson": 0.3} for body in ("blade", "disc")},
+            "contacts": {
+                each: {
+                    "surface1": f"blade_flank_{each}",
+                    "surface2": f"disc_flank_{each}",
+                    "friction": 0.3,
+                }
+                for each in flanks
+            },
+            "symmetry": {"disc": {"type": "cyclic", **sides, "sectors": 36, "centre": centre}},
+            "loads": {
+                "p": {
+                    "type": "traction",
+                    "boundary": "blade_top",
+                    "direction": "y",
+                    "history": [{"ramp": 1.0, "until": 1.0, "steps": 1}],
+                }
+            },
+        }
+    )
+    disc = load_mesh(case).bodies["disc"]
+    assert determinants(disc, CUBIC_PLACES).min() > 0
+    tie = tie_sides(case.symmetry["disc"], ("symmetry", "disc"), case.source, disc, 2)
+    np.testing.assert_array_equal(tie.weights.data, 1.0)
+    assert len(tie.weights.data) == len(tie.followers) > 50
+    for each in flanks:
+        points = disc.points[np.unique(disc.boundaries[f"disc_flank_{each}"])]
+        straight = points[:, 0] - math.tan(math.radians(10.0)) * points[:, 2]
+        first = points[points[:, 2] == 0]
+        distance, _ = cKDTree(first[:, :2]).query(np.column_stack([straight, points[:, 1]]))
+        assert distance.max() < 1e-12
