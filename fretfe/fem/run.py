@@ -201,6 +201,7 @@ class _Run:
             contacts=contacts,
             solution=solution,
             notes=(
+                *case.material_notes,
                 *model.notes,
                 *_cut_notes(case, solution),
                 *self._prepared.mesh.notes,

@@ -15,10 +15,12 @@ from faults.fault import CHECK, HALFPLANE, Fault, Prepare, damaged
 from faults.originals import (
     DRAWINGS,
     GRIDS,
+    MATERIAL,
     MESHES,
     case_text,
     csv_case,
     field_case,
+    material_case,
     points_case,
     shape_case,
     strain_case,
@@ -41,6 +43,7 @@ def faults() -> Iterator[Fault]:
     yield from _point_tables()
     yield from _shape_tables()
     yield from _strain_tables()
+    yield from _materials()
     yield from _fields()
     yield from _traction_tables()
 
@@ -349,6 +352,37 @@ def _point_tables() -> Iterator[Fault]:
     for name, content in contents.items():
         change = _constant(content.encode())
         yield Fault(f"{file}/{name}", CHECK, _with(file, change, text), True)
+
+
+def _materials() -> Iterator[Fault]:
+    file, text = "own.toml", material_case()
+    yield Fault(f"{file}/whole", CHECK, _table(file, MATERIAL, text), False)
+    for seed in range(24):
+
+        def damage(good: Path, here: Path, seed: int = seed) -> None:
+            (here / "case.toml").write_text(text)
+            (here / file).write_bytes(damaged(MATERIAL.encode(), seed))
+
+        yield Fault(f"{file}/damaged/{seed}", CHECK, damage)
+    yield Fault(f"{file}/pipe", CHECK, _pipe(file, text), True)
+    contents = {
+        "empty": "",
+        "no source": MATERIAL.replace("source", "title"),
+        "no units": MATERIAL.replace("units", "title"),
+        "units of nothing": MATERIAL.replace("GPa", ""),
+        "units that are not known": MATERIAL.replace("kg/m^3", "stone"),
+        "nan": MATERIAL.replace("0.3", "nan"),
+        "huge": MATERIAL.replace("7850.0", "1e300"),
+        "rubber": MATERIAL.replace("0.3", "0.5"),
+        "falling": MATERIAL.replace("[0, 100]", "[100, 0]"),
+        "frozen": MATERIAL.replace("[0, 100]", "[-280, 100]"),
+        "deep": MATERIAL + "elastic = " + "[" * 20000 + "]" * 20000,
+        "a case": text,
+        "long": MATERIAL + "#" * 2_000_000,
+        "itself": MATERIAL + 'material = "own.toml"\n',
+    }
+    for name, content in contents.items():
+        yield Fault(f"{file}/{name}", CHECK, _table(file, content, text), True)
 
 
 def _strain_tables() -> Iterator[Fault]:
