@@ -56,7 +56,7 @@ class Checked:
     def notes(self) -> tuple[str, ...]:
         """Things that a reader of its results should know, in words."""
         layers = layer_notes(self.case, self.definition, self.mesh)
-        return (*layers, *cut_notes(self.definition))
+        return (*self.case.material_notes, *layers, *cut_notes(self.definition))
 
     @property
     def cost(self) -> Cost:

@@ -566,7 +566,6 @@ def draw_report(directory: Path) -> Drawn:
     What cannot be made takes nothing away from the results. Plots are drawn while other processes
     draw pictures, if cores are idle.
     """
-    from fretfe.report.page.html import draw_plots, write_report
     from fretfe.report.pictures.folder import make_pictures
     from fretfe.results.reader import load_result
 
@@ -583,6 +582,9 @@ def draw_report(directory: Path) -> Drawn:
         seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - begin
 
     def draw_ahead() -> None:
+        # Imported while other processes draw.
+        from fretfe.report.page.html import draw_plots
+
         attempt("report", lambda: plots.append(draw_plots(load_result(directory))))
 
     try:
@@ -593,6 +595,8 @@ def draw_report(directory: Path) -> Drawn:
             else:
                 seconds["pictures"] -= seconds["report"]
             if plots:
+                from fretfe.report.page.html import write_report
+
                 attempt("report", lambda: write_report(directory, plots[0]))
     except OutputError as error:
         problems.append(f"no report: {error}")

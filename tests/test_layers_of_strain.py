@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
 import blocks
@@ -12,7 +13,7 @@ import pytest
 from pad_cases import pad, press
 
 from fretfe._typing import Array
-from fretfe.bodies.definition import Layer, define_model, layer_notes
+from fretfe.bodies.definition import Layer, Material, define_model, layer_notes
 from fretfe.case import parse_case
 from fretfe.errors import CaseError, MeshError
 from fretfe.idealise import obstacles
@@ -102,7 +103,17 @@ KEYS: dict[str, tuple[dict[str, Any], str]] = {
     "nan": ({"values": [1.0, float("nan")]}, "loads.peen.values[item 2]: expected a finite number"),
     "empty": ({"depths": [], "values": []}, "loads.peen.depths: expected"),
     "no surface": ({"surfaces": []}, "loads.peen.surfaces: expected"),
-    "missing": ({"surfaces": None}, "loads.peen.surfaces: expected a value (the key is required)"),
+    "missing": (
+        {"surfaces": None},
+        "loads.peen: expected 'surfaces', 'depths' and 'values', or "
+        "'file', found 'depths', 'values'",
+    ),
+    "nothing": (
+        {"surfaces": None, "depths": None, "values": None},
+        "loads.peen: expected 'surfaces', 'depths' and 'values', or 'file', found none",
+    ),
+    "both": ({"file": "a.csv"}, "or 'file', found 'surfaces', 'depths', 'values', 'file'"),
+    "bodies": ({"bodies": ["lower"]}, "loads.peen: expected 'bodies' with 'file' only"),
     "text": ({"surfaces": "lower_top"}, "loads.peen.surfaces: expected"),
     "boundary": ({"boundary": "lower_top"}, "loads.peen.boundary: unknown key"),
 }
@@ -123,3 +134,34 @@ def test_half_planes_have_no_layers() -> None:
     data = pad(loads={"press": press(), "peen": peened()["loads"]["peen"]})
     (reason,) = (each for each in obstacles(parse_case(data)) if "peen" in each)
     assert reason.endswith("found an eigenstrain (everywhere)")
+
+
+WHOLE = "x,y,exx,eyy,ezz,exy\n-9,-9,1,2,3,4\n9,-9,1,2,3,4\n-9,9,1,2,3,4\n9,9,1,2,3,4\n"
+FILES: dict[str, tuple[str, str]] = {
+    "whole": (WHOLE, ""),
+    "no component": (WHOLE.replace("ezz", "z"), "expected one column 'ezz'"),
+    "nan": (WHOLE.replace("4\n-9,9", "nan\n-9,9"), "line 3, column 'exy': expected a finite"),
+    "a point twice": (WHOLE.replace("-9", "9"), "expected a point of its own"),
+    "near": (WHOLE.replace("9", ".9"), "expected points that reach as far as the body"),
+    "other body": (WHOLE, "loads.peen.bodies[item 1]: expected one of the bodies 'upper', 'lower'"),
+}
+
+
+@pytest.mark.parametrize(("text", "expected"), FILES.values(), ids=FILES)
+def test_files_of_strains(text: str, expected: str, tmp_path: Path) -> None:
+    (tmp_path / "weld.csv").write_text(text)
+    keys: dict[str, Any] = {"surfaces": None, "depths": None, "values": None, "file": "weld.csv"}
+    if "bodies" in expected:
+        keys["bodies"] = ["shim"]
+
+    def define() -> Array:
+        case = parse_case(peened(**keys), tmp_path / "case.toml")
+        load = define_model(case, mesh(1)).loads[-1]
+        case_body = case.bodies["lower"]
+        return load.initial_strain("lower", Material.of(case_body, "strain"), np.zeros((1, 2)))[0]
+
+    if not expected:
+        np.testing.assert_allclose(define(), [[1, 4, 0], [4, 2, 0], [0, 0, 3]], atol=1e-12)
+        return
+    with pytest.raises(CaseError, match=re.escape(expected)):
+        define()

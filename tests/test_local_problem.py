@@ -47,8 +47,8 @@ def histories(
         halves=(halves,) * len(shares),
         counted=np.ones_like(k, dtype=bool),
         friction=FRICTION,
-        modulus=E_STAR,
-        antiplane=antiplane,
+        modulus=E_STAR * ones,
+        tangential=np.tile(np.diag([1.0, antiplane]), (len(shares), 1, 1)),
         cycle=(last - STEPS, last),
     )
     return dataclasses.replace(found, **other)
@@ -107,6 +107,28 @@ def test_with_it_oblique_shear_makes_zones_between_those_of_both_directions_and_
     np.testing.assert_allclose(np.arctan2(deep[:, 1], deep[:, 0]), 0.8, atol=0.03)
 
 
+def test_axes_of_a_crystal_turn_with_the_shear() -> None:
+    """Compliances along oblique axes and shear turned with them: only the axes' names change."""
+    angle, turn = 0.4, 0.7
+    straight = histories(SHARES, CYLINDER, angle, 1 / 0.7)
+    turned = histories(SHARES, CYLINDER, angle + turn, 1 / 0.7)
+    axes = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    turned = dataclasses.replace(turned, tangential=axes @ straight.tangential @ axes.T)
+    assert np.abs(turned.tangential[0, 0, 1]) > 0.1
+    for one, other in zip(solve_edges(straight), solve_edges(turned), strict=True):
+        shear = other.tractions[1].shear @ axes
+        np.testing.assert_allclose(shear, one.tractions[1].shear, atol=1e-7)
+        np.testing.assert_allclose(other.profiles[1].slip, one.profiles[1].slip, atol=1e-11)
+
+
+def test_bodies_that_yield_more_to_shear_slip_farther_over_the_same_zone() -> None:
+    given = histories(SHARES, CYLINDER)
+    soft = dataclasses.replace(given, tangential=1.3 * given.tangential)
+    for one, other in zip(solve_edges(given), solve_edges(soft), strict=True):
+        np.testing.assert_allclose(other.profiles[1].slip, 1.3 * one.profiles[1].slip, rtol=1e-6)
+        assert other.work == pytest.approx(1.3 * one.work)
+
+
 def test_friction_work_is_that_of_mindlin_and_deresiewicz() -> None:
     """Loop of a sphere: per length of the front, its work in the plane times `work_share`."""
     shares = np.array([0.05, 0.2, 0.4, 0.7])
@@ -163,8 +185,8 @@ def out_of_phase(lag: float, steps: int) -> tuple[EdgeHistories, Array]:
         halves=(((ends[1] - steps, ends[0]), (ends[0], ends[1])),),
         counted=np.ones((1, len(k)), dtype=bool),
         friction=FRICTION,
-        modulus=E_STAR,
-        antiplane=1.0,
+        modulus=np.array([E_STAR]),
+        tangential=np.eye(2)[None],
         cycle=(first, first + steps),
     )  # fmt: skip
     return given, exactly

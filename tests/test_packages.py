@@ -111,9 +111,8 @@ def clean(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_source_package_has_the_sources_and_no_more(source_files: set[str]) -> None:
     beside = {"CHANGELOG.md", "CITATION.cff", "CMakeLists.txt", "LICENSE", "LICENSE.GPL"}
     beside |= {"PKG-INFO", "README.md", "pyproject.toml"}
-    assert source_files == beside | sources(Path("fretfe")) | sources(Path("meshes")) | sources(
-        Path("docs")
-    )
+    folders = ("fretfe", "meshes", "materials", "docs")
+    assert source_files == beside.union(*(sources(Path(each)) for each in folders))
 
 
 def test_wheel_has_the_package_and_no_more(wheel_files: set[str]) -> None:
@@ -121,9 +120,9 @@ def test_wheel_has_the_package_and_no_more(wheel_files: set[str]) -> None:
     libraries = {name for name in package if name.endswith(".so")}
     assert libraries == {f"fretfe/_core/{name}.so" for name in ("_kernels.abi3", "_gemmt")}
     python = {name for name in sources(Path("fretfe")) if not name.endswith((".cpp", ".hpp"))}
-    templates = {f"fretfe/{name}" for name in sources(Path("meshes"))}
+    data = {f"fretfe/{name}" for each in ("meshes", "materials") for name in sources(Path(each))}
     glossary = "fretfe/report/page/glossary.md"
-    assert package == python | templates | libraries | {glossary}
+    assert package == python | data | libraries | {glossary}
     # The report and a check read these files when they run.
     assert {"fretfe/report/page/report.css", "fretfe/report/page/report.html.j2"} < package
     assert {

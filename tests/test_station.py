@@ -30,13 +30,13 @@ from solid_runs import (
 from typer.testing import CliRunner
 
 from fretfe._typing import Array
-from fretfe.case import Units, antiplane_ratio, contact_modulus, isotropic
+from fretfe.case import Body, Crystal, Units, contact_modulus, isotropic
 from fretfe.cli.app import app
 from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
 from fretfe.evaluate.contacts import Frame, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.slip import SlipBorder, cycle_states, slip_zones
-from fretfe.evaluate.space.local import EdgeBodies, add_local_problems, cycles_before
+from fretfe.evaluate.space.local import add_local_problems, cycles_before
 from fretfe.evaluate.verdicts import judge
 from fretfe.local.problem import solve_batches
 from fretfe.report.figures.edges import _zones, draw_half_cycle, station_plot
@@ -57,12 +57,15 @@ def changed(result: Result, **values: Any) -> Result:
     return with_stations(result, lambda station: replace(station, **values))
 
 
-def solved(result: Result, antiplane: float | None = None) -> Result:
-    """The same with the plane problems of all stations."""
-    upper, lower = (isotropic(result.case.bodies[name]) for name in ("upper", "lower"))
-    assert upper is not None and lower is not None
-    ratio = antiplane_ratio(upper, lower) if antiplane is None else antiplane
-    bodies = {"main": EdgeBodies(contact_modulus(upper, lower, "strain"), ratio)}
+def solved(result: Result, poisson: float | None = None, crystal: Crystal | None = None) -> Result:
+    """The same with the plane problems of all stations, for bodies of the same E*, or a crystal."""
+    bodies = {name: crystal or each for name, each in result.case.bodies.items()}
+    if poisson is not None:
+        for name, each in bodies.items():
+            known = isotropic(each)
+            assert known is not None
+            young = known.young * (1 - poisson**2) / (1 - known.poisson**2)
+            bodies[name] = Body(young=young, poisson=poisson)
     assert result.solution is not None
     contacts = add_local_problems(result.solution, result.contacts, bodies, solve_batches)
     return replace(result, contacts=contacts)
@@ -121,7 +124,7 @@ def bare() -> Result:
 
 @pytest.fixture(scope="module")
 def solid(bare: Result) -> Result:
-    return solved(bare, antiplane=1.0)
+    return solved(bare, poisson=0.0)
 
 
 @pytest.fixture(scope="module")
@@ -236,7 +239,7 @@ def test_slip_zones_are_those_of_an_ellipse_and_its_stick_zone(long: float, shar
     (contact,) = with_stations(posed(cycles(result), angle), on_it).contacts
     length = on_ellipse(stations(result)[0], count, long)[2]
     fronts = (replace(contact.fronts[0], length=length),)
-    ellipse = solved(replace(result, contacts=(replace(contact, fronts=fronts),)), antiplane=1.0)
+    ellipse = solved(replace(result, contacts=(replace(contact, fronts=fronts),)), poisson=0.0)
     for station in stations(ellipse):
         square = station.frame.inward**2 @ [1.0, 0.0, 1 / long**2]
         expected = station.depth - math.sqrt(station.depth**2 - (1 - stick**2) / square)
@@ -308,15 +311,35 @@ def test_loads_that_turn_have_a_length_without_a_formula(solid: Result) -> None:
 
 
 def test_shear_along_the_front_slips_as_far_as_that_across_it_whatever_nu() -> None:
-    (across, along) = (solved(sheared(angle), antiplane=1 / 0.7) for angle in (0.0, 90.0))
+    (across, along) = (solved(sheared(angle), poisson=0.3) for angle in (0.0, 90.0))
     first, second = (stations(each)[0].slip_zones[-1].local for each in (across, along))
     assert first == pytest.approx(WIDTH, rel=0.012) and second == pytest.approx(first, rel=1e-6)
+
+
+@pytest.mark.parametrize("z", [[0, 0, 1], [1, 1, 1]])
+def test_stations_of_crystals_have_the_compliance_of_their_orientation(
+    bare: Result, z: list[int]
+) -> None:
+    """About <001> one crystal has no coupling of pressure and shear, about <111> it has."""
+    across = {"z": z, "x": [1, -1, 0]}
+    crystal = Crystal.model_validate(
+        {"elastic": {"cubic": [252e3, 161e3, 131e3]}, "orientation": across}
+    )
+    found, plain = (solved(bare, **each) for each in ({"crystal": crystal}, {"poisson": 0.0}))
+    zones, others = (
+        [station.slip_zones[-1] for station in stations(each)] for each in (found, plain)
+    )
+    for zone, other in zip(zones, others, strict=True):
+        assert zone.local == pytest.approx(other.local, rel=0.03)
+    assert len({round(zone.local, 6) for zone in zones}) > 2
+    wider = max(zone.local_spread for zone in zones) / max(each.local_spread for each in others)
+    assert wider > 2 if z == [1, 1, 1] else wider < 1.05
 
 
 @pytest.mark.parametrize("share", [0.5 * SHEAR, 0.02])
 def test_work_along_a_front_is_that_of_mindlin_and_deresiewicz(solid: Result, share: float) -> None:
     """At small loads it is π ΔK³/(3 f K_N E*) per length of the front."""
-    result = solid if share == 0.5 * SHEAR else solved(sheared(ANGLE, share), antiplane=1.0)
+    result = solid if share == 0.5 * SHEAR else solved(sheared(ANGLE, share), poisson=0.0)
     upper, lower = (result.case.bodies[name] for name in ("upper", "lower"))
     modulus, force = contact_modulus(upper, lower, "strain"), 2 * np.pi * PEAK / 3
     loop = 1 - (1 - share) ** (5 / 3) - 5 * share / 6 * (1 + (1 - share) ** (2 / 3))
@@ -341,7 +364,7 @@ def test_work_leaves_out_what_has_no_plane_problem(bare: Result, solid: Result) 
                 each, end=each.number < 2, depth=math.nan if each.number == 5 else each.depth
             ),
         ),
-        antiplane=1.0,
+        poisson=0.0,
     )
     (whole,), (contact,) = solid.contacts, some.contacts
     assert contact.local_share == pytest.approx(9 / 12)

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Times and memory of runs, phases, ranks, start-up, sweeps and reports: `make bench`.
 
-Prints the tables of docs/performance.md; `tools/bench.py TABLE ...` prints some of them. Times of
-one table come from one hour and one machine; ratios to a plain factorisation of the same stiffness,
-measured in the same process, compare machines.
+Prints the tables of docs/performance.md; `tools/bench.py TABLE ... CASE ...` prints some tables, or
+some cases of them. Times of one table come from one hour and one machine; ratios to a plain
+factorisation of the same stiffness, measured in the same process, compare machines.
 """
 
 from __future__ import annotations
@@ -255,7 +255,7 @@ def rows_of_phases(cases: Cases) -> Iterator[tuple[str, ...]]:
 def rows_of_ranks(cases: Cases) -> Iterator[tuple[str, ...]]:
     """Wall time over that of one rank, processor time, and memory of the largest rank."""
     yield ("case", "ranks", "whole run, s", "of 1 rank", "processor, s", "GB of a rank")
-    for name in BY_RANKS:
+    for name in (each for each in BY_RANKS if each in cases):
         path, count = cases[name], count_of(name)
         one = run(path, count)
         for ranks in RANKS:
@@ -308,15 +308,18 @@ TABLES: dict[str, Callable[[Cases], Iterator[tuple[str, ...]]]] = {
 }
 
 
-def main(names: Sequence[str]) -> None:
-    """Measure and print some tables."""
+def main(words: Sequence[str]) -> None:
+    """Measure and print tables, those of some names, with cases of some names."""
+    if unknown := set(words) - {*TABLES, *CASES}:
+        known = ", ".join([*TABLES, *CASES])
+        sys.exit(f"expected tables and cases ({known}), found {', '.join(sorted(unknown))}")
     with tempfile.TemporaryDirectory() as folder:
         cases = {}
-        for number, (name, write) in enumerate(CASES.items()):
+        for number, name in enumerate([each for each in CASES if each in words] or CASES):
             place = Path(folder) / str(number)
             place.mkdir()
-            cases[name] = write(place)
-        for name in names:
+            cases[name] = CASES[name](place)
+        for name in [each for each in TABLES if each in words] or TABLES:
             print(f"\n{name}\n")
             for number, row in enumerate(TABLES[name](cases)):
                 print(f"| {' | '.join(row)} |", flush=True)
@@ -329,4 +332,4 @@ if __name__ == "__main__":
     if sys.argv[1:2] == ["--measure"]:
         print(json.dumps(measure(Path(sys.argv[2]), int(sys.argv[3]))))
     else:
-        main(sys.argv[1:] or tuple(TABLES))
+        main(sys.argv[1:])

@@ -39,7 +39,6 @@ import math
 import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
-from scipy.special import ellipe, ellipkm1
 
 from fretfe._typing import Array
 from fretfe.analytic._numerics import Side, check_positive, check_range, side_sign
@@ -410,6 +409,9 @@ def hertz_tension_asymptote_error(half_width: ArrayLike, slip_length: ArrayLike)
     Raises:
         ValueError: if ``half_width`` is not positive or ``slip_length`` is negative.
     """
+    # Imported where it is needed: see `profiles`.
+    from scipy.special import ellipe, ellipkm1
+
     a = check_positive("half_width", half_width)
     predicted = check_range("slip_length", slip_length, low=0.0) / a
     # Newton's method for the exact length: the prediction is a convex function of it and not

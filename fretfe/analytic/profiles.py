@@ -19,7 +19,6 @@ from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import xlogy
 
 from fretfe._typing import Array
 from fretfe.analytic._numerics import check_positive, check_range, graded_rule, solve_half_width
@@ -402,6 +401,9 @@ class FlatRounded:
         - (sin(phi) - sin(phi0)) ln |sin(phi - phi0)| - 2 sin(phi0) ln(cos(phi) + cos(phi0))
         (Ciavarella, Hills and Monno 1998, rearranged to stay finite at |x| = b).
         """
+        # Imported where it is needed: SciPy's special functions take a quarter of a second.
+        from scipy.special import xlogy
+
         a = self._check_half_width(half_width)
         with np.errstate(divide="ignore", invalid="ignore"):
             sine = np.abs(np.asarray(x, dtype=np.float64)) / a

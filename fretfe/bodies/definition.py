@@ -205,8 +205,8 @@ class DistributedLoad:
         direction: unit vector of a traction or an acceleration; axis of a rotation.
         centre: a point on the axis of a rotation; of the part of its boundary that a force acts on.
         radius: of that part; 0 for all of the boundary.
-        at_points: temperatures, or factors of a traction.
-        bodies: that a temperature acts on; () for all.
+        at_points: temperatures, strains in the order of `STRAINS`, or factors of a traction.
+        bodies: that a temperature or strains at points act on; () for all.
         layers: of an eigenstrain, by body.
         contact: of an interference.
     """
@@ -229,8 +229,8 @@ class DistributedLoad:
 
     def strains(self, body: str) -> bool:
         """True if it causes an initial strain of a body."""
-        everywhere = self.kind == "temperature" and not self.bodies
-        return everywhere or body in self.bodies or body in self.layers
+        at_points = self.at_points is not None and self.kind in ("temperature", "eigenstrain")
+        return body in self.layers or (at_points and body in (self.bodies or (body,)))
 
     def body_force(self, material: Material, places: Array) -> Array:
         """(m, d) force per volume at places (m, d) by a unit of the amplitude of one that pushes.
@@ -251,7 +251,13 @@ class DistributedLoad:
         if body in self.layers:
             return self.layers[body].strain(places)
         assert self.at_points is not None
-        change = self.at_points.at(places) - material.reference_temperature
+        given = self.at_points.at(places)
+        if self.kind == "eigenstrain":
+            strain = np.zeros((len(places), 3, 3))
+            for component, (i, j) in zip(given.T, STRAINS.values(), strict=False):
+                strain[:, i, j] = strain[:, j, i] = component
+            return strain
+        change = given - material.reference_temperature
         return np.asarray(material.expansion * change[:, None, None] * np.eye(3))
 
 
@@ -328,6 +334,8 @@ class Constraint:
         return np.cross(self.axis, arms)
 
 
+# Columns of a file of strains, of plane bodies the first four, and their components.
+STRAINS = {"exx": (0, 0), "eyy": (1, 1), "ezz": (2, 2), "exy": (0, 1), "eyz": (1, 2), "exz": (0, 2)}
 # Stiffnesses below this part of the largest one are not listed.
 SHOWN = 1e-6
 # A place is on a surface if it is nearer to it than this part of the extent of the body.
@@ -623,7 +631,7 @@ def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
     loads, gdim = [], mesh.dimension
     for name, load in case.loads.items():
         if isinstance(load, EigenstrainLoad):
-            loads.append(DistributedLoad(name, "eigenstrain", layers=_layers(load, mesh)))
+            loads.append(_eigenstrain(case, name, load, mesh))
         elif isinstance(load, TemperatureLoad):
             given = (
                 _values(case, name, load, gdim, ["T"], ABSOLUTE_ZERO)
@@ -655,8 +663,17 @@ def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
     return tuple(loads)
 
 
+def _eigenstrain(case: Case, name: str, load: EigenstrainLoad, mesh: Mesh) -> DistributedLoad:
+    if load.file is None:
+        return DistributedLoad(name, "eigenstrain", layers=_layers(load, mesh))
+    columns = list(STRAINS)[: 4 if mesh.dimension == 2 else 6]
+    given = _read_values(case, name, load.file, mesh.dimension, columns)
+    return DistributedLoad(name, "eigenstrain", at_points=given, bodies=load.bodies or ())
+
+
 def _layers(load: EigenstrainLoad, mesh: Mesh) -> dict[str, Layer]:
     """Layers of the bodies that have some of the surfaces."""
+    assert load.surfaces is not None and load.depths is not None and load.values is not None
     layers = {}
     for name, body in mesh.bodies.items():
         own = [surface for surface in load.surfaces if surface in body.boundaries]
@@ -695,8 +712,15 @@ def _values(
     if load.file is None:
         assert load.points is not None and load.values is not None
         return PointValues(np.array(load.points), np.array(load.values))
+    return _read_values(case, name, load.file, gdim, columns, least)
+
+
+def _read_values(
+    case: Case, name: str, file: str, gdim: int, columns: Sequence[str], least: float = -np.inf
+) -> PointValues:
+    """Values of a load in columns of a file."""
     try:
-        return read_points(case.resolve(load.file), gdim, columns, least)
+        return read_points(case.resolve(file), gdim, columns, least)
     except CaseError as error:
         raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
 

@@ -4,12 +4,24 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+from pydantic import (
+    AfterValidator,
+    Discriminator,
+    Field,
+    Tag,
+    TypeAdapter,
+    ValidationError,
+    model_validator,
+)
 
-from fretfe.case.base import TAG, Number, Positive, Table, Temperature
+from fretfe.case.base import TAG, Number, Positive, Table, Temperature, Text
 from fretfe.case.tables import Plane
 
 if TYPE_CHECKING:
@@ -22,6 +34,63 @@ ORTHOGONALITY = 1e-3
 # Largest stiffness that couples displacements in the plane with those across, over the largest one:
 # its square is what the plane leaves out.
 COUPLED = 1e-6
+
+
+class OverTemperature(Table):
+    """Constants over temperature, linear in between."""
+
+    temperatures: tuple[Temperature, ...] = Field(
+        min_length=2, max_length=10_000, description="Temperatures, in degrees Celsius, increasing."
+    )
+    values: tuple[Any, ...] = Field(
+        description="Constant, or list of constants, at each temperature."
+    )
+
+    @model_validator(mode="after")
+    def _one_each(self) -> Self:
+        if len(self.temperatures) != len(self.values):
+            raise ValueError(
+                "expected as many values as temperatures, "
+                f"found {len(self.temperatures)} temperatures and {len(self.values)} values"
+            )
+        if any(b <= a for a, b in pairwise(self.temperatures)):
+            raise ValueError(f"expected increasing temperatures, found {list(self.temperatures)}")
+        rows = [value if isinstance(value, list | tuple) else [value] for value in self.values]
+        if len({len(row) for row in rows}) > 1:
+            raise ValueError("expected as many constants at each temperature, found several counts")
+        for number, row in enumerate(rows, 1):
+            try:
+                TypeAdapter(tuple[Number, ...]).validate_python(tuple(row))
+            except ValidationError:
+                raise ValueError(
+                    f"expected numbers, found another value in item {number}"
+                ) from None
+        return self
+
+    def at(self, temperature: float) -> Any:
+        """The constant, or the list of them, at a temperature within the table."""
+        above = min(bisect_right(self.temperatures, temperature), len(self.temperatures) - 1)
+        low, high = self.temperatures[above - 1 : above + 1]
+        part = (temperature - low) / (high - low)
+        one, other = self.values[above - 1 : above + 1]
+        if isinstance(one, list | tuple):
+            return [(1 - part) * a + part * b for a, b in zip(one, other, strict=True)]
+        return (1 - part) * one + part * other
+
+
+@dataclass(frozen=True)
+class Given:
+    """Bodies as a case gives them, before tables and files became numbers.
+
+    Attributes:
+        bodies: their tables.
+        notes: where constants come from, in words.
+        young: Young's modulus over temperature in the units of the case, of bodies that have it.
+    """
+
+    bodies: Mapping[str, Any]
+    notes: tuple[str, ...]
+    young: Mapping[str, OverTemperature]
 
 
 # Shared by isotropic bodies and crystals.
@@ -45,6 +114,23 @@ Reference = Annotated[
 ]
 
 
+Material = Annotated[
+    Text | None,
+    Field(
+        description="Material whose constants the body has where it gives none of its own: the "
+        "name of one that comes with fretfe, or of a file (.toml), relative to the folder of the "
+        "case file."
+    ),
+]
+At = Annotated[
+    Temperature | None,
+    Field(
+        description="Temperature at which constants are taken that are tables over temperature, "
+        "in degrees Celsius, within all of these tables."
+    ),
+]
+
+
 class Body(Table):
     """An isotropic elastic body; its key is the physical surface group of the mesh."""
 
@@ -53,6 +139,8 @@ class Body(Table):
     density: Density = None
     expansion: Expansion = None
     reference_temperature: Reference = None
+    material: Material = None
+    temperature: At = None
 
     @property
     def shear_modulus(self) -> float:
@@ -232,6 +320,8 @@ class Crystal(Table):
     density: Density = None
     expansion: Expansion = None
     reference_temperature: Reference = None
+    material: Material = None
+    temperature: At = None
 
     @cached_property
     def stiffness(self) -> Array:
@@ -375,13 +465,3 @@ def contact_modulus(
     of crystals is not quite that of isotropic bodies with this modulus.
     """
     return 1 / sum(1 / normal_modulus(body, plane, normal) for body in (body1, body2))
-
-
-def antiplane_ratio(body1: Body, body2: Body) -> float:
-    """Antiplane compliance of two half-planes over that in the plane, (1/G1 + 1/G2) E*/2.
-
-    In plane strain; 1/(1 - ν) for two bodies of one material.
-    """
-    compliance = sum(1 / plane_modulus(each, "strain") for each in (body1, body2))
-    shear = sum((1 + each.poisson) / each.young for each in (body1, body2))
-    return shear / compliance

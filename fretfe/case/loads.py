@@ -430,34 +430,63 @@ class TemperatureLoad(ChannelAtPoints):
 
 
 class EigenstrainLoad(Channel):
-    """Strain that a treatment of surfaces, such as shot peening, has put below them."""
+    """Strain that a treatment, such as shot peening or welding, has left in bodies."""
 
     type: Literal["eigenstrain"] = Field(
-        description='"eigenstrain": initial strain below surfaces, the same in all directions of '
-        "the surface and none across it. The history is a factor of values."
+        description='"eigenstrain": initial strain, in a layer below surfaces, where it is the '
+        "same in all directions of the surface and none across it, or any strain from a file. "
+        "The history is a factor of it."
     )
-    surfaces: tuple[Text, ...] = Field(
-        min_length=1, description="Physical groups of the surfaces that it lies below."
+    surfaces: tuple[Text, ...] | None = Field(
+        default=None,
+        min_length=1,
+        description="Physical groups of the surfaces that a layer lies below. Either surfaces, "
+        "depths and values must be given, or file.",
     )
-    depths: tuple[NotNegative, ...] = Field(
+    depths: tuple[NotNegative, ...] | None = Field(
+        default=None,
         min_length=1,
         description="Depths below the surfaces, in length units, increasing from 0.",
     )
-    values: tuple[Number, ...] = Field(
+    values: tuple[Number, ...] | None = Field(
+        default=None,
         min_length=1,
         description="Strains at the depths, positive where the layer would grow; linear in "
         "between, and below the last depth as there.",
     )
+    file: Text | None = Field(
+        default=None,
+        description="CSV file with columns x, y (and z of solids), exx, eyy, ezz, exy (and eyz, "
+        "exz), components of the strain tensor (exy is half of the shear angle), relative to the "
+        f"folder of the case file; lines that begin with # are skipped; {BETWEEN_POINTS}",
+    )
+    bodies: tuple[Name, ...] | None = Field(
+        default=None, min_length=1, description="Bodies that a file acts on; all without this key."
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        layer = ("surfaces", "depths", "values")
+        given = [key for key in (*layer, "file") if getattr(self, key) is not None]
+        if given not in ([*layer], ["file"]):
+            found = ", ".join(map(repr, given)) or "none"
+            raise ValueError(
+                f"expected 'surfaces', 'depths' and 'values', or 'file', found {found}"
+            )
+        if self.file is None and self.bodies is not None:
+            raise ValueError("expected 'bodies' with 'file' only, found it with 'surfaces'")
+        return self
 
     @model_validator(mode="after")
     def _profile(self) -> Self:
-        if len(self.depths) != len(self.values):
+        depths, values = self.depths or (0.0,), self.values or (0.0,)
+        if len(depths) != len(values):
             raise ValueError(
                 "expected as many values as depths, "
-                f"found {len(self.depths)} depths and {len(self.values)} values"
+                f"found {len(depths)} depths and {len(values)} values"
             )
-        if self.depths[0] != 0 or any(b <= a for a, b in pairwise(self.depths)):
-            raise ValueError(f"expected depths that increase from 0, found {list(self.depths)}")
+        if depths[0] != 0 or any(b <= a for a, b in pairwise(depths)):
+            raise ValueError(f"expected depths that increase from 0, found {list(depths)}")
         return self
 
 

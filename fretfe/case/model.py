@@ -12,11 +12,12 @@ from typing import Any, NamedTuple, Self
 from pydantic import Field, PrivateAttr, model_validator
 
 from fretfe.case.base import AXES, Name, Table, unit_vector
-from fretfe.case.bodies import AnyBody
+from fretfe.case.bodies import AnyBody, Given, OverTemperature
 from fretfe.case.loads import (
     AccelerationLoad,
     AnyLoad,
     DisplacementLoad,
+    EigenstrainLoad,
     FieldLoad,
     InterferenceLoad,
     Load,
@@ -40,6 +41,12 @@ from fretfe.case.tables import (
 
 Key = tuple[str | int, ...]
 
+# Keys of tables whose constants may be tables over temperature.
+OVER_TEMPERATURE = {
+    "Body": ("young", "poisson", "density", "expansion"),
+    "Crystal": ("density", "expansion"),
+    "Elastic": ("cubic", "constants"),
+}
 # Sine of the angle by which two platen directions may miss a right angle: vectors typed with six
 # digits pass, a slip of a degree does not.
 ORTHOGONALITY = 1e-5
@@ -71,6 +78,7 @@ def cross_problems(
         *_platen_direction_problems(loads),
         *_displacement_problems(supports, loads),
         *_density_problems(bodies, loads),
+        *_strained_body_problems(bodies, loads),
         *_temperature_problems(bodies, loads),
         *_interference_problems(contacts, loads),
         *_side_problems(contacts, supports, loads, symmetry),
@@ -213,12 +221,12 @@ def _density_problems(
             )
 
 
-def _temperature_problems(
+def _strained_body_problems(
     bodies: Mapping[str, AnyBody], loads: Mapping[str, Load]
 ) -> Iterator[Problem]:
-    """Temperatures of bodies that are not there, or whose expansion is not known."""
+    """Initial strains of bodies that are not there."""
     for name, load in loads.items():
-        if not isinstance(load, TemperatureLoad):
+        if not isinstance(load, TemperatureLoad | EigenstrainLoad):
             continue
         for number, body in enumerate(load.bodies or ()):
             if body not in bodies:
@@ -227,6 +235,15 @@ def _temperature_problems(
                     ("loads", name, "bodies", number),
                     f"expected one of the bodies {expected}, found {body!r}",
                 )
+
+
+def _temperature_problems(
+    bodies: Mapping[str, AnyBody], loads: Mapping[str, Load]
+) -> Iterator[Problem]:
+    """Temperatures of bodies whose expansion is not known."""
+    for name, load in loads.items():
+        if not isinstance(load, TemperatureLoad):
+            continue
         missing = [
             f"bodies.{body}.{key}"
             for body in bodies
@@ -387,6 +404,7 @@ class Case(Table):
 
     _source: Path = PrivateAttr(default=Path("case.toml"))
     _trust_geo: bool = PrivateAttr(default=False)
+    _given: Given | None = PrivateAttr(default=None)
 
     @model_validator(mode="after")
     def _no_contradictions(self) -> Self:
@@ -407,6 +425,16 @@ class Case(Table):
         """True if a .geo file that the case names may run: the caller says so, never the file."""
         return self._trust_geo
 
+    @property
+    def given(self) -> Given | None:
+        """Bodies as they were given, if materials or tables over temperature stood for numbers."""
+        return self._given
+
+    @property
+    def material_notes(self) -> tuple[str, ...]:
+        """Sources of constants that are no numbers in the case, in words."""
+        return self._given.notes if self._given is not None else ()
+
     def resolve(self, file: str) -> Path:
         """Path of a file that the case names."""
         return self._source.parent / file
@@ -414,7 +442,14 @@ class Case(Table):
 
 def case_schema() -> dict[str, Any]:
     """JSON schema (draft 2020-12) of a case file, with a description of every key."""
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        **Case.model_json_schema(),
-    }
+    schema = Case.model_json_schema()
+    tables = schema["$defs"]
+    tables["OverTemperature"] = OverTemperature.model_json_schema()
+    for table, keys in OVER_TEMPERATURE.items():
+        for key in keys:
+            one = tables[table]["properties"][key]
+            text = one.pop("description")
+            either = [one, {"$ref": "#/$defs/OverTemperature"}]
+            tables[table]["properties"][key] = {"anyOf": either, "description": text}
+    del tables["Body"]["required"]  # a material may have them
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, cast
@@ -27,16 +25,13 @@ from fretfe.case.loads import (
     TemperatureLoad,
     TiltLoad,
 )
+from fretfe.case.materials import with_constants
 from fretfe.case.messages import complaint, field_problems
 from fretfe.case.model import Case, Key, Problem, cross_problems
 from fretfe.case.overrides import with_overrides
 from fretfe.case.tables import Contact, Support, Symmetry
+from fretfe.case.toml_file import read_tables
 from fretfe.errors import CaseError
-from fretfe.files import require_file
-
-# Tables and lists within one another; the deepest of a case are the points of a selector.
-DEEPEST = 20
-TOO_DEEP = f"expected tables and lists at most {DEEPEST} deep in one another, found deeper ones"
 
 
 def load_case(
@@ -62,39 +57,6 @@ def load_case(
     return parse_case(with_overrides(data, overrides or {}, source), source, trust_geo=trust_geo)
 
 
-def read_tables(source: Path, what: str) -> dict[str, Any]:
-    """Read the tables of a TOML file.
-
-    Args:
-        source: the file.
-        what: it is expected to be, for messages.
-
-    Raises:
-        CaseError: if it cannot be read, or is not TOML.
-    """
-    text = _read(source, what)
-    try:
-        data = tomllib.loads(text)
-        _require_shallow(data)
-    except tomllib.TOMLDecodeError as error:
-        raise CaseError(f"{source}: {_syntax_problem(str(error), text)}") from None
-    except RecursionError:
-        raise CaseError(f"{source}: {TOO_DEEP}") from None
-    except ValueError as error:
-        # A number with more digits than Python reads.
-        raise CaseError(f"{source}: expected numbers that can be read, found: {error}") from None
-    return data
-
-
-def _require_shallow(data: Any, depth: int = 0) -> None:
-    """Raise RecursionError where tables and lists are in one another deeper than any case has."""
-    if depth > DEEPEST:
-        raise RecursionError
-    if isinstance(data, dict | list):
-        for each in data.values() if isinstance(data, dict) else data:
-            _require_shallow(each, depth + 1)
-
-
 def changed(case: Case, overrides: Mapping[str, Any]) -> Case:
     """A case with other values.
 
@@ -105,7 +67,9 @@ def changed(case: Case, overrides: Mapping[str, Any]) -> Case:
     Raises:
         CaseError: as ``load_case``.
     """
-    data = case.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+    data = _tables(case)
+    if case.given is not None:
+        data["bodies"] = case.given.bodies
     return parse_case(
         with_overrides(data, overrides, case.source), case.source, trust_geo=case.trust_geo
     )
@@ -125,6 +89,7 @@ def parse_case(
     Raises:
         CaseError: as ``load_case``.
     """
+    data, given = with_constants(data, Path(source))
     try:
         case = Case.model_validate(data)
     except ValidationError as error:
@@ -136,39 +101,8 @@ def parse_case(
         raise CaseError("\n".join(lines)) from None
     case._source = Path(source)
     case._trust_geo = trust_geo
+    case._given = given
     return case
-
-
-def _read(source: Path, what: str) -> str:
-    require_file(source, what, CaseError)
-    try:
-        return source.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = error.object.count(b"\n", 0, error.start) + 1
-        found = f"bytes in line {line} that are not UTF-8 text"
-    except OSError as error:
-        found = f"a file that cannot be read ({error.strerror})"
-    raise CaseError(f"{source}: expected {what}, found {found}")
-
-
-def _syntax_problem(message: str, text: str) -> str:
-    """Line, column and reason from the message of tomllib."""
-    reason, _, place = message.rpartition(" (at ")
-    numbers = re.findall(r"\d+", place)
-    if not numbers:
-        lines = text.split("\n")
-        numbers = [str(len(lines)), str(len(lines[-1]) + 1)]
-        reason += " (the file ends here)"
-    hint = _comma_hint(text, *map(int, numbers[:2]))
-    return f"line {numbers[0]}, column {numbers[1]}: not valid TOML: {reason}{hint}"
-
-
-def _comma_hint(text: str, line: int, column: int) -> str:
-    """Advice if the syntax is broken by the comma of a decimal number."""
-    for match in re.finditer(r"=[ \t]*([-+]?\d+),(\d+)[ \t]*", text.split("\n")[line - 1]):
-        if match.start() < column <= match.end() + 1:
-            return f"; a decimal number is written with a point: {match[1]}.{match[2]}"
-    return ""
 
 
 def _partial_cross_problems(data: Mapping[str, Any]) -> list[Problem]:
@@ -196,12 +130,14 @@ def case_text(case: Case) -> str:
     """The case as run, as TOML.
 
     The text of the case file itself if it says the same and names no files relative to its folder.
-    Else the case without comments, the files that it names with their full paths.
+    Else the case without comments, the files that it names with their full paths, and numbers in
+    place of materials and tables over temperature.
     """
     data = _with_full_paths(case)
-    if as_written(case) and data == _tables(case):
+    if case.given is None and as_written(case) and data == _tables(case):
         return case.source.read_text("utf-8-sig")
-    return "# The case as run, written by fretfe.\n" + tomli_w.dumps(data)
+    head = ("The case as run, written by fretfe.", *case.material_notes)
+    return "".join(f"# {line}\n" for line in head) + tomli_w.dumps(data)
 
 
 def as_written(case: Case) -> bool:

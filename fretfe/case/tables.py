@@ -28,11 +28,26 @@ from fretfe.case.base import (
 Plane = Literal["strain", "stress"]
 
 
+# Millimetres in the units of length that have these labels.
+MILLIMETRES = {
+    "um": 1e-3,
+    "µm": 1e-3,  # micro sign
+    "μm": 1e-3,  # Greek letter
+    "mm": 1.0,
+    "cm": 10.0,
+    "m": 1e3,
+    "km": 1e6,
+    "in": 25.4,
+    "inch": 25.4,
+    "ft": 304.8,
+}
+
+
 class Units(Table):
     """Labels for the output; numbers are never converted, so use one consistent set.
 
-    Only the lengths of a STEP file, which states its unit, and the defaults and ranges of templates
-    are converted to that of the label.
+    Only what states its unit is converted to that of the labels: lengths of STEP files, defaults
+    and ranges of templates, and constants of material files.
     """
 
     length: Text = Field(default="mm", description="Label of the unit of length.")

@@ -58,6 +58,7 @@ COMMANDS: tuple[tuple[Callable[..., None], str], ...] = (
     (meshes.check, meshes.CHECK_EXAMPLES),
     (meshes.mesh, meshes.MESH_EXAMPLES),
     (lists.templates, lists.TEMPLATES_EXAMPLES),
+    (lists.materials, lists.MATERIALS_EXAMPLES),
     (exchange.edges, exchange.EDGES_EXAMPLES),
     (exchange.compare, exchange.COMPARE_EXAMPLES),
     (exchange.export, exchange.EXPORT_EXAMPLES),

@@ -91,6 +91,34 @@ def templates(
         Console().print(table)
 
 
+MATERIALS_EXAMPLES = examples("fretfe materials", "fretfe materials Ti-6Al-4V")
+
+
+def materials(
+    name: Annotated[
+        str | None, typer.Argument(help="Material, or file of one, that is printed.")
+    ] = None,
+) -> None:
+    """List the materials that come with fretfe, or print one of them."""
+    from rich.console import Console
+    from rich.markup import escape
+
+    from fretfe.case.materials import find_material, material_names, read_material
+
+    if rank_from_environment() > 0:
+        return
+    if name is not None:
+        path = find_material(name, Path())
+        read_material(path)
+        print(path.read_text("utf-8"), end="")
+        return
+    table = plain_table("Materials", ("material",), text=1)
+    table.add_column("source")
+    for each in material_names():
+        table.add_row(each, escape(read_material(find_material(each, Path())).source))
+    Console().print(table)
+
+
 def _template_table(templates: Sequence[Template]) -> Table:
     """One row per geometry template."""
     from rich.markup import escape

@@ -402,7 +402,9 @@ def _rim(edges: Indices, closed: Bools) -> int:
         closed: (N,) nodes in contact.
     """
     ends = closed[edges]
-    return len(np.unique(edges[ends & ~ends[:, ::-1]]))
+    rim = np.zeros(len(closed), dtype=bool)
+    rim[edges[ends & ~ends[:, ::-1]]] = True
+    return int(np.count_nonzero(rim))
 
 
 def neighbouring_nodes(place: Place) -> Indices:

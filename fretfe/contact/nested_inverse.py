@@ -154,9 +154,9 @@ class InverseRows:
         # From nothing if that is less work.
         restart = places[np.abs(size - self._sizes[places]) > size]
         self._rows[restart], self._sizes[restart] = 0.0, 0
-        for old in np.unique(self._sizes[places]).tolist():
-            if old != size:
-                self._accumulate(places[self._sizes[places] == old], old, size)
+        places = places[self._sizes[places] != size]
+        for old in sorted(set(self._sizes[places].tolist())):
+            self._accumulate(places[self._sizes[places] == old], old, size)
         self._sizes[places] = size
 
     def _accumulate(self, places: Indices, old: int, size: int) -> None:

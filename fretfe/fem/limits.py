@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 from fretfe._typing import Array, Bools, Indices
 from fretfe.bodies.definition import BodyDefinition, Pair
 from fretfe.case import Case, isotropic
+from fretfe.case.bodies import OverTemperature
 from fretfe.contact.interface import coordinate_range
 from fretfe.contact.recorder import Recorder, StateBlock
 from fretfe.errors import ConvergenceError
@@ -46,6 +47,8 @@ LARGEST_STRETCH = 0.01
 # Dundurs' beta up to which the formulas for slip zones between unlike bodies were measured in the
 # plane.
 LARGEST_BETA = 0.25
+# One of two equal bodies has half of the compliance of a contact: one per cent of E*.
+LARGEST_SOFTENING = 0.02
 # Depth over the width of the contact: about the pressure over the modulus that is left out.
 LARGEST_PENETRATION = 1e-3
 
@@ -122,6 +125,7 @@ def model_limits(
         pair = pairs[history.pair]
         limits += contact_limits(model.case, history)
         limits += _dissimilar(model.case, history)
+        limits += _at_other_temperatures(model, history, solution)
         extent = contact_extent(history)
         if extent.width > 0:
             motion = _motion(model, pair, history, recorder)
@@ -140,6 +144,48 @@ def _balance_limit(solution: Solution, kind: str) -> ModelLimit:
         LARGEST_IMBALANCE,
         "round-off has destroyed the solution",
     )
+
+
+def _at_other_temperatures(
+    model: Model, history: ContactHistory, solution: Solution
+) -> Iterator[ModelLimit]:
+    """Change of Young's modulus along a contact and through its cycle, where it is told."""
+    case, loads = model.case, solution.loads
+    states = cycle_states(solution.cycle) if solution.cycle is not None else [-1]
+    for body in (history.body1, history.body2):
+        curve = case.given.young.get(body) if case.given is not None else None
+        heated = [
+            (each.channel, each.at_points)
+            for each in model.reduction.definition.loads
+            if each.kind == "temperature" and each.strains(body) and each.at_points is not None
+        ]
+        used, start = case.bodies[body].temperature, case.bodies[body].reference_temperature
+        if curve is None or not heated or used is None or start is None:
+            continue
+        low, high = np.full((2, len(history.points)), start)
+        for channel, temperatures in heated:
+            parts = loads.values[states, loads.channels.index(channel)]
+            change = temperatures.at(history.points) - start
+            ends = change * parts.min(), change * parts.max()
+            low, high = low + np.minimum(*ends), high + np.maximum(*ends)
+        yield ModelLimit(
+            history.name,
+            f"change of Young's modulus of {body} by temperature, over the one used",
+            _largest_change(curve, float(low.min()), float(high.max()), used),
+            LARGEST_SOFTENING,
+            f"the stiffness is that at {used:g} °C everywhere, next to {low.min():.4g} to "
+            f"{high.max():.4g} °C at the surface: areas and edge factors are wrong by about half "
+            "of this; take a temperature nearer to those",
+        )
+
+
+def _largest_change(curve: OverTemperature, low: float, high: float, used: float) -> float:
+    """Largest change of a constant between two temperatures; NaN beyond its table."""
+    if low < curve.temperatures[0] or high > curve.temperatures[-1]:
+        return math.nan
+    inside = [each for each in curve.temperatures if low < each < high]
+    constants = [curve.at(each) for each in (low, *inside, high)]
+    return max(abs(each / curve.at(used) - 1) for each in constants)
 
 
 def oscillates(case: Case, history: ContactHistory) -> bool:
@@ -346,10 +392,14 @@ def _displacement(reduction: Reduction, pair: Pair, body: str, block: StateBlock
     """(n, N, d) displacement of body 1, or that of body 2 times -1, at the nodes of a contact."""
     interface = reduction.interface
     nodes, own = interface.contacts[pair.name], coordinate_range(interface.coordinates, body)
+    d = interface.components
     weighted = reduction.bodies[body].relative_displacement(
-        block.traction, block.coordinates[:, own], block.amplitudes
+        block.traction,
+        block.coordinates[:, own],
+        block.amplitudes,
+        slice(nodes.start * d, nodes.stop * d),
     )
-    relative = weighted.reshape(len(weighted), interface.size, -1)[:, nodes]
+    relative = weighted.reshape(len(weighted), -1, d)
     # Along the tangents w is that of body 2 relative to body 1.
     signs = np.where(np.arange(relative.shape[2]) > 0, -1.0, 1.0)
     parts = relative / interface.roots[nodes, None] * signs

@@ -56,21 +56,24 @@ class ReducedBody:
         driven = coordinates[:, : moments.shape[1] - tractions - count]
         return np.asarray(np.hstack([y[:, self.rows], driven, amplitudes]) @ moments.T)
 
-    def relative_displacement(self, y: Array, coordinates: Array, amplitudes: Array) -> Array:
-        """(T, N*d) part of this body in w.
+    def relative_displacement(
+        self, y: Array, coordinates: Array, amplitudes: Array, components: slice
+    ) -> Array:
+        """(T, k) part of this body in w.
 
         Args:
             y: (T, N*d) weighted tractions.
             coordinates: (T, m + k) coordinates of this body.
             amplitudes: (T, l) load amplitudes.
+            components: of w that are wanted, those of a contact of this body.
         """
-        part = np.zeros_like(y)
-        part[:, self.rows] = (
-            y[:, self.rows] @ self.body.compliance
-            + coordinates @ self.body.motion.T
-            + amplitudes @ self.body.loads.T
+        first = int(np.searchsorted(self.rows, components.start))
+        own = slice(first, first + components.stop - components.start)
+        return np.asarray(
+            y[:, self.rows] @ self.body.compliance[:, own]
+            + coordinates @ self.body.motion[own].T
+            + amplitudes @ self.body.loads[own].T
         )
-        return part
 
 
 def build_interface(

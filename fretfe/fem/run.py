@@ -14,7 +14,7 @@ import numpy as np
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.definition import Pair, require_possible
-from fretfe.case import Case, FieldLoad, Wave, antiplane_ratio, contact_modulus, isotropic
+from fretfe.case import Case, FieldLoad, Wave
 from fretfe.contact.interface import Place
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import extrapolate_slip, solve_history
@@ -201,6 +201,7 @@ class _Run:
             contacts=contacts,
             solution=solution,
             notes=(
+                *case.material_notes,
                 *model.notes,
                 *_cut_notes(case, solution),
                 *self._prepared.mesh.notes,
@@ -222,15 +223,9 @@ class _Run:
     ) -> tuple[Contact, ...]:
         """Contacts of solids with the plane problems of their stations."""
         # Imported where it is needed: SciPy's interpolation takes a second.
-        from fretfe.evaluate.space.local import EdgeBodies, add_local_problems
+        from fretfe.evaluate.space.local import add_local_problems
 
-        bodies = {}
-        for each in solution.contacts:
-            pair = [isotropic(self._case.bodies[name]) for name in (each.body1, each.body2)]
-            if pair[0] is not None and pair[1] is not None:
-                modulus = contact_modulus(pair[0], pair[1], "strain")
-                bodies[each.name] = EdgeBodies(modulus, antiplane_ratio(pair[0], pair[1]))
-        return add_local_problems(solution, contacts, bodies, self._fields.edge_slip)
+        return add_local_problems(solution, contacts, self._case.bodies, self._fields.edge_slip)
 
     def write(self) -> tuple[str, ...]:
         """Write what the case asks for of the fields.

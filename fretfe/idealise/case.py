@@ -278,6 +278,7 @@ def _too_small(block: Block, reach: float) -> str:
 
 
 def _notes(case: Case, block: Block, reach: float) -> Iterator[str]:
+    yield from case.material_notes
     yield f"half-planes in place of {case.geometry.template!r}, {_size(block, reach)}"
     if guided(case):
         yield (

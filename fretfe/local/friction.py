@@ -9,12 +9,12 @@ problem: the slip γ of the nodes, in two directions x and z, minimises
 with the shear q that all stuck nodes would have, the friction bound b = f p of each node, and the
 positive semi-definite change Kγ of the shear by slip. A node sticks, γ = 0 with |q| <= b, or slips
 against the shear, |q| = b. Newton's method for semi-smooth equations finds which of both in two to
-four iterations, here for S edges with the same K but other bounds and loads.
+four iterations, here for S edges with the same nodes but other materials, bounds and loads.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,21 +32,28 @@ ROUND_OFF = 1e-10
 
 @dataclass(frozen=True)
 class Stiffness:
-    """Change of the shear by slip on n nodes, and its share of a force.
+    """Change of the shear by slip on n nodes of S edges, and its share of a force.
 
     Attributes:
-        change: (2, n, n) of the shear along x and along z, by slip in its own direction, times
-            the length that belongs to each node.
+        change: (n, n) of the shear by slip in one direction between bodies of a unit compliance,
+            times the length that belongs to each node.
+        stiffness: (S, 2, 2) inverse compliance of the bodies to shear along x and z.
         stuck: (n,) the shear by a unit force while all nodes stick.
     """
 
     change: Array
+    stiffness: Array
     stuck: Array
 
     @property
     def penalty(self) -> Array:
-        """(n,) r: the resistance of a node against its own slip, in the mean of both directions."""
-        return np.asarray(np.diagonal(self.change, axis1=1, axis2=2).mean(axis=0))
+        """(S, n) r: resistance of a node against its own slip, in the mean of both directions."""
+        mean = np.trace(self.stiffness, axis1=1, axis2=2) / 2
+        return np.asarray(mean[:, None] * np.diagonal(self.change))
+
+    def of(self, edges: Indices) -> Stiffness:
+        """That of some edges."""
+        return replace(self, stiffness=self.stiffness[edges])
 
 
 @dataclass(frozen=True)
@@ -84,17 +91,18 @@ def partial_slip(
     slipping = free | before | (_length(trial) > edge)
     remaining = np.arange(len(stuck))
     for _ in range(MOST_ITERATIONS):
-        now = slipping[remaining]
+        now, own = slipping[remaining], stiffness.of(remaining)
         count = int(np.max(np.flatnonzero(now.any(axis=0)), initial=0)) + 1  # behind it all stick
         now, b = now[:, :count], bound[remaining, :count]
         direction = unit(trial[remaining, :count])
         turning = _turning(trial[remaining, :count], direction, b, free[remaining, :count])
-        found = _linearised(stiffness, now, b, stuck[remaining, :count], direction, turning)
+        found = _linearised(own, now, b, stuck[remaining, :count], direction, turning)
         q = stuck[remaining]
+        stiffer = found @ own.stiffness  # which is symmetric
         for axis in (0, 1):
-            q[..., axis] += found[..., axis] @ stiffness.change[axis, :count]
+            q[..., axis] += stiffer[..., axis] @ stiffness.change[:count]
         ahead = q.copy()
-        ahead[:, :count] -= stiffness.penalty[:count, None] * found
+        ahead[:, :count] -= own.penalty[:, :count, None] * found
         excess = _length(ahead) > bound[remaining]
         limited = bound[remaining][..., None] * unit(ahead)
         residual = np.abs(q - np.where(excess[..., None], limited, ahead)).max(axis=(1, 2))
@@ -128,14 +136,13 @@ def _linearised(
     """(S, k, 2) slip that brings the shear of the slipping nodes to the linearised bound."""
     edges, count = slipping.shape
     slips, (xx, zz, xz) = slipping.astype(float), turning
-    own, other = slips * np.array([1 - xx, 1 - zz]), -slips * xz
-    along, across = (each[:count, :count] for each in stiffness.change)
+    held = slips * np.array([[1 - xx, -xz], [-xz, 1 - zz]])
+    shares = np.einsum("acsk,scb->absk", held, stiffness.stiffness)
     matrix = np.empty((edges, 2, count, 2, count))
-    np.multiply(own[0][..., None], along, out=matrix[:, 0, :, 0])
-    np.multiply(own[1][..., None], across, out=matrix[:, 1, :, 1])
-    np.multiply(other[..., None], across, out=matrix[:, 0, :, 1])
-    np.multiply(other[..., None], along, out=matrix[:, 1, :, 0])
-    node, penalty = np.arange(count), slips * stiffness.penalty[:count]
+    for row, column in np.ndindex(2, 2):
+        within = stiffness.change[:count, :count]
+        np.multiply(shares[row, column][..., None], within, out=matrix[:, row, :, column])
+    node, penalty = np.arange(count), slips * stiffness.penalty[:, :count]
     least = LEAST_RESISTANCE * penalty
     matrix[:, 0, node, 0, node] += penalty * xx + least + 1 - slips
     matrix[:, 1, node, 1, node] += penalty * zz + least + 1 - slips

@@ -68,13 +68,13 @@ class HalfPlanes:
         half = hats.points.size // 2
         self._points, self._tests = np.abs(hats.points[:half]), hats.tests[:count, :half]
 
-    def stiffness(self, antiplane: float) -> Stiffness:
+    def stiffness(self, tangential: Array) -> Stiffness:
         """Change of the shear by slip, along x and across the plane.
 
         Args:
-            antiplane: antiplane compliance over that in the plane.
+            tangential: (S, 2, 2) compliance to shear in both directions over that to pressure.
         """
-        return Stiffness(np.array([self._change, self._change / antiplane]), self._stuck)
+        return Stiffness(self._change, np.linalg.inv(tangential), self._stuck)
 
     def pressure(self, shapes: Array, half_width: Array) -> Array:
         """(S, n) mean pressures around the nodes, of contacts of some half-widths (S,).

@@ -4,11 +4,12 @@
 The stations of a front feel each other only through their edge factors. Next to each of them the
 fields are those of a plane contact with three displacement components: relative displacements of
 half-planes by pressure and shear in the plane, and by shear across it, whose compliance is
-1/(1 - ν) of that in the plane for bodies of one material. Pressure and friction bound are known in
-closed form from K_N and K_I; K_T and K_S load the contact, and friction is one bound on the vector.
+1/(1 - ν) of that in the plane for isotropic bodies of one material; shear along one direction moves
+crystals along the other as well. Pressure and friction bound are known in closed form from K_N and
+K_I; K_T and K_S load the contact, and friction is one bound on the vector.
 
-All stations have the same operators once lengths are in units of the half-width: those that want
-elements of about the same size are marched together.
+All stations have the same operators but for the materials once lengths are in units of the
+half-width: those that want elements of about the same size are marched together.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ TOGETHER = 20
 
 @dataclass(frozen=True)
 class EdgeHistories:
-    """Histories of S edges between the same bodies through T states, and what is wanted of them.
+    """Histories of S edges of one contact through T states, and what is wanted of them.
 
     Lengths, stresses and forces in one system of units, forces per unit length of the edge.
 
@@ -64,8 +65,8 @@ class EdgeHistories:
         halves: (S,) half cycles of each edge, as their first and last states in time order.
         counted: (S, T) whether slip in the step to each state counts for the half cycles.
         friction: coefficient.
-        modulus: E*.
-        antiplane: compliance across the plane over that in it.
+        modulus: (S,) E* by the compliance of the bodies to pressure.
+        tangential: (S, 2, 2) their compliance to shear inward and along the edge over that.
         cycle: first and last state of the cycle that repeats itself, or None.
     """
 
@@ -77,8 +78,8 @@ class EdgeHistories:
     halves: tuple[tuple[tuple[int, int], ...], ...]
     counted: Bools
     friction: float
-    modulus: float
-    antiplane: float
+    modulus: Array
+    tangential: Array
     cycle: tuple[int, int] | None
 
     @cached_property
@@ -100,6 +101,8 @@ class EdgeHistories:
             zone=self.zone[edges],
             halves=tuple(self.halves[edge] for edge in edges),
             counted=self.counted[edges],
+            modulus=self.modulus[edges],
+            tangential=self.tangential[edges],
         )
 
 
@@ -257,7 +260,7 @@ class _March:
 
     def __init__(self, histories: EdgeHistories, bodies: HalfPlanes) -> None:
         self._given, self._bodies = histories, bodies
-        self._stiffness: Stiffness = bodies.stiffness(histories.antiplane)
+        self._stiffness: Stiffness = bodies.stiffness(histories.tangential)
         self._shapes = pressure_shapes(histories.contacts.power)
         self._outermost = histories.outermost
         edges, nodes = len(histories.k), len(bodies.s)
@@ -376,7 +379,7 @@ class _March:
         contacts, width = self._given.contacts, self._widths(state, 1.0)
         s = self._outermost[edge] * self._bodies.s - self._inside(edge, state)
         longer = (contacts.half_width / width) ** (contacts.power - 2)
-        stress = self._given.modulus * longer[edge]
+        stress = self._given.modulus[edge] * longer[edge]
         touching = s > 0
         pressure = self._bound[edge, touching] / self._given.friction
         return Tractions(s[touching], stress * pressure, stress * self._shear[edge, touching])
@@ -385,6 +388,7 @@ class _March:
         if self._lost[edge]:
             return EdgeSlip((), (), math.nan, math.nan, SLIDES)
         tractions = tuple(self._tractions[edge][state] for state in sorted(self._tractions[edge]))
-        work = float(self._work[edge]) * self._given.modulus * float(self._outermost[edge]) ** 2
+        scale = float(self._given.modulus[edge] * self._outermost[edge] ** 2)
+        work = float(self._work[edge]) * scale
         profiles = tuple(self._profiles[edge][number] for number in sorted(self._profiles[edge]))
         return EdgeSlip(profiles, tractions, work, float(change))

@@ -11,7 +11,7 @@ from pydantic import AfterValidator, Field, ValidationError, model_validator
 from fretfe.case import Body, Units, complaint, contact_modulus
 from fretfe.case.base import NotNegative, Number, Positive, Table, Text
 from fretfe.case.messages import field_problems
-from fretfe.case.reading import read_tables
+from fretfe.case.toml_file import read_tables
 from fretfe.errors import CaseError
 
 Shape = Literal["cylinder", "flat_rounded", "wedge"]

@@ -205,7 +205,7 @@ def named_boundaries(case: Case) -> Iterator[tuple[str, str]]:
         boundary = getattr(load, "boundary", None)
         if boundary is not None:
             yield f"loads.{name}.boundary", boundary
-        for number, surface in enumerate(getattr(load, "surfaces", ()), start=1):
+        for number, surface in enumerate(getattr(load, "surfaces", None) or (), start=1):
             yield f"loads.{name}.surfaces[item {number}]", surface
 
 

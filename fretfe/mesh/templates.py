@@ -15,6 +15,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from fretfe.case.tables import MILLIMETRES
 from fretfe.errors import CaseError, MeshError
 from fretfe.files import require_file
 
@@ -29,20 +30,6 @@ _PARAMETER = re.compile(
         (?P<whole>, \s* Step \s+ 1\b)?""",
     re.VERBOSE,
 )
-
-# Millimetres in the units of length that have these labels.
-MILLIMETRES = {
-    "um": 1e-3,
-    "µm": 1e-3,  # micro sign
-    "μm": 1e-3,  # Greek letter
-    "mm": 1.0,
-    "cm": 10.0,
-    "m": 1e3,
-    "km": 1e6,
-    "in": 25.4,
-    "inch": 25.4,
-    "ft": 304.8,
-}
 
 
 @dataclass(frozen=True)

@@ -147,6 +147,10 @@ def make_figure(width: float, height: float, draw: Callable[[Figure], None]) -> 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         draw(figure)
+        for axes in figure.axes:
+            for spine in axes.spines.values():
+                # It ends where its axes do; to find that out takes its ticks anew each time.
+                spine.set_in_layout(False)
     return figure
 
 

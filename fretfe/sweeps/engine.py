@@ -19,7 +19,7 @@ from fretfe.backends import Backend, RunOptions
 from fretfe.backends.protocol import Session, session_of
 from fretfe.case import Case, Units, changed, parse_assignments
 from fretfe.case.overrides import parse_value, plain_value, split_assignment, with_overrides
-from fretfe.case.reading import read_tables
+from fretfe.case.toml_file import read_tables
 from fretfe.errors import CaseError, FretfeError, StoppedError
 from fretfe.loads import build_history
 

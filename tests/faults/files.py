@@ -15,12 +15,15 @@ from faults.fault import CHECK, HALFPLANE, Fault, Prepare, damaged
 from faults.originals import (
     DRAWINGS,
     GRIDS,
+    MATERIAL,
     MESHES,
     case_text,
     csv_case,
     field_case,
+    material_case,
     points_case,
     shape_case,
+    strain_case,
 )
 
 Change = Callable[[bytes], bytes]
@@ -39,6 +42,8 @@ def faults() -> Iterator[Fault]:
     yield from _load_tables()
     yield from _point_tables()
     yield from _shape_tables()
+    yield from _strain_tables()
+    yield from _materials()
     yield from _fields()
     yield from _traction_tables()
 
@@ -347,6 +352,65 @@ def _point_tables() -> Iterator[Fault]:
     for name, content in contents.items():
         change = _constant(content.encode())
         yield Fault(f"{file}/{name}", CHECK, _with(file, change, text), True)
+
+
+def _materials() -> Iterator[Fault]:
+    file, text = "own.toml", material_case()
+    yield Fault(f"{file}/whole", CHECK, _table(file, MATERIAL, text), False)
+    for seed in range(24):
+
+        def damage(good: Path, here: Path, seed: int = seed) -> None:
+            (here / "case.toml").write_text(text)
+            (here / file).write_bytes(damaged(MATERIAL.encode(), seed))
+
+        yield Fault(f"{file}/damaged/{seed}", CHECK, damage)
+    yield Fault(f"{file}/pipe", CHECK, _pipe(file, text), True)
+    contents = {
+        "empty": "",
+        "no source": MATERIAL.replace("source", "title"),
+        "no units": MATERIAL.replace("units", "title"),
+        "units of nothing": MATERIAL.replace("GPa", ""),
+        "units that are not known": MATERIAL.replace("kg/m^3", "stone"),
+        "nan": MATERIAL.replace("0.3", "nan"),
+        "huge": MATERIAL.replace("7850.0", "1e300"),
+        "rubber": MATERIAL.replace("0.3", "0.5"),
+        "falling": MATERIAL.replace("[0, 100]", "[100, 0]"),
+        "frozen": MATERIAL.replace("[0, 100]", "[-280, 100]"),
+        "deep": MATERIAL + "elastic = " + "[" * 20000 + "]" * 20000,
+        "a case": text,
+        "long": MATERIAL + "#" * 2_000_000,
+        "itself": MATERIAL + 'material = "own.toml"\n',
+    }
+    for name, content in contents.items():
+        yield Fault(f"{file}/{name}", CHECK, _table(file, content, text), True)
+
+
+def _strain_tables() -> Iterator[Fault]:
+    file, text = "strain.csv", strain_case()
+    square = "x,y,exx,eyy,ezz,exy\n-30,-40,0,0,0,0\n30,-40,0,0,0,0\n-30,40,0,0,0,0\n30,40,{},0,0\n"
+    yield Fault(f"{file}/whole", CHECK, _table(file, square.format("0,0"), text), False)
+    for seed in range(12):
+
+        def damage(good: Path, here: Path, seed: int = seed) -> None:
+            _table(file, square.format("1e-4,0"), text)(good, here)
+            (here / file).write_bytes(damaged((here / file).read_bytes(), seed))
+
+        yield Fault(f"{file}/damaged/{seed}", CHECK, damage)
+    yield Fault(f"{file}/pipe", CHECK, _pipe(file, text), True)
+    contents = {
+        "header alone": "x,y,exx,eyy,ezz,exy\n",
+        "no column ezz": square.replace("ezz", "szz").format("0,0"),
+        "shear angle": square.replace("exy", "gxy").format("0,0"),
+        "a column twice": square.replace("eyy", "exx").format("0,0"),
+        "nan": square.format("nan,0"),
+        "huge": square.format("1e300,0"),
+        "missing": square.format("1"),
+        "a point twice": square.format("0,0,0,0\n30,40,0,0"),
+        "elsewhere": square.replace("30", "1").format("0,0"),
+        "metres": square.replace("30", ".03").replace("40", ".04").format("0,0"),
+    }
+    for name, content in contents.items():
+        yield Fault(f"{file}/{name}", CHECK, _table(file, content, text), True)
 
 
 def _shape_tables() -> Iterator[Fault]:

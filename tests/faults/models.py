@@ -32,6 +32,8 @@ def bodies(**values: Any) -> Tables:
 
 
 RAMP = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
+OVER = {"temperatures": [0, 100], "values": [210e3, 190e3]}
+CUBIC = {"cubic": [250e3, 160e3, 130e3]}
 WARM = {"expansion": 1e-5, "reference_temperature": 20.0}
 
 
@@ -44,6 +46,15 @@ def heat(constants: Tables | None = None, **keys: Any) -> Tables:
 def peen(**keys: Any) -> Tables:
     layer = {"surfaces": ["lower_contact"], "depths": [0.0, 0.5], "values": [1e-4, 0.0]}
     return loads(peen={"type": "eigenstrain", "history": RAMP, **layer, **keys})
+
+
+def only(**keys: Any) -> Tables:
+    """Bodies with these keys alone."""
+    return {"bodies": {name: keys for name in PAD["bodies"]}}
+
+
+def crystal(elastic: Tables, orientation: Tables | None = None) -> Tables:
+    return only(elastic=elastic, **({"orientation": orientation} if orientation else {}))
 
 
 def fit(contact: str, overlap: float) -> Tables:
@@ -144,6 +155,77 @@ MODELS: dict[str, tuple[Tables, bool | None]] = {
     ),
     "heat at points of space": (heat(points=[[0, 0, 0], [1, 1, 1]], values=[1, 2]), True),
     "a layer below nothing": (peen(surfaces=["nothing"]), True),
+    "constants over temperature": (bodies(young=OVER, temperature=50.0), False),
+    "constants at no temperature": (bodies(young=OVER), True),
+    "constants of another temperature": (bodies(young=OVER, temperature=150.0), True),
+    "constants at nan": (bodies(young=OVER, temperature=float("nan")), True),
+    "constants of temperatures that fall": (
+        bodies(young={**OVER, "temperatures": [100, 0]}, temperature=50.0), True,
+    ),
+    "constants of one temperature twice": (
+        bodies(young={**OVER, "temperatures": [50, 50]}, temperature=50.0), True,
+    ),
+    "constants below absolute zero": (
+        bodies(young={**OVER, "temperatures": [-274, 100]}, temperature=50.0), True,
+    ),
+    "constants of more temperatures": (
+        bodies(young={**OVER, "temperatures": [0, 50, 100]}, temperature=50.0), True,
+    ),
+    "constants of nan": (bodies(young={**OVER, "values": [1e5, float("nan")]}, temperature=50.0),
+                         True),
+    "constants that fall below 0": (bodies(young={**OVER, "values": [1e5, -9e5]},
+                                           temperature=50.0), True),
+    "constants in lists": (bodies(young={**OVER, "values": [[1e5], [1e5]]}, temperature=50.0),
+                           True),
+    "constants of text": (bodies(young={**OVER, "values": ["1", "2"]}, temperature=50.0), True),
+    "a material": (only(material="steel"), False),
+    "a material that is not there": (only(material="unobtainium"), True),
+    "a material elsewhere": (only(material="../../../etc/passwd"), True),
+    "a material in a device": (only(material="/dev/zero"), True),
+    "a material in no file": (only(material="none.toml"), True),
+    "a material of a table": (only(material={"young": 1.0}), True),
+    "a material over temperature": (only(material="CrMo-steel"), True),
+    "a material in furlongs": ({**only(material="steel"), "units": {"length": "furlong"}}, True),
+    "a material in units that differ": ({**only(material="steel"), "units": {"stress": "GPa"}},
+                                        True),
+    "a crystal": (crystal(CUBIC), False),
+    "a crystal that is not stable": (crystal({"cubic": [100.0, 200.0, 50.0]}), True),
+    "a crystal that shears by itself": (crystal({"cubic": [250e3, 160e3, -1.0]}), True),
+    "a crystal of nan": (crystal({"cubic": [float("nan"), 160e3, 130e3]}), True),
+    "a crystal of 1e30": (crystal({"cubic": [1e30, 1e29, 1e29]}), None),
+    "a crystal of two constants": (crystal({"cubic": [250e3, 160e3]}), True),
+    "a crystal of 20 constants": (crystal({"constants": [1.0] * 20}), True),
+    "a crystal of 21 ones": (crystal({"constants": [1.0] * 21}), True),
+    "a crystal in two ways": (crystal({**CUBIC, "constants": [1.0] * 21}), True),
+    "a crystal of nothing": (crystal({}), True),
+    "a crystal of impossible contraction": (
+        crystal({"orthotropic": {"young": [1.0, 1.0, 1.0], "poisson": [2.0, 2.0, 2.0],
+                                 "shear": [1.0, 1.0, 1.0]}}), True,
+    ),
+    "a crystal with a modulus": (bodies(elastic=CUBIC), True),
+    "crystal axes that are not at right angles": (
+        crystal(CUBIC, {"x": [1, 0, 0], "y": [1, 1, 0]}), True,
+    ),
+    "crystal axes that are parallel": (crystal(CUBIC, {"x": [1, 0, 0], "y": [2, 0, 0]}), True),
+    "one crystal axis": (crystal(CUBIC, {"x": [1, 0, 0]}), True),
+    "three crystal axes": (crystal(CUBIC, {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}), True),
+    "a crystal axis of no length": (crystal(CUBIC, {"x": [0, 0, 0], "y": [0, 1, 0]}), True),
+    "a crystal axis of nan": (crystal(CUBIC, {"x": [float("nan"), 0, 0], "y": [0, 1, 0]}), True),
+    "a mirrored crystal": (crystal(CUBIC, {"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, -1]]}), True),
+    "a stretched crystal": (crystal(CUBIC, {"matrix": [[2, 0, 0], [0, 1, 0], [0, 0, 1]]}), True),
+    "a crystal turned by 4 numbers": (crystal(CUBIC, {"matrix": [[1, 0], [0, 1]]}), True),
+    "a crystal turned by nan": (crystal(CUBIC, {"euler": [float("nan"), 0, 0]}), True),
+    "a crystal turned by 1e30": (crystal(CUBIC, {"euler": [1e30, 0, 0]}), None),
+    "a crystal turned twice": (crystal(CUBIC, {"euler": [0, 0, 0], "x": [1, 0, 0],
+                                               "y": [0, 1, 0]}), True),
+    "a crystal that couples u_z": (crystal(CUBIC, {"euler": [10, 20, 30]}), True),
+    "a layer and a file": (peen(file="strain.csv"), True),
+    "strains from a file that is not there": (
+        loads(weld={"type": "eigenstrain", "history": RAMP, "file": "no.csv"}), True,
+    ),
+    "strains from a folder": (
+        loads(weld={"type": "eigenstrain", "history": RAMP, "file": ".."}), True,
+    ),
     "a layer below a body": (peen(surfaces=["lower"]), True),
     "a layer of strain 1e20": (peen(values=[1e20, 0.0]), None),
     "a layer in the air": (peen(depths=[-1.0, 0.0]), True),

@@ -149,6 +149,27 @@ def points_case() -> str:
     return tomli_w.dumps({**PAD, "bodies": bodies, "loads": {"press": press(), "heat": heat}})
 
 
+MATERIAL = """source = "tests"
+units = { stress = "GPa", density = "kg/m^3" }
+young = { temperatures = [0, 100], values = [210.0, 190.0] }
+poisson = 0.3
+density = 7850.0
+"""
+
+
+def material_case() -> str:
+    """A case whose bodies are of own.toml."""
+    own = {"material": "own.toml", "temperature": 50.0}
+    return tomli_w.dumps({**PAD, "bodies": dict.fromkeys(PAD["bodies"], own)})
+
+
+def strain_case() -> str:
+    """A case whose residual strain is in strain.csv."""
+    history = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
+    weld = {"type": "eigenstrain", "file": "strain.csv", "history": history}
+    return tomli_w.dumps({**PAD, "loads": {"press": press(), "weld": weld}})
+
+
 def shape_case() -> str:
     """A case in which a boundary moves as shape.csv says."""
     history = [{"ramp": 1.0, "until": 1.0, "steps": 1}]

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.surface.surface import edges_once
@@ -128,6 +127,9 @@ class Normals:
     """
 
     def __init__(self, points: Array, frames: Array) -> None:
+        # Imported where it is needed: it takes a fifth of a second, and plane contacts do without.
+        from scipy.spatial import cKDTree
+
         self._tree = cKDTree(points)
         self._normals = frames[:, 0]
 
@@ -277,6 +279,8 @@ class Sectors:
     """
 
     def __init__(self, points: Array, facets: Indices) -> None:
+        from scipy.spatial import cKDTree
+
         self._points = points
         self._tree = cKDTree(points)
         self._edges = edges_once(facets)

@@ -232,7 +232,8 @@ def save_png(figure: Figure, path: Path, colours: str | None = None) -> tuple[in
         Its width and height in pixels.
     """
     image = pixels(figure, colours)
-    image.save(path, optimize=True)
+    # Level 9 makes it a fortieth smaller, and takes four times as long.
+    image.save(path, compress_level=6)
     return image.size
 
 

@@ -22,7 +22,6 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 from PIL import Image
-from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Front, Station
@@ -315,6 +314,9 @@ def _draw_arrows(panel: Axes, sheet: Sheet, state: int) -> None:
     closed = np.flatnonzero(sheet.contact.status[state] != OPEN)
     if not len(closed) or sheet.shear <= 0:
         return
+    # Imported where it is needed: pictures of plane contacts do without.
+    from scipy.spatial import cKDTree
+
     size = sheet.high - sheet.low
     counts = np.array([ARROWS[0], round(float(np.clip(ARROWS[0] * sheet.aspect, 6, ARROWS[1])))])
     lines = [

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
 from fretfe.history.solution import ContactHistory
@@ -48,6 +47,9 @@ class Unrolled:
 
         NaN where they are. Measured from the nearest node of the contact, along the surface there.
         """
+        # Imported where it is needed: plane contacts are not unrolled.
+        from scipy.spatial import cKDTree
+
         places = np.full((len(points), 2), np.nan)
         known = np.isfinite(points).all(axis=1)
         nearest = cKDTree(contact.points).query(points[known])[1]

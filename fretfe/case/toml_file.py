@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Tables of TOML files, and what is wrong with files that have none, in words."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from fretfe.errors import CaseError
+from fretfe.files import require_file
+
+# Tables and lists within one another; the deepest of a case are the points of a selector.
+DEEPEST = 20
+TOO_DEEP = f"expected tables and lists at most {DEEPEST} deep in one another, found deeper ones"
+
+
+def read_tables(source: Path, what: str, most: float = math.inf) -> dict[str, Any]:
+    """Read the tables of a TOML file.
+
+    Args:
+        source: the file.
+        what: it is expected to be, for messages.
+        most: bytes that it may have.
+
+    Raises:
+        CaseError: if it cannot be read, or is not TOML.
+    """
+    text = _read(source, what, most)
+    try:
+        data = tomllib.loads(text)
+        _require_shallow(data)
+    except tomllib.TOMLDecodeError as error:
+        raise CaseError(f"{source}: {_syntax_problem(str(error), text)}") from None
+    except RecursionError:
+        raise CaseError(f"{source}: {TOO_DEEP}") from None
+    except ValueError as error:
+        # A number with more digits than Python reads.
+        raise CaseError(f"{source}: expected numbers that can be read, found: {error}") from None
+    return data
+
+
+def _require_shallow(data: Any, depth: int = 0) -> None:
+    """Raise RecursionError where tables and lists are in one another deeper than any case has."""
+    if depth > DEEPEST:
+        raise RecursionError
+    if isinstance(data, dict | list):
+        for each in data.values() if isinstance(data, dict) else data:
+            _require_shallow(each, depth + 1)
+
+
+def _read(source: Path, what: str, most: float) -> str:
+    require_file(source, what, CaseError)
+    try:
+        if (size := source.stat().st_size) > most:
+            text = f"expected {what} of at most {most:g} bytes, found {size}"
+            raise CaseError(f"{source}: {text}")
+        return source.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = error.object.count(b"\n", 0, error.start) + 1
+        found = f"bytes in line {line} that are not UTF-8 text"
+    except OSError as error:
+        found = f"a file that cannot be read ({error.strerror})"
+    raise CaseError(f"{source}: expected {what}, found {found}")
+
+
+def _syntax_problem(message: str, text: str) -> str:
+    """Line, column and reason from the message of tomllib."""
+    reason, _, place = message.rpartition(" (at ")
+    numbers = re.findall(r"\d+", place)
+    if not numbers:
+        lines = text.split("\n")
+        numbers = [str(len(lines)), str(len(lines[-1]) + 1)]
+        reason += " (the file ends here)"
+    hint = _comma_hint(text, *map(int, numbers[:2]))
+    return f"line {numbers[0]}, column {numbers[1]}: not valid TOML: {reason}{hint}"
+
+
+def _comma_hint(text: str, line: int, column: int) -> str:
+    """Advice if the syntax is broken by the comma of a decimal number."""
+    for match in re.finditer(r"=[ \t]*([-+]?\d+),(\d+)[ \t]*", text.split("\n")[line - 1]):
+        if match.start() < column <= match.end() + 1:
+            return f"; a decimal number is written with a point: {match[1]}.{match[2]}"
+    return ""
