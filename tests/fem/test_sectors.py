@@ -34,7 +34,9 @@ from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.timing import Clock
 from fretfe.mesh.elements import quadrature, shape_values
 from fretfe.mesh.load import extrude
+from fretfe.mesh.make import mesh_template
 from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.mesh.templates import find_template
 from fretfe.surface.surface import boundary_surface, normal_vectors
 
 
@@ -150,22 +152,22 @@ def test_sides_of_other_nodes_stretch_and_pull_alike(solid: bool, cell: str) -> 
     np.testing.assert_allclose(passed, pulled, atol=exact * pulled.max())
 
 
-def whole_ring(one: Sequence[BodyMesh]) -> list[BodyMesh]:
+def whole_ring(one: Sequence[BodyMesh], name: str = "ring") -> list[BodyMesh]:
     """All sectors in one body, and their blocks, from a sector and its block."""
     steps = [(str(i), i * 360 / sectors.SECTORS) for i in range(sectors.SECTORS)]
     parts, pads = (
         [sectors.turned(mesh, angle, f"{mesh.name}{i}", i) for i, angle in steps] for mesh in one
     )
-    return [sectors.joined(parts, "ring"), *pads]
+    return [sectors.joined(parts, name), *pads]
 
 
-def held_as(sector: Run) -> Callable[[Case, Mesh], ModelDefinition]:
+def held_as(sector: Run, ring: str = "ring") -> Callable[[Case, Mesh], ModelDefinition]:
     """Define models whose ring is held as a sector is, at the same places of all of them."""
 
     def define(case: Case, mesh: Mesh) -> ModelDefinition:
         definition = define_model(case, mesh)
-        (hold,) = (c for c in sector.model.body_definition("ring").constraints if c.at)
-        sides = sector.model.body_definition("ring").tie
+        (hold,) = (c for c in sector.model.body_definition(ring).constraints if c.at)
+        sides = sector.model.body_definition(ring).tie
         assert sides is not None
         turn, holds = np.linalg.inv(sides.turn) if first_turns_back(sides) else sides.turn, []
         at, way = np.array(hold.at), np.array(hold.direction)
@@ -175,14 +177,14 @@ def held_as(sector: Run) -> Callable[[Case, Mesh], ModelDefinition]:
                 replace(hold, label=name, boundary=name, at=tuple(at), direction=tuple(way))
             )
             at, way = turn @ at, turn @ way
-        coordinates = [Coordinate(each.label, "ring", "fixed", "") for each in holds]
+        coordinates = [Coordinate(each.label, ring, "fixed", "") for each in holds]
         bodies = [
             replace(
                 body,
                 constraints=(*body.constraints, *holds),
                 coordinates=(*body.coordinates, *coordinates),
             )
-            if body.name == "ring"
+            if body.name == ring
             else body
             for body in definition.bodies
         ]
@@ -286,3 +288,41 @@ def test_sides_move_alike() -> None:
     )
     assert np.abs(leading).max() > 1e-3
     assert np.abs(following - sides.image(leading)).max() < 1e-12 * np.abs(leading).max()
+
+
+@pytest.mark.slow
+def test_a_firtree_in_a_sector_is_the_whole_disc(monkeypatch: pytest.MonkeyPatch) -> None:
+    shape = {"lobes": 2, "sectors": sectors.SECTORS, "pitch_radius": 60.0}
+    sizes = {"edge_size": 0.06, "flank_size": 0.2, "growth": 0.5}
+    made = mesh_template(find_template("firtree"), shape | sizes, 2)
+    meshes = [
+        replace(made.bodies[name], points=made.bodies[name].points + np.array([0.0, 60.0]))
+        for name in ("disc", "blade")
+    ]
+    one = run(firtrees(("",)), *meshes)
+    monkeypatch.setattr(fem_model, "held_model", held_as(one, "disc"))
+    numbers = tuple(str(i) for i in range(sectors.SECTORS))
+    ring = run(firtrees(numbers), *whole_ring(meshes, "disc"))
+    for part in np.split(ring.tractions, sectors.SECTORS, axis=1):
+        assert_same(part, one.tractions)
+
+
+def firtrees(numbers: Sequence[str]) -> dict[str, Any]:
+    """The case of blades in one disc; of one blade without a number it is a sector."""
+    flanks = [f"{side}_{lobe}" for lobe in (1, 2) for side in ("left", "right")]
+    sides = {"boundary1": "disc_side_left", "boundary2": "disc_side_right"}
+    symmetry = {"disc": {"type": "cyclic", **sides, "sectors": sectors.SECTORS, "centre": [0, 0]}}
+    return {
+        "bodies": {name: sectors.STEEL for name in ("disc", *(f"blade{n}" for n in numbers))},
+        "contacts": {
+            f"{flank}{number}": {
+                "surface1": f"blade_flank_{flank}{number}",
+                "surface2": f"disc_flank_{flank}{number}",
+                "friction": 0.4,
+            }
+            for number in numbers
+            for flank in flanks
+        },
+        "loads": {"spin": {"type": "rotation", "centre": [0, 0], "history": sectors.ramp(0.003)}},
+        **({"symmetry": symmetry} if numbers == ("",) else {}),
+    }
