@@ -69,6 +69,13 @@ def test_imports_of_a_plane_run() -> None:
     assert imported(SOLVES) == READS | {"dolfinx", "h5py", "mpi4py", "numpy"}
 
 
+@pytest.mark.skipif(find_spec("matplotlib") is None, reason="Matplotlib is not installed")
+@pytest.mark.parametrize("module", ["fretfe.report.page.html", "fretfe.report.pictures.folder"])
+def test_a_plane_report_imports_no_scipy(module: str) -> None:
+    done = python("-c", f"import {module}, sys; print('scipy' in sys.modules)")
+    assert done.stdout.split() == ["False"], done.stderr
+
+
 def imported(program: str, *arguments: str) -> set[str]:
     """Those of the slow libraries that a program has imported at its end."""
     done = python("-c", program, *arguments)
