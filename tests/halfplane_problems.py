@@ -68,8 +68,11 @@ def started(values: Array) -> Array:
     return np.concatenate([np.linspace(0.0, 1.0, 7)[:-1] * values[0], values])
 
 
-def solved(given: HalfPlaneProblem, elements: int = 300) -> Contact:
+def solved(
+    given: HalfPlaneProblem, elements: int = 300, reference_length: float | None = None
+) -> Contact:
     outcome = solve_half_planes(given, elements)
     assert outcome.failure is None
-    contacts = evaluate(outcome.solution, outcome.unit_factors)
+    units = outcome.unit_factors
+    contacts = evaluate(outcome.solution, units, reference_length=reference_length)
     return at_step_ends(outcome.solution, contacts)[1][0]

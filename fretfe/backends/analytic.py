@@ -30,7 +30,7 @@ from fretfe.evaluate.contacts import (
 )
 from fretfe.evaluate.cycles import count_cycles, worst_cycle
 from fretfe.evaluate.factors import add_up, cycle_range, excess, half_plane_units, load_path
-from fretfe.evaluate.limits import with_limit_warnings
+from fretfe.evaluate.limits import unlike_notes, with_limit_warnings
 from fretfe.evaluate.plane.evaluate import shear_mismatch, tension_history
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_front
 from fretfe.evaluate.slip import SlipBorder, cycle_states, last_state, predicted_slip, slip_zones
@@ -234,7 +234,7 @@ class AnalyticBackend:
             len(problem.history.times) - 1, len(problem.history.times) - 1, "closed form"
         )
         limits = (size_limit(problem.contact, problem),)
-        notes = (*problem.notes, *division_notes(ends))
+        notes = (*problem.notes, *division_notes(ends), *unlike_notes(case, [summary]))
         if problem.dundurs:
             beta = f"Dundurs' beta = {problem.dundurs:.3g}"
             notes = (*notes, f"pressure and shear are taken as independent ({beta})")

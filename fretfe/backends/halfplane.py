@@ -81,14 +81,15 @@ class HalfPlaneBackend:
         )
         solved = time.perf_counter()
         solution = separate_patches(outcome.solution)
-        contacts = evaluate(solution, outcome.unit_factors)
+        told = case.edges.reference_length
+        contacts = evaluate(solution, outcome.unit_factors, reference_length=told)
         divided = division_notes(solution.ends)
         judged = (limit for each in solution.contacts for limit in contact_limits(case, each))
         notes = (*problem.notes, *divided, *(each.text for each in solution.repeats))
         if problem.dundurs:
             beta = f"Dundurs' beta = {problem.dundurs:.3g}"
             notes = (*notes, f"pressure and shear depend on each other ({beta})")
-            notes = (*notes, *unlike_notes(contacts))
+        notes = (*notes, *unlike_notes(case, contacts))
         limits = (*judged, *(size_limit(each.name, problem) for each in contacts))
         solution, contacts = at_step_ends(solution, contacts)
         return Result(

@@ -208,6 +208,11 @@ class Edges(Table):
         description="Whether the plane problem next to every station of solids is solved, which "
         "gives its slip zones where the elements of the bodies do not resolve them.",
     )
+    reference_length: Positive | None = Field(
+        default=None,
+        description="Length at which K_N, K_T and K_I are told at plane edges between unlike "
+        "materials with friction; without it that of the slip zone that they predict.",
+    )
 
 
 class Support(Table):

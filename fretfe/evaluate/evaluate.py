@@ -25,7 +25,10 @@ Tracks = Mapping[str, "tuple[FrontTrack, ...]"]
 
 
 def evaluate(
-    solution: Solution, find_units: FindUnits = integral_units, tracks: Tracks | None = None
+    solution: Solution,
+    find_units: FindUnits = integral_units,
+    tracks: Tracks | None = None,
+    reference_length: float | None = None,
 ) -> tuple[Contact, ...]:
     """Evaluate every contact of a solution.
 
@@ -34,14 +37,21 @@ def evaluate(
         find_units: gives the singular factors of plane contacts for a unit of each driver: by
             interaction integrals and fits, unless there is a closed form.
         tracks: the fronts between solids, by contact; None if nobody looked for them.
+        reference_length: at which factors of plane edges between unlike bodies are told; None for
+            that of the slip zone that they predict.
     """
     return tuple(
-        _evaluate_contact(solution, contact, find_units, tracks) for contact in solution.contacts
+        _evaluate_contact(solution, contact, find_units, tracks, reference_length)
+        for contact in solution.contacts
     )
 
 
 def _evaluate_contact(
-    solution: Solution, contact: ContactHistory, find_units: FindUnits, tracks: Tracks | None
+    solution: Solution,
+    contact: ContactHistory,
+    find_units: FindUnits,
+    tracks: Tracks | None,
+    reference_length: float | None,
 ) -> Contact:
     solid = contact.facets is not None
     changes = cycle_changes(
@@ -54,7 +64,7 @@ def _evaluate_contact(
         found = evaluate_solids(solution, contact, own)
         warnings = solid_warnings(solution, contact, found, changes, own is not None)
     else:
-        found = evaluate_plane(solution, contact, find_units)
+        found = evaluate_plane(solution, contact, find_units, reference_length)
         warnings = plane_warnings(solution, contact, found["fronts"], changes)
     return Contact(
         name=contact.name,

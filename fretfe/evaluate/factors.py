@@ -31,7 +31,7 @@ from fretfe.analytic.edges import (
 from fretfe.evaluate.contacts import LARGEST_SPREAD, RangeSpread
 from fretfe.evaluate.numerics import count_up
 from fretfe.evaluate.plane.full_stick_fit import OVERHANG, effective_edges, full_stick_factors
-from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, RISEN, EdgeFit, fit_edge
+from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, RISEN, WINDOW, EdgeFit, fit_edge
 from fretfe.evaluate.plane.section import (
     PLANE_FRONTS,
     PlaneFront,
@@ -579,7 +579,7 @@ def reference_length(
         if not len(states):
             break
         k_t = factors_at(factors, contact.dundurs, length)[states, Factor.K_T]
-        found = share * np.ptp(k_t) / (friction * fit.at(length).k_n[states[-1]])
+        found = share * np.ptp(k_t) / (friction * fit.at(length, WINDOW).k_n[states[-1]])
         if not SMALLEST_MOVE * half_width < found < half_width:
             break
         length = float(found)

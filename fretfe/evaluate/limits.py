@@ -8,7 +8,7 @@ small-displacement model, or the description of its edges, is wrong by about one
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -104,8 +104,15 @@ def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:
     )
 
 
-def unlike_notes(contacts: Iterable[Contact]) -> Iterator[str]:
+def unlike_notes(case: Case, contacts: Collection[Contact]) -> Iterator[str]:
     """A line for each edge between unlike bodies: the length of its factors, lambda and epsilon."""
+    chosen = case.edges.reference_length
+    if chosen and not any(each.oscillation for contact in contacts for each in contact.stations):
+        yield (
+            "edges.reference_length has no effect: there is no plane edge between unlike bodies "
+            "with friction"
+        )
+    origin = "the slip zone that they predict" if chosen is None else "as edges.reference_length"
     for contact in contacts:
         for station in contact.stations:
             if not station.oscillation:
@@ -114,10 +121,10 @@ def unlike_notes(contacts: Iterable[Contact]) -> Iterator[str]:
             turn = math.degrees(station.oscillation * math.log(10))
             yield (
                 f"{contact.name}, {station.front} edge, unlike bodies: K_N at the length "
-                f"{station.reference_length:.3g}, K_T at a quarter and K_I at a twentieth of it; "
-                f"lambda = {station.exponent:.4f}, epsilon = {station.oscillation:.4f}: a length "
-                f"ten times as large changes K_N by {fall:+.1%} and turns (K_T, K_I) by {turn:.2g} "
-                "degrees"
+                f"{station.reference_length:.3g} ({origin}), K_T at a quarter and K_I at a "
+                f"twentieth of it; lambda = {station.exponent:.4f}, epsilon = "
+                f"{station.oscillation:.4f}: a length ten times as large changes K_N by "
+                f"{fall:+.1%} and turns (K_T, K_I) by {turn:.2g} degrees"
             )
 
 

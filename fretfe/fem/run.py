@@ -183,7 +183,8 @@ class _Run:
             solution = add_integrals(model, self._fields, recorder, march, solution, tracks, say)
         with clock("evaluation"):
             depths = self._penetration()
-            contacts = evaluate(solution, tracks=tracks)
+            told = case.edges.reference_length
+            contacts = evaluate(solution, tracks=tracks, reference_length=told)
             limits = model_limits(model, recorder, solution, contacts, depths)
             contacts = with_limit_warnings(contacts, limits)
             failure = marched.failure or imbalance(solution)
@@ -208,7 +209,7 @@ class _Run:
                 *divided,
                 *repeats,
                 *added,
-                *unlike_notes(contacts),
+                *unlike_notes(case, contacts),
             ),
             failure=failure,
             limits=limits,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""`PYTHONPATH=tests python -m campaign [moving] [solids] [COUNT]`: are numbers right or wrong?
+"""`PYTHONPATH=tests python -m campaign [moving] [solids] [unlike] [COUNT]`: right or wrong?
 
 Progress and each number that is wrong without a warning go to the standard error, the tables for
 docs/validate.md to the standard output. One process for each processor.
@@ -15,19 +15,21 @@ from multiprocessing import get_context
 from campaign.judge import QUANTITIES, Judged, judge_case, judge_moving
 from campaign.judge_solids import SOLID_QUANTITIES, judge_moving_solid, judge_solid
 from campaign.tables import RESOLVED, RESOLVED_SOLIDS, kinds, tables
+from campaign.unlike import UNLIKE_QUANTITIES, judge_unlike
 
 # How many are judged if nothing is said, and by what, by the words.
-COUNTS = {"": 300, "moving": 100, "solids": 30, "moving solids": 40}
+COUNTS = {"": 300, "moving": 100, "solids": 30, "moving solids": 40, "unlike": 60}
 JUDGES = {
     "": judge_case,
     "moving": judge_moving,
     "solids": judge_solid,
     "moving solids": judge_moving_solid,
+    "unlike": judge_unlike,
 }
 
 
 def main() -> None:
-    """Judge the first cases, plane ones, those with loads that move much, or solids."""
+    """Judge the first cases: plane ones, those with loads that move much, solids or half-planes."""
     words = sys.argv[1:]
     which = " ".join(word for word in words if not word.isdecimal())
     count = next((int(word) for word in words if word.isdecimal()), COUNTS[which])
@@ -43,8 +45,13 @@ def main() -> None:
                     _tell(f"\n{each.text}\n")
             _tell(f"\r{done} of {count}")
     _tell("\n")
-    solids = (SOLID_QUANTITIES, RESOLVED_SOLIDS)
-    print(tables(judged, *(solids if "solids" in which else (QUANTITIES, RESOLVED))))
+    of_solids, plane = (SOLID_QUANTITIES, RESOLVED_SOLIDS), (QUANTITIES, RESOLVED)
+    unlike = (UNLIKE_QUANTITIES, RESOLVED)
+    print(
+        tables(
+            judged, *(of_solids if "solids" in which else unlike if which == "unlike" else plane)
+        )
+    )
     if which == "moving":
         print(f"\n{kinds(judged)}")
 

@@ -23,6 +23,7 @@ from campaign.draw import (
     with_quadrilaterals,
 )
 from campaign.solids import SolidDraw
+from campaign.unlike_draw import UnlikeDraw
 
 import fretfe
 from fretfe.case import parse_case
@@ -61,7 +62,7 @@ class Judged:
         whole: what errors are relative to where that is not the number itself.
     """
 
-    draw: Draw | SolidDraw
+    draw: Draw | SolidDraw | UnlikeDraw
     edge: str
     quantity: str
     value: float

@@ -121,6 +121,15 @@ MODELS: dict[str, tuple[Tables, bool | None]] = {
     ),
     "nearly incompressible": (bodies(poisson=0.499999999), None),
     "auxetic": (bodies(poisson=-0.999999999), None),
+    **{
+        f"unlike bodies at the length {length:g}": (
+            {"edges": {"reference_length": length},
+             "bodies": {"upper": {"young": 1e5, "poisson": 0.2}, "lower": PAD["bodies"]["lower"]}},
+            None,
+        )
+        for length in (1e-29, 1e29)
+    },
+    "length of nothing": ({"edges": {"reference_length": 0.0}}, True),
     "thickness of 1e-20": ({"model": {"thickness": 1e-20, "degree": 1}}, None),
     "thickness of 1e20": ({"model": {"thickness": 1e20, "degree": 1}}, None),
     "force of 1e15": ({"loads": {"press": press(1e15, steps=1)}}, None),

@@ -6,13 +6,17 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pad_cases
 import pytest
 from halfplane_problems import HERTZ, LOAD, loop, problem, solved, started
+from pad_cases import pad, press
 from scipy.optimize import brentq
 from scipy.special import ellipkm1
 
 from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation, sliding_exponent
+from fretfe.backends.halfplane import BACKEND as HALFPLANE
+from fretfe.case import parse_case
 from fretfe.evaluate.factors import half_plane_units
 from fretfe.evaluate.verdicts import AGREES, last_verdict
 from fretfe.halfplane import solve_half_planes
@@ -164,6 +168,43 @@ def test_factors_of_similar_bodies_are_the_limit() -> None:
         assert other.slip_zones[-1].prediction == pytest.approx(
             one.slip_zones[-1].prediction, rel=1e-7
         )
+
+
+def test_factors_at_a_length_of_choice() -> None:
+    """K_N goes with the length to lambda - 1/2, K_I + i K_T turns; slip zones stay."""
+    beta, friction, ratio = 0.2, 0.5, 4.0
+    shear = started(friction * LOAD * (0.3 + 0.15 * np.cos(loop(8, 2))))
+    given = unlike(problem(LOAD, shear, friction=friction, cycle=8), beta)
+    own, first, second = (solved(given, 150, length) for length in (None, 0.02, ratio * 0.02))
+    for station, one, other in zip(own.stations, first.stations, second.stations, strict=True):
+        assert (one.reference_length, other.reference_length) == (0.02, ratio * 0.02)
+        assert one.slip_zones == station.slip_zones == other.slip_zones
+        power = ratio ** (one.exponent - 0.5)
+        assert other.k_n[-1] == pytest.approx(power * one.k_n[-1], rel=1e-12)
+        # K_T and K_I are told at different parts of the length.
+        parts = np.log(0.25) + 3
+        turn = np.exp(1j * oscillation(beta) * np.log(ratio))
+        back = np.exp(1j * oscillation(beta) * parts)
+        # From (Re at l/e^3, Im at l/4) to the whole number at l/e^3.
+        whole, again = (
+            each.k_i + 1j * (each.k_t - each.k_i * back.imag) / back.real for each in (one, other)
+        )
+        known = np.isfinite(whole)
+        np.testing.assert_allclose(again[known], (whole * turn)[known], atol=1e-12)
+
+
+@pytest.mark.parametrize("young", [210e3, 114e3])
+def test_notes_tell_which_length(young: float) -> None:
+    case = pad(
+        edges={"reference_length": 0.02},
+        loads={"press": press(), "shear": pad_cases.shear(steps=8)},
+    )
+    case["bodies"]["upper"] = {"young": young, "poisson": 0.3}
+    answer = HALFPLANE.solve(parse_case(case))
+    (note, *_) = (each for each in answer.notes if "reference_length" in each)
+    assert ("has no effect" in note) == (young == case["bodies"]["lower"]["young"])
+    if "no effect" not in note:
+        assert "K_N at the length 0.02 (as edges.reference_length)" in note
 
 
 def test_compliance_is_symmetric_and_positive() -> None:

@@ -68,7 +68,7 @@ LINEAR_ELEMENTS = 0.025
 
 
 def evaluate_plane(
-    solution: Solution, contact: ContactHistory, find_units: FindUnits
+    solution: Solution, contact: ContactHistory, find_units: FindUnits, told: float | None
 ) -> dict[str, Any]:
     """Edges, resultants and friction work of a plane contact, by the names of `Contact`.
 
@@ -76,6 +76,7 @@ def evaluate_plane(
         solution: the solved history.
         contact: one of its contacts.
         find_units: gives the singular factors for a unit of each driver.
+        told: reference length of factors between unlike bodies; None for the predicted slip zones.
     """
     fits = edge_fits(contact, solution.source)
     positions = np.array([fit.position for fit in fits])
@@ -84,27 +85,29 @@ def evaluate_plane(
     path = load_path(solution.values, solution.between, solution.cycle)
     # As if the bodies were similar, at the length where shear adds nothing to K_I.
     whole = histories.ways.mean(axis=0)
-    lengths = np.full(len(PLANE_FRONTS), np.nan)
+    edges = _Edges(solution, contact, centre, fits, histories, path)
     if contact.dundurs:
         cycle = cycle_states(solution.cycle)
         a = last_known(half_width, cycle)
-        lengths = np.array(
+        zones = np.array(
             [
                 reference_length(contact, fit, factors, a, cycle)
                 for fit, factors in zip(fits, whole, strict=True)
             ]
         )
-        fits = tuple(fit.at(length) for fit, length in zip(fits, lengths, strict=True))
-        histories = histories.at(contact.dundurs, lengths)
         whole = factors_at(whole, contact.dundurs, 2 * a / K_T_LENGTH)
         whole /= np.cosh(np.pi * oscillation(contact.dundurs))
-    spreads = range_spreads(histories, fits, contact.arc, cycle_states(solution.cycle), path)
-    work = _friction_work(solution, contact)
-    edges = _Edges(solution, contact, centre, histories, path, work, lengths)
-    fronts = [
-        Front(front.name, (edges.station(front, fit, spreads[front.number]),))
-        for front, fit in zip(PLANE_FRONTS, fits, strict=True)
-    ]
+        stations = edges.at(zones, zones).stations()
+        if told is not None:
+            # Formulas for slip zones need the factors at their own lengths.
+            others = edges.at(np.full_like(zones, told), zones).stations()
+            stations = [
+                replace(other, slip_zones=station.slip_zones)
+                for other, station in zip(others, stations, strict=True)
+            ]
+    else:
+        stations = edges.stations()
+    fronts = [Front(each.front, (each,)) for each in stations]
     k_t = whole[..., Factor.K_T]
 
     def tension(interval: slice, cycle: Cycle) -> Array:
@@ -118,7 +121,7 @@ def evaluate_plane(
         "shear_mismatch": shear_mismatch(
             k_t, half_width, full_stick_shear_force(solution, contact), solution.cycle
         ),
-        "dissipation": float(edges.work.sum()),
+        "dissipation": float(_friction_work(solution, contact).sum()),
     }
 
 
@@ -283,22 +286,45 @@ class _Edges:
         solution: the solved history.
         contact: the contact.
         centre: (T,) of it.
+        fits: of the pressure at both edges.
         histories: of the singular factors of both edges.
         path: loads of the cycle between its steps, unless they are straight lines.
-        work: (N,) friction work of each node in the evaluated cycle.
         lengths: (2,) reference lengths of both edges between unlike bodies, else NaN.
     """
 
     solution: Solution
     contact: ContactHistory
     centre: Array
+    fits: tuple[EdgeFit, ...]
     histories: FactorHistories
     path: LoadPath | None
-    work: Array
-    lengths: Array
+    lengths: tuple[float, ...] = (np.nan,) * len(PLANE_FRONTS)
 
-    def station(self, front: PlaneFront, fit: EdgeFit, spread: RangeSpread) -> Station:
+    def at(self, lengths: Array, zones: Array) -> _Edges:
+        """The same of unlike bodies at reference lengths (2,), with slip zones (2,)."""
+        cycle = cycle_states(self.solution.cycle)
+        sizes = [
+            _element_size(self.contact.arc, last_known(fit.position, cycle)) for fit in self.fits
+        ]
+        return replace(
+            self,
+            fits=tuple(
+                fit.at(length, zone / size)
+                for fit, length, zone, size in zip(self.fits, lengths, zones, sizes, strict=True)
+            ),
+            histories=self.histories.at(self.contact.dundurs, lengths),
+            lengths=tuple(lengths.tolist()),
+        )
+
+    def stations(self) -> list[Station]:
+        """The stations of both edges."""
+        cycle = cycle_states(self.solution.cycle)
+        spreads = range_spreads(self.histories, self.fits, self.contact.arc, cycle, self.path)
+        return [self._station(front, spreads[front.number]) for front in PLANE_FRONTS]
+
+    def _station(self, front: PlaneFront, spread: RangeSpread) -> Station:
         """The station of an edge, with the error bar of its range."""
+        fit, work = self.fits[front.number], _friction_work(self.solution, self.contact)
         contact, cycle = self.contact, cycle_states(self.solution.cycle)
         exponents = np.broadcast_to(fit.exponent, fit.k_n.shape)
         half_width = abs(float((self.centre - fit.position)[-1]))
@@ -330,13 +356,13 @@ class _Edges:
                 else cycle_range(fitted[front.number, :, Factor.K_T], cycle)
             ),
             k_i_range=cycle_range(history.k_i, cycle),
-            reference_length=float(self.lengths[front.number]),
+            reference_length=self.lengths[front.number],
             exponent=float(exponents[history.last]),
             oscillation=oscillation(contact.dundurs),
             coupling=abs(contact.dundurs) * float(contact.friction.max()),
             cycles=cycles,
             slip_zones=self._zones(front, evaluated, cycles),
-            dissipation=float(self.work[here].sum()),
+            dissipation=float(work[here].sum()),
         )
 
     def _zones(

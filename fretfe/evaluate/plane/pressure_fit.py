@@ -60,8 +60,9 @@ INTERVALS = np.array([[1.33], [1.72]])
 # window is far off.
 OFF, SOLVED = (0.05, 0.25), (0.5, 1.25)
 # The pressure falls like s^lambda in the slip zone only: relative error of K_N, over lambda - 1/2.
-# By half-planes and finite elements with slip zones of 5 to 50 elements, .25 to .7.
-BEYOND_SLIP = 0.75
+# By half-planes and finite elements with slip zones of 5 to 50 elements, .25 to .7; on grids that
+# are coarse behind a short zone up to 2, as windows reach far beyond it.
+BEYOND_SLIP, WINDOW, MOST_BEYOND = 0.75, 30.0, 8 / 3
 # Nodes from the edge to the largest pressure that a fit needs to tell a root from something else:
 # half of those that are wanted over a contact.
 WANTED_OVER_RISE = 8
@@ -144,14 +145,20 @@ class EdgeFit:
     spread_k_n: Array
     exponent: Array | float = 0.5
 
-    def at(self, length: float) -> EdgeFit:
+    def at(self, length: float, zone: float) -> EdgeFit:
         """Return the fit with K_N = p(length)/sqrt(length) of the power law.
 
-        Its error bar holds what the fits, which reach beyond the slip zone, cannot see.
+        Its error bar holds what the fits, which reach beyond the slip zone, cannot see, the more
+        the fewer elements the zone has.
+
+        Args:
+            length: at which K_N is told.
+            zone: length of the slip zone in elements.
         """
         apart = np.asarray(self.exponent - 0.5)
         k_n = length**apart * self.k_n
-        spread = np.hypot(length**apart * self.spread_k_n, BEYOND_SLIP * np.abs(apart) * k_n)
+        beyond = BEYOND_SLIP * np.clip(WINDOW / zone, 1.0, MOST_BEYOND)
+        spread = np.hypot(length**apart * self.spread_k_n, beyond * np.abs(apart) * k_n)
         return replace(self, k_n=k_n, spread_k_n=spread)
 
 

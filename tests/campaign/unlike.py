@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Random pairs of unlike bodies: half-planes with the coupling beside ones four times as fine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from campaign.judge import Judged
+from campaign.unlike_draw import UnlikeDraw, draw_unlike
+from halfplane_problems import LOAD, loop, problem, solved, started
+
+from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.verdicts import AGREES, judge
+
+# d by the slip of the nodes, and d as the factors predict it.
+UNLIKE_QUANTITIES = ("K_N", "ΔK_T", "d", "predicted")
+FINER = 4
+STEPS, CYCLES = 16, 2
+
+
+def judge_unlike(number: int) -> list[Judged]:
+    """All numbers of the pair of a number."""
+    one = draw_unlike(number)
+    return list(_judge(one, *(_stations(one, times * one.elements) for times in (1, FINER))))
+
+
+def _stations(one: UnlikeDraw, elements: int) -> tuple[Station, ...]:
+    wave = np.cos(loop(STEPS, CYCLES))
+    shear = started(one.friction * LOAD * (one.mean + one.amplitude * wave))
+    tension = started(one.friction * one.tension * wave)
+    given = problem(LOAD, shear, 0.0, tension, friction=one.friction, cycle=STEPS)
+    return solved(replace(given, dundurs=one.beta, guided=one.guided), elements).stations
+
+
+def _judge(
+    one: UnlikeDraw, found: tuple[Station, ...], finer: tuple[Station, ...]
+) -> Iterator[Judged]:
+    for station, truth in zip(found, finer, strict=True):
+        values = (
+            (*station.last_k_n, *truth.last_k_n),
+            (station.k_range, station.k_range_spread, truth.k_range, truth.k_range_spread),
+        )
+        for quantity, numbers in zip(UNLIKE_QUANTITIES, values, strict=False):
+            yield Judged(one, station.front, quantity, *numbers, remark="")
+        zones = zip(station.slip_zones[-2:], truth.slip_zones[-2:], strict=True)
+        for zone, exact in zones:
+            if exact.gross or not exact.resolved:
+                continue
+            known = (exact.length, exact.spread)
+            yield Judged(one, station.front, "d", zone.reported_length, zone.spread, *known, "")
+            verdict = judge(station, zone)
+            # Without a verdict there is no bar to hold.
+            remark = "" if verdict.word == AGREES else verdict.word
+            bar = verdict.tolerance if math.isfinite(verdict.tolerance) else 0.0
+            yield Judged(one, station.front, "predicted", zone.prediction, bar, *known, remark)

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Random pairs of unlike bodies: error bars hold beside half-planes four times as fine."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from campaign.judge import Judged
+from campaign.unlike import UNLIKE_QUANTITIES, judge_unlike
+
+
+def held(judged: list[Judged], quantity: str) -> float:
+    """Share of the numbers with a bar that are within it; of predictions those with a verdict."""
+    given = [e for e in judged if e.quantity == quantity and np.isfinite(e.value) and e.bar > 0]
+    return float(np.mean([each.error <= each.bar for each in given]))
+
+
+def test_one_pair() -> None:
+    judged = judge_unlike(0)
+    assert len(judged) == 12
+    assert [each.text for each in judged if each.verdict != "right"] == []
+
+
+@pytest.mark.slow
+def test_sixty_pairs() -> None:
+    judged = [each for number in range(60) for each in judge_unlike(number)]
+    for quantity in UNLIKE_QUANTITIES:
+        assert held(judged, quantity) >= 0.95, quantity
