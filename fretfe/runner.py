@@ -16,6 +16,7 @@ import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -581,11 +582,13 @@ def draw_report(directory: Path) -> Drawn:
             problems.append(f"no {phase}: {type(error).__name__}: {error}")
         seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - begin
 
-    def draw_ahead() -> None:
+    def draw() -> None:
         # Imported while other processes draw.
         from fretfe.report.page.html import draw_plots
 
-        attempt("report", lambda: plots.append(draw_plots(load_result(directory))))
+        plots.append(draw_plots(load_result(directory)))
+
+    draw_ahead = partial(attempt, "report", draw)
 
     try:
         with locked(directory):
