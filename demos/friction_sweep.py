@@ -27,7 +27,7 @@ path = Path(__file__).with_name("dovetail.toml")
 case = fretfe.load_case(path, {"geometry.parameters.edge_size": 0.003})
 sweep = fretfe.sweep(case, {"contacts.*.friction": FRICTION})
 
-# The upper edge of the right flank.
+# The lower edge of the right flank.
 edges = [r for r in sweep.records() if (r["contact"], r["edge"]) == ("right", "left")]
 k_n, k_t, found, predicted = (
     np.array([edge[name] for edge in edges])

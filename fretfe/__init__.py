@@ -34,6 +34,7 @@ API = (
     "sweep",
     "validate",
     "verify",
+    "write_submodel",
 )
 
 

@@ -9,11 +9,14 @@ import sys
 import warnings
 from typing import NoReturn
 
-from fretfe.environment import LITTLE_ROOM, memory_shortage, missing_package, too_little_room
+from fretfe.environment import (
+    LITTLE_ROOM,
+    THREADS,
+    memory_shortage,
+    missing_package,
+    too_little_room,
+)
 from fretfe.errors import DependencyError, FretfeError, MemoryShortError
-
-# What sets the number of threads of a BLAS; the last one is heeded by all of them.
-THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "OMP_NUM_THREADS")
 
 # New objects after which Python looks for garbage among them.
 COLLECTED = 5000

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fretfe.station import StationModel
+    from fretfe.submodel import Submodel
 
 __all__ = [
     "Checked",
@@ -63,6 +64,7 @@ __all__ = [
     "sweep",
     "validate",
     "verify",
+    "write_submodel",
 ]
 
 
@@ -142,6 +144,34 @@ def run_station(result: Result, station: str, output: Path | str | None = None) 
     from fretfe.station import run_station as of_station
 
     return of_station(result, station, _folder(output))
+
+
+def write_submodel(
+    result: Result,
+    around: str,
+    output: Path | str,
+    radius: float | None = None,
+    size: float | None = None,
+) -> Submodel:
+    """Write the case of a part of a solved case, with finer elements, as `fretfe submodel` does.
+
+    On process 0 only.
+
+    Args:
+        result: with all of its steps, from a folder that has the displacements of all of them
+            (``[output] fields = "all"``).
+        around: "CONTACT", "CONTACT.left" or "CONTACT.right", of solids "CONTACT.FRONT.STATION".
+        output: folder for the files; made if missing.
+        radius: of the part; None for three times the distance of the edges from the middle.
+        size: of the elements at contact edges; None for a quarter of those of the run.
+
+    Raises:
+        FretfeError: if there is no such contact, a part of the case cannot be cut, displacements
+            are missing, or a file cannot be written.
+    """
+    from fretfe.submodel import write_submodel as write
+
+    return write(result, around, Path(output), radius, size)
 
 
 def export(

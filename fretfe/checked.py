@@ -9,11 +9,13 @@ from dataclasses import dataclass
 from fretfe.bodies.definition import (
     ModelDefinition,
     Pair,
+    across_notes,
     contact_surfaces,
     couple_contacts,
     cut_notes,
     layer_notes,
     require_possible,
+    side_notes,
 )
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import Case, parse_case
@@ -56,7 +58,14 @@ class Checked:
     def notes(self) -> tuple[str, ...]:
         """Things that a reader of its results should know, in words."""
         layers = layer_notes(self.case, self.definition, self.mesh)
-        return (*self.case.material_notes, *layers, *cut_notes(self.definition))
+        sides = side_notes(self.definition)
+        return (
+            *self.case.material_notes,
+            *across_notes(self.case, self.mesh.dimension),
+            *layers,
+            *sides,
+            *cut_notes(self.definition),
+        )
 
     @property
     def cost(self) -> Cost:
@@ -67,7 +76,10 @@ class Checked:
         # Two fronts, or one that is closed.
         stations = 2 * len(self.pairs) * (1 if plane else self.case.edges.stations)
         states = _field_states(self.case, steps)
-        return estimate_cost(self.mesh, self.case.model.degree, nodes, steps, stations, states)
+        size = self.definition.components
+        return estimate_cost(
+            self.mesh, self.case.model.degree, nodes, steps, stations, states, size
+        )
 
 
 def _field_states(case: Case, steps: int) -> int:
@@ -138,7 +150,7 @@ def check(case: Case) -> Checked | None:
     history, mesh = build_history(case), _first_mesh(case)
     definition = held_model(case, mesh)
     require_possible(case, definition, history)
-    pairs = couple_contacts(case, contact_surfaces(definition, mesh))
+    pairs = couple_contacts(case, contact_surfaces(definition, mesh), definition.components)
     restrained = modes_restrained_by_contact(definition, mesh)
     return Checked(case, history, mesh, definition, pairs, restrained)
 

@@ -27,6 +27,8 @@ PACKAGES = (
     "pyvista",
 )
 
+# What sets the number of threads of a BLAS; the last one is heeded by all of them.
+THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "OMP_NUM_THREADS")
 PETSC_OUT_OF_MEMORY = 55
 # What the loader says of a library for which there is no memory.
 NO_ROOM = re.compile("failed to map segment|[Cc]annot allocate memory")
@@ -82,6 +84,12 @@ def idle_cores() -> int:
     """Cores that this process may use besides the one it has."""
     allowed = getattr(os, "sched_getaffinity", None)  # Linux
     return (len(allowed(0)) if allowed else os.cpu_count() or 1) - 1
+
+
+def linear_algebra_threads() -> int:
+    """Threads of a BLAS by the environment; as many as there are cores if it gives no number."""
+    numbers = (os.environ.get(name, "") for name in THREADS)
+    return next((int(each) for each in numbers if each.isdecimal() and int(each)), idle_cores() + 1)
 
 
 def peak_memory() -> float:

@@ -30,7 +30,8 @@ from fretfe.backends import (
     processes_of,
 )
 from fretfe.backends.protocol import DEFAULTS, SILENT, StopOnly
-from fretfe.case import Case, as_written, case_text, load_case, parse_assignments
+from fretfe.case import Case, as_written, case_text
+from fretfe.case.loads import FieldLoad
 from fretfe.case.overrides import by_key
 from fretfe.environment import versions
 from fretfe.errors import FretfeError, ModelError, OutputError, StoppedError
@@ -50,6 +51,7 @@ from fretfe.results.writer import (
 )
 
 if TYPE_CHECKING:
+    from fretfe.mesh.mesh import Mesh
     from fretfe.quality.validation import Validation
     from fretfe.report.page.html import Plots
     from fretfe.sweeps import Solved, Sweep
@@ -331,20 +333,16 @@ class Runner:
         """True on processes that a launcher has started beside a backend that runs on one."""
         return isinstance(self.processes, OneProcess) and self.processes.rank > 0
 
-    def read_case(self, path: Path, overrides: Sequence[str] = (), *, trust_geo: bool) -> Case:
-        """Read a case file on the first process, for all.
+    def read_case(self, read: Callable[[], Case]) -> Case:
+        """Read a case on the first process, for all.
 
         Args:
-            path: of the case file.
-            overrides: values in place of its own, like ``loads.shear.amplitude=120``.
-            trust_geo: whether a .geo file of the case may run.
+            read: reads it, as `load_case`.
 
         Raises:
             CaseError: if the case is not valid.
         """
-        return self.processes.on_root(
-            lambda: load_case(path, parse_assignments(overrides), trust_geo=trust_geo)
-        )
+        return self.processes.on_root(read)
 
     def require_support(self, case: Case) -> None:
         """Check that the backend can solve a case.
@@ -362,6 +360,7 @@ class Runner:
         observer: Observer = SILENT,
         *,
         resume: bool = False,
+        mesh: Callable[[Case], Mesh] | None = None,
     ) -> Result:
         """Solve a case and write its numbers, but no report.
 
@@ -370,6 +369,7 @@ class Runner:
             output: folder for the files; None writes nothing.
             observer: follows the run.
             resume: whether to go on with the run of this case in the folder, if there is one.
+            mesh: gives the mesh of the case on the first process, if it is there already.
 
         Returns:
             The result with its `failure`, if there is one, and the wall time of writing.
@@ -378,9 +378,9 @@ class Runner:
             FretfeError: for whatever keeps the history from being started.
         """
         self.require_support(case)
-        options = RunOptions(observer=self._shown(observer))
+        options = RunOptions(observer=self._shown(observer), mesh=mesh)
         if output is None:
-            return replace(self.backend.solve(case, options), backend=self.name)
+            return self._with_run(replace(self.backend.solve(case, options), backend=self.name))
         with self._at_work(Work(output, "run", self.name, case), options.observer) as work:
             if self.processes.on_root(lambda: work.begin(resume=resume)):
                 known = self._known(work)
@@ -392,10 +392,22 @@ class Runner:
             options = replace(options, stress=output / STRESSES)
             result = self.backend.solve(case, options)
             begin = time.perf_counter()
-            result = replace(result, backend=self.name, directory=output)
+            result = self._with_run(replace(result, backend=self.name, directory=output))
             self.write(lambda: work.close(result))
         writing = time.perf_counter() - begin
         return replace(result, seconds={**result.seconds, "writing": writing})
+
+    def _with_run(self, result: Result) -> Result:
+        """A result with notes that compare it with another run, whose displacements move cuts."""
+        if not any(isinstance(load, FieldLoad) for load in result.case.loads.values()):
+            return result
+
+        def notes() -> tuple[str, ...]:
+            from fretfe.quality.global_run import carried_notes
+
+            return tuple(carried_notes(result))
+
+        return replace(result, notes=(*result.notes, *self.processes.on_root(notes)))
 
     def sweep(
         self,
@@ -582,19 +594,20 @@ def draw_report(directory: Path) -> Drawn:
             problems.append(f"no {phase}: {type(error).__name__}: {error}")
         seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - begin
 
-    def draw() -> None:
+    def draw(run: Result) -> None:
         # Imported while other processes draw.
         from fretfe.report.page.html import draw_plots
 
-        plots.append(draw_plots(load_result(directory)))
+        plots.append(draw_plots(run))
 
-    draw_ahead = partial(attempt, "report", draw)
+    def draw_ahead(run: Result) -> None:
+        attempt("report", partial(draw, run))
 
     try:
         with locked(directory):
             attempt("pictures", lambda: make_pictures(directory, draw_ahead))
             if "report" not in seconds:
-                draw_ahead()
+                attempt("report", lambda: draw(load_result(directory)))
             else:
                 seconds["pictures"] -= seconds["report"]
             if plots:

@@ -611,17 +611,19 @@ def test_a_file_that_cannot_be_read_is_an_error(
 @pytest.mark.parametrize(
     ("changes", "dimension", "expected"),
     [
-        ({"supports__base__fix": ["z"]}, 2, "supports.base.fix[item 1]: expected 'x' or 'y'"),
-        ({"loads__press__direction": "z"}, 2, "loads.press.direction: expected 'x' or 'y' on this"),
+        ({"supports__base__fix": ["z"]}, 2, "fix[item 1]: expected 'x' or 'y' on this mesh"),
+        ({"loads__press__direction": "z"}, 2, "loads.press.direction: expected nothing that moves"),
+        ({"loads__press__direction": [0, 1, 1]}, 2, "press.direction: expected nothing that moves"),
         ({"loads__press__direction": [0, 1, 0]}, 2, "press.direction: expected 2 components"),
         ({"loads__press__direction": [0, 1]}, 3, "press.direction: expected 3 components"),
     ],
-    ids=["support", "axis", "long-vector", "short-vector"],
+    ids=["support", "axis", "vector", "long-vector", "short-vector"],
 )
 def test_directions_must_fit_the_mesh(
     changes: dict[str, Any], dimension: int, expected: str
 ) -> None:
-    case = parse_case(edited(**changes), "b1.toml")
+    plane = {"model__plane": "stress"} if dimension == 2 else {}
+    case = parse_case(edited(**changes, **plane), "b1.toml")
     with pytest.raises(CaseError, match=re.escape(expected)):
         check_dimension(case, dimension)
     check_dimension(parse_case(edited()), dimension)

@@ -118,3 +118,17 @@ def test_a_solid_that_cannot_fit_gets_a_proposal(monkeypatch: pytest.MonkeyPatch
         refuse_too_large(replace(found, unknowns=800_000, memory=32.0 * GB))
     # a factor's memory grows with the power of 4/3
     assert f"About {800_000 / 8**0.75:.0f} unknowns would fit" in str(caught.value)
+
+
+def test_a_contact_that_cannot_fit_gets_a_proposal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Full matrices of n tractions take 8 n² bytes each."""
+    dense = 8.0 * cost.MATRICES * 32_000**2
+    found = replace(
+        estimate_cost(solid(10, 10), 2, nodes=100, steps=100),
+        tractions=32_000, dense=dense, memory=dense + 4 * GB,
+    )  # fmt: skip
+    assert "42 GB of them for the contact tractions" in found.text
+    monkeypatch.setattr(cost, "machine_memory", lambda: 4 * GB + dense / 4)
+    with pytest.raises(ModelError, match="layers along the edge") as caught:
+        refuse_too_large(found)
+    assert "About 16000 contact tractions would fit" in str(caught.value)

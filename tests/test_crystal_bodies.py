@@ -7,15 +7,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pad_cases import STEEL, pad
+from pad_cases import SLIDING, STEEL, pad, press, pull, shear
 
 from fretfe.analytic.crystals import bunge_rotation, cubic
 from fretfe.analytic.crystals import isotropic as isotropic_stiffness
+from fretfe.backends.analytic import BACKEND as ANALYTIC
+from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import (
     Body,
     Case,
     Crystal,
     changed,
+    check_dimension,
     contact_modulus,
     isotropic,
     normal_modulus,
@@ -23,8 +26,9 @@ from fretfe.case import (
     plane_modulus,
 )
 from fretfe.errors import CaseError
-from fretfe.idealise.bodies import cross_compliance, dissimilarity
+from fretfe.idealise.bodies import cross_compliance, dissimilarity, read_block
 from fretfe.idealise.case import idealise, obstacles
+from fretfe.mesh.templates import check_parameters, find_template
 
 NICKEL = {"cubic": [252e3, 161e3, 131e3]}
 # About x: an orthotropic material that is turned within the plane of y and z.
@@ -34,6 +38,7 @@ ORTHOTROPIC = {
     "shear": [40e3, 30e3, 20e3],
 }
 NORMAL = np.array([0.0, 1.0])
+PARAMETERS = check_parameters(find_template("cylinder"), pad()["geometry"]["parameters"])
 MATRIX = isotropic_stiffness(210e3, 0.3)
 
 
@@ -200,6 +205,18 @@ def test_overrides_turn_a_crystal() -> None:
     assert other != case
 
 
+def test_supports_along_z_stay_while_a_sweep_turns_a_crystal() -> None:
+    """Some of its angles move the plane bodies along z, others do not."""
+    base = {"boundary": "lower_bottom", "fix": ["x", "y", "z"]}
+    for angle, components in ((0.0, 2), (30.0, 3), (45.0, 2)):
+        upper = {"elastic": NICKEL, "orientation": {"euler": [90.0, angle, -90.0]}}
+        case = case_of(upper, STEEL, supports={"base": base})
+        check_dimension(case, 2)
+        assert case.components(2) == components
+    with pytest.raises(CaseError, match=r"supports\.base\.fix.* found 'z'; the mesh is plane"):
+        check_dimension(case_of(STEEL, STEEL, supports={"base": base}), 2)
+
+
 def test_half_planes_of_a_crystal_do_not_depend_on_the_angle() -> None:
     problems = [
         idealise(case_of({"elastic": NICKEL, "orientation": {"euler": [angle, 0.0, 0.0]}}))
@@ -210,12 +227,54 @@ def test_half_planes_of_a_crystal_do_not_depend_on_the_angle() -> None:
     assert second == pytest.approx(first, rel=1e-9)
 
 
+def test_half_planes_of_an_orthotropic_crystal() -> None:
+    """Tractions are those of the isotropic body with its A_n, slip has A_t, a pull sigma0 s'11/A_t.
+
+    A_n = sqrt(s'22) kappa, A_t = sqrt(s'11) kappa, kappa^2 = 2 sqrt(s'11 s'22) + 2 s'12 + s'66.
+    """
+    crystal = {"elastic": {"orthotropic": ORTHOTROPIC}}
+    matrix = case_of(crystal).bodies["upper"]
+    assert isinstance(matrix, Crystal)
+    s = np.linalg.inv(matrix.stiffness)
+    s = s - np.outer(s[2], s[2]) / s[2, 2]
+    kappa = np.sqrt(2 * np.sqrt(s[0, 0] * s[1, 1]) + 2 * s[0, 1] + s[5, 5])
+    normal, tangential = kappa * np.sqrt(s[1, 1]), kappa * np.sqrt(s[0, 0])
+    assert tangential / normal == pytest.approx(np.sqrt(s[0, 0] / s[1, 1]), rel=1e-12)
+    assert abs(tangential / normal - 1) > 0.1
+    same = {"young": 2 / normal * (1 - 0.3**2), "poisson": 0.3}
+    answers = []
+    # One side carries all of Q: a tension of Q/2 over the height is added to the pull.
+    more = 60.0 / 2 / read_block("cylinder", PARAMETERS, case_of(crystal)).heights[1]
+    stronger = (40.0 + more) * 2 * s[0, 0] / tangential - more
+    for body, tension in ((crystal, 40.0), (same, stronger)):
+        loads = {"press": press(), "shear": shear(), "pull": pull(tension)}
+        answers.append(HALFPLANE.solve(case_of(body, loads=loads, supports=SLIDING)))
+    found, expected = (each.solution.contacts[0] for each in answers if each.solution)
+    peak = expected.traction[-1].max()
+    # To round-off but at the border of slip, where it is 1e-7.
+    np.testing.assert_allclose(found.traction[-1], expected.traction[-1], atol=1e-6 * peak)
+    slip = np.ptp(expected.slip[-40:], axis=0)
+    np.testing.assert_allclose(
+        np.ptp(found.slip[-40:], axis=0), tangential / normal * slip, atol=1e-6 * slip.max()
+    )
+    half_width = np.sqrt(2 * 600.0 * 50.0 * 2 * normal / np.pi)
+    k_n = 2 * 600.0 / (np.pi * half_width) * np.sqrt(2 / half_width)
+    for one, other in zip(*(each.contacts[0].stations for each in answers), strict=True):
+        assert one.k_n[-1] == pytest.approx(k_n, rel=1e-3)
+        assert one.k_t_range == pytest.approx(other.k_t_range, rel=1e-7)
+
+
 def test_what_half_planes_do_not_know_of_crystals() -> None:
     askew = {"elastic": NICKEL, "orientation": {"euler": [0.0, 20.0, 30.0]}}
     (upper, lower, *_) = obstacles(case_of(askew))
     assert "bodies.upper.orientation: expected one in which z is normal to a plane of symm" in upper
     assert lower.startswith("bodies.lower.orientation")
-    (alike,) = obstacles(case_of({"elastic": {"orthotropic": ORTHOTROPIC}}))
-    assert "expected crystals that yield to pressure and to shear alike" in alike
+    turned = {"elastic": {"orthotropic": ORTHOTROPIC}, "orientation": {"euler": [20.0, 0.0, 0.0]}}
+    (apart,) = obstacles(case_of(turned))
+    assert "to pressure and to shear apart from each other" in apart
+    straight = case_of({"elastic": {"orthotropic": ORTHOTROPIC}})
+    assert not obstacles(straight)
+    (alike,) = ANALYTIC.supports(straight)
+    assert "expected crystals that yield to pressure and to shear alike, found a ratio" in alike
     soft = {"young": 70e3, "poisson": 0.1}
     assert any("Dundurs' beta" in each for each in obstacles(case_of({"elastic": NICKEL}, soft)))

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from fretfe.errors import CaseError
+from fretfe.fields import frd
 from fretfe.fields.frd import Frd, read_frd
 
 DATA = Path(__file__).parent / "data"
@@ -74,10 +75,13 @@ def test_free_expansion(tmp_path: Path, kind: str) -> None:
     assert found.numbers.tolist() == [*range(1, 31), *range(41, 56)]
     for step, change in enumerate((100.0, 200.0)):
         np.testing.assert_allclose(
-            found.displacements(step), change * expected(found), rtol=1e-5, atol=1e-10
+            found.values(step), change * expected(found), rtol=1e-5, atol=1e-10
         )
-        np.testing.assert_array_equal(found.temperatures(step), 20.0 + change)
-    assert found.notes == (f"{path.name}: results that are not used: 2 ERROR, 2 STRESS",)
+    assert found.notes == (f"{path.name}: results that are not used: 2 ERROR, 2 NDTEMP, 2 STRESS",)
+    heated = read_frd(path, "NDTEMP")
+    np.testing.assert_array_equal(heated.times, [1.0, 1.5])
+    for step, change in enumerate((100.0, 200.0)):
+        np.testing.assert_array_equal(heated.values(step)[:, 0], 20.0 + change)
 
 
 @pytest.mark.parametrize("path", [TEXT, BINARY])
@@ -112,18 +116,18 @@ def test_plane_elements_of_order_1(tmp_path: Path) -> None:
     assert found.numbers.tolist() == [1, 2, 3, 4, 7]
     assert found.shapes.tolist() == [9, 5]
     assert found.nodes.tolist() == [0, 1, 3, 2, 1, 4, 3]
-    values = found.displacements(0)
+    values = found.values(0)
     np.testing.assert_array_equal(values[4], [-1e-120, 2e-3, 0.0])
     assert np.isnan(values[:4]).all()
-    assert found.temperatures(0) is None
+    with pytest.raises(CaseError, match=r"expected results NDTEMP of a static or transient run"):
+        read_frd(tmp_path / "a.frd", "NDTEMP")
 
 
 def refused(path: Path) -> str:
     with pytest.raises(CaseError) as caught:
         found = read_frd(path)
         for step in range(len(found.times)):
-            found.displacements(step)
-            found.temperatures(step)
+            found.values(step)
     assert str(path) in str(caught.value)
     return str(caught.value)
 
@@ -241,8 +245,7 @@ def test_damaged_files(tmp_path: Path, source: Path) -> None:
             found = read_frd(path)
             assert np.isfinite(found.points).all()
             for step in range(len(found.times)):
-                found.displacements(step)
-                found.temperatures(step)
+                found.values(step)
         except CaseError as error:
             assert str(error).startswith(f"{path}: ")
 
@@ -250,3 +253,31 @@ def test_damaged_files(tmp_path: Path, source: Path) -> None:
 def test_no_files(tmp_path: Path) -> None:
     assert "expected a result file of CalculiX" in refused(tmp_path)
     assert "found nothing at" in refused(tmp_path / "none.frd")
+
+
+def test_elements_of_one_kind_are_read_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same as one by one, elements of two lines of nodes too."""
+    for size, kind in ((4, 3), (10, 6), (20, 4)):
+        text = f"    1C\n    2C{30:30d}{1:38d}\n"
+        text += "".join(f" -1{n:10d}{n:12.5E}{n % 7:12.5E}{n % 5:12.5E}\n" for n in range(1, 31))
+        text += f" -3\n    3C{8:30d}{1:38d}\n"
+        for element in range(1, 9):
+            nodes = [f"{element + k:10d}" for k in range(size)]
+            text += f" -1{element:10d}{kind:5d}{0:5d}{1:5d}\n"
+            text += "".join(f" -2{''.join(nodes[k : k + 10])}\n" for k in range(0, size, 10))
+        text += f" -3\n  100CL  101{1:12.9f}{30:12d}{'':20}{0:2d}{1:5d}{'':10}{1:2d}\n"
+        text += f" -4  NDTEMP  {1:5d}{1:5d}\n -5  {'T':8}{1:5d}{1:5d}{0:5d}{0:5d}\n"
+        text += "".join(f" -1{n:10d}{n:12.5E}\n" for n in range(1, 31)) + " -3\n 9999\n"
+        path = tmp_path / "a.frd"
+        path.write_text(text)
+        fast = read_frd(path, "NDTEMP")
+        with monkeypatch.context() as patch:
+            patch.setattr(frd._Reader, "_elements_of_one_kind", lambda *_: None)
+            slow = read_frd(path, "NDTEMP")
+        assert len(fast.shapes) == 8
+        for name in ("nodes", "offsets", "shapes"):
+            np.testing.assert_array_equal(getattr(fast, name), getattr(slow, name))
+        path.write_text(text.replace(f" -1{3:10d}{kind:5d}", f" -1{3:10d}{kind:4d}x"))
+        assert "expected an element, found" in refused(path)

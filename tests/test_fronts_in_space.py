@@ -381,6 +381,24 @@ def test_a_contact_that_nearly_slides_says_why_factors_are_missing() -> None:
     assert "The contact nearly slides: of 3.61 in contact 0 sticks in state 2" in text
 
 
+@pytest.mark.parametrize("inner", [0.5, 0.9])
+def test_a_front_beside_the_fine_mesh_is_told(inner: float) -> None:
+    """Long contacts -1 < x < 1; elements of a quarter of the size from `inner` to `inner` + .3."""
+    points, facets = grid(warp=0.0)
+    lines = np.unique(points[:, 0])
+    stretched = np.abs(lines) * (1.5 + 0.9) / 1.5
+    fine = np.interp(stretched, [0.0, inner, inner + 1.2, 2.4], [0.0, inner, inner + 0.3, 1.5])
+    points[:, 0] = np.interp(points[:, 0], lines, np.sign(lines) * fine)
+    field = lambda x, z: np.sqrt(np.clip(1 - x**2, 0.0, None)) + 0 * z  # noqa: E731
+    solution, contact = solved(points, facets, [field] * 2)
+    tracks = {contact.name: follow_fronts(solution, contact, STATIONS)}
+    (area,) = evaluate(solution, tracks=tracks)
+    told = [each for each in area.warnings if "the fine mesh ends before this front" in each]
+    assert len(told) == (2 if inner == 0.5 else 0)
+    if told:
+        assert "elements are 0.11 long there, and 0.029 from 0.18 further in" in told[0]
+
+
 @pytest.mark.parametrize(("angle", "share"), [(0.0, 0.9), (90.0, 0.0)])
 def test_shear_across_after_a_slide(angle: float, share: float) -> None:
     """.9 f p along x everywhere, and an axis at an angle to it."""

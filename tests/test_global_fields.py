@@ -15,10 +15,10 @@ from pad_cases import pad, press
 
 from fretfe._typing import Array
 from fretfe.bodies import cut as bodies_cut
-from fretfe.bodies.cut import Cut, read_cut, reduce_in_time
+from fretfe.bodies.cut import Cut, read_cut, read_temperatures, reduce_in_time
 from fretfe.bodies.definition import cut_notes, define_model, require_possible
 from fretfe.case import Case, parse_case
-from fretfe.case.loads import FieldLoad
+from fretfe.case.loads import FieldLoad, TemperatureFieldLoad
 from fretfe.errors import CaseError, FretfeError
 from fretfe.fields.field import read_field
 from fretfe.loads import build_history, csv_file
@@ -96,7 +96,7 @@ def test_other_units(tmp_path: Path) -> None:
     places = INSIDE * [1, 1, 0]
     found = cut(tmp_path / "run.csv", 1000 * places[:, :2], factor=1000.0)
     np.testing.assert_allclose(displacement(found, 1.0), 1000 * linear(places)[:, :2], rtol=1e-9)
-    with pytest.raises(CaseError, match=r"run\.csv: expected points around all nodes of the cut"):
+    with pytest.raises(CaseError, match=r"run\.csv: expected points around all nodes"):
         cut(tmp_path / "run.csv", 1000 * places[:, :2])
 
 
@@ -138,7 +138,7 @@ def test_elements_of_a_grid(tmp_path: Path, kind: str, ending: str) -> None:
     np.testing.assert_allclose(displacement(found, 1.0), expected, atol=1e-6)
     outside = places.copy()
     outside[3, 0] = 1.1
-    with pytest.raises(CaseError, match=r"expected elements at all nodes of the cut, found the no"):
+    with pytest.raises(CaseError, match=r"expected elements at all nodes, found the no"):
         cut(path, outside[:, :dimension])
 
 
@@ -194,7 +194,7 @@ def test_a_results_folder(tmp_path: Path) -> None:
     beside = places + np.array([1.0, 0.0, 0.0])
     other = cut(tmp_path, beside[:, :2], part="other")
     np.testing.assert_allclose(displacement(other, 1.0), 2 * linear(beside)[:, :2], rtol=1e-6)
-    with pytest.raises(CaseError, match="expected elements at all nodes of the cut"):
+    with pytest.raises(CaseError, match="expected elements at all nodes"):
         cut(tmp_path, beside[:, :2])
     with pytest.raises(
         CaseError, match="expected one of its parts 'upper', 'other', found 'blade'"
@@ -221,6 +221,25 @@ def test_a_long_mission_has_few_shapes(rounding: float) -> None:
         )
 
 
+def test_few_digits_do_not_become_shapes(tmp_path: Path) -> None:
+    """A table of six digits: what they round off is left out, and no field of the run is."""
+    time = np.arange(1.0, 61)
+    courses = np.stack([np.sin(2 * np.pi * (k + 1) * time / 60) * 10.0**-k for k in range(4)])
+    points = np.stack([each.ravel() for each in np.meshgrid(*[np.linspace(0, 1, 9)] * 2)], axis=1)
+    moved = np.einsum("kt,knd->tnd", courses, RANDOM.standard_normal((4, len(points), 2)))
+    rows = [
+        f"{number:g},{x:.17g},{y:.17g},{u:.5e},{v:.5e}"
+        for number, step in zip(time, moved, strict=True)
+        for (x, y), (u, v) in zip(points, step, strict=True)
+    ]
+    (tmp_path / "run.csv").write_text("\n".join(["step,x,y,ux,uy", *rows]) + "\n")
+    found = cut(tmp_path / "run.csv", points)
+    assert len(found.shapes) == 4 and found.rest < 5e-6
+    scale = np.abs(moved).max()
+    for step in (0, 29, 59):
+        assert np.abs(displacement(found, step + 1.0) - moved[step]).max() < 5e-6 * scale
+
+
 BAD_TABLES = {
     "no column": ("x,y,ux\n0,0,1\n", "line 1: expected one column 'uy'"),
     "z alone": ("x,y,z,ux,uy\n0,0,0,1,1\n", "expected both or none of the columns 'z' and 'uz'"),
@@ -236,7 +255,7 @@ BAD_TABLES = {
     "on a line": ("x,y,ux,uy\n0,0,1,1\n1,0,1,2\n", "found the node at"),
     "elsewhere": (
         "x,y,ux,uy\n5,5,1,1\n6,5,1,2\n6,6,1,1\n",
-        "expected points around all nodes of the cut, found the node at (0.",
+        "expected points around all nodes, found the node at (0.",
     ),
     "at time 0": (
         "x,y,ux,uy,time\n0,0,1,1,0\n1,0,1,2,0\n0,1,1,1,0\n1,1,1,1,0\n",
@@ -244,7 +263,7 @@ BAD_TABLES = {
     ),
     "only 0": (
         "x,y,ux,uy,time\n0,0,0,0,1\n1,0,0,0,1\n0,1,0,0,1\n1,1,0,0,1\n",
-        "expected displacements of the cut, found none but 0",
+        "expected a displacement in some step, found none but 0",
     ),
 }
 
@@ -372,3 +391,80 @@ def test_large_tables_are_the_same_read_at_once(
             continue
         with pytest.raises(CaseError, match=re.escape(expected)):
             csv_file.read_table(path, names, comment="#")
+
+
+def heat(points: Array, time: float) -> Array:
+    """(n,) a temperature that every element follows; 20 at time 0."""
+    return np.asarray(20 + time * (30 + points @ [100.0, -50.0, 10.0]))
+
+
+def heated(path: Path, places: Array, **keys: Any) -> Cut:
+    data = {"type": "temperature_field", "file": "run", "history": RAMP, **keys}
+    load = TemperatureFieldLoad.model_validate(data)
+    return read_temperatures(path, load, "heat", {"upper": places}, np.full(len(places), 20.0))
+
+
+def write_temperatures(path: Path, times: tuple[float, ...] = TIMES) -> None:
+    """In the unit cube, of the kind that the name of the file tells."""
+    grid = grid_of("hexahedra")
+    points = np.asarray(grid.points, dtype=float)
+    if path.suffix == ".csv":
+        rows = [
+            f"{time},{x},{y},{z},{value:.17g}"
+            for time in times
+            for (x, y, z), value in zip(points, heat(points, time), strict=True)
+        ]
+        path.write_text("\n".join(["time,x,y,z,T", *rows]) + "\n")
+        return
+    entries = []
+    for number, time in enumerate(times):
+        grid.point_data["NT11"] = heat(points, time)
+        grid.save(path.parent / f"{number}.vtu")
+        entries.append(f'<DataSet timestep="{time}" part="0" file="{number}.vtu"/>')
+    head = '<?xml version="1.0"?><VTKFile type="Collection" version="0.1"><Collection>'
+    path.write_text("".join([head, *entries, "</Collection></VTKFile>"]))
+
+
+@pytest.mark.parametrize("name", ["run.csv", "run.pvd"])
+def test_temperatures(tmp_path: Path, name: str) -> None:
+    write_temperatures(tmp_path / name)
+    found = heated(tmp_path / name, INSIDE)
+    assert len(found.shapes) == 1 and "of the changes of temperature is left out" in found.note
+    for time in (0.0, 0.3, 2.5):
+        expected = heat(INSIDE, time)[:, None] - 20
+        np.testing.assert_allclose(displacement(found, time), expected, atol=1e-9 * 200)
+    with pytest.raises(CaseError, match=r"expected (one column 'ux'|one vector at the nodes)"):
+        cut(tmp_path / name, INSIDE)
+
+
+def test_temperatures_of_calculix() -> None:
+    path = Path(__file__).parent / "data" / "solids.frd"
+    found = heated(path, np.array([[0.3, 0.2, 0.9], [0.7, 0.5, 0.1]]))
+    for position, change in ((0.5, 50.0), (1.0, 100.0), (1.5, 200.0)):
+        np.testing.assert_allclose(displacement(found, position), change, rtol=1e-9)
+
+
+BAD_TEMPERATURES = {
+    "too cold": (
+        "x,y,T\n0,0,-300\n1,0,-300\n0,1,-300\n1,1,-300\n",
+        "expected temperatures >= -273.15",
+    ),
+    "reference": ("x,y,T\n0,0,20\n1,0,20\n0,1,20\n1,1,20\n", "a change of temperature in some"),
+    "nan": ("x,y,T\n0,0,nan\n", "line 2, column 'T': expected a finite number"),
+    "elsewhere": ("x,y,T\n5,5,1\n6,5,1\n6,6,1\n", "expected points around all nodes, found the"),
+    "hot at time 0": (
+        "x,y,T,time\n0,0,50,0\n1,0,50,0\n0,1,50,0\n1,1,50,0\n",
+        "expected no change of temperature at time 0, the unloaded state, found 30: count",
+    ),
+    "a displacement": ("x,y,ux,uy\n0,0,1,1\n", "line 1: expected one column 'T'"),
+}
+
+
+@pytest.mark.parametrize(("text", "expected"), BAD_TEMPERATURES.values(), ids=BAD_TEMPERATURES)
+def test_bad_temperatures(tmp_path: Path, text: str, expected: str) -> None:
+    (tmp_path / "run.csv").write_text(text)
+    with pytest.raises(CaseError, match=re.escape(expected)):
+        heated(tmp_path / "run.csv", INSIDE[:, :2])
+    with pytest.raises(CaseError, match="expected temperatures, found a run that has displacem"):
+        write_results(tmp_path)
+        heated(tmp_path, INSIDE[:, :2])

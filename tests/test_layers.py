@@ -53,6 +53,7 @@ LAYERS = (
     "fretfe.runner",
     "fretfe.checked",
     "fretfe.station",
+    "fretfe.submodel",
     "fretfe.matching.*",
     "fretfe.api",
     "fretfe.cli.*",
@@ -62,7 +63,7 @@ FEM_ONLY = {
     "basix", "dolfinx", "dolfinx_solver", "ffcx", "mpi4py", "petsc4py", "slepc4py", "ufl"
 }  # fmt: skip
 # They may grow only where a commit says what that buys and what it makes unnecessary.
-MOST_MODULES, MOST_LINES = 223, 35_761
+MOST_MODULES, MOST_LINES = 229, 37_854
 # A smaller module that one other imports belongs into that.
 FEWEST_LINES = 60
 ROOT = Path(fretfe.__file__).parent

@@ -90,6 +90,15 @@ def test_elements_that_do_not_see_the_layer_are_told(rows: int, notes: int) -> N
         )
 
 
+def test_a_layer_that_no_body_contains_is_told() -> None:
+    case = parse_case(peened(depths=[0.0, 500.0], values=[1e-3, 0.0]))
+    (note,) = layer_notes(case, define_model(case, mesh(4)), mesh(4))
+    assert note == (
+        "loads.peen: the depths go down to 500 mm, but nothing of lower is deeper below the "
+        "surfaces than 1 mm: check their unit"
+    )
+
+
 def test_a_uniform_strain_needs_no_fine_mesh() -> None:
     case = parse_case(peened(depths=[0.0], values=[1e-3]))
     assert layer_notes(case, define_model(case, mesh(1)), mesh(1)) == ()

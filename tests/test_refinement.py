@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from halfplane_problems import HERTZ, LIMIT, LOAD, problem
 
+from fretfe.backends.meshes import without_round_off
 from fretfe.evaluate.contacts import Contact, fronts_of
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.refinement import (
@@ -107,6 +108,21 @@ def test_elements_shrink_where_they_are_too_large_to_tell_k_n(
     edge = np.searchsorted(arc, 1.0)
     assert at(intervals, 1.0) == pytest.approx((arc[edge] - arc[edge - 1]) / BLIND, rel=0.5)
     assert at(intervals, -1.0) == pytest.approx(at(intervals, 1.0), rel=1e-6)
+
+
+def test_round_off_does_not_reach_the_places_of_the_next_mesh() -> None:
+    """Else Gmsh makes another mesh of it: a run with LU factors would differ by tenths of 1 %."""
+    random = np.random.default_rng(5)
+    points, sizes = random.uniform(-20, 20, (200, 3)), random.uniform(1e-3, 1e-2, 200)
+    kept, even = without_round_off(points, sizes)
+    again = without_round_off(
+        points + random.uniform(-1, 1, points.shape) * 1e-13, sizes * (1 + 1e-13)
+    )
+    assert np.array_equal(again[0], kept)
+    assert np.array_equal(again[1], even)
+    # Far less than what a mesh makes of sizes and places: half of what is cut off.
+    assert np.abs(kept - points).max() <= 0.0051 * sizes.min()
+    assert np.abs(even / sizes - 1).max() <= 0.0051
 
 
 def test_an_open_contact_has_no_values(

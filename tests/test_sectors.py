@@ -10,6 +10,7 @@ import pytest
 import sectors
 from sectors import ramp
 
+from fretfe.bodies.definition import define_model, side_notes
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import check_dimension, parse_case
 from fretfe.errors import CaseError, FretfeError
@@ -114,6 +115,28 @@ def test_what_is_not_the_same_at_both_sides(tables: dict[str, Any], why: str) ->
     ring.boundaries["ring_left"] = ring.boundaries["ring_seat"]
     with pytest.raises(FretfeError, match=why):
         checked(ring, sectors.pad(), **tables)
+
+
+@pytest.mark.parametrize(
+    ("points", "jump"),
+    [([[0, 0], [2, 0]], 0.0), ([[0, -1], [0, 1]], 1.0)],
+    ids=["over the middle", "from side to side"],
+)
+def test_strains_that_jump_from_sector_to_sector(points: list[list[float]], jump: float) -> None:
+    warm = {**sectors.STEEL, "expansion": 1e-3, "reference_temperature": 0.0}
+    heat = {"type": "temperature", "points": points, "values": [0.0, 100.0], "history": ramp(1.0)}
+    data = sectors.spinning(1, symmetry=sectors.cyclic()) | {"geometry": {"file": "none.msh"}}
+    data |= {"bodies": {name: warm for name in ("ring", "pad")}, "loads": {"heat": heat}}
+    definition = define_model(
+        parse_case(data), Mesh({"ring": sectors.ring(), "pad": sectors.pad()})
+    )
+    notes = side_notes(definition)
+    assert len(notes) == (jump > 0)
+    if notes:
+        # 100 (1 + sin 45° 1.4)/2 and 100 (1 - sin 45° 1.4)/2 at the outer corners
+        assert (
+            "loads.heat: from one sector to the next the strain of ring jumps by 99.5 %" in notes[0]
+        )
 
 
 def test_a_boundary_that_is_held_alike() -> None:

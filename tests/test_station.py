@@ -30,6 +30,7 @@ from solid_runs import (
 from typer.testing import CliRunner
 
 from fretfe._typing import Array
+from fretfe.analytic.profiles import FlatRounded
 from fretfe.case import Body, Crystal, Units, contact_modulus, isotropic
 from fretfe.cli.app import app
 from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
@@ -37,6 +38,7 @@ from fretfe.evaluate.contacts import Frame, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.slip import SlipBorder, cycle_states, slip_zones
 from fretfe.evaluate.space.local import add_local_problems, cycles_before
+from fretfe.evaluate.space.pressure_fit import load_growth
 from fretfe.evaluate.verdicts import judge
 from fretfe.local.problem import solve_batches
 from fretfe.report.figures.edges import _zones, draw_half_cycle, station_plot
@@ -245,6 +247,46 @@ def test_slip_zones_are_those_of_an_ellipse_and_its_stick_zone(long: float, shar
         expected = station.depth - math.sqrt(station.depth**2 - (1 - stick**2) / square)
         found = [zone.local for zone in station.slip_zones[-2:]]
         assert found == pytest.approx([expected] * 2, rel=0.01)
+
+
+@pytest.mark.parametrize(("flat", "share"), [(0.9, 0.1), (0.9, 0.3), (0.5, 0.4)])
+def test_slip_zones_behind_a_rounding_are_those_of_a_flat_with_rounded_ends(
+    flat: float, share: float
+) -> None:
+    """P' d1 = P(a) - P(a - d) (Cattaneo), a = 1; the pressure falls far faster than P' grows."""
+    profile, near = FlatRounded(flat, radius=10.0, e_star=1e5), np.linspace(0.01, 0.1, 20)
+    width = share * (1 - flat)
+    slope = float(profile.load_slope(1.0))
+    first = float(profile.load(1.0) - profile.load(1 - width)) / slope
+    s = near * (1 - flat)
+    fall = np.polyfit(s, profile.pressure(1 - s, 1.0) / np.sqrt(s), 2)
+    length = -float(fall[2] / fall[1]) / 4
+    step = 1e-3 * (1 - flat)
+    growth = float(profile.load_slope(1 + step) - profile.load_slope(1 - step)) / (2 * step * slope)
+    assert load_growth(length, 1.0) == pytest.approx(growth, rel=2e-3)
+    assert growth < 0.7 / length
+    result = stationed_sphere()
+    k = first * FRICTION * K_N / 2 * cycles(result)
+
+    def straight(station: Station) -> Station:
+        zones = tuple(
+            replace(zone, predicted=first, predicted_loop=first) for zone in station.slip_zones
+        )
+        return replace(
+            station, length=length, curvature=0.0, stiffening=growth, k_i=0 * k, k_t=k, k_s=0 * k,
+            k_range=float(np.ptp(k)), k_range_spread=0.01 * float(np.ptp(k)),
+            arc=0.1 * station.number, slip_zones=zones,
+        )  # fmt: skip
+
+    (contact,) = with_stations(posed(cycles(result), lambda _: 0.0), straight).contacts
+    fronts = (replace(contact.fronts[0], closed=False, length=1.2),)
+    found = solved(replace(result, contacts=(replace(contact, fronts=fronts),)), poisson=0.0)
+    for station in stations(found):
+        zone = station.slip_zones[-1]
+        # The elements of the plane problem, and what the second order leaves out of the third.
+        assert zone.local == pytest.approx(width, rel=0.012)
+        assert abs(zone.local - width) < zone.local_spread
+        assert judge(station, zone).word == "agrees"
 
 
 def twist_of(stick: float) -> float:

@@ -291,6 +291,14 @@ SHAPES: dict[str, tuple[str, str]] = {
         "loads.mode: expected points on both sides of the boundary 'upper_right', or on it, found "
         "all of them on one line or plane, from which its node at (2, 0) is away by 100 % of",
     ),
+    "nearly twice": (
+        "x,y,ux,uy\n2,0,1,1\n2,1,0,1\n2,1.0000000000001,5,5\n",
+        "loads.mode: expected points of their own, found (2, 1) twice, up to round-off",
+    ),
+    "at rest": (
+        "x,y,ux,uy\n2,0,0,0\n2,1,0,0\n",
+        "loads.mode: expected a shape that moves the boundary 'upper_right', found no displacement",
+    ),
     "metres": (
         "x,y,ux,uy\n0.002,0,1,1\n0.002,0.001,0,1\n",
         "found all of them on one line or plane",
@@ -347,9 +355,10 @@ def push(**keys: Any) -> dict[str, Any]:
 def test_forces() -> None:
     (load,) = define_model(parse_case(push(centre=[2.1, 0.5], radius=0.2)), mesh()).loads
     assert (load.kind, load.direction, load.radius) == ("force", (1.0, 0.0), 0.2)
+    # Next to the middle of the facet, but not so that points of integration must be within it.
     far = parse_case(push(centre=[2.2, 0.5], radius=0.1))
     with pytest.raises(
-        CaseError, match=r"loads\.f\.radius: .* of the centre, found the nearest at 0"
+        CaseError, match=r"loads\.f\.radius: expected at least 0\.26, .* well within it, found 0\.1"
     ):
         define_model(far, mesh())
     with pytest.raises(

@@ -39,8 +39,11 @@ PHASES = (
     *("mesh", "assembly", "condensation", "load columns", "interface", "steps", "edge integrals"),
     *("evaluation", "local problems"),
 )
+BEGUN = "import fretfe.cli.app, fretfe.surface.ahead"
 IMPORTS = "import fretfe.cli.progress, fretfe.runner, fretfe.fem.backend"
 WAVE = "loads.pull.history.3.amplitude"
+# Values of further cases of a sweep.
+FRICTIONS, AMPLITUDES = (0.5, 0.52, 0.55, 0.58), (500, 520, 550, 580)
 
 
 def write_cylinder(size: float, growth: float, folder: Path) -> Path:
@@ -254,9 +257,13 @@ def rows_of_phases(cases: Cases) -> Iterator[tuple[str, ...]]:
 
 def rows_of_ranks(cases: Cases) -> Iterator[tuple[str, ...]]:
     """Wall time over that of one rank, processor time, and memory of the largest rank."""
-    yield ("case", "ranks", "whole run, s", "of 1 rank", "processor, s", "GB of a rank")
+    yield (
+        *("case", "ranks", "whole run, s", "of 1 rank", "processor, s"),
+        *("processor over one factorisation", "GB of a rank"),
+    )
     for name in (each for each in BY_RANKS if each in cases):
         path, count = cases[name], count_of(name)
+        factorisation = measured(name, path)["factorisation"]
         one = run(path, count)
         for ranks in RANKS:
             each = one if ranks == 1 else run(path, count, ranks)
@@ -266,38 +273,45 @@ def rows_of_ranks(cases: Cases) -> Iterator[tuple[str, ...]]:
                 f"{each.wall:.1f}",
                 f"{each.wall / one.wall:.2f}",
                 f"{each.processor:.1f}",
+                f"{each.processor / factorisation:.1f}",
                 f"{each.memory:.2f}",
             )
 
 
 def rows_of_commands(_: Cases) -> Iterator[tuple[str, ...]]:
-    """Processor time of start-up, of a further case of a sweep, and of a report."""
-    yield ("command", "processor, s", "over DOLFINx alone")
+    """Start-up, a further case of a sweep, and a report: wall and processor time."""
+    yield ("command", "wall, s", "processor, s", "processor over DOLFINx alone")
     python, dovetail = sys.executable, demo("dovetail", ROOT)
-    alone = least(python, "-c", "import fretfe.fem._compat").processor
+    alone = least(python, "-c", "import fretfe.fem._compat")
     with tempfile.TemporaryDirectory() as output:
         done = Path(output) / "run"
         fretfe("run", dovetail, "-o", done, "--no-report", "-q")
-        seconds = {
+        commands = {
             "DOLFINx alone": alone,
-            "imports of a plane run": least(python, "-c", IMPORTS).processor,
-            "fretfe --help": fretfe("--help").processor,
-            "fretfe check, hertz demo": fretfe("check", demo("hertz", ROOT)).processor,
-            "fretfe report, dovetail demo": fretfe("report", done).processor,
-            "a further friction coefficient": further("contacts.*.friction=0.6", 0.5, 0.55),
-            "a further last segment of the loads": further(f"{WAVE}=600", 500, 550),
+            "imports until a mesh is begun": least(python, "-c", BEGUN),
+            "imports of a plane run": least(python, "-c", IMPORTS),
+            "fretfe --help": fretfe("--help"),
+            "fretfe check, hertz demo": fretfe("check", demo("hertz", ROOT)),
+            "fretfe report, dovetail demo": fretfe("report", done),
+            "a further friction coefficient": further("contacts.*.friction=0.6", *FRICTIONS),
+            "a further last segment of the loads": further(f"{WAVE}=600", *AMPLITUDES),
         }
-    for name, each in seconds.items():
-        yield (name, f"{each:.2f}", f"{each / alone:.2f}")
+    for name, each in commands.items():
+        ratio = each.processor / alone.processor
+        yield (name, f"{each.wall:.2f}", f"{each.processor:.2f}", f"{ratio:.2f}")
 
 
-def further(first: str, *others: float) -> float:
-    """Processor time of each case of a sweep of the dovetail demo but the first one."""
+def further(first: str, *others: float) -> Spent:
+    """What each case of a sweep of the dovetail demo takes but the first one."""
     more = ",".join([first, *map(str, others)])
     with tempfile.TemporaryDirectory() as output:
         words = ("sweep", demo("dovetail", ROOT), "-q", "-o", output, "--vary")
-        one, all_of_them = (fretfe(*words, vary).processor for vary in (first, more))
-    return (all_of_them - one) / len(others)
+        one, all_of_them = (fretfe(*words, vary) for vary in (first, more))
+    return Spent(
+        (all_of_them.wall - one.wall) / len(others),
+        (all_of_them.processor - one.processor) / len(others),
+        all_of_them.memory,
+    )
 
 
 TABLES: dict[str, Callable[[Cases], Iterator[tuple[str, ...]]]] = {

@@ -40,3 +40,11 @@ def overlap_points_in_space(
     npt.NDArray[np.float64],
     npt.NDArray[np.float64],
 ]: ...
+def tabulate(
+    kernel: int,
+    constants: npt.NDArray[np.float64],
+    coefficients: npt.NDArray[np.float64],
+    coordinates: npt.NDArray[np.float64],
+    sides: npt.NDArray[np.int32],
+    size: int,
+) -> npt.NDArray[np.float64]: ...

@@ -20,6 +20,7 @@ namespace {
 using Nodes = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Values = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Sides = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Numbers = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 /// One member of each record as a NumPy array that owns its data.
@@ -86,6 +87,29 @@ nb::tuple overlap_points_in_space(Nodes nodes, Nodes normals, Nodes other, Numbe
                         rows(pairs, [](const auto &p) { return p.normal; }));
 }
 
+/// `tabulate_tensor` of UFCx, and its argument for further data, which older versions lack and no
+/// calling convention minds.
+using Kernel = void (*)(double *, const double *, const double *, const double *, const int *,
+                        const std::uint8_t *, void *);
+
+auto tabulate(std::uintptr_t kernel, Values constants, Table coefficients, Nodes coordinates,
+              Sides sides, std::size_t size) {
+  const std::size_t count = coordinates.shape(0), width = coefficients.shape(1);
+  const std::size_t places = coordinates.shape(1) * coordinates.shape(2);
+  double *data = new double[count * size]();
+  nb::capsule owner(data, [](void *p) noexcept { delete[] static_cast<double *>(p); });
+  {
+    nb::gil_scoped_release release;
+    const auto function = reinterpret_cast<Kernel>(kernel);
+    for (std::size_t i = 0; i < count; ++i) {
+      const int side = sides.data()[i];
+      function(data + size * i, coefficients.data() + width * i, constants.data(),
+               coordinates.data() + places * i, &side, nullptr, nullptr);
+    }
+  }
+  return nb::ndarray<nb::numpy, double, nb::ndim<2>>(data, {count, size}, owner);
+}
+
 } // namespace
 
 NB_MODULE(_kernels, m) {
@@ -99,4 +123,8 @@ NB_MODULE(_kernels, m) {
         "triangle_weights"_a, "max_gap"_a,
         "Integration points on the overlap of two surfaces in space: facet, other facet, "
         "reference coordinates on both, weight, gap, normal.");
+  m.def("tabulate", &tabulate, "kernel"_a, "constants"_a, "coefficients"_a, "coordinates"_a,
+        "sides"_a, "size"_a,
+        "Element vectors (n, size) by a compiled UFCx kernel at an address, of n elements with "
+        "their coefficients (n, w), nodes (n, k, 3) and local numbers of a facet (n,).");
 }

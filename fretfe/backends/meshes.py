@@ -55,6 +55,9 @@ NOTE = "refinement.json"
 FINER, SWEPT = 1.4, "length_size"
 # Passes that may be needed to find the edges and to resolve their slip zones.
 UNRESOLVED_PASSES = 3
+# Part of an element that is not counted: intervals often are multiples of their elements, but for
+# round-off.
+ROUND_OFF = 1e-6
 # Largest growth of the element size per distance from the edges.
 LARGEST_GROWTH = 0.3
 
@@ -160,7 +163,8 @@ class Passes(ABC):
         return mesh
 
     def _unknowns(self, mesh: Mesh) -> int:
-        return count_unknowns(mesh, self._case.model.degree)
+        size = self._case.components(mesh.dimension)
+        return count_unknowns(mesh, self._case.model.degree, size)
 
     def judge(self, result: Result) -> Refinement:
         """All passes so far, this one included; without a reason to end there is another."""
@@ -290,7 +294,7 @@ def _front_places(
     if case.geometry.solid is not None:
         lean = math.tan(math.radians(case.geometry.solid.skew))
         together = together - together[:, 2:] * [lean, 0.0, 1.0]
-    return FinePlaces(together, np.concatenate(sizes))
+    return FinePlaces(*without_round_off(together, np.concatenate(sizes)))
 
 
 def _on_bodies(case: Case, mesh: Mesh, history: ContactHistory, points: Array) -> Iterator[Array]:
@@ -298,6 +302,20 @@ def _on_bodies(case: Case, mesh: Mesh, history: ContactHistory, points: Array) -
     contact = case.contacts[history.pair]
     for body, name in ((history.body1, contact.surface1), (history.body2, contact.surface2)):
         yield build_surface(mesh.bodies[body], name).nearest(points)[0]
+
+
+def without_round_off(points: Array, sizes: Array) -> tuple[Array, Array]:
+    """Places (n, d) and element sizes (m,) without the digits that round-off reaches.
+
+    Gmsh turns a change in the last digit into other meshes, whose slip zones differ by tenths of a
+    per cent: runs of one case on other numbers of processes or another BLAS would not agree.
+    Sizes keep three digits, places lie on multiples of a hundredth of the smallest size or less.
+    """
+    if not sizes.size:
+        return points, sizes
+    powers = 10.0 ** np.floor(np.log10(sizes))
+    unit = 0.01 * float(powers.min())
+    return np.round(points / unit) * unit, np.round(sizes / powers, 2) * powers
 
 
 def growth_for(tolerance: float, degree: int) -> float:
@@ -367,11 +385,12 @@ def _sources(
     contacts = {contact.name: contact for contact in solution.contacts}
     for each in intervals:
         history = contacts[each.contact]
-        count = math.ceil((each.high - each.low) / each.size) + 1
+        count = math.ceil((each.high - each.low) / each.size - ROUND_OFF) + 1
         arc = np.linspace(each.low, each.high, count)
         points = np.stack([np.interp(arc, history.arc, x) for x in history.points.T], axis=1)
         for places in _on_bodies(case, mesh, history, points):
-            yield Source(places, each.size)
+            kept, sizes = without_round_off(places, np.array([each.size]))
+            yield Source(kept, float(sizes[0]))
 
 
 def starting_mesh(case: Case) -> Mesh:

@@ -19,6 +19,7 @@ from fretfe.environment import memory_shortage, missing_package, rank_from_envir
 from fretfe.errors import CaseError, DependencyError, MemoryShortError, StoppedError
 from fretfe.history.stream import Storage
 from fretfe.loads import History
+from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
 
 T = TypeVar("T")
@@ -84,6 +85,7 @@ class RunOptions:
         keep: called on all ranks with a result when its numbers are there, before its fields are
             written.
         history: loads in place of those of the case; None for those.
+        mesh: gives the mesh of a case on process 0; None for `fretfe.surface.checks.load_mesh`.
         observer: follows the run, on rank 0.
     """
 
@@ -94,6 +96,7 @@ class RunOptions:
     before: Result | None = None
     keep: Callable[[Result], None] = lambda _: None
     history: History | None = None
+    mesh: Callable[[Case], Mesh] | None = None
     observer: Observer = SILENT
 
     def progress(self, number: int, count: int, text: str) -> None:
@@ -183,6 +186,17 @@ class Session(Protocol):
 
     def close(self) -> None:
         """Give back what is kept."""
+
+
+@runtime_checkable
+class CopiedSession(Session, Protocol):
+    """A session that also serves in copies of its process, which `fork` makes.
+
+    Optional; sessions without this method are used in their own process alone.
+    """
+
+    def copies(self) -> int:
+        """Number that may solve cases beside one another with what is kept; settles it for them."""
 
 
 @runtime_checkable

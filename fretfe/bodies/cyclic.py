@@ -64,9 +64,9 @@ class Tie:
         followers: (s, d) places.
         leaders: (m, d) places, corners of elements first.
         weights: (s, m) displacements of followers, not yet turned, by those of leaders.
-        turn: (d, d) rotation from the leaders' side to the followers'.
+        turn: (c, c) rotation of displacements from the leaders' side to the followers'.
         on_axis: (a, d) places of nodes on the axis.
-        across: (2, d) unit vectors across the axis.
+        across: (2, c) unit vectors across the axis.
         centre: (d,) a point on the axis.
         size: of the body.
         source: the side of the leaders, a physical group.
@@ -83,11 +83,11 @@ class Tie:
     source: str
 
     def image(self, values: Array) -> Array:
-        """(s, d) vectors at the followers by those (m, d) at the leaders."""
+        """(s, c) vectors at the followers by those (m, c) at the leaders."""
         return np.asarray((self.weights @ values) @ self.turn.T)
 
     def violation(self, motions: Callable[[Array], Array]) -> Array:
-        """(n, k) parts of motions, (m, d, k) at points (m, d), that the tie forbids."""
+        """(n, k) parts of motions, (m, c, k) at points (m, d), that the tie forbids."""
         leading = np.moveaxis(motions(self.leaders), 2, 0)
         wanted = np.stack([self.image(each) for each in leading], axis=2)
         across = np.einsum("ad,ndk->nak", self.across, motions(self.on_axis))
@@ -99,16 +99,39 @@ class Tie:
             ]
         )
 
+    def mismatch(self, field: Callable[[Array], Array]) -> float:
+        """Largest part of a tensor field that differs at the sides, over its size there.
+
+        Args:
+            field: (n, 3, 3) at places (n, d).
+        """
+        turn, size = np.eye(3), len(self.turn)
+        turn[:size, :size] = self.turn
+        leading, following = field(self.leaders), field(self.followers)
+        image = (self.weights @ leading.reshape(-1, 9)).reshape(-1, 3, 3)
+        largest = max(np.abs(leading).max(), np.abs(following).max())
+        return float(np.abs(following - turn @ image @ turn.T).max() / (largest or 1.0))
+
     def passed_on(self, forces: Array) -> Array:
-        """(m, d) forces on the leaders that work as those (s, d) on the followers do."""
+        """(m, c) forces on the leaders that work as those (s, c) on the followers do."""
         return np.asarray(self.weights.T @ (forces @ self.turn))
+
+    def moving(self, components: int) -> Tie:
+        """The same tie of displacements with 3 components, of plane bodies the third along z."""
+        more = components - len(self.turn)
+        if not more:
+            return self
+        turn = np.eye(components)
+        turn[:-more, :-more] = self.turn
+        return replace(self, turn=turn, across=np.pad(self.across, ((0, 0), (0, more))))
 
     def from_axis(self, points: Array) -> Array:
         """(n, 2) places seen from the axis, across it."""
-        return np.asarray((points - self.centre) @ self.across.T)
+        size = points.shape[1]
+        return np.asarray((points - self.centre) @ self.across[:, :size].T)
 
     def circumferential(self, point: Array) -> Array:
-        """(d,) unit vector at a point off the axis."""
+        """(c,) unit vector at a point off the axis."""
         x, y = self.from_axis(point[None])[0]
         return np.asarray(np.array([-y, x]) @ self.across / np.hypot(x, y))
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,15 +15,14 @@ from scipy.spatial import cKDTree
 from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.crystals import isotropic as isotropic_stiffness
 from fretfe.analytic.crystals import plane_stress, tensor
-from fretfe.bodies.cut import Cut, read_cut
+from fretfe.bodies.cut import Cut, read_cut, read_temperatures
 from fretfe.bodies.cyclic import Tie, tie_sides
-from fretfe.bodies.point_values import OUTSIDE, PointValues, read_points
+from fretfe.bodies.point_values import OUTSIDE, NodalValues, PointValues, read_points
 from fretfe.case import (
     AnyBody,
     Case,
     Plane,
     complaint,
-    couples_across,
     isotropic,
     stiffness,
     unit_vector,
@@ -39,6 +39,7 @@ from fretfe.case.loads import (
     PlatenLoad,
     RotationLoad,
     ShapeLoad,
+    TemperatureFieldLoad,
     TemperatureLoad,
     TiltLoad,
     TractionLoad,
@@ -182,6 +183,10 @@ class Layer:
             depth, normals = np.where(nearer, found, depth), np.where(nearer[:, None], own, normals)
         return depth, normals
 
+    def largest_depth(self, mesh: BodyMesh) -> float:
+        """Distance of the node of a body that is farthest below the surfaces."""
+        return float(self._depth(mesh.points)[0].max())
+
     def height_of_elements(self, mesh: BodyMesh) -> float:
         """Largest depth to which an element with a facet on the surfaces reaches."""
         corners = mesh.cells[:, : CORNERS[mesh.cell]]
@@ -209,6 +214,9 @@ class DistributedLoad:
         bodies: that a temperature or strains at points act on; () for all.
         layers: of an eigenstrain, by body.
         contact: of an interference.
+        changes: of the temperature from that of reference, by body: a shape of that of another run.
+        number: of that shape, from 1.
+        cut: all of them.
     """
 
     channel: str
@@ -221,6 +229,21 @@ class DistributedLoad:
     layers: Mapping[str, Layer] = field(default_factory=dict)
     contact: str = ""
     radius: float = 0.0
+    changes: Mapping[str, NodalValues] = field(default_factory=dict)
+    number: int = 0
+    cut: Cut | None = None
+
+    @property
+    def label(self) -> str:
+        """Name of its own: that of its channel, with a number where this has several."""
+        return f"{self.channel} {self.number}" if self.number else self.channel
+
+    def amplitudes(self, values: Array) -> Array:
+        """(T,) amplitudes by values (T,) of its channel."""
+        if self.cut is not None:
+            return self.cut.courses[self.number - 1].at(values)
+        # The body force goes with the square of the angular speed.
+        return values**2 if self.kind == "rotation" else values
 
     @property
     def pushes(self) -> bool:
@@ -230,12 +253,17 @@ class DistributedLoad:
     def strains(self, body: str) -> bool:
         """True if it causes an initial strain of a body."""
         at_points = self.at_points is not None and self.kind in ("temperature", "eigenstrain")
-        return body in self.layers or (at_points and body in (self.bodies or (body,)))
+        return (
+            body in self.layers
+            or body in self.changes
+            or (at_points and body in (self.bodies or (body,)))
+        )
 
     def body_force(self, material: Material, places: Array) -> Array:
         """(m, d) force per volume at places (m, d) by a unit of the amplitude of one that pushes.
 
-        A rotation's amplitude is the square of the angular speed.
+        (m, 3) of an acceleration that plane bodies feel along z. A rotation's amplitude is the
+        square of the angular speed.
         """
         size = places.shape[1]
         if self.kind == "acceleration":
@@ -250,6 +278,9 @@ class DistributedLoad:
         """(m, 3, 3) initial strain at places (m, d) of a body that it strains, for a unit."""
         if body in self.layers:
             return self.layers[body].strain(places)
+        if body in self.changes:
+            grown = material.expansion * self.changes[body].at(places)
+            return np.asarray(grown[:, None, None] * np.eye(3))
         assert self.at_points is not None
         given = self.at_points.at(places)
         if self.kind == "eigenstrain":
@@ -289,7 +320,8 @@ class Constraint:
     Attributes:
         label: name used in results and messages.
         boundary: physical group.
-        direction: unit vector (gdim,); (0, ...) of a tilt or a shape.
+        direction: unit vector with the components of the displacement; (0, ...) of a tilt or a
+            shape.
         roller: true if only the displacement along `direction` is constrained, false if each of its
             non-zero components is.
         axis: unit vector (3,) of the axis of a tilt; empty otherwise.
@@ -323,15 +355,14 @@ class Constraint:
         return np.flatnonzero(self.direction)
 
     def displacement(self, points: Array) -> Array:
-        """(n, gdim) displacement of points (n, gdim) by a unit amplitude."""
+        """(n, c) displacement of points (n, gdim) by a unit amplitude."""
         if self.shape is not None:
             return self.shape.at(points)
         if not self.axis:
             return np.tile(np.array(self.direction), (len(points), 1))
-        arms = points - np.array(self.centre)
-        if points.shape[1] == 2:
-            return self.axis[2] * np.column_stack([-arms[:, 1], arms[:, 0]])
-        return np.cross(self.axis, arms)
+        arms = np.zeros((len(points), 3))
+        arms[:, : points.shape[1]] = points - np.array(self.centre)
+        return np.cross(self.axis, arms)[:, : len(self.direction)]
 
 
 # Columns of a file of strains, of plane bodies the first four, and their components.
@@ -342,6 +373,12 @@ SHOWN = 1e-6
 FLAT = 1e-6
 # Of a facet along each of its edges there are more samples than this.
 FEWEST_SAMPLES = 8
+# From a node to the nearest point of integration of a part of a boundary, over the extent of its
+# facet: at most .03 along a line, .06 in a triangle.
+POINTS_BESIDE = 0.06
+# Part of an initial strain that may differ at the sides of a sector: values at points are
+# interpolated, and constant across a line of points.
+LARGEST_STEP = 0.02
 # Height of an element over the distance of two depths from which it does not see both.
 FINEST = 1.01
 # What a coordinate calls the moment and the rotation of a tilt.
@@ -369,6 +406,7 @@ class BodyDefinition:
         surfaces: contact surfaces of the body, in the order of the contacts.
         tie: of its sides, if it is a part of a sector.
         cuts: boundaries of the body that another run moves.
+        components: of the displacement, 3 in space; in the plane 2, or 3 with u_z(x, y).
     """
 
     name: str
@@ -378,6 +416,7 @@ class BodyDefinition:
     surfaces: tuple[str, ...]
     tie: Tie | None = None
     cuts: tuple[Cut, ...] = ()
+    components: int = 2
 
 
 @dataclass(frozen=True)
@@ -388,9 +427,22 @@ class ModelDefinition:
     loads: tuple[DistributedLoad, ...]
 
     @property
+    def components(self) -> int:
+        """Components of the displacement: 3 in space, in the plane 2, or 3 with u_z(x, y)."""
+        return self.bodies[0].components
+
+    @property
+    def cuts(self) -> tuple[Cut, ...]:
+        """All fields of other runs."""
+        heated = {load.channel: load.cut for load in self.loads if load.cut is not None}
+        return (*(cut for body in self.bodies for cut in body.cuts), *heated.values())
+
+    @property
     def digest(self) -> str:
         """Text that is equal for loads with the same values at points."""
-        given: list[PointValues | NodalShape | None] = [load.at_points for load in self.loads]
+        given: list[PointValues | NodalShape | NodalValues | None]
+        given = [load.at_points for load in self.loads]
+        given += [each for load in self.loads for each in load.changes.values()]
         given += [each.shape for body in self.bodies for each in body.constraints]
         found = hashlib.sha256()
         for each in given:
@@ -407,16 +459,17 @@ def define_model(case: Case, mesh: Mesh) -> ModelDefinition:
         CaseError: if values at points cannot be read, or do not reach as far as the bodies, or
             sides of a sector are not images of one another.
     """
-    gdim = mesh.dimension
+    size = case.components(mesh.dimension)
     loads = distributed_loads(case, mesh)
     for load in loads:
         _require_values_around(case, load, mesh)
     return ModelDefinition(
-        bodies=tuple(_define_body(case, mesh, name, gdim) for name in case.bodies), loads=loads
+        bodies=tuple(_define_body(case, mesh, name, size) for name in case.bodies),
+        loads=loads,
     )
 
 
-def _define_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyDefinition:
+def _define_body(case: Case, mesh: Mesh, name: str, size: int) -> BodyDefinition:
     own = mesh.bodies[name].boundaries
     surfaces = [
         surface
@@ -431,13 +484,12 @@ def _define_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyDefinition
         )
     shapes = _shapes(case, mesh.bodies[name])
     cut, cuts = _cuts(case, mesh.bodies[name])
-    moved = _displacements(case, gdim) + shapes + cut
+    moved = _displacements(case, size) + shapes + cut
     constrained = [
         each
-        for each in _platens(case, gdim) + moved + _supports(case, gdim)
+        for each in _platens(case, size) + moved + _supports(case, size)
         if each.constraint.boundary in own
     ]
-    _require_plane(case, name, gdim)
     return BodyDefinition(
         name=name,
         material=Material.of(case.bodies[name], case.model.plane),
@@ -449,6 +501,7 @@ def _define_body(case: Case, mesh: Mesh, name: str, gdim: int) -> BodyDefinition
         surfaces=tuple(surfaces),
         tie=_tie(case, mesh.bodies[name]),
         cuts=cuts,
+        components=size,
     )
 
 
@@ -457,22 +510,12 @@ def _tie(case: Case, body: BodyMesh) -> Tie | None:
     for name, symmetry in case.symmetry.items():
         if symmetry.boundary1 in body.boundaries:
             key = ("symmetry", name)
-            return tie_sides(symmetry, key, case.source, body, case.model.degree)
+            tie = tie_sides(symmetry, key, case.source, body, case.model.degree)
+            return tie.moving(case.components(body.points.shape[1]))
     return None
 
 
-def _require_plane(case: Case, name: str, gdim: int) -> None:
-    """Check that displacements in the plane are all that a plane body has."""
-    if gdim == 2 and couples_across(case.bodies[name]):
-        text = (
-            "expected an orientation in which z is normal to a plane of symmetry of the crystal, "
-            "because displacements of plane bodies have no component along z, which any other "
-            "orientation couples with those in the plane; take solids, or turn the crystal"
-        )
-        raise CaseError(complaint(case.source, ("bodies", name, "orientation"), text))
-
-
-def _platens(case: Case, gdim: int) -> list[Driven]:
+def _platens(case: Case, size: int) -> list[Driven]:
     """Loaded directions of each platen, then the guided ones, then its tilts."""
     platens: dict[str, list[str]] = {}
     for name, load in case.loads.items():
@@ -485,32 +528,30 @@ def _platens(case: Case, gdim: int) -> list[Driven]:
         for name in names:
             load = case.loads[name]
             if isinstance(load, TiltLoad):
-                tilts.append(_tilt(name, load, gdim))
+                tilts.append(_tilt(name, load, size))
                 continue
             assert isinstance(load, PlatenLoad)
-            directions.append(unit_vector(load.direction, gdim))
+            directions.append(unit_vector(load.direction, size))
             moved = Constraint(name, boundary, directions[-1])
             constrained.append(Driven(moved, load.control, name))
-        for direction in _complement(directions, gdim):
+        for direction in _complement(directions, size):
             label = f"{boundary} guide {_direction_name(direction)}"
             constrained.append(Driven(Constraint(label, boundary, direction)))
         constrained += tilts
     return constrained
 
 
-def _tilt(name: str, load: TiltLoad, gdim: int) -> Driven:
+def _tilt(name: str, load: TiltLoad, size: int) -> Driven:
     """A rotation and its moment are the displacement and the force of their coordinate."""
     axis, control = unit_vector(load.axis, 3), TILT_CONTROLS[load.control]
-    constraint = Constraint(
-        name, load.boundary, (0.0,) * gdim, axis=axis, centre=load.centre[:gdim]
-    )
+    constraint = Constraint(name, load.boundary, (0.0,) * size, axis=axis, centre=load.centre)
     return Driven(constraint, control, name)
 
 
-def _displacements(case: Case, gdim: int) -> list[Driven]:
+def _displacements(case: Case, size: int) -> list[Driven]:
     return [
         Driven(
-            Constraint(name, load.boundary, unit_vector(load.direction, gdim)), "displacement", name
+            Constraint(name, load.boundary, unit_vector(load.direction, size)), "displacement", name
         )
         for name, load in case.loads.items()
         if isinstance(load, DisplacementLoad)
@@ -534,6 +575,9 @@ def _shapes(case: Case, body: BodyMesh) -> list[Driven]:
         _require_points_beside(case, name, given, places, what)
         _require_points_around(case, name, given, places, what)
         shape = NodalShape(places, given.at(places))
+        if not shape.values.any():
+            text = f"expected a shape that moves {what}, found no displacement at its nodes"
+            raise CaseError(complaint(case.source, ("loads", name), text))
         moved = Constraint(name, load.boundary, (0.0,) * gdim, shape=shape)
         constrained.append(Driven(moved, "displacement", name))
         constrained += _resultant(name, load.boundary, places)
@@ -587,29 +631,32 @@ def _resultant(name: str, boundary: str, places: Array) -> list[Driven]:
     return [Driven(each) for each in (*moves, *turns)]
 
 
-def _supports(case: Case, gdim: int) -> list[Driven]:
+def _supports(case: Case, size: int) -> list[Driven]:
     """Components that are held, then the inclined rollers: those go last at a common node."""
     fixed = [
-        Driven(Constraint(f"{name} {axis}", support.boundary, unit_vector(axis, gdim)))
+        Driven(Constraint(f"{name} {axis}", support.boundary, unit_vector(axis, size)))
         for name, support in case.supports.items()
         for axis in support.fix
+        if axis in AXES[:size]
     ]
     rollers = [
-        Driven(Constraint(name, support.boundary, support.direction, roller=True))
+        Driven(
+            Constraint(name, support.boundary, unit_vector(support.direction, size), roller=True)
+        )
         for name, support in case.supports.items()
         if support.direction is not None
     ]
     return fixed + rollers
 
 
-def _complement(directions: list[tuple[float, ...]], gdim: int) -> list[tuple[float, ...]]:
+def _complement(directions: list[tuple[float, ...]], size: int) -> list[tuple[float, ...]]:
     """Unit vectors normal to the given orthogonal ones, along the axes where possible."""
     basis = [np.array(direction) for direction in directions]
     added: list[tuple[float, ...]] = []
-    for axis in np.eye(gdim):
+    for axis in np.eye(size):
         rest = axis - sum((axis @ b) * b for b in basis)
         length = np.linalg.norm(rest)
-        if length > 1e-6 and len(basis) < gdim:
+        if length > 1e-6 and len(basis) < size:
             basis.append(rest / length)
             added.append(tuple(float(v) for v in rest / length))
     return added
@@ -628,7 +675,7 @@ def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
     Raises:
         CaseError: if a file with values at points is not as expected.
     """
-    loads, gdim = [], mesh.dimension
+    loads, gdim, size = [], mesh.dimension, case.components(mesh.dimension)
     for name, load in case.loads.items():
         if isinstance(load, EigenstrainLoad):
             loads.append(_eigenstrain(case, name, load, mesh))
@@ -640,16 +687,18 @@ def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
             )
             own = load.bodies or ()
             loads.append(DistributedLoad(name, "temperature", at_points=given, bodies=own))
+        elif isinstance(load, TemperatureFieldLoad):
+            loads += _temperatures(case, name, load, mesh)
         elif isinstance(load, InterferenceLoad):
             loads.append(DistributedLoad(name, "interference", contact=load.contact))
         elif isinstance(load, AccelerationLoad):
-            direction = unit_vector(load.direction, gdim)
+            direction = unit_vector(load.direction, size)
             loads.append(DistributedLoad(name, "acceleration", direction=direction))
         elif isinstance(load, RotationLoad):
             axis = unit_vector(load.axis, 3)
             loads.append(DistributedLoad(name, "rotation", "", axis, load.centre))
         elif isinstance(load, ForceLoad):
-            direction = unit_vector(load.direction, gdim)
+            direction = unit_vector(load.direction, size)
             centre, radius = load.centre or (), load.radius or 0.0
             force = DistributedLoad(name, "force", load.boundary, direction, centre, radius=radius)
             _require_part(case, force, mesh)
@@ -657,10 +706,30 @@ def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
         elif isinstance(load, TractionLoad):
             kind, direction = "normal", ()
             if load.direction != "normal":
-                kind, direction = "traction", unit_vector(load.direction, gdim)
+                kind, direction = "traction", unit_vector(load.direction, size)
             factors = _values(case, name, load, gdim, ["value"]) if load.at_points else None
             loads.append(DistributedLoad(name, kind, load.boundary, direction, at_points=factors))
     return tuple(loads)
+
+
+def _temperatures(
+    case: Case, name: str, load: TemperatureFieldLoad, mesh: Mesh
+) -> list[DistributedLoad]:
+    """A load for each shape of the temperatures of another run."""
+    places = {body: mesh.bodies[body].points for body in load.bodies or case.bodies}
+    starts = [case.bodies[body].reference_temperature or 0.0 for body in places]
+    start = np.repeat(starts, [len(each) for each in places.values()])
+    try:
+        cut = read_temperatures(case.resolve(load.file), load, name, places, start)
+    except (CaseError, MeshError) as error:
+        raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
+    ends = np.cumsum([len(each) for each in places.values()])[:-1]
+    found = []
+    for number, shape in enumerate(cut.shapes, 1):
+        values = dict(zip(places, np.split(shape[:, 0], ends), strict=True))
+        changes = {body: NodalValues(places[body], values[body]) for body in places}
+        found.append(DistributedLoad(name, "temperature", changes=changes, number=number, cut=cut))
+    return found
 
 
 def _eigenstrain(case: Case, name: str, load: EigenstrainLoad, mesh: Mesh) -> DistributedLoad:
@@ -683,8 +752,21 @@ def _layers(load: EigenstrainLoad, mesh: Mesh) -> dict[str, Layer]:
     return layers
 
 
+def across_notes(case: Case, dimension: int) -> tuple[str, ...]:
+    """Tell that plane bodies move along z, and what in the case makes them do so, in words."""
+    if dimension == 3:
+        return ()
+    keys = [".".join(map(str, key)) for key in case.moving_across()]
+    if not keys:
+        return ()
+    return (
+        f"plane bodies move along z, too: displacements u_z(x, y) are part of the model by "
+        f"{', '.join(keys)}",
+    )
+
+
 def layer_notes(case: Case, definition: ModelDefinition, mesh: Mesh) -> tuple[str, ...]:
-    """Layers of initial strain that elements below their surfaces do not resolve, in words."""
+    """Layers of initial strain that elements do not resolve or bodies do not contain, in words."""
     notes = []
     for load in definition.loads:
         for name, layer in load.layers.items():
@@ -696,6 +778,31 @@ def layer_notes(case: Case, definition: ModelDefinition, mesh: Mesh) -> tuple[st
                     f"{height:.3g} {unit} high, next to depths that differ by {changes.min():.3g} "
                     f"{unit}: there the mesh does not follow the strain, which is linear in an "
                     "element, and the layer stretches and bends the body by a wrong amount"
+                )
+            deepest = layer.largest_depth(mesh.bodies[name])
+            if layer.depths[-1] > (1 + FLAT) * deepest:
+                notes.append(
+                    f"loads.{load.channel}: the depths go down to {layer.depths[-1]:.4g} "
+                    f"{case.units.length}, but nothing of {name} is deeper below the surfaces than "
+                    f"{deepest:.4g} {case.units.length}: check their unit"
+                )
+    return tuple(notes)
+
+
+def side_notes(definition: ModelDefinition) -> tuple[str, ...]:
+    """Initial strains that neighbour sectors do not continue, in words."""
+    notes = []
+    for body in definition.bodies:
+        tie = body.tie
+        for load in definition.loads:
+            if tie is None or not load.strains(body.name):
+                continue
+            found = tie.mismatch(partial(load.initial_strain, body.name, body.material))
+            if found > LARGEST_STEP:
+                notes.append(
+                    f"loads.{load.channel}: from one sector to the next the strain of "
+                    f"{body.name} jumps by {100 * found:.3g} % of the largest at its sides: every "
+                    "sector has the load of this one, turned"
                 )
     return tuple(notes)
 
@@ -733,13 +840,19 @@ def _require_part(case: Case, load: DistributedLoad, mesh: Mesh) -> None:
     """
     for body in mesh.bodies.values():
         if load.radius and load.boundary in body.boundaries:
-            places = boundary_surface(body, load.boundary).displacement_points(2)
-            nearest = float(np.linalg.norm(places - np.array(load.centre), axis=1).min())
-            if nearest > load.radius:
+            surface = boundary_surface(body, load.boundary)
+            places, facets = surface.displacement_points(2), surface.displacement_facets(2)
+            away = np.linalg.norm(places - np.array(load.centre), axis=1)
+            nearest = int(np.argmin(away))
+            around = places[facets[(facets == nearest).any(axis=1)]]
+            size = np.linalg.norm(np.ptp(around, axis=1), axis=1).max()
+            # Points of integration lie next to nodes, not on them.
+            least = float(away[nearest] + POINTS_BESIDE * size)
+            if least > load.radius:
                 raise CaseError(
-                    f"{case.source}: loads.{load.channel}.radius: expected nodes or middles of "
-                    f"elements of the boundary {load.boundary!r} within {load.radius:g} of the "
-                    f"centre, found the nearest at {nearest:.4g}"
+                    f"{case.source}: loads.{load.channel}.radius: expected at least {least:.4g}, "
+                    f"so that nodes or middles of elements of the boundary {load.boundary!r} are "
+                    f"well within it, found {load.radius:g}"
                 )
 
 
@@ -765,6 +878,12 @@ def _require_values_around(case: Case, load: DistributedLoad, mesh: Mesh) -> Non
 def _require_points_around(
     case: Case, channel: str, given: PointValues, places: Array, what: str
 ) -> None:
+    if pair := given.same():
+        one, other = (place_text(given.points[each]) for each in sorted(pair))
+        raise CaseError(
+            f"{case.source}: loads.{channel}: expected points of their own, found "
+            f"{one if one == other else f'{one} and {other}'} twice, up to round-off"
+        )
     farthest, excess = given.outside(places)
     if excess > OUTSIDE:
         raise CaseError(
@@ -793,13 +912,13 @@ def require_possible(case: Case, definition: ModelDefinition, history: History) 
         CaseError: names the first load that is not.
     """
     _require_above_absolute_zero(case, definition, history)
-    for cut in [cut for body in definition.bodies for cut in body.cuts]:
+    for cut in definition.cuts:
         cut.require_steps(case, history)
 
 
 def cut_notes(definition: ModelDefinition) -> tuple[str, ...]:
     """Fate of the fields of other runs, in words."""
-    return tuple(cut.note for body in definition.bodies for cut in body.cuts)
+    return tuple(cut.note for cut in definition.cuts)
 
 
 def _require_above_absolute_zero(case: Case, definition: ModelDefinition, history: History) -> None:
@@ -842,11 +961,11 @@ def contact_surfaces(definition: ModelDefinition, mesh: Mesh) -> dict[str, Surfa
     }
 
 
-def couple_contacts(case: Case, surfaces: dict[str, Surface]) -> tuple[Pair, ...]:
-    """The contact pairs of a case, in its order."""
+def couple_contacts(case: Case, surfaces: dict[str, Surface], components: int) -> tuple[Pair, ...]:
+    """The contact pairs of a case, in its order, for so many components of the displacement."""
     pairs = []
     for name, contact in case.contacts.items():
         first, second = surfaces[contact.surface1], surfaces[contact.surface2]
-        coupling = couple(name, first, second, contact.multipliers, case.model.degree)
+        coupling = couple(name, first, second, contact.multipliers, case.model.degree, components)
         pairs.append(Pair(name, first.body, second.body, coupling))
     return tuple(pairs)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
 from fretfe.case.base import AXES
@@ -19,6 +20,11 @@ FLAT = 1e-6
 # How much farther from the middle of the points than their hull a place may be, over the distance
 # of the hull: edges of other meshes cut corners off curved surfaces.
 OUTSIDE = 0.02
+# Points that are nearer than this part of their extent are one, of which a triangulation takes one
+# value only.
+SAME = 1e-9
+# Nodes around each place between which values at nodes are linear.
+NEAREST = 32
 
 
 @dataclass(frozen=True)
@@ -58,6 +64,19 @@ class PointValues:
         found[missing] = linear(inside)
         return np.asarray(found)
 
+    def same(self) -> tuple[int, int] | None:
+        """Two points that are nearly in the same place, None if there are none."""
+        if len(self.points) < 2:
+            return None
+        # Imported where it is needed: cases without points do without.
+        from scipy.spatial import cKDTree
+
+        distance, nearest = cKDTree(self.points).query(self.points, 2)
+        first = int(np.argmin(distance[:, 1]))
+        if distance[first, 1] > SAME * np.ptp(self.points, axis=0).max():
+            return None
+        return first, int(nearest[first, 1])
+
     def outside(self, places: Array) -> tuple[int, float]:
         """Place (m, d) that is farthest outside of the points, and how far over their extent.
 
@@ -90,6 +109,30 @@ class PointValues:
         _, sizes, axes = np.linalg.svd(self.points - middle, full_matrices=False)
         axes = axes[sizes > FLAT * sizes[0]]
         return axes, (self.points - middle) @ axes.T, (places - middle) @ axes.T
+
+
+@dataclass(frozen=True, eq=False)
+class NodalValues:
+    """Values at the nodes of a body, linear between those nearest to a place.
+
+    Attributes:
+        points: (n, d) the nodes.
+        values: (n,) values there.
+    """
+
+    points: Array
+    values: Array
+
+    def at(self, places: Array) -> Array:
+        """(m,) values at places (m, d) in the body, or at its nodes."""
+        if not len(places):
+            return np.zeros(0)
+        tree = cKDTree(self.points)
+        distance, nearest = tree.query(places)
+        if distance.max() < FLAT * np.ptp(self.points, axis=0).max():
+            return np.asarray(self.values[nearest])
+        near = np.unique(tree.query(places, min(NEAREST, len(self.points)))[1])
+        return PointValues(self.points[near], self.values[near]).at(places)
 
 
 def _gauge(points: Array, places: Array) -> Array:

@@ -36,7 +36,7 @@ class RigidMotions:
     """Rigid motions that some bodies are free to make.
 
     Attributes:
-        motions: (3 or 6, k) in the order of `rigid_motions`, for lengths over `size`.
+        motions: (3, 4 or 6, k) in the order of `rigid_motions`, for lengths over `size`.
         centre: (gdim,) the origin of these lengths.
         size: of the bodies.
     """
@@ -55,7 +55,16 @@ def in_words(free: RigidMotions) -> str:
     """All motions, in words that follow "is free"."""
     if free.count == len(free.motions):
         return "to move in every direction and to turn"
-    return _in_space(free) if len(free.motions) == 6 else _in_plane(free)
+    if len(free.motions) == 3:
+        return _in_plane(free)
+    return _in_space(_completed(free) if len(free.motions) == 4 else free)
+
+
+def _completed(free: RigidMotions) -> RigidMotions:
+    """Motions of plane bodies with displacements along z, as those in space."""
+    motions = np.zeros((6, free.count))
+    motions[:4] = free.motions
+    return RigidMotions(motions, np.append(free.centre, 0.0), free.size)
 
 
 def _in_plane(free: RigidMotions) -> str:
@@ -296,7 +305,7 @@ def _require_held_pieces(body: BodyDefinition, mesh: BodyMesh) -> None:
         points = mesh.points[labels == number]
         centre, size = points.mean(axis=0), float(np.ptp(points, axis=0).max())
         piece = replace(mesh, boundaries=own)
-        rows = [np.zeros((0, rigid_motions(points[:1]).shape[2]))]
+        rows = [np.zeros((0, rigid_motions(points[:1], body.components).shape[2]))]
         rows += _constraint_rows(body, piece, [], centre, size)
         motions = _null_space(np.concatenate(rows))
         if motions.shape[1]:
@@ -357,7 +366,8 @@ def _free_motions(bodies: Sequence[BodyDefinition], mesh: Mesh) -> tuple[RigidMo
     """Unrestrained motions of bodies that move as one, and the forces that drive them."""
     points = np.concatenate([mesh.bodies[body.name].points for body in bodies])
     centre, size = points.mean(axis=0), float(np.ptp(points, axis=0).max())
-    count = rigid_motions(points[:1]).shape[2]
+    components = bodies[0].components
+    count = rigid_motions(points[:1], components).shape[2]
     parts, labels = [], []
     for body in bodies:
         driven = [i for i, each in enumerate(body.coordinates) if each.control == "force"]
@@ -365,7 +375,9 @@ def _free_motions(bodies: Sequence[BodyDefinition], mesh: Mesh) -> tuple[RigidMo
         rows = [np.zeros((0, count + len(driven)))]
         rows += _constraint_rows(body, mesh.bodies[body.name], driven, centre, size)
         if body.tie is not None:
-            tied = body.tie.violation(lambda points: rigid_motions((points - centre) / size))
+            tied = body.tie.violation(
+                lambda points: rigid_motions((points - centre) / size, components)
+            )
             rows.append(np.pad(tied, ((0, 0), (0, len(driven)))))
         parts.append(np.concatenate(rows))
     held = np.concatenate([rows[:, :count] for rows in parts])
@@ -392,22 +404,23 @@ def _null_space(rows: Array) -> Array:
 def _constraint_rows(
     body: BodyDefinition, mesh: BodyMesh, driven: list[int], centre: Array, size: float
 ) -> Iterator[Array]:
-    """Constraints (n, 3 or 6 + forces) on the rigid motion and the amplitudes of driven platens."""
-    taken: Bools = np.zeros(mesh.points.shape, dtype=bool)
+    """Constraints (n, 3, 4 or 6 + forces) on the rigid motion and the amplitudes of platens."""
+    taken: Bools = np.zeros((len(mesh.points), body.components), dtype=bool)
     for constraint in body.constraints:
         nodes = np.unique(mesh.boundaries[constraint.boundary])
         nodes = nodes[constraint.holds(mesh.points[nodes])]
         points = mesh.points[nodes]
-        motions = rigid_motions((points - centre) / size)
+        motions = rigid_motions((points - centre) / size, body.components)
         if constraint.roller:
             along = np.einsum("d,ndk->nk", constraint.direction, motions)
             yield np.pad(along, ((0, 0), (0, len(driven))))
             continue
+        rest = 0 * motions[..., 0]
         moved = [
-            each.displacement(points) if each.boundary == constraint.boundary else 0 * points
+            each.displacement(points) if each.boundary == constraint.boundary else rest
             for each in (body.constraints[i] for i in driven)
         ]
-        whole = np.concatenate([motions, -np.stack([*moved, 0 * points], axis=2)[..., :-1]], axis=2)
+        whole = np.concatenate([motions, -np.stack([*moved, rest], axis=2)[..., :-1]], axis=2)
         for component in constraint.components:
             # The first constraint of a component at a node is the one that counts.
             new = ~taken[nodes, component]
@@ -415,13 +428,18 @@ def _constraint_rows(
             taken[nodes, component] = True
 
 
-def rigid_motions(points: Array) -> Array:
-    """(n, gdim, k) translations and infinitesimal rotations at points (n, gdim)."""
+def rigid_motions(points: Array, components: int | None = None) -> Array:
+    """(n, c, k) translations and infinitesimal rotations at points (n, gdim).
+
+    Displacements have as many components as points without another number. Plane bodies turn about
+    z only, also those with u_z(x, y): what varies along z is no motion of the plane.
+    """
     count, gdim = points.shape
+    components = components or gdim
     pairs = [(i, j) for i in range(gdim) for j in range(i + 1, gdim)]
-    motions = np.zeros((count, gdim, gdim + len(pairs)))
-    motions[:, range(gdim), range(gdim)] = 1.0
-    for number, (i, j) in enumerate(pairs, start=gdim):
+    motions = np.zeros((count, components, components + len(pairs)))
+    motions[:, range(components), range(components)] = 1.0
+    for number, (i, j) in enumerate(pairs, start=components):
         motions[:, i, number] = -points[:, j]
         motions[:, j, number] = points[:, i]
     return motions

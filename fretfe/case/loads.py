@@ -332,6 +332,33 @@ class FieldLoad(Channel):
     )
 
 
+class TemperatureFieldLoad(Channel):
+    """Temperatures of bodies that are those of another run."""
+
+    type: Literal["temperature_field"] = Field(
+        description='"temperature_field": temperatures of bodies in the steps of another run, by '
+        "which they expand. The history is the position in that run: 0 is the reference "
+        "temperature everywhere, and between its steps temperatures are linear."
+    )
+    file: Text = Field(
+        description="Temperatures of the run, in degrees Celsius: a CSV file with columns x, y "
+        "(z), T and time or step, or a .frd, .vtu, .vtk, .pvd or VTKHDF file; relative to the "
+        "folder of the case file."
+    )
+    bodies: tuple[Name, ...] | None = Field(
+        default=None, min_length=1, description="Bodies that it acts on; all without this key."
+    )
+    position: Literal["time", "number"] = Field(
+        default="time",
+        description='What the history counts: the "time" of the run, or the "number" of its steps '
+        "in the file, from 1 on.",
+    )
+    factor: Positive = Field(
+        default=1.0,
+        description="Factor of all coordinates: 1000 for metres in a case in millimetres.",
+    )
+
+
 class ForceLoad(Channel):
     """A force spread evenly over a boundary, or a part of it."""
 
@@ -497,6 +524,7 @@ Load = (
     | DisplacementLoad
     | ShapeLoad
     | FieldLoad
+    | TemperatureFieldLoad
     | ForceLoad
     | RotationLoad
     | AccelerationLoad
@@ -511,6 +539,7 @@ LOADS: dict[str, type[Channel]] = {
     "displacement": DisplacementLoad,
     "shape": ShapeLoad,
     "field": FieldLoad,
+    "temperature_field": TemperatureFieldLoad,
     "force": ForceLoad,
     "rotation": RotationLoad,
     "acceleration": AccelerationLoad,
@@ -533,6 +562,7 @@ AnyLoad = Annotated[
     | Annotated[DisplacementLoad, Tag(f"{TAG}displacement")]
     | Annotated[ShapeLoad, Tag(f"{TAG}shape")]
     | Annotated[FieldLoad, Tag(f"{TAG}field")]
+    | Annotated[TemperatureFieldLoad, Tag(f"{TAG}temperature_field")]
     | Annotated[ForceLoad, Tag(f"{TAG}force")]
     | Annotated[RotationLoad, Tag(f"{TAG}rotation")]
     | Annotated[AccelerationLoad, Tag(f"{TAG}acceleration")]

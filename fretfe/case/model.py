@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Self
 from pydantic import Field, PrivateAttr, model_validator
 
 from fretfe.case.base import AXES, Name, Table, unit_vector
-from fretfe.case.bodies import AnyBody, Given, OverTemperature
+from fretfe.case.bodies import AnyBody, Given, OverTemperature, couples_across
 from fretfe.case.loads import (
     AccelerationLoad,
     AnyLoad,
@@ -24,6 +24,7 @@ from fretfe.case.loads import (
     PlatenLoad,
     RotationLoad,
     ShapeLoad,
+    TemperatureFieldLoad,
     TemperatureLoad,
     TiltLoad,
 )
@@ -226,7 +227,7 @@ def _strained_body_problems(
 ) -> Iterator[Problem]:
     """Initial strains of bodies that are not there."""
     for name, load in loads.items():
-        if not isinstance(load, TemperatureLoad | EigenstrainLoad):
+        if not isinstance(load, TemperatureLoad | TemperatureFieldLoad | EigenstrainLoad):
             continue
         for number, body in enumerate(load.bodies or ()):
             if body not in bodies:
@@ -242,7 +243,7 @@ def _temperature_problems(
 ) -> Iterator[Problem]:
     """Temperatures of bodies whose expansion is not known."""
     for name, load in loads.items():
-        if not isinstance(load, TemperatureLoad):
+        if not isinstance(load, TemperatureLoad | TemperatureFieldLoad):
             continue
         missing = [
             f"bodies.{body}.{key}"
@@ -434,6 +435,26 @@ class Case(Table):
     def material_notes(self) -> tuple[str, ...]:
         """Sources of constants that are no numbers in the case, in words."""
         return self._given.notes if self._given is not None else ()
+
+    def components(self, dimension: int) -> int:
+        """Number of displacement components, 2 or 3, on a mesh with so many coordinates.
+
+        Bodies of a plane mesh have a third one, u_z(x, y), where something moves them along z.
+        """
+        return 3 if dimension == 3 or any(True for _ in self.moving_across()) else 2
+
+    def moving_across(self) -> Iterator[Key]:
+        """Keys of what moves plane bodies along z: loads, and crystals that couple it in.
+
+        Supports alone do not: then a case of solids may lack its extrusion.
+        """
+        for name, load in self.loads.items():
+            direction = getattr(load, "direction", None)
+            if direction == "z" or (isinstance(direction, tuple) and any(direction[2:])):
+                yield "loads", name, "direction"
+        for name, body in self.bodies.items():
+            if couples_across(body):
+                yield "bodies", name, "orientation"
 
     def resolve(self, file: str) -> Path:
         """Path of a file that the case names."""

@@ -11,7 +11,7 @@ import tomli_w
 from pydantic import TypeAdapter, ValidationError
 
 from fretfe.case.base import AXES, Name, Table
-from fretfe.case.bodies import AnyBody
+from fretfe.case.bodies import AnyBody, isotropic
 from fretfe.case.loads import (
     AnyLoad,
     ChannelAtPoints,
@@ -22,6 +22,7 @@ from fretfe.case.loads import (
     Load,
     RotationLoad,
     ShapeLoad,
+    TemperatureFieldLoad,
     TemperatureLoad,
     TiltLoad,
 )
@@ -180,8 +181,9 @@ WITHOUT_DIRECTION = (
     | InterferenceLoad
     | ShapeLoad
     | FieldLoad
+    | TemperatureFieldLoad
 )
-# Added to a complaint about a direction.
+# Added to a complaint about a direction or a place.
 PLANE = "; the mesh is plane, and [geometry.solid] would extrude it"
 SOLID = "; the bodies are solid"
 
@@ -207,16 +209,21 @@ def _misfits(case: Case, dimension: int) -> Iterator[Problem]:
     elif case.cycle.more:
         text = f"expected none in the plane, where no cycles are added, found {case.cycle.more}"
         yield Problem(("cycle", "more"), text)
+    components = case.components(dimension)
+    # What holds crystals along z may stay where an orientation, as of a sweep, does not move them.
+    crystals = any(isotropic(body) is None for body in case.bodies.values())
     for key, direction in _directions(case):
-        axes = AXES[:dimension]
         if isinstance(direction, str):
-            if direction in AXES and direction not in axes:
-                expected = " or ".join(map(repr, axes))
-                text = f"expected {expected} on this mesh, found {direction!r}{PLANE}"
-                yield Problem(key, text)
-        elif len(direction) != dimension:
-            text = f"expected {dimension} components on this mesh, found {len(direction)}"
-            yield Problem(key, text + (PLANE if dimension == 2 else SOLID))
+            if direction in AXES[components:] and not (key[0] == "supports" and crystals):
+                text = f"expected 'x' or 'y' on this mesh, found {direction!r}"
+                yield Problem(key, text + PLANE)
+        elif not dimension <= len(direction) <= components:
+            yield Problem(key, _miscounted(dimension, direction))
+    for key, place in _places(case):
+        if len(place) != dimension:
+            yield Problem(key, _miscounted(dimension, place))
+    if dimension < components:
+        yield from _in_plane_only(case)
     turning: list[tuple[Key, str | tuple[float, ...]]] = [
         (("loads", name, "axis"), load.axis)
         for name, load in case.loads.items()
@@ -228,6 +235,29 @@ def _misfits(case: Case, dimension: int) -> Iterator[Problem]:
             expected = "[0, 0, 1] or [0, 0, -1]" if dimension == 2 else "3 components"
             found = repr(axis) if isinstance(axis, str) else str(list(axis))
             yield Problem(key, f"expected {expected}, found {found}")
+
+
+def _miscounted(dimension: int, found: tuple[float, ...]) -> str:
+    text = f"expected {dimension} components on this mesh, found {len(found)}"
+    return text + (PLANE if dimension == 2 else SOLID)
+
+
+def _in_plane_only(case: Case) -> Iterator[Problem]:
+    """Tables that do not fit displacements along z in the plane."""
+    keys = list(case.moving_across())
+    if case.model.plane == "stress":
+        text = (
+            "expected nothing that moves plane bodies along z, which they do in plane strain only"
+        )
+        yield from (Problem(key, text + PLANE) for key in keys)
+    because = f"displacements along z, which {'.'.join(map(str, keys[0]))} brings in"
+    for name, load in case.loads.items():
+        if isinstance(load, ShapeLoad | FieldLoad):
+            text = f"expected a load with {because}, found a {load.type}, which has none of them"
+            yield Problem(("loads", name, "type"), text)
+    if case.output.stress_depths:
+        text = f"expected none with {because}: the stress near contacts is known without them only"
+        yield Problem(("output", "stress_depths"), text)
 
 
 def _plane_only(case: Case) -> Iterator[Problem]:
@@ -251,6 +281,12 @@ def _directions(case: Case) -> Iterator[tuple[Key, str | tuple[float, ...]]]:
         yield from ((("supports", name, "fix", i), axis) for i, axis in enumerate(support.fix))
         if support.direction is not None:
             yield ("supports", name, "direction"), support.direction
+    for name, load in case.loads.items():
+        if not isinstance(load, WITHOUT_DIRECTION):
+            yield ("loads", name, "direction"), load.direction
+
+
+def _places(case: Case) -> Iterator[tuple[Key, tuple[float, ...]]]:
     for name, sector in case.symmetry.items():
         yield ("symmetry", name, "centre"), sector.centre
     for name, load in case.loads.items():
@@ -259,5 +295,3 @@ def _directions(case: Case) -> Iterator[tuple[Key, str | tuple[float, ...]]]:
             yield from ((("loads", name, "points", i), point) for i, point in points)
         if isinstance(load, RotationLoad | TiltLoad | ForceLoad) and load.centre is not None:
             yield ("loads", name, "centre"), load.centre
-        if not isinstance(load, WITHOUT_DIRECTION):
-            yield ("loads", name, "direction"), load.direction

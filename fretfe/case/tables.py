@@ -90,6 +90,19 @@ class Solid(Table):
     layers: Count = Field(description="Number of layers of elements along the length; >= 1.")
 
 
+class Part(Table):
+    """Elements near a centre, which are all that is kept of a mesh."""
+
+    centre: Point = Field(
+        description="Centre of a circle in the plane, of a cylinder along the extrusion of plane "
+        "bodies, or, with three coordinates, of a ball in solid ones."
+    )
+    radius: Positive = Field(
+        description="Elements within this distance from the centre are kept. The facets around "
+        "them that were inside a body are its boundary BODY_cut."
+    )
+
+
 class Geometry(Table):
     """Source of the mesh: a template or a file."""
 
@@ -137,13 +150,16 @@ class Geometry(Table):
         description="What the names of boundaries stand for in a CAD, XDMF or .inp file.",
     )
     solid: Solid | None = Field(default=None, description="Extrude plane bodies into solids.")
+    part: Part | None = Field(
+        default=None, description="Keep a part of the bodies only, as a sub-model has."
+    )
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if (self.template is None) == (self.file is None):
             found = "neither" if self.file is None else "both"
             raise ValueError(f"expected exactly one of 'template' and 'file', found {found}")
-        given = self.model_fields_set - {"template", "file"}
+        given = self.model_fields_set - {"template", "file", "part"}
         if self.file is not None:
             if problem := file_problem(self.file, given, self.bodies, self.boundaries):
                 raise ValueError(problem)
@@ -210,7 +226,7 @@ class Edges(Table):
     )
     reference_length: Positive | None = Field(
         default=None,
-        description="Length at which K_N, K_T and K_I are told at plane edges between unlike "
+        description="Length at which K_N, K_T and K_I are told at edges between unlike "
         "materials with friction; without it that of the slip zone that they predict.",
     )
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fretfe.cli.options import AsJson, Results, examples
+from fretfe.cli.options import AsJson, Results, TrustGeo, examples
 from fretfe.environment import rank_from_environment
 from fretfe.files import json_value
 from fretfe.report.texts import (
@@ -348,3 +348,52 @@ def forces(
 
 def _components(values: Array) -> str:
     return f"({', '.join(f'{value:.6g}' for value in values)})"
+
+
+SUBMODEL_EXAMPLES = examples(
+    "fretfe run dovetail.toml -o global --set output.fields=all",
+    "fretfe submodel global --around left --radius 6 -o flank",
+    "fretfe run flank/submodel.toml -o fine",
+)
+
+
+def submodel(
+    results: Results,
+    around: Annotated[
+        str,
+        typer.Option(
+            help="CONTACT, or an edge: CONTACT.left or CONTACT.right, of solids "
+            "CONTACT.FRONT.STATION, CONTACT.FRONT for the worst one there."
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for the case; made if missing.")
+    ],
+    radius: Annotated[
+        float | None,
+        typer.Option(
+            help="Radius of the part.", show_default="3 times the distance of the contact's edges"
+        ),
+    ] = None,
+    size: Annotated[
+        float | None,
+        typer.Option(
+            help="Size of the elements at contact edges.", show_default="a quarter of the run's"
+        ),
+    ] = None,
+    trust_geo: TrustGeo = False,
+) -> None:
+    """Write the case of a part of a solved case, with finer elements.
+
+    The displacements of the run, which has to keep those of all steps, move its cuts.
+    """
+    if rank_from_environment() > 0:
+        return
+    from fretfe.api import load_result
+    from fretfe.submodel import told, write_submodel
+
+    result = load_result(results)
+    found = write_submodel(result, around, output, radius, size, trust_geo=trust_geo)
+    for line in told(found, result.case.units.length):
+        print(line)
+    print(f"Case {found.path}")

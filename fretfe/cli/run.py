@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -28,9 +30,11 @@ from fretfe.environment import rank_from_environment
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from fretfe.case import Case
     from fretfe.history.solution import Solution
     from fretfe.quality.validation import Validation
     from fretfe.results.model import Result
+    from fretfe.surface.ahead import CaseAhead
     from fretfe.sweeps import Sweep
 
 RUN_EXAMPLES = examples(
@@ -39,6 +43,8 @@ RUN_EXAMPLES = examples(
     "fretfe run pad.toml -o half --backend halfplane",
     "mpirun -n 4 fretfe run pad.toml -o pad",
 )
+# The backend that needs a mesh.
+MESHES = "fem"
 NO_PICTURE = "it takes one or two keys that vary, and a case that was solved"
 
 SWEEP_EXAMPLES = examples(
@@ -69,20 +75,41 @@ def run(
     trust_geo: TrustGeo = False,
 ) -> None:
     """Solve a case and write its results."""
+    verbosity, start = verbosity_of(quiet, verbose), time.perf_counter()
+    reader = _reader(case, overrides, trust_geo=trust_geo)
+    # A run that goes on may be complete.
+    ahead = _begun(reader) if backend == MESHES and not resume else None
     from fretfe.cli.progress import StepReport
     from fretfe.runner import Runner
 
-    verbosity, start = verbosity_of(quiet, verbose), time.perf_counter()
     runner = Runner.find(backend)
     if runner.idle:
         return
-    read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
+    read = runner.read_case(ahead.case if ahead else reader)
+    mesh = ahead.mesh if ahead else None
     with StepReport(runner.processes.rank, verbosity) as shown:
-        result = runner.run(read, output, shown, resume=resume)
+        result = runner.run(read, output, shown, resume=resume, mesh=mesh)
     timed = timings or verbosity is Verbosity.VERBOSE
     runner.write(lambda: _finish_run(result, output, start, verbosity, timed, report))
     if result.failure is not None:
         raise result.failure
+
+
+def _reader(path: Path, overrides: list[str] | None, *, trust_geo: bool) -> Callable[[], Case]:
+    """Reader of a case file, with values in place of its own."""
+    from fretfe.case import load_case, parse_assignments
+
+    assigned = parse_assignments(overrides or ())
+    return partial(load_case, path, assigned, trust_geo=trust_geo)
+
+
+def _begun(read: Callable[[], Case]) -> CaseAhead | None:
+    """The case with its mesh in the making, on the first process."""
+    if rank_from_environment():
+        return None
+    from fretfe.surface.ahead import CaseAhead
+
+    return CaseAhead(read)
 
 
 def _finish_run(
@@ -189,7 +216,7 @@ def sweep(
     if runner.idle:
         return
     ranges = parse_ranges(vary)
-    read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
+    read = runner.read_case(_reader(case, overrides, trust_geo=trust_geo))
     first = {key: values[0] for key, values in ranges.items()}
     runner.processes.on_root(lambda: require_apart(case, overrides or (), first))
     with StepReport(runner.processes.rank, verbosity, steps=False) as report:
@@ -291,7 +318,7 @@ def validate(
     runner = Runner.find(backend)
     if runner.idle:
         return
-    read = runner.read_case(case, overrides or (), trust_geo=trust_geo)
+    read = runner.read_case(_reader(case, overrides, trust_geo=trust_geo))
     with PhaseReport(case.name, runner.processes.rank, verbosity) as report:
         found = runner.validate(read, output, report, resume=resume)
     silent = verbosity is Verbosity.QUIET and found.passed

@@ -10,7 +10,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface, unresisted_motions
-from fretfe.contact.linear_operator import Conditions, FactoredOperator
+from fretfe.contact.linear_operator import Conditions, FactoredOperator, StuckSolution
 from fretfe.contact.march import March
 from fretfe.contact.newton import NotConverged
 from fretfe.contact.state import OPEN, STICK, ContactState, StepLoads
@@ -50,7 +50,9 @@ class Drivers:
 def find_drivers(interface: Interface, load_channels: list[str]) -> Drivers:
     """Find every driven coordinate and every distributed load."""
     driven = [j for j, c in enumerate(interface.coordinates) if c.channel]
-    names = [interface.coordinates[j].channel for j in driven] + load_channels
+    found = [interface.coordinates[j] for j in driven]
+    # A cut has many of them for one load; their labels differ.
+    names = [c.channel if c.course is None else c.label for c in found] + load_channels
     count = len(load_channels)
     return Drivers(
         names=tuple(names),
@@ -80,6 +82,15 @@ class Increments:
         )
 
 
+@dataclass(frozen=True)
+class Change:
+    """Forces (m,), coordinates (m,) and load amplitudes (l,) of a state less those of another."""
+
+    forces: Array
+    coordinates: Array
+    amplitudes: Array
+
+
 class FullStickSolver:
     """Solver of full-stick increments for any contact area.
 
@@ -97,6 +108,7 @@ class FullStickSolver:
         self._floating = unresisted_motions(interface, ~self._fixed).shape[1] > 0
         self._free, self._forces = _unit_loads(interface, drivers)
         self._forces[self._fixed] = 0.0
+        self._drivers, self._held = drivers, _held_cuts(interface, self._fixed)
 
     def increments(self, closed: Bools, gap: Array) -> Increments:
         """Increments for a unit of each driver in a contact area.
@@ -105,23 +117,83 @@ class FullStickSolver:
             closed: (N,) nodes in contact.
             gap: (N,) weighted gaps, which tell what may come into contact next.
         """
+        amplitudes = np.zeros((self._fixed.sum(), self._forces.shape[1]))
+        conditions = self._conditions(closed, self._fixed, amplitudes, self._floating)
+        area = self._operator.area(closed, gap)
+        return _released(area.stuck(_where(closed, self._free), self._forces), conditions, closed)
+
+    @property
+    def has_cuts(self) -> bool:
+        """True if another run moves a boundary."""
+        return self._held is not None
+
+    def both_ways(self, closed: Bools, gap: Array, change: Change) -> tuple[Array, Array]:
+        """(N, d) weighted tractions by a change of the loads in full stick, cuts moved in two ways.
+
+        First by the forces of the shapes of the cuts, as `increments` has it: too little moves at
+        the cut; then by the displacements of the cuts and their resultants: too much of the other
+        run's slip is in these. The rest of the whole bodies is neither without stiffness nor rigid,
+        so that the tractions with it lie between.
+
+        Args:
+            closed: (N,) nodes in contact.
+            gap: (N,) weighted gaps.
+            change: of forces, coordinates and load amplitudes between two states.
+        """
+        assert self._held is not None
         interface = self._operator.interface
-        count, tangents = len(closed), interface.components - 1
-        conditions = Conditions(
+        own = self._drivers.values(change.forces[None], change.amplitudes[None])[0]
+        first = self.increments(closed, gap).traction @ own
+        forces = change.forces + interface.coordinate_loads @ change.amplitudes
+        free = (interface.loads @ change.amplitudes).reshape(*first.shape, 1)
+        amplitudes = change.coordinates[self._held, None]
+        conditions = self._conditions(closed, self._held, amplitudes, floating=False)
+        area = self._operator.area(closed, gap)
+        stuck = area.stuck(_where(closed, free), np.where(self._held, 0.0, forces)[:, None])
+        return first, _released(stuck, conditions, closed).traction[:, :, 0]
+
+    def _conditions(
+        self, closed: Bools, known: Bools, amplitudes: Array, floating: bool
+    ) -> Conditions:
+        """Full stick where the bodies touch, and known amplitudes (k, J) of some coordinates."""
+        count, tangents = len(closed), self._operator.interface.components - 1
+        return Conditions(
             status=np.where(closed, STICK, OPEN).astype(np.int8),
             pull=np.zeros((count, tangents)),
             turning=np.zeros(count),
             penalty=np.zeros(count),
-            known=self._fixed,
-            amplitudes=np.zeros((self._fixed.sum(), self._forces.shape[1])),
-            floating=self._floating,
+            known=known,
+            amplitudes=amplitudes,
+            floating=floating,
         )
-        area = self._operator.area(closed, gap)
-        # Displacements where the bodies are apart make no difference, but for round-off.
-        free = np.where(closed[:, None, None], self._free, 0.0)
-        response = area.stuck(free, self._forces).release(conditions)
-        traction = np.where(closed[:, None, None], response.traction, 0.0)
-        return Increments(traction, response.coordinates)
+
+
+def _where(closed: Bools, free: Array) -> Array:
+    """Displacements (N, d, J): where the bodies are apart they only make round-off."""
+    return np.where(closed[:, None, None], free, 0.0)
+
+
+def _released(stuck: StuckSolution, conditions: Conditions, closed: Bools) -> Increments:
+    response = stuck.release(conditions)
+    return Increments(_where(closed, response.traction), response.coordinates)
+
+
+def _held_cuts(interface: Interface, fixed: Bools) -> Bools | None:
+    """(m,) coordinates that are known if cuts keep their displacements; None without cuts.
+
+    Cuts keep their shapes and may move as rigid bodies, but for those of one body where nothing
+    else holds any.
+    """
+    found = interface.coordinates
+    moved = np.array([c.course is not None for c in found], dtype=bool)
+    channels = {c.channel for c in found if c.course is not None}
+    rigid = {f"{name} {what}" for name in channels for what in ("force", "moment")}
+    turned = fixed & [c.label.rpartition(" ")[0] in rigid for c in found]
+    if not moved.any():
+        return None
+    if unresisted_motions(interface, turned).shape[1]:
+        turned &= [c.body != found[int(np.argmax(turned))].body for c in found]
+    return np.asarray((fixed | moved) & ~turned)
 
 
 def _unit_loads(interface: Interface, drivers: Drivers) -> tuple[Array, Array]:

@@ -24,7 +24,12 @@ from scipy import linalg
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface, coordinate_scale
-from fretfe.contact.nested_inverse import InverseRows, NestedInverse, SimilarSystems
+from fretfe.contact.nested_inverse import (
+    InverseRows,
+    MatrixSystem,
+    NestedInverse,
+    SimilarSystems,
+)
 from fretfe.contact.state import OPEN, SLIP, STICK, Status
 from fretfe.errors import ModelError
 
@@ -206,12 +211,9 @@ class DirectSystem:
         interface, count = self._interface, self.count
         flat = free.reshape(-1, free.shape[-1])
         target = np.vstack([-self._tested(flat.__getitem__), -forces * self._unit[:, None]])
-        known = count + np.flatnonzero(self._conditions.known)
+        known = self._known
         target[known] = self._conditions.amplitudes / self._scale[self._conditions.known, None]
-        matrix = self._matrix()
-        matrix[known] = 0.0
-        matrix[known, known] = 1.0
-        solved = systems.solve(self.numbers, matrix, target)
+        solved = systems.solve(self.numbers, self, target)
         coordinates = solved[count:] * self._scale[:, None]
         traction = self._tractions(solved[:count], np.zeros_like(flat)) / self._level
         relative = interface.motion @ coordinates + flat
@@ -225,7 +227,27 @@ class DirectSystem:
         """(m,) of the forces on the coordinates."""
         return self._scale * self._level
 
-    def _matrix(self) -> Array:
+    @property
+    def _known(self) -> Indices:
+        """Numbers of the unknowns that are known amplitudes."""
+        return self.count + np.flatnonzero(self._conditions.known)
+
+    def apply(self, vector: Array) -> Array:
+        """(k,) the matrix times a vector (k,), without the matrix."""
+        interface, count = self._interface, self.count
+        coordinates = vector[count:] * self._scale
+        traction = self._tractions(vector[:count, None], np.zeros((len(interface.motion), 1)))[:, 0]
+        moved = interface.compliance.apply(traction) / self._level + interface.motion @ coordinates
+        found = np.empty(len(vector))
+        found[:count] = self._tested(moved[:, None].__getitem__)[:, 0]
+        found[self._own[0]] += self._own[1] * vector[self._own[0]]
+        forces = interface.stiffness @ coordinates * self._level
+        found[count:] = (interface.motion.T @ traction - forces) * self._scale
+        found[self._known] = vector[self._known]
+        return found
+
+    def matrix(self) -> Array:
+        """(k, k) of the unknown tractions, then the coordinates."""
         interface, count = self._interface, self.count
         matrix = np.empty((count + len(self._scale),) * 2)
         # Few rows at a time: what they are gathered from is larger than they are.
@@ -246,6 +268,9 @@ class DirectSystem:
         across = self._along(motion.__getitem__, slice(None))
         matrix[count:, :count] = np.vstack([work, across]).T
         matrix[count:, count:] = -interface.stiffness * np.outer(self._scale, self._unit)
+        known = self._known
+        matrix[known] = 0.0
+        matrix[known, known] = 1.0
         return matrix
 
     def _displacements(self, rows: Indices) -> Array:
@@ -758,7 +783,7 @@ class StuckSolution:
         if conditions.floating:
             changes, residual = _least_motion(matrix, target, count)
         else:
-            changes = self._systems.solve(released.all, matrix, target)
+            changes = self._systems.solve(released.all, MatrixSystem(matrix), target)
         solved = self._traction + units.T @ changes[:count] - vectors.T @ changes[count:]
         return self._response(solved, released, changes, residual)
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.contact.full_stick import FullStickSolver, Increments, find_drivers
+from fretfe.contact.full_stick import Change, FullStickSolver, Increments, find_drivers
 from fretfe.contact.interface import Interface, Place, digest_of
 from fretfe.contact.march import March, Part, parts_by_turning
 from fretfe.contact.state import Certificate, ContactState, StepLoads, StepTable, unloaded
@@ -151,6 +151,10 @@ class Recorder:
             **self._operator.memory(),
         }
         write_checkpoint(self._storage.directory, Checkpoint(self._identity, kinds, arrays))
+
+    def settle(self) -> None:
+        """Write all states to their file: from now on it is only read, unless steps are added."""
+        self._stream.settle()
 
     def _recall(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self.count = len(arrays["rows"])
@@ -317,6 +321,20 @@ class Recorder:
         """
         gap = self.state(number).relative[:, 0]
         return Increments.mean([self._full_stick.increments(area, gap) for area in areas])
+
+    @property
+    def has_cuts(self) -> bool:
+        """True if another run moves a boundary."""
+        return self._full_stick.has_cuts
+
+    def both_ways(self, first: int, second: int) -> tuple[Array, Array]:
+        """(N, d) weighted tractions of `FullStickSolver.both_ways` between two states."""
+        one, two = self.state(first), self.state(second)
+        loads = self.loads.amplitudes
+        change = Change(
+            two.forces - one.forces, two.coordinates - one.coordinates, loads[second] - loads[first]
+        )
+        return self._full_stick.both_ways(two.closed, two.relative[:, 0], change)
 
     def requests(self, steps: list[int]) -> list[tuple[ContactState, StepLoads]]:
         """States at the ends of some steps with their loads, to recover displacements from."""

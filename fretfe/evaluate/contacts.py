@@ -97,8 +97,8 @@ class SlipZone:
         predicted: slip length from K_T and K_N: 2 K_T/(f K_N) for first loading, ΔK_T/(f K_N) in
             the evaluated cycle; NaN elsewhere.
         predicted_loop: the same with varying normal load, from `end`; NaN outside the cycle.
-        across: between solids the mean shear across the direction of (K_T, K_S) over that of f p,
-            behind the predicted zone and when the half cycle begins; NaN in the plane.
+        across: the mean shear across the direction of (K_T, K_S) over that of f p, behind the
+            predicted zone and when the half cycle begins; NaN in the plane without motion along z.
         flank: mean shear along that direction over that of f p, farther behind and at `end`, where
             the mesh does not resolve the zone; NaN elsewhere.
         missed: length by which the zone is longer, as predicted, since it ends between two steps.
@@ -252,8 +252,8 @@ class RangeSpread:
     Attributes:
         extraction: half the difference of the ranges that the radii of the interaction integral
             give; 0 if K_T is known in closed form, NaN if nothing can be compared.
-        discretisation: difference from the range by fits to tractions, and what steps contribute of
-            which one end is unknown.
+        discretisation: difference from the range by fits to tractions, what steps contribute of
+            which one end is unknown, and what near cuts leave open.
         steps: how far K_T exceeds the range between the steps, and what the movement of the edge
             within them may change.
     """
@@ -303,9 +303,10 @@ class Station(StationHistory):
     """A point of a contact front, evaluated.
 
     Ranges are those over the evaluated cycle, NaN without one, or where a factor is unknown in one
-    of its states. In the plane `position` is that along the arc, (K_T, K_S) is K_T, and a front has
-    no curvature and no ends. Between solids `position` is the distance of the front from `point`
-    along `frame.inward`, and cycles are counted of K along `k_angle`.
+    of its states. In the plane `position` is that along the arc, (K_T, K_S) is K_T unless bodies
+    move along z, and a front has no curvature and no ends. Between solids `position` is the
+    distance of the front from `point` along `frame.inward`. Cycles are counted of K along
+    `k_angle`.
 
     Attributes:
         frame: in the plane in the last state in which the position is known, of solids before
@@ -318,8 +319,8 @@ class Station(StationHistory):
         k_n_moved: from the movement of the front between two load levels, 2 dK_I/da; not known
             between dissimilar bodies with friction either.
         stiffening: relative growth of dP/da with the half-width a in the last state, from the same
-            two loads; it tells how long a slip zone may be for the edge description. Of solids that
-            of a circle of the half-width `length`: 2/`length`.
+            two loads; it tells how long a slip zone may be for the edge description. Of solids by
+            `length`, the depth of the contact and the bend of the front.
         k_angle: in degrees, between -90 and 90.
         k_range_spread: half the width of an interval that is meant to hold `k_range` with 95 %; 0
             if the factors are known in closed form at any time, NaN if nothing can be compared.
@@ -367,7 +368,7 @@ class Station(StationHistory):
     k_range_spread: Annotated[float, Quantity("k_t", "its error bar")]
     k_range_parts: RangeSpread
     k_t_range_fitted: Annotated[
-        float, Quantity("k_t", "range of K_T by fits to the tractions of full stick; NaN without")
+        float, Quantity("k_t", "k_range by fits to the tractions of full stick; NaN without")
     ] = math.nan
     k_i_range: Annotated[float, Quantity("k_t", "range of K_I")]
     reference_length: Annotated[
@@ -392,7 +393,7 @@ class Station(StationHistory):
 
     @property
     def k_along(self) -> Array:
-        """(T,) the vector (K_T, K_S) along `k_angle`; K_T in the plane."""
+        """(T,) the vector (K_T, K_S) along `k_angle`; K_T in the plane without motion along z."""
         angle = math.radians(self.k_angle)
         return np.asarray(math.cos(angle) * self.k_t + math.sin(angle) * self.k_s)
 
@@ -607,6 +608,12 @@ class Contact:
     ]
     warnings: tuple[str, ...]
     patches: tuple[AreaPatch, ...] = ()
+
+    @property
+    def shear_vectors(self) -> Array:
+        """(T, d - 1) Q in the plane: along the arc and, where bodies move along z, along z."""
+        across = self.force[:, 2:] if self.force.ndim == 2 else np.zeros((len(self.shear_force), 0))
+        return np.column_stack([self.shear_force, across])
 
     @property
     def solid(self) -> bool:

@@ -137,7 +137,7 @@ def edge_nodes(
     In the plane those of the contact. Between solids those nearer to the station than to the next
     ones, an element to either side at least, and the nearest row where elements are longer along
     the front. The shear that counts is that along the direction in which (K_T, K_S) varies most; in
-    the plane inward.
+    the plane without motion along z inward.
 
     Args:
         contact: of the station.
@@ -148,12 +148,12 @@ def edge_nodes(
     """
     position = float(station.position[state])
     if contact.facets is None:
-        inward = float(plane_front(station.front).inward)
-        s = inward * (contact.arc - position)
+        plane = plane_front(station.front)
+        s = plane.inward * (contact.arc - position)
         nodes = _from_front(s, reach)
-        return EdgeNodes(
-            contact, nodes, s[nodes], np.full((len(nodes), 1), inward), np.arange(len(nodes))
-        )
+        line = plane.axis(station.k_angle, contact.slip.shape[2])
+        lines, rows = np.tile(line, (len(nodes), 1)), np.arange(len(nodes))
+        return EdgeNodes(contact, nodes, s[nodes], lines, rows)
     nodes, s = _around(contact, front, station, position, reach)
     angle = np.radians(station.k_angle)
     line = np.cos(angle) * station.frame.inward + np.sin(angle) * station.frame.along

@@ -37,8 +37,8 @@ def evaluate(
         find_units: gives the singular factors of plane contacts for a unit of each driver: by
             interaction integrals and fits, unless there is a closed form.
         tracks: the fronts between solids, by contact; None if nobody looked for them.
-        reference_length: at which factors of plane edges between unlike bodies are told; None for
-            that of the slip zone that they predict.
+        reference_length: at which factors between unlike bodies are told; None for that of the slip
+            zone that they predict.
     """
     return tuple(
         _evaluate_contact(solution, contact, find_units, tracks, reference_length)
@@ -61,7 +61,7 @@ def _evaluate_contact(
         from fretfe.evaluate.space.evaluate import evaluate_solids
 
         own = tracks[contact.name] if tracks is not None else None
-        found = evaluate_solids(solution, contact, own)
+        found = evaluate_solids(solution, contact, own, reference_length)
         warnings = solid_warnings(solution, contact, found, changes, own is not None)
     else:
         found = evaluate_plane(solution, contact, find_units, reference_length)

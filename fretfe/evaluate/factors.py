@@ -19,6 +19,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass, fields, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.edges import (
@@ -60,6 +61,8 @@ UNKNOWN_ZONE = 0.1
 LENGTH_ITERATIONS = 5
 # Loads that leave the straight line by less than this part of their range are lines.
 STRAIGHT = 1e-9
+# Components of a direction below this are round-off.
+ROUND_OFF = 1e-9
 # The edge of a discrete contact area may lie anywhere in an element, half of it to either side with
 # equal chance: nineteen of twenty are nearer than this.
 WITHIN_ELEMENT = 0.475
@@ -75,7 +78,7 @@ def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
     states = np.unique(source)
     parts = np.full((len(PLANE_FRONTS), len(fields(EdgeFit)), len(states)), np.nan)
     for block in blocks(len(states), contact.traction[0].size):
-        pressure, shear = np.moveaxis(contact.traction[states[block]], 2, 0)
+        pressure, shear = np.moveaxis(contact.traction[states[block]], 2, 0)[:2]
         fitted = np.count_nonzero(pressure > 0, axis=1) >= FEWEST_NODES
         there = block.start + np.flatnonzero(fitted)
         sections = plane_sections(contact.arc, pressure[fitted])
@@ -175,7 +178,7 @@ def within_known(units: Array, step: Indices | None) -> Array:
 def one_sided_share(
     units: Array, filled: Array, drivers: Array, cycle: tuple[int, int] | None
 ) -> Array:
-    """(stations,) half of what the steps of a cycle add to K_T of which one end only is known.
+    """(stations,) half of what the steps of a cycle add to |K| of which one end only is known.
 
     Their increments take the factors of that end for those of both, and factors may change as much
     within a step as over it where the contact is about to open or hardly resolved.
@@ -191,15 +194,16 @@ def one_sided_share(
     states = slice(cycle[0], cycle[1] + 1)
     known = np.isfinite(units[states]).all(axis=(1, 2, 3))
     steps = np.diff(drivers[states], axis=0)
-    increments = _mean_of_ends(filled[states], steps)[:, :, Factor.K_T]
+    increments = _mean_of_ends(filled[states], steps)[:, :, Factor.K_T :]
+    increments = np.linalg.norm(increments, axis=2)
     one_end = ~(known[1:] & known[:-1]) & np.isfinite(increments).all(axis=1)
-    return np.asarray(np.abs(increments[one_end]).sum(axis=0) / 2)
+    return np.asarray(increments[one_end].sum(axis=0) / 2)
 
 
 def uneven_share(
     units: Array, drivers: Array, friction: Array, cycle: tuple[int, int] | None
 ) -> Array:
-    """(stations,) half of what the steps of a cycle may be wrong by in K_T as an edge moves.
+    """(stations,) half of what the steps of a cycle may be wrong by in |K| as an edge moves.
 
     Within a step the factors for a unit of a load change as the edge moves, and not evenly. The
     mean of both ends exceeds their harmonic mean by du^2/(2 (u1 + u2)); for loads on a line and any
@@ -215,8 +219,12 @@ def uneven_share(
     if cycle is None:
         return np.zeros(units.shape[1])
     states = slice(cycle[0], cycle[1] + 1)
-    shear, steps = np.abs(units[states, :, Factor.K_T]), np.diff(drivers[states], axis=0)
-    change, size = np.diff(units[states, :, Factor.K_T], axis=0), shear[1:] + shear[:-1]
+    factors, steps = units[states, :, Factor.K_T :], np.diff(drivers[states], axis=0)
+    shear, change = (
+        np.linalg.norm(factors, axis=2),
+        np.linalg.norm(np.diff(factors, axis=0), axis=2),
+    )
+    size = shear[1:] + shear[:-1]
     uneven = np.divide(change**2, size, where=size > 0, out=np.zeros_like(size))
     steps[friction[states][1:] == 0] = 0.0
     errors = np.einsum("tsj,tj->ts", np.nan_to_num(uneven), np.abs(steps))
@@ -283,7 +291,7 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     fitted = np.array([_at_own_edges(solution, contact, int(area)) for area in integrals.areas])
     half_widths = (integrals.positions[:, 1] - integrals.positions[:, 0]) / 2
     # The fits know nothing of beta: they see K of unlike bodies at a length in proportion to a.
-    beta, own = contact.dundurs, _rotated(integrals.factors, contact.dundurs, half_widths)
+    beta, own = contact.dundurs, rotated(integrals.factors, contact.dundurs, half_widths)
     missed = own - fitted[:, None]
     order = np.argsort(half_widths)
     half_width = (positions[1] - positions[0]) / 2
@@ -299,13 +307,13 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
             alone = own[order, way]
             filled = _interpolate(half_width[lost], half_widths[order], alone)
             factors[lost] = np.where(np.isfinite(factors[lost]), factors[lost], filled)
-        return _rotated(factors, beta, 1 / half_width)
+        return rotated(factors, beta, 1 / half_width)
 
     checks = None if beta else fits
     return UnitFactors(map(by_way, range(len(integrals.reaches))), checks)
 
 
-def _rotated(units: Array, dundurs: float, ratio: Array) -> Array:
+def rotated(units: Array, dundurs: float, ratio: Array) -> Array:
     """Unit factors (n, ..., d, J) of unlike bodies at lengths that are ratios (n,) of theirs."""
     if not dundurs:
         return units
@@ -425,6 +433,7 @@ def _area_factors(arc: Array, fields: Array, edges: Array, overhang: float) -> A
     for front, fit in zip(PLANE_FRONTS, fits, strict=True):
         factors[:, front.number, effective] = fit.k
         factors[:, front.number, Factor.K_T] *= front.inward
+        factors[:, front.number, Factor.K_S :] *= -front.inward  # `along` is -z at the left
     return factors
 
 
@@ -527,6 +536,28 @@ def load_path(
     return LoadPath(first, steps / np.where(varying, ranges, 1.0), bulges)
 
 
+def main_direction(history: Array, cycle: Indices) -> tuple[Array, float]:
+    """(k,) unit vector along which factors of shear (T, k) vary most, and how much it turns.
+
+    Its first component is positive: K along it has the sign of K_T, or of K_S without any K_T.
+    """
+    vectors = history[cycle] if len(cycle) else history
+    vectors = vectors[np.isfinite(vectors).all(axis=1)]
+    if len(vectors) < 2 or not np.ptp(vectors[:, 1:], axis=0).any():
+        return np.eye(history.shape[1])[0], 0.0
+    axes = np.linalg.svd(vectors - vectors.mean(axis=0), full_matrices=False)[2]
+    along, across = (np.ptp(vectors @ axis) for axis in axes)
+    leading = axes[0, 0] if abs(axes[0, 0]) > ROUND_OFF else axes[0, 1]
+    direction = axes[0] * (1.0 if leading >= 0 else -1.0)
+    return np.asarray(direction), float(across / along)
+
+
+def along_line(factors: Array, direction: Array) -> Array:
+    """(..., T) factors (..., T, d) of shear along a direction (2,) of (K_T, K_S), or of K_T."""
+    shear = factors[..., Factor.K_T :]
+    return np.asarray(shear @ direction[: shear.shape[-1]])
+
+
 @dataclass(frozen=True)
 class FactorHistories:
     """Singular factors of all stations in every state.
@@ -535,7 +566,7 @@ class FactorHistories:
         ways: (R, stations, T, d) in R ways.
         fitted: (stations, T, d) by fits to tractions; None without them.
         exact: True for closed forms.
-        one_sided: (stations,) what steps of the cycle may be wrong by in K_T of which one end only
+        one_sided: (stations,) what steps of the cycle may be wrong by in |K| of which one end only
             is known.
         uneven: (stations,) what they may be wrong by as edges move within them.
     """
@@ -545,6 +576,12 @@ class FactorHistories:
     exact: bool
     one_sided: Array
     uneven: Array
+
+    def directions(self, cycle: Indices) -> list[tuple[Array, float]]:
+        """Direction of (K_T, K_S) and how much it turns at each station, by `main_direction`."""
+        shear = self.ways.mean(axis=0)[..., Factor.K_T :]
+        padded = np.pad(shear, ((0, 0), (0, 0), (0, 2 - shear.shape[2])))
+        return [main_direction(each, cycle) for each in padded]
 
     def at(self, dundurs: float, lengths: Array) -> FactorHistories:
         """The same of unlike bodies at the reference lengths (stations,), from those at 1."""
@@ -568,7 +605,7 @@ def reference_length(
     Args:
         contact: the contact.
         fit: K_N of a station, at the length 1.
-        factors: (T, 2) its singular factors, at the length 1.
+        factors: (T, d) its singular factors, at the length 1.
         half_width: of the contact.
         cycle: states of the evaluated cycle; without one the zone is that of first loading.
     """
@@ -578,21 +615,68 @@ def reference_length(
     for _ in range(LENGTH_ITERATIONS):
         if not len(states):
             break
-        k_t = factors_at(factors, contact.dundurs, length)[states, Factor.K_T]
-        found = share * np.ptp(k_t) / (friction * fit.at(length, WINDOW).k_n[states[-1]])
+        shear = factors_at(factors, contact.dundurs, length)[:, Factor.K_T :]
+        reach = float(np.ptp(shear[states] @ main_direction(shear, cycle)[0]))
+        found = share * reach / (friction * fit.at(length, WINDOW).k_n[states[-1]])
         if not SMALLEST_MOVE * half_width < found < half_width:
             break
         length = float(found)
     return length
 
 
+def reversed_share(along: Array, cycle: Indices) -> Array:
+    """(T,) part of the range of a factor of shear that has passed since its last extreme.
+
+    To first order the slip zone of the state is so much of that of the whole reversal; 1 outside
+    the cycle, where nothing changes, and without a cycle.
+
+    Args:
+        along: (T,) factor of shear, NaN where unknown.
+        cycle: states of the evaluated cycle, of which the last one is like the first one.
+    """
+    shares = np.ones(len(along))
+    values, steps = along[cycle], max(len(cycle) - 1, 1)
+    if not len(cycle) or not np.ptp(values) > 0:
+        return shares
+    far = np.array([values.max(), values.min()])
+    near = np.isclose(values, far[:, None], rtol=0.0, atol=STRAIGHT * np.ptp(values))
+    at = np.argmax(near, axis=1)
+    since = (np.arange(len(cycle)) - at[:, None]) % steps
+    passed = np.abs(values - far[np.argmin(since, axis=0)]) / np.ptp(values)
+    # An extreme ends a reversal, as long as it holds.
+    shares[cycle] = np.where(near.any(axis=0), 1.0, passed)
+    return shares
+
+
 def factors_at(factors: Array, dundurs: float, length: float) -> Array:
-    """(..., 2) singular factors at their parts of a reference length, from those at 1."""
+    """(..., d) singular factors at their parts of a reference length, from those at 1.
+
+    K_S does not depend on it.
+    """
     whole, epsilon = factors[..., Factor.K_I] + 1j * factors[..., Factor.K_T], oscillation(dundurs)
     found = factors.copy()
     found[..., Factor.K_I] = at_length(whole, epsilon, K_I_LENGTH * length).real
     found[..., Factor.K_T] = at_length(whole, epsilon, K_T_LENGTH * length).imag
     return found
+
+
+def whole_factor(
+    k_i: Array, k_t: Array, dundurs: float, length: float, wanted: float
+) -> npt.NDArray[np.complex128]:
+    """K_I + i K_T (complex, any shape) at a wanted length, from both at parts of another one.
+
+    Args:
+        k_i: at `K_I_LENGTH` times the length.
+        k_t: at `K_T_LENGTH` times the length.
+        dundurs: beta.
+        length: the reference length.
+        wanted: the other length.
+    """
+    epsilon = oscillation(dundurs)
+    # K_I + i K_T where K_I is told, whose imaginary part follows from K_T farther out.
+    turn = np.exp(1j * epsilon * np.log(K_T_LENGTH / K_I_LENGTH))
+    whole = k_i + 1j * (k_t - k_i * turn.imag) / turn.real
+    return at_length(whole, epsilon, wanted / (K_I_LENGTH * length))
 
 
 def range_spreads(
@@ -602,7 +686,7 @@ def range_spreads(
     cycle: Indices,
     path: LoadPath | None,
 ) -> tuple[RangeSpread, ...]:
-    """Error bar of the range of K_T over a cycle at each station.
+    """Error bar of the range of (K_T, K_S) along a direction over a cycle at each station.
 
     The discretisation is what integral and fits differ by, what steps add of which one end only is
     known, and what it means that a discrete contact area ends somewhere within an element: K_T goes
@@ -616,17 +700,23 @@ def range_spreads(
         cycle: states of the evaluated cycle.
         path: loads of the cycle between its steps, unless they are straight lines.
     """
-    k_t = histories.ways.mean(axis=0)[..., Factor.K_T]
-    largest = max((cycle_range(each, cycle) for each in k_t), default=np.nan)
+    directions = [direction for direction, _ in histories.directions(cycle)]
+    along = [
+        along_line(histories.ways[:, station], direction)
+        for station, direction in enumerate(directions)
+    ]
+    mean = [each.mean(axis=0) for each in along]
+    largest = max((cycle_range(each, cycle) for each in mean), default=np.nan)
     misplaced = _misplaced(fits, arc, cycle, 0.0 if histories.exact else WITHIN_ELEMENT)
     spreads = []
-    for station, history in enumerate(k_t):
-        ranges = [cycle_range(way[station, :, Factor.K_T], cycle) for way in histories.ways]
+    for station, history in enumerate(mean):
+        ranges = [cycle_range(way, cycle) for way in along[station]]
         # One way alone has no spread unless it is exact.
         alone = 0.0 if histories.exact else np.nan
         parts = [histories.one_sided[station], misplaced[station] * largest]
         if histories.fitted is not None:
-            fitted = cycle_range(histories.fitted[station, :, Factor.K_T], cycle)
+            told = along_line(histories.fitted[station], directions[station])
+            fitted = cycle_range(told, cycle)
             # Where there are too few nodes for fits, integrals stand alone.
             parts.append(fitted - cycle_range(history, cycle) if np.isfinite(fitted) else 0.0)
         spreads.append(

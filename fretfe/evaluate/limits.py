@@ -10,13 +10,20 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fretfe._typing import Array
 from fretfe.case import Case, normal_modulus
-from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.contacts import Contact, Station
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
+
+# Not loaded by reports: SciPy comes with it.
+if TYPE_CHECKING:
+    from fretfe.contact.recorder import Recorder
 
 # Sliding over the width of the contact. The gap of round surfaces that slide by s has an error of
 # s²/(4R) against the approach a²/R of two equal cylinders: (s/2a)², one hundredth.
@@ -24,6 +31,8 @@ LARGEST_SLIDING = 0.1
 # Linear elasticity leaves out terms of the order of the strain; 2 % is beyond the yield strain of
 # nearly all metals.
 LARGEST_STRAIN = 0.02
+# Part of a contact, on either side of a station, in which tractions tell what its K_T is.
+NEAR = 0.15
 
 
 @dataclass(frozen=True)
@@ -104,28 +113,95 @@ def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:
     )
 
 
+def with_cut_spreads(
+    contacts: Iterable[Contact], recorder: Recorder, cycle: tuple[int, int] | None
+) -> tuple[Contact, ...]:
+    """The contacts with what near cuts leave open in the error bars of their ranges of K_T.
+
+    The displacements of a cut are those of a contact that has slipped, and full stick under them is
+    not that of the whole bodies. The difference falls with the fourth power of the distance.
+    """
+    if not recorder.has_cuts or cycle is None:
+        return tuple(contacts)
+    first, last = cycle
+    nodes = {
+        place.name: (place.nodes.points, recorder.nodes_of(place.name)) for place in recorder.places
+    }
+    both = cache(recorder.both_ways)
+
+    def widened(station: Station, points: Array, own: slice) -> Station:
+        if not np.isfinite(station.k_range):
+            return station
+        angle = np.radians(station.k_angle)
+        k = (station.k_t * np.cos(angle) + station.k_s * np.sin(angle))[first : last + 1]
+        ends = sorted((first + int(np.argmin(k)), first + int(np.argmax(k))))
+        by_forces, held = (each[own] for each in both(*ends))
+        share = _difference_near(points, station.point[: points.shape[1]], by_forces, held)
+        parts = station.k_range_parts
+        wider = math.hypot(parts.discretisation, share * station.k_range)
+        parts = replace(parts, discretisation=wider)
+        return replace(station, k_range_parts=parts, k_range_spread=parts.total)
+
+    return tuple(
+        replace(
+            contact,
+            fronts=tuple(
+                replace(
+                    front,
+                    stations=tuple(widened(each, *nodes[contact.pair]) for each in front.stations),
+                )
+                for front in contact.fronts
+            ),
+        )
+        for contact in contacts
+    )
+
+
+def _difference_near(points: Array, place: Array, first: Array, second: Array) -> float:
+    """Relative difference of shear (n, d) at points (n, d) in contact next to a place (d,)."""
+    closed = first.any(axis=1)
+    size = np.linalg.norm(np.ptp(points[closed], axis=0))
+    away = np.linalg.norm(points - place, axis=1)
+    near = closed & (away < NEAR * size)
+    shear = first[near, 1:]
+    square = np.sum(shear**2)
+    return float(abs(np.sum(shear * (second - first)[near, 1:]) / square)) if square else 0.0
+
+
 def unlike_notes(case: Case, contacts: Collection[Contact]) -> Iterator[str]:
-    """A line for each edge between unlike bodies: the length of its factors, lambda and epsilon."""
+    """A line for each front between unlike bodies: length of its factors, lambda and epsilon."""
     chosen = case.edges.reference_length
     if chosen and not any(each.oscillation for contact in contacts for each in contact.stations):
         yield (
-            "edges.reference_length has no effect: there is no plane edge between unlike bodies "
-            "with friction"
+            "edges.reference_length has no effect: there is no edge between unlike bodies with "
+            "friction"
         )
     origin = "the slip zone that they predict" if chosen is None else "as edges.reference_length"
     for contact in contacts:
-        for station in contact.stations:
-            if not station.oscillation:
+        for front in contact.fronts:
+            stations = [each for each in front.stations if each.oscillation]
+            if not stations:
                 continue
-            fall = 10 ** (station.exponent - 0.5) - 1
-            turn = math.degrees(station.oscillation * math.log(10))
+            exponents = np.array([each.exponent for each in stations])
+            lengths = _span(np.array([each.reference_length for each in stations]), ".3g")
+            fall = _span(10 ** (exponents - 0.5) - 1, "+.1%")
+            turn = math.degrees(stations[0].oscillation * math.log(10))
+            name = front.name if contact.solid else f"{front.name} edge"
             yield (
-                f"{contact.name}, {station.front} edge, unlike bodies: K_N at the length "
-                f"{station.reference_length:.3g} ({origin}), K_T at a quarter and K_I at a "
-                f"twentieth of it; lambda = {station.exponent:.4f}, epsilon = "
-                f"{station.oscillation:.4f}: a length ten times as large changes K_N by "
-                f"{fall:+.1%} and turns (K_T, K_I) by {turn:.2g} degrees"
+                f"{contact.name}, {name}, unlike bodies: K_N at the length {lengths} ({origin}), "
+                f"K_T at a quarter and K_I at a twentieth of it; lambda = "
+                f"{_span(exponents, '.4f')}, epsilon = {stations[0].oscillation:.4f}: a length ten "
+                f"times as large changes K_N by {fall} and turns (K_T, K_I) by {turn:.2g} degrees"
             )
+
+
+def _span(values: Array, form: str) -> str:
+    """The smallest and the largest of the values that are known, as text; one if they are alike."""
+    known = values[np.isfinite(values)]
+    ends = (
+        dict.fromkeys(format(each, form) for each in np.sort(known)[[0, -1]]) if len(known) else {}
+    )
+    return " to ".join(ends) or "unknown"
 
 
 @dataclass(frozen=True)

@@ -106,9 +106,9 @@ def _k_t(solution: Solution, station: Station) -> float:
     The last value of K_T under irregular loads is as good as any.
     """
     if solution.cycle is not None:
-        return station.k_t_range
+        return station.k_range
     cycles = station.cycles
-    return float(cycles.k_t_range[cycles.worst] if cycles.irregular else station.k_t[-1])
+    return float(cycles.k_t_range[cycles.worst] if cycles.irregular else station.k_along[-1])
 
 
 def _stations(
@@ -616,8 +616,9 @@ def _held(case: Case, own: set[str], normal: Array) -> bool:
     """True if anything but forces moves or holds a body with these boundaries along the normal."""
     if any(sector.boundary1 in own for sector in case.symmetry.values()):
         return True
+    normal = np.append(normal, 0.0)[:3]
     held = [
-        unit_vector(axis, len(normal))
+        unit_vector(axis, 3)
         for support in case.supports.values()
         if support.boundary in own
         for axis in support.fix
@@ -628,7 +629,7 @@ def _held(case: Case, own: set[str], normal: Array) -> bool:
             return True
         if not isinstance(load, DisplacementLoad | PlatenLoad) or load.boundary not in own:
             continue
-        direction = np.array(unit_vector(load.direction, len(normal)))
+        direction = np.array(unit_vector(load.direction, 3))
         if isinstance(load, DisplacementLoad) or load.control == "displacement":
             held.append(tuple(direction))
         if isinstance(load, PlatenLoad):
@@ -649,7 +650,7 @@ def _force(case: Case, mesh: Mesh, history: History, body: str) -> Array:
         values = history.values[:, history.channels.index(name)]
         if isinstance(load, PlatenLoad | ForceLoad):
             if isinstance(load, ForceLoad) or load.control == "force":
-                direction = np.array(unit_vector(load.direction, mesh.dimension))
+                direction = np.array(unit_vector(load.direction, 3)[: mesh.dimension])
                 total += np.outer(values, direction / case.model.thickness)
         else:
             total += np.outer(values, _resultant(load, mesh, body))
@@ -666,4 +667,4 @@ def _resultant(load: TractionLoad, mesh: Mesh, body: str) -> Array:
         return np.full(mesh.dimension, np.nan)
     if load.direction == "normal":
         return np.asarray(surface.measures @ surface.normals.mean(axis=1))
-    return surface.measures.sum() * np.array(unit_vector(load.direction, mesh.dimension))
+    return surface.measures.sum() * np.array(unit_vector(load.direction, 3)[: mesh.dimension])

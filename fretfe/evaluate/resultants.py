@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import Contact, StationHistory
+from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.plane.section import pressure_moments
 from fretfe.history.solution import OPEN, STICK, ContactHistory
 from fretfe.history.state_array import blocks
@@ -53,17 +53,27 @@ def _principal(force: Array) -> Array:
 
 
 def shear_direction(force: Array) -> Array:
-    """(3,) unit vector along which forces (n, 3) vary most, its largest component positive."""
+    """(d,) unit vector along which forces (n, d) vary most, its largest component positive."""
     direction = np.linalg.svd(force - force.mean(axis=0), full_matrices=False)[2][0]
     return np.asarray(direction * np.sign(direction[np.abs(direction).argmax()]))
 
 
-def station_extremes(
-    stations: Sequence[StationHistory], cycle: tuple[int, int] | None
-) -> list[int]:
+def shear_line(contact: Contact, states: slice) -> Array:
+    """(d - 1,) unit vector along which Q of a plane contact varies most, by arc and z; 1 at d = 2.
+
+    Args:
+        contact: between plane bodies.
+        states: to look at.
+    """
+    force = contact.shear_vectors[states]
+    return np.ones(1) if force.shape[1] == 1 else shear_direction(force)
+
+
+def station_extremes(stations: Sequence[Station], cycle: tuple[int, int] | None) -> list[int]:
     """States of the largest and the smallest load of some stations in the evaluated cycle.
 
-    The load is K_T of the station where K_T varies most; where none feels shear, K_I likewise.
+    The load is (K_T, K_S) of the station where that varies most, along the direction in which it
+    does; where none feels shear, K_I likewise.
 
     Args:
         stations: one at least.
@@ -73,10 +83,10 @@ def station_extremes(
         Two states in the order of time, or the last state alone if the load is constant: the last
         one in which it is known.
     """
-    first, last = cycle or (1, len(stations[0].k_t) - 1)
+    first, last = cycle or (1, len(stations[0].k_along) - 1)
     shear, normal = (
         np.array([getattr(each, name) for each in stations])[:, first : last + 1]
-        for name in ("k_t", "k_i")
+        for name in ("k_along", "k_i")
     )
     ranges = [np.array([_range(each) for each in loads]) for loads in (shear, normal)]
     sheared = ranges[0].max() > SMALLEST_SHEAR * ranges[1].max()

@@ -214,8 +214,11 @@ def beside_formula(station: Station, zone: SlipZone) -> Verdict:
         return Verdict(AGREES if zone.resolved else NO_VERDICT, f"{without}; {found}, {seen}")
     lengths = [each.local for each in station.slip_zones[-2:] if math.isfinite(each.local)]
     error = expected_error(station, max([*lengths, zone.local]))
-    within = math.hypot(zone.local_spread, BORDER_FRACTION * zone.local)
+    unlike = COUPLED * station.coupling
+    within = math.hypot(zone.local_spread, BORDER_FRACTION * zone.local) + unlike * zone.local
     reason = f"{found}; the asymptote's own error there is about {error:.1%}"
+    if unlike:
+        reason += f"; unlike bodies, {unlike:.1%}"
     return _beside_formula(zone.local, zone.prediction, error, within, reason)
 
 

@@ -21,7 +21,7 @@ from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.verdicts import withheld
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
-from fretfe.surface.surface import rim_nodes
+from fretfe.surface.surface import edges_once, rim_nodes
 
 # Part of the range of K_T that may lie between the steps without a warning.
 LARGEST_STEPS = 0.02
@@ -29,6 +29,9 @@ LARGEST_STEPS = 0.02
 FEWEST_TURNS = 5
 # Nodes in contact between solids below which pressures and areas are coarse: about ten across.
 FEWEST_NODES = 80
+# A front whose elements are so many times as long as the finest ones next to it lies beside the
+# fine mesh. Elements of that mesh are longer than the finest ones by up to the second factor.
+BESIDE, FINE = 2.5, 1.5
 # Part of the area in contact that sticks, below which the contact nearly slides.
 NEARLY_SLIDES = 0.1
 
@@ -56,6 +59,12 @@ def plane_warnings(
         yield unsteady
     for station in stations:
         yield from _uncertain(station)
+    for station in stations:
+        ends = np.column_stack([contact.arc[:-1], contact.arc[1:]])
+        s = plane_front(station.front).inward * (ends - station.position[station.last])
+        beside = _beside_fine_mesh(solution, station, s, np.ptp(s, axis=1))
+        if beside is not None:
+            yield f"{station.front} edge: {beside}"
 
 
 def solid_warnings(
@@ -103,6 +112,56 @@ def solid_warnings(
     if unsteady := unsteady_text(changes):
         yield unsteady
     yield from _withheld(solution, found)
+    edges = edges_once(contact.facets)
+    for front in found["fronts"]:
+        told = [_beside_solid_mesh(solution, contact, edges, each) for each in front.judged]
+        beside = [each for each in told if each is not None]
+        if 2 * len(beside) > len(told):
+            yield f"{front.name}: {beside[len(beside) // 2]}"
+
+
+def _beside_solid_mesh(
+    solution: Solution, contact: ContactHistory, edges: Indices, station: Station
+) -> str | None:
+    """As `_beside_fine_mesh`, of a station of solids and the edges of elements (E, 2)."""
+    frame, places = station.frame, contact.points[edges] - station.point
+    s, along = places @ frame.inward, places @ frame.along
+    across = np.abs(np.diff(s, axis=1)) >= np.abs(np.diff(along, axis=1))
+    near = np.abs(along).max(axis=1) < max(station.depth, station.size)
+    near &= across[:, 0] & (np.abs(s).max(axis=1) < station.depth)
+    if not near.any():
+        return None
+    s = s[near] - station.position[station.last]
+    return _beside_fine_mesh(solution, station, s, np.ptp(s, axis=1))
+
+
+def _beside_fine_mesh(solution: Solution, station: Station, s: Array, lengths: Array) -> str | None:
+    """Place of the fine mesh that a station is beside of, in words; None if it is in it.
+
+    Args:
+        solution: with the cycle.
+        station: one.
+        s: (E, 2) places of the ends of elements, inward from the last position of the station.
+        lengths: (E,) of these.
+    """
+    finest = float(np.quantile(lengths[lengths > 0], 0.05)) if (lengths > 0).any() else np.inf
+    if not station.size > BESIDE * finest:
+        return None
+    fine = s[(lengths > 0) & (lengths < FINE * finest)]
+    inside = (fine.min(axis=1) < 0) & (fine.max(axis=1) > 0)
+    cycle = cycle_states(solution.cycle)
+    places = station.position[cycle if len(cycle) else [station.last]]
+    if inside.any() or not np.isfinite(places).all():
+        return None
+    nearest = float(fine.ravel()[np.argmin(np.abs(fine))])
+    moves = np.abs(places - station.position[station.last] - nearest).max()
+    side = "in" if nearest > 0 else "out"
+    return (
+        f"elements are {station.size:.2g} long there, and {finest:.2g} from {abs(nearest):.2g} "
+        f"further {side}: the fine mesh ends before this front. Let it reach "
+        f"{moves + 4 * finest:.2g} farther (`edge_zone` of templates); with finer elements alone "
+        "K_N and slip zones get no better there"
+    )
 
 
 def _withheld(solution: Solution, found: Mapping[str, Any]) -> Iterator[str]:

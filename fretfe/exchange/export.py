@@ -50,6 +50,14 @@ PLANE_TRACTIONS = (
     Column("slip", "length", "of body 1 relative to body 2 since state 0"),
     *NODE,
 )
+# Where plane bodies move along z, too.
+TRACTIONS_WITH_Z = (
+    *PLANE_TRACTIONS[:6],
+    Column("q_z", "stress", "that along z"),
+    PLANE_TRACTIONS[6],
+    Column("slip_z", "length", "that along z"),
+    *NODE,
+)
 SOLID_TRACTIONS = (
     CONTACT,
     *STATE,
@@ -249,7 +257,8 @@ def _tractions(result: Result) -> ExportTable:
     assert solution is not None
     kept = np.arange(len(solution.times)) if solution.kept is None else solution.kept
     solid = result.solid
-    named = SOLID_TRACTIONS if solid else PLANE_TRACTIONS
+    plane = PLANE_TRACTIONS if solution.contacts[0].slip.shape[2] == 1 else TRACTIONS_WITH_Z
+    named = SOLID_TRACTIONS if solid else plane
     rows = (
         (contact.name, int(state), solution.times[state], *row[:-2], int(row[-2]), row[-1])
         for contact in solution.contacts
@@ -319,7 +328,7 @@ def _edge_stress(result: Result) -> ExportTable:
 
 
 def _plane_nodes(contact: ContactHistory, state: int) -> Array:
-    """(N, 7) values of a state, as of `PLANE_TRACTIONS`."""
+    """(N, 7 or 9) values of a state, as of `PLANE_TRACTIONS` or `TRACTIONS_WITH_Z`."""
     return np.column_stack(
         [contact.arc, contact.mean_traction[state], contact.slip[state], *_scalars(contact, state)]
     )

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.errors import MeshError
+from fretfe.errors import MeshError, OutputError
 from fretfe.evaluate.resultants import traction_vectors
 from fretfe.history.solution import ContactHistory
 from fretfe.mesh.elements import (
@@ -83,8 +83,14 @@ def nodal_forces(
         factor: length unit of the other mesh, in that of the results.
 
     Raises:
+        OutputError: if plane bodies move along z.
         MeshError: if the surface is elsewhere, faces the other way, or cannot carry the moment.
     """
+    if contact.slip.shape[2] > contact.points.shape[1] - 1:
+        raise OutputError(
+            f"contact {contact.name}: expected forces in the plane, found shear along z, which the "
+            "elements of plane meshes do not take"
+        )
     points, sign = surface.points * factor, -1.0 if body == contact.body1 else 1.0
     vectors = traction_vectors(contact, contact.mean_traction[[state]])[0]
     forces = sign * contact.weights[:, None] * vectors

@@ -15,7 +15,7 @@ from scipy.interpolate import LinearNDInterpolator
 from fretfe._typing import Array, Indices
 from fretfe.errors import ModelError, OutputError
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.evaluate.resultants import SMALLEST_SHEAR, load_extremes, shear_direction
+from fretfe.evaluate.resultants import SMALLEST_SHEAR, load_extremes, shear_direction, shear_line
 from fretfe.history.solution import ContactHistory
 from fretfe.report.pictures.unroll import unroll
 from fretfe.results.model import Result
@@ -176,8 +176,8 @@ def _extremes(result: Result, contact: Contact) -> dict[str, int]:
         load, name = (shear, "Q") if sheared else (normal, "P")
     else:
         left = contact.stations[0]
-        sheared = np.ptp(left.k_t[found]) > 0
-        load = left.k_t if sheared else left.k_i
+        sheared = np.ptp(left.k_along[found]) > 0
+        load = left.k_along if sheared else left.k_i
         name = f"{'K_T' if sheared else 'K_I'} at the left edge"
     if not np.isfinite(load[found]).all():
         return {LAST: last}
@@ -194,16 +194,21 @@ def _line(result: Result, contact: Contact) -> Array:
 def _plane_curves(
     results: Results, contacts: Contacts, states: States
 ) -> tuple[Curve, Curve, float, float]:
+    begin, end = results[0].loads.evaluated
+    line = shear_line(contacts[0], slice(begin, end + 1))
     first, second = (
-        _curve(result, each.name, state)
+        _curve(result, each.name, state, line)
         for result, each, state in zip(results, contacts, states, strict=True)
     )
     return first, second, *_differences(first, second)
 
 
-def _curve(result: Result, name: str, state: int) -> Curve:
+def _curve(result: Result, name: str, state: int, line: Array) -> Curve:
+    """Tractions of a plane contact, with the shear along a line (d - 1,), by arc and z."""
     history = result.contact_history(name)
-    pressure, shear = history.mean_traction[state].T
+    mean = history.mean_traction[state]
+    pressure, size = mean[:, 0], mean.shape[1] - 1
+    shear = mean[:, 1:] @ np.pad(line, (0, max(size - len(line), 0)))[:size]
     return Curve(
         time=float(result.loads.times[state]),
         friction=float(history.friction[state]),

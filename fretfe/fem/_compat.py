@@ -11,8 +11,7 @@ import ctypes
 import importlib.metadata
 import importlib.util
 import warnings
-from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from fretfe._core import _kernels
 from fretfe._typing import Array, Indices
 from fretfe.environment import too_little_room
 from fretfe.errors import DependencyError, MemoryShortError
@@ -30,9 +30,7 @@ if _shortage := too_little_room(WORK_SPACE, "DOLFINx and its linear algebra may 
     # Libraries without room end the process while they are loaded.
     raise MemoryShortError(_shortage)
 # Where MUMPS is to find its dgemmt, which must be there before PETSc is: fretfe/fem/bordered.py.
-_kernels = importlib.util.find_spec("fretfe._core._kernels")
-assert _kernels is not None and _kernels.origin is not None, "fretfe is not installed"
-DGEMMT = ctypes.CDLL(str(Path(_kernels.origin).with_name("_gemmt.so")), ctypes.RTLD_GLOBAL)
+DGEMMT = ctypes.CDLL(str(Path(_kernels.__file__).with_name("_gemmt.so")), ctypes.RTLD_GLOBAL)
 # Distributions that replace files of the wheel of 0.11, or of one another.
 RIVALS = ("petsc", "petsc4py", "slepc", "slepc4py", "dolfinx-solver-complex")
 
@@ -133,45 +131,75 @@ def assemble_vector(form: Any) -> PETSc.Vec:
     return vector
 
 
-def form_on(
-    compiled: Any,
-    space: dolfinx.fem.FunctionSpace,
-    constants: list[Any],
-    cells: npt.NDArray[np.int32],
-    facets: npt.NDArray[np.int32],
-    coefficients: Sequence[dolfinx.fem.Function] = (),
-) -> dolfinx.fem.Form:
-    """A compiled linear form on parts of the mesh of its space.
+@dataclass(frozen=True)
+class ElementVectors:
+    """Element vectors of a linear form on any cells and exterior facets, by its own kernels.
+
+    For each choice of them DOLFINx would make a form, and a vector of the whole mesh.
 
     Args:
-        compiled: what `dolfinx.fem.compile_form` gave for a form without data of subdomains, in
-            which the number of all subdomains is 1.
-        space: of the test function.
-        constants: all that the form has.
-        cells: own cells of this rank, for the integral over the volume.
-        facets: exterior facets of this rank, for the integral over the boundary; ghosts are left
-            out.
-        coefficients: all that the form has.
+        compiled: what `dolfinx.fem.compile_form` gave for a form with one integral over cells and
+            one over exterior facets.
+        mesh: of the form.
+        size: of an element vector.
+        coefficients: of the form, in UFL's order. Their functions, and those that the form is
+            tested with, must not depend on how elements lie to their neighbours: Lagrange's up to
+            degree 2.
     """
-    mesh = space.mesh
-    kinds = dolfinx.fem.IntegralType
-    arguments = [kinds.exterior_facet, mesh.topology, facets]
+
+    compiled: Any
+    mesh: dolfinx.mesh.Mesh
+    size: int
+    coefficients: tuple[dolfinx.fem.Function, ...] = ()
+
+    def on_cells(self, constants: Array, cells: npt.NDArray[np.integer[Any]]) -> Array:
+        """(n, size) vectors of cells (n,), with all constants of the form in UFL's order."""
+        return self._vectors(0, constants, cells, np.zeros(len(cells), np.int32))
+
+    def on_sides(self, constants: Array, sides: npt.NDArray[np.int32]) -> Array:
+        """(m, size) vectors of exterior facets (m, 2) as of `exterior_sides`; otherwise as that."""
+        return self._vectors(1, constants, *np.ascontiguousarray(sides.T))
+
+    def _vectors(
+        self,
+        kind: int,
+        constants: Array,
+        cells: npt.NDArray[np.integer[Any]],
+        facets: npt.NDArray[np.int32],
+    ) -> Array:
+        form, cast = self.compiled.ufcx_form, self.compiled.module.ffi.cast
+        integral = form.form_integrals[form.form_integral_offsets[kind]]
+        values = [np.empty((len(cells), 0))]
+        for number in range(form.num_coefficients):
+            given = self.coefficients[form.original_coefficient_positions[number]]
+            space = given.function_space
+            nodes = given.x.array.reshape(-1, space.dofmap.bs)[space.dofmap.list[cells]]
+            values.append(nodes.reshape(len(cells), nodes.shape[1] * nodes.shape[2]))
+        return _kernels.tabulate(
+            int(cast("uintptr_t", integral.tabulate_tensor_float64)),
+            constants,
+            np.hstack(values),
+            self.mesh.geometry.x[_geometry_nodes(self.mesh)[cells]],
+            facets,
+            self.size,
+        )
+
+
+def _geometry_nodes(mesh: dolfinx.mesh.Mesh) -> npt.NDArray[np.int32]:
+    """(n, k) nodes of the cells' geometry."""
+    # In 0.9 there is one table; later there is one for each kind of cells.
+    return mesh.geometry.dofmap if VERSION < (0, 10) else mesh.geometry.dofmaps[0]
+
+
+def exterior_sides(mesh: dolfinx.mesh.Mesh, facets: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
+    """(m, 2) cells of exterior facets and the numbers of the facets in them, ghosts left out."""
+    # 0.9 leaves out some of those that are not in ascending order.
+    facets = np.unique(facets)
+    arguments = [dolfinx.fem.IntegralType.exterior_facet, mesh.topology, facets]
     if VERSION < (0, 10):  # the dimension of the facets is told in 0.9, and known later
         arguments.append(mesh.topology.dim - 1)
     sides = dolfinx.fem.compute_integration_domains(*arguments)
-    parts = {kinds.cell: [(1, cells)], kinds.exterior_facet: [(1, sides)]}
-    # The form is searched for its constants each time: a short one that has the same ones.
-    own = (*constants, *coefficients)
-    short = replace(compiled, ufl_form=sum(ufl.inner(each, each) for each in own))
-    # Arguments have other names in 0.9, in the same order.
-    return dolfinx.fem.create_form(
-        short,
-        [space],
-        mesh,
-        parts,
-        {each: each for each in coefficients},
-        {constant: constant for constant in constants},
-    )
+    return np.asarray(sides, dtype=np.int32).reshape(-1, 2)
 
 
 def cells_around(

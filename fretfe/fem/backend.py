@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from functools import cache, partial
 from typing import Any, TypeVar
@@ -12,7 +13,14 @@ import scipy.linalg
 
 from fretfe.backends.protocol import DEFAULTS, Processes, RunOptions, Session
 from fretfe.case import Case
-from fretfe.environment import address_room, too_little_room
+from fretfe.environment import (
+    address_room,
+    idle_cores,
+    linear_algebra_threads,
+    machine_memory,
+    peak_memory,
+    too_little_room,
+)
 from fretfe.errors import MemoryShortError
 from fretfe.evaluate.resolution import coarse_contacts
 from fretfe.fem._compat import MPI, WORK_SPACE, PETSc, basix
@@ -29,6 +37,8 @@ from fretfe.surface.checks import load_mesh
 T = TypeVar("T")
 SolveCase = Callable[[Case, RunOptions, LoadMesh], Result]
 
+# Part of the memory of the machine that copies of the process may take with it.
+OF_MEMORY = 0.8
 # Keys of a case that do not enter its model.
 FREE: dict[str, Any] = {
     "title": True,
@@ -127,6 +137,10 @@ class FemSession:
         """As `FemBackend.solve`. Collective."""
         return _solve(case, options, self._cache.solve)
 
+    def copies(self) -> int:
+        """Number of processes that may solve cases of this model beside one another."""
+        return self._cache.copies()
+
     def close(self) -> None:
         """Give the model back. Collective."""
         self._cache.clear()
@@ -142,8 +156,8 @@ def _solve(case: Case, options: RunOptions, solve_case: SolveCase) -> Result:
 
 def _load(case: Case, options: RunOptions) -> Mesh:
     """The mesh of a case; its size tells how long it takes until the first step is solved."""
-    mesh = load_mesh(case)
-    unknowns = count_unknowns(mesh, case.model.degree)
+    mesh = (options.mesh or load_mesh)(case)
+    unknowns = count_unknowns(mesh, case.model.degree, case.components(mesh.dimension))
     options.announce(f"mesh: {unknowns} unknowns; the bodies are condensed before the first step")
     for warning in coarse_contacts(case, mesh, options.history or build_history(case)):
         options.announce(f"Warning: {warning}")
@@ -179,6 +193,20 @@ class ModelCache:
             self._prepared = build_model(self._comm, case, clock, load)
             self._key = key
         return solve_prepared(self._prepared, case, history, options, clock)
+
+    def copies(self) -> int:
+        """Number of copies of this process that may solve cases with the model that is there.
+
+        One, so none besides this process, on several ranks, and where they would share the place in
+        a file of factors. Each takes less than what this process has had at most.
+        """
+        ready = self._prepared
+        if self._comm.size > 1 or sys.platform != "linux" or ready is None or ready.model.on_disk:
+            return 1
+        ready.settle()
+        room = OF_MEMORY * (machine_memory() or 0.0) / peak_memory() - 1
+        cores = (idle_cores() + 1) // linear_algebra_threads()
+        return max(1, min(cores, int(room)))
 
     def clear(self) -> None:
         """Give the model back."""

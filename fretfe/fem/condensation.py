@@ -42,8 +42,8 @@ from fretfe.fem.timing import Clock
 class CondensedBody:
     """Condensed operators of a body; see the module's docstring.
 
-    n weighted tractions, m constraints and k free motions, l loads. Forces are per unit thickness
-    in the plane.
+    n weighted tractions, m constraints and k free motions, l loads, c components of the
+    displacement. Forces are per unit thickness in the plane.
 
     Attributes:
         name: body.
@@ -52,8 +52,8 @@ class CondensedBody:
         loads: (n, l) L.
         stiffness: (m + k, m + k) K.
         coordinate_loads: (m + k, l) H.
-        load_resultants: (gdim, l) total force of each load.
-        contact_resultants: (gdim, n) total force on the body by tractions.
+        load_resultants: (c, l) total force of each load.
+        contact_resultants: (c, n) total force on the body by tractions.
         moments: (r, n + m + l) sum of the moments of reactions, loads and contact, r of them (one
             in the plane), about the middle of the contact surfaces, by y, coordinates of the
             constraints and a.
@@ -82,7 +82,7 @@ class Body:
         constraints: in order of precedence: where boundaries share a node, the first one moves it.
         loads: distributed loads.
         surface_points: (p, gdim) displacement points of the contact surfaces.
-        operator: (n, p*gdim) weighted relative displacements of the contact nodes by those of the
+        operator: (n, p*c) weighted relative displacements of the contact nodes by those of the
             points; the same on all ranks.
         clock: for timings.
         tie: of the sides, if the body is a part of a sector; the same on all ranks.
@@ -91,7 +91,7 @@ class Body:
     Attributes:
         elastic: space and operators of the body.
         loads: distributed loads.
-        surface_unknowns: (p*gdim,) global numbers of the displacements of the surface points.
+        surface_unknowns: (p*c,) global numbers of the displacements of the surface points.
         condensed: on rank 0, None elsewhere.
     """
 
@@ -124,7 +124,7 @@ class Body:
             matrix = self._restraints.stiffness(self._fixed)
             self._shape_forces = [elastic.forces(shape) for shape in shapes]
             self._loads = [elastic.load_vector(load) for load in loads]
-        unknowns = elastic.gdim * self._index_map.size_global
+        unknowns = elastic.components * self._index_map.size_global
         with clock("condensation", f"{elastic.name}, {unknowns} unknowns"):
             symmetric = elastic.comm.allreduce(not unsymmetric_because(), op=MPI.LAND)
             kind = {"symmetric": symmetric, "on_disk": on_disk}
@@ -134,11 +134,10 @@ class Body:
 
     def _free_motions(self) -> list[PETSc.Vec]:
         """Rigid motions that no constraint restrains, orthonormal on the surface nodes."""
-        gdim = self.elastic.gdim
-        points = self.elastic.space.tabulate_dof_coordinates()[:, :gdim]
+        components = self.elastic.components
         centre = self._surface_points.mean(axis=0)
         size = np.ptp(self._surface_points, axis=0).max()
-        everywhere = rigid_motions((points - centre) / size)
+        everywhere = rigid_motions((self.elastic.node_points - centre) / size, components)
         everywhere = everywhere.reshape(-1, everywhere.shape[2])
         turned = everywhere.copy()
         for column in turned.T:
@@ -147,7 +146,7 @@ class Body:
         stretch, combinations = np.linalg.eigh(self.elastic.comm.allreduce(rows.T @ rows))
         # A restrained mode moves many constrained nodes by about one, any other none at all.
         free = combinations[:, stretch < 1e-8 * max(stretch[-1], 1.0)]
-        surface = rigid_motions((self._surface_points - centre) / size)
+        surface = rigid_motions((self._surface_points - centre) / size, components)
         surface = surface.reshape(-1, surface.shape[2])
         self._surface_motions, units = np.linalg.qr(surface @ free)
         motions = []
@@ -161,7 +160,7 @@ class Body:
         """Local numbers of the displacements that hold the free motions, owned and ghosted."""
         if not self._motions:
             return np.array([], dtype=np.int64)
-        start = self._index_map.local_range[0] * self.elastic.gdim
+        start = self._index_map.local_range[0] * self.elastic.components
         values = np.array([motion.array for motion in self._motions])
         for each in values:
             self._restraints.turn(each)
@@ -172,24 +171,24 @@ class Body:
         candidates = self.elastic.comm.allgather([(start + j, values[:, j]) for j in best])
         numbers, columns = zip(*(pair for part in candidates for pair in part), strict=True)
         chosen = np.array(numbers)[qr(np.array(columns).T, mode="r", pivoting=True)[1][:count]]
-        nodes, component = np.divmod(chosen, self.elastic.gdim)
+        nodes, component = np.divmod(chosen, self.elastic.components)
         local = self._index_map.global_to_local(nodes.astype(np.int64))
         here = local >= 0
-        return np.asarray(local[here] * self.elastic.gdim + component[here], dtype=np.int64)
+        return np.asarray(local[here] * self.elastic.components + component[here], dtype=np.int64)
 
     @property
     def _own(self) -> int:
         """Number of displacements that this rank owns."""
-        return int(self._index_map.size_local * self.elastic.gdim)
+        return int(self._index_map.size_local * self.elastic.components)
 
     def _border(self) -> sparse.csr_matrix:
         """(n, N) operator on all unknowns, zero at fixed ones; on every rank."""
-        start = self._index_map.local_range[0] * self.elastic.gdim
+        start = self._index_map.local_range[0] * self.elastic.components
         fixed = start + _owned(self._fixed, self._own)
         everywhere = np.concatenate(self.elastic.comm.allgather(fixed))
         entries = sparse.coo_matrix(self._operator)
         columns = self.surface_unknowns[entries.col]
-        size = self._index_map.size_global * self.elastic.gdim
+        size = self._index_map.size_global * self.elastic.components
         shape = self._operator.shape[0], size
         border = sparse.csr_matrix((entries.data, (entries.row, columns)), shape=shape)
         moving = np.ones(size)
@@ -262,8 +261,7 @@ class Body:
         surface_held = self.elastic.comm.allreduce(int(own)) > 0
         if compliance is None:
             return None
-        gdim = self.elastic.gdim
-        everywhere = np.tile(np.eye(gdim), (len(self._surface_points), 1))
+        everywhere = np.tile(np.eye(self.elastic.components), (len(self._surface_points), 1))
         return CondensedBody(
             name=self.elastic.name,
             compliance=compliance,
@@ -342,11 +340,10 @@ class Body:
 
     def _rotations(self) -> tuple[list[fem.Function], list[fem.Function]]:
         """Rotations of all nodes, and of the constrained ones alone."""
-        gdim = self.elastic.gdim
-        points = self.elastic.space.tabulate_dof_coordinates()[:, :gdim]
-        motions = rigid_motions(points - self._surface_points.mean(axis=0))
+        components, centre = self.elastic.components, self._surface_points.mean(axis=0)
+        motions = rigid_motions(self.elastic.node_points - centre, components)
         whole, held = [], []
-        for mode in range(gdim, motions.shape[2]):
+        for mode in range(components, motions.shape[2]):
             turned, fixed = fem.Function(self.elastic.space), fem.Function(self.elastic.space)
             turned.x.array[:] = motions[:, :, mode].ravel()
             values = turned.x.array.copy()
@@ -359,10 +356,10 @@ class Body:
         return whole, held
 
     def _resultants(self) -> Array:
-        """(gdim, l) total force of each load."""
-        gdim = self.elastic.gdim
-        local = np.array([v.array.reshape(-1, gdim).sum(axis=0) for v in self._loads])
-        return self.elastic.comm.allreduce(local.reshape(len(self._loads), gdim)).T
+        """(c, l) total force of each load."""
+        size = self.elastic.components
+        local = np.array([v.array.reshape(-1, size).sum(axis=0) for v in self._loads])
+        return self.elastic.comm.allreduce(local.reshape(len(self._loads), size)).T
 
     def recover(self, states: list[tuple[Array, Array, Array]]) -> list[fem.Function]:
         """Displacement fields of solved steps. Collective; same arguments on all ranks.
@@ -411,8 +408,8 @@ class Body:
         return self._factor.matrix
 
     def surface_displacement(self, displacement: fem.Function) -> Array:
-        """(p, gdim) displacements of the nodes of the contact surfaces, on every rank."""
-        return self._surface.gather(displacement.x.array).reshape(-1, self.elastic.gdim)
+        """(p, c) displacements of the nodes of the contact surfaces, on every rank."""
+        return self._surface.gather(displacement.x.array).reshape(-1, self.elastic.components)
 
     def _zeros(self) -> PETSc.Vec:
         """A zero vector of displacements or nodal forces."""

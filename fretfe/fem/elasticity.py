@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import fcntl
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -48,6 +48,19 @@ MATCH_TOLERANCE = 1e-8
 FOLDER, LOCK = "fretfe", "lock"
 # Seconds to wait for another process that compiles the same form.
 TIMEOUT = 120
+# Of the C compiler, in place of DOLFINx's. Sums are reordered and there are no error numbers:
+# stiffness matrices of solids take .57 of the time and differ by round-off, interaction integrals
+# two thirds, and differ by 1e-11. Not -ffast-math itself, by which older compilers make a whole
+# process flush small numbers to zero.
+COMPILER_FLAGS = (
+    "-O3",
+    "-g0",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+    "-fno-signed-zeros",
+    "-fassociative-math",
+    "-freciprocal-math",
+)
 # Components of a stress that are written, those that do not follow from others.
 PLANE_COMPONENTS = ((0, 0), (1, 1), (0, 1))
 PLANE_VOIGT = np.array([[0, 2], [2, 1]])
@@ -55,21 +68,20 @@ PLANE_TENSOR = ((0, 0), (1, 1), (2, 2), (0, 1))
 COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
-def compiled(
-    comm: MPI.Comm, compiler: Callable[..., T], *arguments: Any, flags: Sequence[str] = ()
-) -> T:
+def compiled(comm: MPI.Comm, compiler: Callable[..., T], *arguments: Any) -> T:
     """Call a function of DOLFINx that compiles. Collective.
 
     Args:
         comm: communicator of what is compiled.
         compiler: `dolfinx.fem.form`, `compile_form` or `Expression`.
         arguments: of the function.
-        flags: of the C compiler, in place of DOLFINx's.
     """
     folder = Path(get_options()["cache_dir"]) / FOLDER
-    options: dict[str, Any] = {"cache_dir": str(folder), "timeout": TIMEOUT}
-    if flags:
-        options["cffi_extra_compile_args"] = list(flags)
+    options: dict[str, Any] = {
+        "cache_dir": str(folder),
+        "timeout": TIMEOUT,
+        "cffi_extra_compile_args": list(COMPILER_FLAGS),
+    }
     if comm.rank > 0:  # takes what the first process has compiled
         return compiler(*arguments, jit_options=options)
     folder.mkdir(parents=True, exist_ok=True)
@@ -133,9 +145,9 @@ class CrystalElasticity:
     turn: Any = None
 
     @classmethod
-    def of(cls, mesh: Any, material: Material) -> CrystalElasticity:
+    def of(cls, mesh: Any, material: Material, components: int) -> CrystalElasticity:
         """The stiffness of a material on a mesh, in the axes of the model."""
-        return cls(fem.Constant(mesh, of_dimension(material.stiffness, mesh.geometry.dim)))
+        return cls(fem.Constant(mesh, of_dimension(material.stiffness, components)))
 
     def stress(self, strain: Any) -> Any:
         """Stress (d, d) of a strain (d, d)."""
@@ -151,15 +163,16 @@ class CrystalElasticity:
 
 
 def of_dimension(stiffness: Array, size: int) -> Array:
-    """(6, 6) or (3, 3) stiffness of the components that a mesh of 3 or 2 dimensions has."""
+    """(6, 6) or (3, 3) stiffness for strains of displacements with 3 or 2 components."""
     kept = range(6) if size == 3 else [0, 1, 5]
     return stiffness[np.ix_(kept, kept)].copy()
 
 
-def elasticity_of(mesh: Any, material: Material) -> Elasticity | CrystalElasticity:
-    """Hooke's law of a material on a mesh."""
-    kind = Elasticity if material.crystal is None else CrystalElasticity
-    return kind.of(mesh, material)
+def elasticity_of(mesh: Any, material: Material, components: int) -> Elasticity | CrystalElasticity:
+    """Hooke's law of a material on a mesh, for displacements with so many components."""
+    if material.crystal is None:
+        return Elasticity.of(mesh, material)
+    return CrystalElasticity.of(mesh, material, components)
 
 
 class ElasticBody:
@@ -172,10 +185,21 @@ class ElasticBody:
         mesh: the body's mesh on rank 0, None elsewhere.
         material: elastic constants.
         degree: polynomial degree of the displacement, 1 or 2.
+        components: of the displacement; without it as many as the mesh has coordinates. Plane
+            bodies may have a third one, u_z(x, y).
+
+    Attributes:
+        gdim: number of coordinates.
+        components: of the displacement.
     """
 
     def __init__(
-        self, comm: MPI.Comm, mesh: BodyMesh | None, material: Material, degree: int
+        self,
+        comm: MPI.Comm,
+        mesh: BodyMesh | None,
+        material: Material,
+        degree: int,
+        components: int | None = None,
     ) -> None:
         self.comm = comm
         self.material = material
@@ -184,9 +208,10 @@ class ElasticBody:
         points = mesh.points if mesh else np.empty((0, gdim))
         self.name: str = name
         self.gdim: int = gdim
+        self.components = components or gdim
         self.degree, self.order = degree, order
         self.mesh = create_mesh(comm, cells, points, cell, order)
-        self.space = fem.functionspace(self.mesh, ("Lagrange", degree, (gdim,)))
+        self.space = fem.functionspace(self.mesh, ("Lagrange", degree, (self.components,)))
         self.groups, self.facet_tags = self._tag_boundaries(mesh, cell, order)
         self._initial_stresses: dict[str, fem.Function] = {}
 
@@ -231,10 +256,15 @@ class ElasticBody:
         dim = self.mesh.topology.dim - 1
         return fem.locate_dofs_topological(self.space, dim, facets)
 
+    @property
+    def node_points(self) -> Array:
+        """(n, gdim) places of the displacement nodes, owned and ghosted."""
+        return np.asarray(self.space.tabulate_dof_coordinates()[:, : self.gdim])
+
     def stress(self, displacement: Any) -> Any:
         """Stress (UFL) of a displacement."""
-        strain = ufl.sym(ufl.grad(displacement))
-        return elasticity_of(self.mesh, self.material).stress(strain)
+        strain = ufl.sym(squared(ufl.grad(displacement)))
+        return elasticity_of(self.mesh, self.material, self.components).stress(strain)
 
     def _energy(self, displacement: Any) -> Any:
         return self._work(self.stress(displacement))
@@ -246,22 +276,22 @@ class ElasticBody:
         if self.mesh.topology.cell_name() == "hexahedron":
             # As many points in each direction as in a quadrilateral that it may be extruded from.
             measure = ufl.dx(metadata={"quadrature_degree": 2 * (self.degree + self.order)})
-        return ufl.inner(stress, ufl.sym(ufl.grad(test))) * measure
+        return ufl.inner(stress, ufl.sym(squared(ufl.grad(test)))) * measure
 
     def stiffness(self, constrained: npt.NDArray[np.int32]) -> PETSc.Mat:
         """Stiffness matrix with unit rows and columns at constrained degrees of freedom.
 
         Args:
-            constrained: local numbers gdim * node + component, owned and ghosted.
+            constrained: local numbers c * node + component, owned and ghosted.
         """
         form = compiled(self.comm, fem.form, self._energy(ufl.TrialFunction(self.space)))
         conditions = [
             fem.dirichletbc(
                 PETSc.ScalarType(0),
-                constrained[constrained % self.gdim == component],
+                constrained[constrained % self.components == component],
                 self.space.sub(component),
             )
-            for component in range(self.gdim)
+            for component in range(self.components)
         ]
         matrix = assemble_matrix(form, conditions)
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
@@ -286,7 +316,7 @@ class ElasticBody:
         test = ufl.TestFunction(self.space)
         initial = self.initial_stress(load)
         if initial is not None:
-            form = self._work(in_space_of(initial, self.gdim))
+            form = self._work(in_space_of(initial, self.components))
             return assemble_vector(compiled(self.comm, fem.form, form))
         force = self.body_force(load)
         if force is not None:
@@ -296,9 +326,9 @@ class ElasticBody:
             return zero.x.petsc_vec.copy()
         measure = ufl.Measure("ds", self.mesh, subdomain_data=self.facet_tags)
         if load.kind == "normal":
-            traction = ufl.FacetNormal(self.mesh)
+            traction = padded(ufl.FacetNormal(self.mesh), self.components)
         else:
-            traction = fem.Constant(self.mesh, np.array(load.direction[: self.gdim]))
+            traction = fem.Constant(self.mesh, np.array(load.direction[: self.components]))
         if load.at_points is not None:
             traction = self._factors(load, load.at_points) * traction
         if load.kind == "force":
@@ -307,7 +337,7 @@ class ElasticBody:
         return assemble_vector(compiled(self.comm, fem.form, form))
 
     def _even(self, load: DistributedLoad, measure: ufl.Measure) -> tuple[Any, ufl.Measure]:
-        """Traction (gdim,) of a force on its part of a boundary, and the measure to integrate it.
+        """Traction (c,) of a force on its part of a boundary, and the measure to integrate it.
 
         The area is that by the same points of integration: the force is exact.
         """
@@ -321,36 +351,36 @@ class ElasticBody:
             measure = measure(metadata={"quadrature_degree": PART_DEGREE})
         form = compiled(self.comm, fem.form, part * measure(self.groups[load.boundary]))
         area = self.comm.allreduce(fem.assemble_scalar(form))
-        direction = np.array(load.direction[: self.gdim]) / area
+        direction = np.array(load.direction[: self.components]) / area
         return part * fem.Constant(self.mesh, direction), measure
 
     def initial_stress(self, load: DistributedLoad) -> fem.Function | None:
         """Stress (3, 3) of the initial strain of a unit of a load in the body, None without any.
 
         It is linear between the corners of elements, as the strain is that displacements of
-        degree 2 can follow. A load has one name and is looked at once.
+        degree 2 can follow. A load is looked at once.
         """
         if not load.strains(self.name):
             return None
-        if load.channel not in self._initial_stresses:
+        if load.label not in self._initial_stresses:
             space = fem.functionspace(self.mesh, ("Lagrange", 1, (3, 3)))
             places = space.tabulate_dof_coordinates()[:, : self.gdim]
             strain = load.initial_strain(self.name, self.material, places)
-            found = self._initial_stresses[load.channel] = fem.Function(space)
+            found = self._initial_stresses[load.label] = fem.Function(space)
             found.x.array[:] = self.material.initial_stress(strain).ravel()
-        return self._initial_stresses[load.channel]
+        return self._initial_stresses[load.label]
 
     def body_force(self, load: DistributedLoad) -> fem.Function | None:
-        """Force per volume (gdim,) of a unit of a load, None without any.
+        """Force per volume (c,) of a unit of a load, None without any.
 
         It is linear in the place, as the space is in which the places of elements lie.
         """
         if not load.pushes:
             return None
-        space = fem.functionspace(self.mesh, ("Lagrange", self.order, (self.gdim,)))
+        space = fem.functionspace(self.mesh, ("Lagrange", self.order, (self.components,)))
         places = space.tabulate_dof_coordinates()[:, : self.gdim]
-        found = fem.Function(space)
-        found.x.array[:] = load.body_force(self.material, places).ravel()
+        force, found = load.body_force(self.material, places), fem.Function(space)
+        found.x.array.reshape(-1, self.components)[:, : force.shape[1]] = force
         return found
 
     def _factors(self, load: DistributedLoad, given: PointValues) -> fem.Function:
@@ -369,13 +399,13 @@ class ElasticBody:
         Nodes that elements share have exactly the same place in all of them, on all ranks.
         """
         places = fem.Function(self.space)
-        places.x.array[:] = self.space.tabulate_dof_coordinates()[:, : self.gdim].ravel()
+        places.x.array.reshape(-1, self.components)[:, : self.gdim] = self.node_points
         places.x.scatter_forward()
-        return self.element_displacements(places)
+        return self.element_displacements(places)[..., : self.gdim]
 
     def element_displacements(self, displacement: fem.Function) -> Array:
-        """(m, k, d) displacement at the nodes of this rank's elements."""
-        return displacement.x.array.reshape(-1, self.gdim)[self._element_nodes]
+        """(m, k, c) displacement at the nodes of this rank's elements."""
+        return displacement.x.array.reshape(-1, self.components)[self._element_nodes]
 
     def element_stresses(
         self, displacement: fem.Function, initial: fem.Function | None = None
@@ -388,7 +418,7 @@ class ElasticBody:
         cells = np.arange(len(self._element_nodes), dtype=np.int32)
         values = self._stress_expression.eval(self.mesh, cells)
         values = values.reshape(*self._element_nodes.shape, -1)
-        if self.gdim == 2:
+        if self.components == 2:
             values = np.insert(values, 2, values @ self.material.across, axis=2)
         if initial is not None:
             table = initial.function_space.element.basix_element.tabulate(
@@ -397,7 +427,7 @@ class ElasticBody:
             nodes = initial.function_space.dofmap.list[: len(values)]
             tensors = initial.x.array.reshape(-1, 3, 3)[nodes]
             here = np.einsum("kn,mnij->mkij", table, tensors)
-            pairs = PLANE_TENSOR if self.gdim == 2 else COMPONENTS
+            pairs = PLANE_TENSOR if self.components == 2 else COMPONENTS
             values = values - np.stack([here[..., i, j] for i, j in pairs], axis=2)
         return values
 
@@ -422,7 +452,7 @@ class ElasticBody:
     @cached_property
     def _stress_expression(self) -> Any:
         stress = self.stress(self._given)
-        pairs = PLANE_COMPONENTS if self.gdim == 2 else COMPONENTS
+        pairs = PLANE_COMPONENTS if self.components == 2 else COMPONENTS
         components = ufl.as_vector([stress[pair] for pair in pairs])
         points = self._element_points[self._element_order]
         return compiled(self.comm, expression, components, points)
@@ -438,15 +468,14 @@ class PlacedNodes:
         places: (p, gdim) of nodes, the same on all ranks.
 
     Attributes:
-        numbers: (p*gdim,) global numbers of their displacements.
-        local: (p*gdim or fewer,) local numbers of those that this rank owns.
+        numbers: (p*c,) global numbers of their displacements, of c components.
+        local: (p*c or fewer,) local numbers of those that this rank owns.
         ghosted: local numbers of those that it knows, owned or not.
     """
 
     def __init__(self, elastic: ElasticBody, places: Array) -> None:
-        self._comm, gdim = elastic.comm, elastic.gdim
-        index_map, components = elastic.space.dofmap.index_map, np.arange(gdim)
-        points = elastic.space.tabulate_dof_coordinates()[:, :gdim]
+        self._comm, size, points = elastic.comm, elastic.components, elastic.node_points
+        index_map, components = elastic.space.dofmap.index_map, np.arange(size)
         extent = (np.ptp(places, axis=0).max() or np.abs(places).max()) if len(places) else 1.0
         distance, node = (
             cKDTree(points).query(places)
@@ -455,25 +484,41 @@ class PlacedNodes:
         )
         here = np.flatnonzero(distance < MATCH_TOLERANCE * extent)
         own = here[node[here] < index_map.size_local]
-        self._positions = (own[:, None] * gdim + components).ravel()
-        self.local = (node[own][:, None] * gdim + components).ravel()
+        self._positions = (own[:, None] * size + components).ravel()
+        self.local = (node[own][:, None] * size + components).ravel()
         self.ghosted = node[here]
-        offset = index_map.local_range[0] * gdim
-        self.numbers = np.full(len(places) * gdim, -1)
+        offset = index_map.local_range[0] * size
+        self.numbers = np.full(len(places) * size, -1)
         for positions, unknowns in self._comm.allgather((self._positions, self.local + offset)):
             self.numbers[positions] = unknowns
         assert np.all(self.numbers >= 0), "a place is not that of a node of the body"
 
     def gather(self, values: Array) -> Array:
-        """(p*gdim,) values at the nodes, on every rank."""
+        """(p*c,) values at the nodes, on every rank."""
         found = np.empty(len(self.numbers))
         for positions, part in self._comm.allgather((self._positions, values[self.local])):
             found[positions] = part
         return found
 
     def add(self, values: Array, added: Array) -> None:
-        """Add (p*gdim,) to values at the nodes that this rank owns, in place."""
+        """Add (p*c,) to values at the nodes that this rank owns, in place."""
         np.add.at(values, self.local, added[self._positions])
+
+
+def padded(vector: Any, size: int) -> Any:
+    """A vector in UFL with zeros behind its components, `size` in all."""
+    count = vector.ufl_shape[0]
+    if count == size:
+        return vector
+    return ufl.as_vector([*(vector[i] for i in range(count)), *[0] * (size - count)])
+
+
+def squared(slopes: Any) -> Any:
+    """Slopes (c, d) of a displacement in UFL as (c, c): nothing changes along z in the plane."""
+    size, gdim = slopes.ufl_shape
+    if size == gdim:
+        return slopes
+    return ufl.as_matrix([[*(slopes[i, j] for j in range(gdim)), 0] for i in range(size)])
 
 
 def in_space_of(tensor: Any, size: int) -> Any:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.analytic.edges import oscillation
 from fretfe.bodies.definition import Pair
 from fretfe.contact.full_stick import neighbour_states
 from fretfe.contact.march import March
@@ -26,9 +25,8 @@ from fretfe.fem.fields import FieldSource
 from fretfe.fem.interaction_integral import Tip, Tube
 from fretfe.fem.limits import oscillates
 from fretfe.fem.model import Model
-from fretfe.fem.probes import Probe, UnitFields, probe_stations
+from fretfe.fem.probes import Probe, UnitFields, bond, probe_stations
 from fretfe.history.solution import ContactHistory, Factor, NearbyLoads, Solution, StationIntegrals
-from fretfe.idealise.bodies import coupled_beta
 from fretfe.surface.surface import perpendicular
 
 # Not loaded by whoever loads this module: SciPy's interpolation takes a second.
@@ -154,14 +152,16 @@ class _PlaneDraft(_Draft["_Areas"]):
             edges.append(float(areas.last[front.number]))
             fields.append((difference,))
         tubes = tuple(Tube(float(reach)) for reach in areas.reaches)
-        normals = pair.coupling.frames[:, 0]
+        normals = pair.coupling.frames[:, 0, :2]
         return Probe(
             bodies=(pair.body1, pair.body2),
             tips=tuple(_tips(model, pair, edge, front) for edge in edges),
-            frames=tuple(_frame(_at(pair, edge, normals), front) for edge in edges),
+            frames=tuple(
+                _frame(_at(pair, edge, normals), front, model.components) for edge in edges
+            ),
             fields=tuple(fields),
             tubes=(tubes,) * len(edges),
-            oscillation=oscillation(coupled_beta(model.case, pair.name, pair.body1, pair.body2)),
+            **bond(model.case, pair),
         )
 
     def _factors(
@@ -270,13 +270,15 @@ def _tips(model: Model, pair: Pair, edge: float, front: PlaneFront) -> tuple[Tip
     tips = []
     for name, outward in ((contact.surface1, -1.0), (contact.surface2, 1.0)):
         places, normals = model.surfaces[name].nearest(point[None])
-        tips.append(Tip(places[0], _frame(outward * normals[0], front)))
+        tips.append(Tip(places[0], _frame(outward * normals[0], front, model.components)))
     return tips[0], tips[1]
 
 
-def _frame(across: Array, front: PlaneFront) -> Array:
-    """(2, 2) normal, and the tangent from a front into the contact."""
-    return np.array([across, front.inward * perpendicular(across[None])])
+def _frame(across: Array, front: PlaneFront, components: int) -> Array:
+    """(c, c) normal (2,), tangent from a front into the contact, and unless c is 2 `along`."""
+    rows = np.zeros((2, 3))
+    rows[:, :2] = across, front.inward * perpendicular(across[None])
+    return np.vstack([rows, np.cross(*rows)])[:components, :components]
 
 
 def _at(pair: Pair, edge: float, values: Array) -> Array:

@@ -19,7 +19,7 @@ from fretfe.errors import OutputError
 from fretfe.fem._compat import cells_around
 from fretfe.fem.elasticity import COMPONENTS, PLANE_TENSOR, ElasticBody
 from fretfe.fem.model import Model, Request, Share
-from fretfe.fem.parallel import Lead
+from fretfe.fem.parallel import Lead, share_out
 from fretfe.fem.probes import Probe, measure
 from fretfe.files import disk_reason
 from fretfe.local.problem import Batch, EdgeSlip
@@ -123,7 +123,10 @@ class Recovery:
     def edge_slip(self, batches: Sequence[Batch]) -> list[list[EdgeSlip]]:
         """Solutions of batches of plane problems, of which each rank takes its share."""
         comm = self._model.comm
-        own = {n: batches[n].solve() for n in range(comm.rank, len(batches), comm.size)}
+        # More ranks than batches: the last ones have nothing to do.
+        groups = share_out([batch.work for batch in batches], min(comm.size, len(batches)))
+        mine = groups[comm.rank][0] if comm.rank < len(groups) else ()
+        own = {number: batches[number].solve() for number in mine}
         found = dict(ChainMap(*(comm.gather(own) or [])))
         return [found[number] for number in range(len(batches)) if found]
 
@@ -259,7 +262,7 @@ class StressPoints:
     """
 
     def __init__(self, elastic: ElasticBody, points: Array) -> None:
-        self._pairs = PLANE_TENSOR if elastic.gdim == 2 else COMPONENTS
+        self._pairs = PLANE_TENSOR if elastic.components == 2 else COMPONENTS
         cells, reference, self.found = _locate(elastic, points)
         self._cells, self._reference = cells, reference
         self._operator = _operator(elastic, cells, reference, self._pairs)
@@ -342,15 +345,15 @@ def _operator(
     elastic: ElasticBody, cells: Indices, at: Array, pairs: tuple[tuple[int, int], ...]
 ) -> sparse.csr_matrix:
     """(f * c, n) stress at the points from all displacements of this rank."""
-    space, dim = _geometry(elastic), elastic.gdim
+    space, dim, size = _geometry(elastic), elastic.gdim, elastic.components
     nodes = space.tabulate_dof_coordinates()[space.dofmap.list[cells], :dim]
     jacobians = np.einsum("nkd,nke->nde", nodes, _tabulated(space, at)[1])
     slopes = np.einsum("nke,ned->nkd", _tabulated(elastic.space, at)[1], np.linalg.inv(jacobians))
-    stiffness = np.array([elastic.material.tensor[pair] for pair in pairs])[..., :dim, :dim]
+    stiffness = np.array([elastic.material.tensor[pair] for pair in pairs])[..., :size, :dim]
     rows = np.einsum("cij,nkj->ncki", stiffness, slopes)
-    unknowns = elastic.space.dofmap.list[cells][..., None] * dim + np.arange(dim)
-    count, width = len(cells) * len(pairs), unknowns.shape[1] * dim
+    unknowns = elastic.space.dofmap.list[cells][..., None] * size + np.arange(size)
+    count, width = len(cells) * len(pairs), unknowns.shape[1] * size
     columns = np.repeat(unknowns.reshape(len(cells), width), len(pairs), axis=0)
     indptr = np.arange(count + 1) * width
-    shape = count, len(elastic.space.tabulate_dof_coordinates()) * dim
+    shape = count, len(elastic.node_points) * size
     return sparse.csr_matrix((rows.ravel(), columns.ravel(), indptr), shape=shape)

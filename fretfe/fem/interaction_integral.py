@@ -4,20 +4,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+import basix.ufl
 import dolfinx.mesh
 import numpy as np
 import numpy.typing as npt
 import ufl
 from dolfinx import fem
-from ufl.algorithms.analysis import extract_constants
+from ufl.algorithms.analysis import extract_coefficients, extract_constants
 
-from fretfe._typing import Array, Bools, Indices
+from fretfe._typing import Array, Indices
 from fretfe.analytic.crystals import CrackTip, turned
 from fretfe.bodies.definition import DistributedLoad
-from fretfe.fem._compat import form_on
+from fretfe.fem._compat import ElementVectors, exterior_sides
 from fretfe.fem.elasticity import (
     CrystalElasticity,
     ElasticBody,
@@ -25,6 +26,8 @@ from fretfe.fem.elasticity import (
     compiled,
     in_space_of,
     of_dimension,
+    padded,
+    squared,
 )
 
 # Distances below this fraction of the reach are zero.
@@ -44,17 +47,6 @@ BLUNT = 0.02
 SPAN = 0.8
 # How far curved edges leave the box around the nodes of an element, over its size.
 BULGE = 0.05
-# Sums are reordered and there are no error numbers: a third faster, 1e-11 from the result without.
-# Not -ffast-math itself, by which older compilers make a whole process flush small numbers to zero.
-COMPILER_FLAGS = (
-    "-O3",
-    "-g0",
-    "-fno-math-errno",
-    "-fno-trapping-math",
-    "-fno-signed-zeros",
-    "-fassociative-math",
-    "-freciprocal-math",
-)
 
 
 @dataclass(frozen=True)
@@ -62,14 +54,15 @@ class FrontPlace:
     """A place in UFL as seen from the front; all lengths 0 along the front in the plane.
 
     Attributes:
-        axes: rows across, inward, along of the nearest point of the osculating circle.
+        axes: rows across, inward, along of the nearest point of the osculating circle, as many as
+            the displacement has components.
         turn: the same in the axes of the station; None in the plane.
-        height: over the tangent plane.
+        height: over the tangent plane, lifted a little out of the other body.
         ahead: distance from the circle in that plane, positive in the contact.
         arc: along the circle, from the station.
         bend: curvature of the circle through the place.
         stretch: arc of the station's circle per length along that through the place.
-        radius: distance from the front, not quite zero.
+        radius: distance from the front by these two, not quite zero.
     """
 
     axes: Any
@@ -82,20 +75,21 @@ class FrontPlace:
     radius: Any
 
 
-def front_place(offset: Any, frame: Any, curvature: Any, nothing: Any) -> FrontPlace:
+def front_place(offset: Any, frame: Any, curvature: Any, lift: Any) -> FrontPlace:
     """Coordinates of a place around a front.
 
     Args:
         offset: (d,) place less station.
-        frame: (d, d) rows across, inward, along of the station.
+        frame: (c, c) rows across, inward, along of the station, c components of the displacement.
         curvature: of the front, positive where the contact is convex; of no use in the plane.
-        nothing: a length that is zero.
+        lift: height to add, hardly more than zero, positive in the body above.
     """
-    local = frame * offset
+    local = frame * padded(offset, frame.ufl_shape[0])
+    height = local[0] + lift
     if len(offset) == 2:
-        radius = ufl.sqrt(local[0] ** 2 + local[1] ** 2 + nothing**2)
-        return FrontPlace(frame, None, local[0], local[1], 0.0, 0.0, 1.0, radius)
-    height, deep, side = local[0], local[1], local[2]
+        radius = ufl.sqrt(height**2 + local[1] ** 2)
+        return FrontPlace(frame, None, height, local[1], 0.0, 0.0, 1.0, radius)
+    deep, side = local[1], local[2]
     turned, left = curvature * side, 1 - curvature * deep
     # Distance from the centre of the circle over its radius.
     root = ufl.sqrt(turned**2 + left**2)
@@ -116,7 +110,7 @@ def front_place(offset: Any, frame: Any, curvature: Any, nothing: Any) -> FrontP
         arc=2 * side / (root + left) * ratio,
         bend=curvature / root,
         stretch=1 / root,
-        radius=ufl.sqrt(height**2 + ahead**2 + nothing**2),
+        radius=ufl.sqrt(height**2 + ahead**2),
     )
 
 
@@ -128,32 +122,29 @@ class TipField:
         gradient: (d, d) of the displacement.
         stress: (d, d).
         divergence: (d,) of the stress.
+        inward: displacement along `inward`; of no use in the plane, and of crystals.
     """
 
     gradient: Any
     stress: Any
     divergence: Any
+    inward: Any = 0
 
 
 def tip_fields(
-    place: FrontPlace, side: Any, material: Elasticity, nothing: Any, epsilon: Any = None
+    place: FrontPlace, side: Any, material: Elasticity, epsilon: Any = None
 ) -> list[TipField]:
-    """Fields of all modes: opening, shear along `inward` and, in space, shear along `along`.
+    """Fields of all modes: opening, shear along `inward`, and along `along` unless c is 2.
 
     Args:
         place: where.
         side: 1 in the body above the interface, -1 below.
         material: of the body.
-        nothing: a length that is zero.
-        epsilon: of full stick between unlike bodies, in the plane; None between similar ones.
+        epsilon: of full stick between unlike bodies; None between similar ones.
     """
     # The branch of the angle is cut through the other body: surfaces are never quite straight.
-    lifted = side * place.height + nothing
-    angle = ufl.variable(side * (ufl.pi / 2 + ufl.atan2(-place.ahead, lifted)))
-    squared = place.ahead**2 + lifted**2
-    turns = place.ahead / squared, -side * lifted / squared
-    if epsilon is not None:
-        return _bimaterial_fields(place, side, angle, turns, material, epsilon)
+    angle = ufl.variable(side * (ufl.pi / 2 + ufl.atan2(-place.ahead, side * place.height)))
+    turns = place.ahead / place.radius**2, -place.height / place.radius**2
     sine, cosine, k = ufl.sin(angle / 2), ufl.cos(angle / 2), material.kolosov
     shapes = [
         [sine * (k + 1 - 2 * cosine**2), cosine * (k - 1 + 2 * sine**2), ufl.as_ufl(0)],
@@ -162,13 +153,17 @@ def tip_fields(
     ]
     size = place.axes.ufl_shape[0]
     fields = []
-    for shape in shapes[:size]:
+    if epsilon is not None:
+        fields = _bimaterial_fields(place, side, angle, turns, material, epsilon)
+    for shape in shapes[len(fields) : size]:
         slopes = [
             _slopes(place, each, ufl.diff(each, angle), turns, material) for each in shape[:size]
         ]
         values = [_size(place, material) * each for each in shape]
         fields.append(
-            _plane(slopes, material) if size == 2 else _bent(place, values, slopes, material)
+            _plane(slopes, material)
+            if place.turn is None
+            else _bent(place, values, slopes, material)
         )
     return fields
 
@@ -181,13 +176,13 @@ def _bimaterial_fields(
     material: Elasticity,
     epsilon: Any,
 ) -> list[TipField]:
-    """Fields of both modes at the edge of a bonded interface of unlike bodies, in the plane.
+    """Fields of all modes at the edge of a bonded interface of unlike bodies.
 
     With z = x + i y inward and across, 2 mu (u_x + i u_y) = kappa phi(z) - omega(conj z)
     - (z - conj z) conj(phi'(z)), phi' = c e^(s pi epsilon) z^(-1/2 + i epsilon) and omega' =
     c e^(-s pi epsilon) z^(-1/2 + i epsilon), s the side and c = (K_I - i K_II)/(sqrt(8 pi)
     cosh(pi epsilon)): ahead s_yy - i s_xy = (K_I - i K_II) x^(-1/2 + i epsilon)/sqrt(2 pi)
-    (Rice and Sih 1965), free of tractions behind.
+    (Rice and Sih 1965), free of tractions behind. Shear along the front knows nothing of epsilon.
     """
     logarithm = ufl.variable(ufl.ln(place.radius))
     k, grown = material.kolosov, ufl.exp(epsilon * (side * ufl.pi - angle))
@@ -200,22 +195,25 @@ def _bimaterial_fields(
     straight, across = g * real - h * imaginary, g * imaginary + h * real
     lag, apart = angle / 2 - epsilon * logarithm, 2 * ufl.sin(angle) * grown
     m, n = apart * ufl.sin(lag), -apart * ufl.cos(lag)
-    scale = 2 * ufl.cosh(ufl.pi * epsilon)
-    shapes = [[across + n, straight + m], [m - straight, across - n]]
+    scale, nought = 2 * ufl.cosh(ufl.pi * epsilon), ufl.as_ufl(0)
+    shapes = [
+        [(across + n) / scale, (straight + m) / scale, nought],
+        [(m - straight) / scale, (across - n) / scale, nought],
+        [nought, nought, 4 * ufl.sin(angle / 2)],
+    ]
+    size = place.axes.ufl_shape[0]
     fields = []
-    for shape in shapes:
+    for shape in shapes[:size]:
         slopes = [
-            _slopes(
-                place,
-                each / scale,
-                ufl.diff(each, angle) / scale,
-                turns,
-                material,
-                ufl.diff(each, logarithm) / scale,
-            )
-            for each in shape
+            _slopes(place, each, ufl.diff(each, angle), turns, material, ufl.diff(each, logarithm))
+            for each in shape[:size]
         ]
-        fields.append(_plane(slopes, material))
+        values = [_size(place, material) * each for each in shape]
+        fields.append(
+            _plane(slopes, material)
+            if place.turn is None
+            else _bent(place, values, slopes, material)
+        )
     return fields
 
 
@@ -250,9 +248,10 @@ def _slopes(
 
 
 def _plane(slopes: list[list[Any]], material: Elasticity | CrystalElasticity) -> TipField:
-    """The field of a straight front in the plane."""
-    gradient = ufl.as_matrix(slopes)
-    return TipField(gradient, material.stress(ufl.sym(gradient)), ufl.as_vector([0, 0]))
+    """The field of a straight front in the plane; slopes (c, 2) of c components."""
+    size = len(slopes)
+    gradient = ufl.as_matrix([[*row, *[0] * (size - len(row))] for row in slopes])
+    return TipField(gradient, material.stress(ufl.sym(gradient)), ufl.as_vector([0] * size))
 
 
 def _bent(
@@ -274,7 +273,7 @@ def _bent(
             material.shear_modulus * shear_inward - 2 * bend * stress[1, 2],
         ]
     )
-    return TipField(gradient, stress, divergence)
+    return TipField(gradient, stress, divergence, inward)
 
 
 # A complex number in UFL, or of constants: real and imaginary part.
@@ -287,10 +286,10 @@ class CrystalTip:
     Args:
         mesh: of the body.
         stiffness: (6, 6) of the body in the axes of the model.
+        size: number of components of the displacement.
     """
 
-    def __init__(self, mesh: Any, stiffness: Array) -> None:
-        size = mesh.geometry.dim
+    def __init__(self, mesh: Any, stiffness: Array, size: int) -> None:
         self._given, self._size = stiffness, size
         # In the axes of the station.
         self._stiffness = fem.Constant(mesh, of_dimension(stiffness, size))
@@ -313,11 +312,10 @@ class CrystalTip:
         """Hooke's law in the axes of a place."""
         return CrystalElasticity(self._stiffness, place.turn)
 
-    def fields(self, place: FrontPlace, side: Any, nothing: Any) -> list[TipField]:
+    def fields(self, place: FrontPlace, side: Any) -> list[TipField]:
         """Fields of all modes; arguments as of `tip_fields`."""
         material = self.elasticity(place)
-        height = place.height + side * nothing
-        roots = [self._square_root(place.ahead, height, side, a) for a in range(self._size)]
+        roots = [self._square_root(place, side, a) for a in range(self._size)]
         inverses = [_inverse(root) for root in roots]
         cubes = [_product(each, _product(each, each)) for each in inverses]
         fields = []
@@ -326,7 +324,7 @@ class CrystalTip:
                 [self._component(mode, i, power, inverses) / 2 for power in (1, 0)]
                 for i in range(self._size)
             ]
-            if self._size == 2:
+            if place.turn is None:
                 fields.append(_plane(slopes, material))
                 continue
             values = [self._component(mode, i, 0, roots) for i in range(3)]
@@ -337,9 +335,10 @@ class CrystalTip:
             fields.append(_bent_crystal(place, values, slopes, curved, material))
         return fields
 
-    def _square_root(self, ahead: Any, height: Any, side: Any, root: int) -> Complex:
+    def _square_root(self, place: FrontPlace, side: Any, root: int) -> Complex:
         """Root of x + p y, cut through the other body."""
-        real, imaginary = ahead + self._roots[0, root] * height, self._roots[1, root] * height
+        real = place.ahead + self._roots[0, root] * place.height
+        imaginary = self._roots[1, root] * place.height
         size = ufl.sqrt(real**2 + imaginary**2)
         first = ufl.sqrt((size + side * imaginary) / 2)
         second = -side * real / (2 * first)
@@ -409,8 +408,9 @@ class Tip:
 
     Attributes:
         point: (d,) the station on the body's surface.
-        frame: (d, d) unit vectors, in the order of `Factor`: normal of the surface from body 2 to
-            body 1, tangent of it from the front into the contact, in space tangent of the front.
+        frame: (c, c) unit vectors, in the order of `Factor`: normal of the surface from body 2 to
+            body 1, tangent of it from the front into the contact, tangent of the front unless the
+            displacement has c = 2 components only.
         curvature: of the front in the tangent plane, positive where the contact is convex; 0 in the
             plane.
     """
@@ -436,7 +436,8 @@ class Tube:
 
 def _front_coordinates(places: Array, tip: Tip) -> tuple[Array, Array, Array]:
     """(m,) heights of places (m, d), distances inward from the front, and along it; 0 in plane."""
-    height, ahead, *sides = ((places - tip.point) @ tip.frame.T).T
+    axes = tip.frame[:, : places.shape[1]]
+    height, ahead, *sides = ((places - tip.point) @ axes[: places.shape[1]].T).T
     if not sides:
         return height, ahead, np.zeros_like(ahead)
     (side,) = sides
@@ -453,32 +454,35 @@ class _Places:
     Args:
         mesh: mesh.
         dim: dimension of the entities.
-        entities: their numbers on this rank.
+        entities: (n,) their numbers on this rank.
     """
 
     def __init__(self, mesh: Any, dim: int, entities: npt.NDArray[np.int32]) -> None:
-        self._entities = entities
         middles = dolfinx.mesh.compute_midpoints(mesh, dim, entities)
         self._middles = middles[:, : mesh.geometry.dim]
         self._sizes = SPAN * mesh.h(dim, entities)
         self._points = mesh.geometry.x[:, : mesh.geometry.dim]
         self._nodes = dolfinx.mesh.entities_to_geometry(mesh, dim, entities)
 
-    def within(self, tip: Tip, tube: Tube, inner: float) -> npt.NDArray[np.int32]:
-        """Entities that may have points in a tube, not nearer to the front than `inner`."""
-        height, ahead, arc = _front_coordinates(self._middles, tip)
-        distance = np.hypot(height, ahead)
-        near = (distance > inner - self._sizes) & (distance < tube.reach + self._sizes)
-        near &= np.abs(arc) < tube.half_length + self._sizes
-        rows = np.flatnonzero(near)
-        if len(tip.point) == 3:
-            # Elements may be much longer along a front than across it.
-            rows = rows[self._reached(rows, tip, tube)]
-        return self._entities[rows]
+    def around(self, tip: Tip, tubes: Sequence[Tube]) -> _Nearby:
+        """Those that may have points in some tubes around a station."""
+        along = max(tube.half_length for tube in tubes) if len(tip.point) == 3 else 0.0
+        away = self._middles - tip.point
+        ball = max(tube.reach for tube in tubes) + along + self._sizes
+        rows = np.flatnonzero(np.einsum("nd,nd->n", away, away) < ball**2)
+        height, ahead, arc = _front_coordinates(self._middles[rows], tip)
+        distance, sizes = np.hypot(height, ahead), self._sizes[rows]
+        nearby = _Nearby(rows, distance - sizes, distance + sizes, np.abs(arc) - sizes)
+        if len(tip.point) == 2:
+            return nearby
+        # Elements may be much longer along a front than across it.
+        possible = np.unique(np.concatenate([nearby.within(tube) for tube in tubes]))
+        nearby = _Nearby(*(each[possible] for each in vars(nearby).values()))
+        return self._boxed(nearby, tip)
 
-    def _reached(self, rows: Indices, tip: Tip, tube: Tube) -> Bools:
-        """(m,) whether the boxes around some entities, along the axes of a tube, reach into it."""
-        nodes = self._nodes[rows]
+    def _boxed(self, nearby: _Nearby, tip: Tip) -> _Nearby:
+        """The same by boxes around the nodes of the entities, along the axes of a station."""
+        nodes = self._nodes[nearby.rows]
         places = _front_coordinates(self._points[nodes.ravel()], tip)
         low, high = (
             np.array([extreme(each.reshape(nodes.shape), axis=1) for each in places])
@@ -486,10 +490,33 @@ class _Places:
         )
         # Edges are curved a little.
         room = BULGE * (high - low)
-        nearest = np.maximum(np.maximum(low - room, -(high + room)), 0.0)
-        return np.asarray(
-            (np.hypot(nearest[0], nearest[1]) < tube.reach) & (nearest[2] < tube.half_length)
+        across, ahead, along = np.maximum(np.maximum(low - room, -(high + room)), 0.0)
+        return replace(
+            nearby,
+            nearest=np.maximum(nearby.nearest, np.hypot(across, ahead)),
+            along=np.maximum(nearby.along, along),
         )
+
+
+@dataclass(frozen=True)
+class _Nearby:
+    """Entities around a station.
+
+    Attributes:
+        rows: (n,) of them in `_Places`.
+        nearest, farthest: (n,) bounds of the distances of their points from the front.
+        along: (n,) lower bound of those along the front from the station.
+    """
+
+    rows: Indices
+    nearest: Array
+    farthest: Array
+    along: Array
+
+    def within(self, tube: Tube, inner: float = 0.0) -> Indices:
+        """(m,) which of them may have points in a tube, not nearer to the front than `inner`."""
+        inside = (self.nearest < tube.reach) & (self.along < tube.half_length)
+        return np.flatnonzero(inside & (self.farthest > inner))
 
 
 @dataclass(frozen=True)
@@ -501,9 +528,10 @@ class _Surroundings:
         fields: of all modes.
         material: of the body.
         weight: q.
-        slopes: (d,) of q.
-        normal: (d,) of the surface, in the axes of the front.
+        slopes: (c,) of q.
+        normal: (c,) of the surface, in the axes of the front.
         opened: q on open surfaces, 0 elsewhere.
+        stuck: q on surfaces in contact, 0 elsewhere.
         dx: over the volume.
         ds: over the surface.
     """
@@ -515,6 +543,7 @@ class _Surroundings:
     slopes: list[Any]
     normal: Any
     opened: Any
+    stuck: Any
     dx: Any
     ds: Any
 
@@ -530,6 +559,8 @@ class InteractionForm:
         upper: whether it is body 1 of the contact.
         loads: distributed loads, whose initial strains and body forces count.
         oscillation: epsilon of full stick with the other body; zero if that is similar.
+        excess: of the first Lamé constant of the body over the mean of both; counts in space where
+            epsilon is not zero.
     """
 
     def __init__(
@@ -539,91 +570,111 @@ class InteractionForm:
         upper: bool,
         loads: Sequence[DistributedLoad] = (),
         oscillation: float = 0.0,
+        excess: float = 0.0,
     ) -> None:
-        mesh, size = elastic.mesh, elastic.gdim
-        self._size = size
+        mesh, size = elastic.mesh, elastic.components
+        self._mesh, self._size, self._dimension = mesh, size, elastic.gdim
         # One test function for each mode: what they have in common is computed once.
-        self._space = fem.functionspace(mesh, ("Lagrange", elastic.degree, (size, size)))
-        self._numbers = _numbers(self._space, elastic.space)
-        self._point, self._frame = (
-            fem.Constant(mesh, np.zeros((size,) * order)) for order in (1, 2)
-        )
+        self._test = _test_function(mesh, "Lagrange", elastic.degree, (size, size))
+        self._nodes = elastic.space.dofmap.list
+        self._point = fem.Constant(mesh, np.zeros(elastic.gdim))
+        self._frame = fem.Constant(mesh, np.zeros((size, size)))
         self._curvature, self._reach, self._half_length = (fem.Constant(mesh, 1.0) for _ in "123")
         self._side = fem.Constant(mesh, 1.0 if upper else -1.0)
         # Similar bodies keep their simpler fields.
         self._epsilon = fem.Constant(mesh, oscillation) if oscillation else None
+        held = oscillation and elastic.gdim == 3
+        self._excess = fem.Constant(mesh, excess) if held else None
         dim = mesh.topology.dim
         cells = np.arange(mesh.topology.index_map(dim).size_local, dtype=np.int32)
         facets = np.concatenate([elastic.boundary_facets(name) for name in surfaces])
+        self._sides = exterior_sides(mesh, facets)
+        mesh.topology.create_connectivity(dim, dim - 1)
+        of_cell = mesh.topology.connectivity(dim, dim - 1)
+        facets = of_cell.array[of_cell.offsets[self._sides[:, 0]] + self._sides[:, 1]]
         self._cells, self._facets = _Places(mesh, dim, cells), _Places(mesh, dim - 1, facets)
         self._crystal: CrystalTip | None = None
         around = self._surroundings(elastic)
         integral = self._integral(around)
         self._constants = extract_constants(integral)
-        self._compiled = compiled(
-            mesh.comm, fem.compile_form, mesh.comm, integral, flags=COMPILER_FLAGS
-        )
+        width = self._nodes.shape[1] * size**2
+        self._vectors = ElementVectors(self._compiled(integral), mesh, width)
         # Of each load the stress of its initial strain, and its body force.
         self._of_loads = [
             (elastic.initial_stress(load), elastic.body_force(load)) for load in loads
         ]
         if any(each is not None for pair in self._of_loads for each in pair):
-            self._whole = fem.functionspace(mesh, ("DG", 0, (size,)))
             self._held = fem.Function(fem.functionspace(mesh, ("Lagrange", 1, (3, 3))))
             self._force = fem.Function(
                 fem.functionspace(mesh, ("Lagrange", elastic.order, (size,)))
             )
             integral = self._load_integral(around)
             self._load_constants = extract_constants(integral)
-            self._compiled_loads = compiled(
-                mesh.comm, fem.compile_form, mesh.comm, integral, flags=COMPILER_FLAGS
-            )
+            given = extract_coefficients(integral)
+            self._load_vectors = ElementVectors(self._compiled(integral), mesh, size, given)
 
-    def products(self, tip: Tip, tube: Tube, displacements: Array) -> Array:
-        """(d, n) what this rank adds to this body's part of I, for each mode and displacement.
+    def _compiled(self, integral: Any) -> Any:
+        comm = self._mesh.comm
+        return compiled(comm, fem.compile_form, comm, integral)
+
+    def products(self, tip: Tip, tubes: Sequence[Tube], displacements: Array) -> Array:
+        """(R, c, n) what this rank adds to this body's part of I, by mode and displacement.
 
         Args:
             tip: the station.
-            tube: what to integrate over.
-            displacements: (m, d, n) of the body's nodes on this rank, owned and ghosted.
+            tubes: R of them to integrate over.
+            displacements: (m, c, n) of the body's nodes on this rank, owned and ghosted.
         """
-        self._look_at(tip, tube)
-        # Where the weight is 1 there is nothing to count in the plane; in space it varies along the
-        # front.
-        inner = INNER * tube.reach if self._size == 2 else 0.0
-        cells = self._cells.within(tip, tube, inner)
-        facets = self._facets.within(tip, tube, 0.0)
-        form = form_on(self._compiled, self._space, self._constants, cells, facets)
-        vector = np.zeros(len(self._numbers) * self._size**2)
-        fem.assemble_vector(vector, form)
-        links = self._space.mesh.topology.connectivity(self._size - 1, self._size)
-        beside = links.array[links.offsets[facets]]
-        nodes = np.unique(self._space.dofmap.list[np.concatenate([cells, beside])])
-        functionals = vector.reshape(-1, self._size, self._size)[nodes]
-        return np.einsum("nmk,nkj->mj", functionals, displacements[self._numbers[nodes]])
+        cells, sides = self._cells.around(tip, tubes), self._facets.around(tip, tubes)
+        # Where elements are long along the front, some of the tubes are the same.
+        distinct = dict.fromkeys(tubes)
+        found = np.zeros((len(distinct), self._size, displacements.shape[2]))
+        for whole, tube in zip(found, distinct, strict=True):
+            self._look_at(tip, tube)
+            constants = _values(self._constants)
+            # Where the weight is 1 there is nothing to count in the plane; in space it varies along
+            # the front.
+            inner = INNER * tube.reach if self._dimension == 2 else 0.0
+            own = cells.rows[cells.within(tube, inner)]
+            whole += self._product(self._vectors.on_cells(constants, own), own, displacements)
+            beside = self._sides[sides.rows[sides.within(tube)]]
+            lost = self._vectors.on_sides(constants, beside)
+            whole += self._product(lost, beside[:, 0], displacements)
+        return found[[list(distinct).index(tube) for tube in tubes]]
 
-    def load_products(self, tip: Tip, tube: Tube) -> Array:
-        """(d, l) what this rank adds to I for each mode by a unit of each load of the body.
+    def _product(
+        self, vectors: Array, cells: npt.NDArray[np.integer[Any]], displacements: Array
+    ) -> Array:
+        """(c, n) sum over the nodes of cells of their element vectors times displacements."""
+        modes = vectors.reshape(-1, self._size, self._size).swapaxes(0, 1).reshape(self._size, -1)
+        moved = displacements[self._nodes[cells].ravel()]
+        return np.asarray(modes @ moved.reshape(modes.shape[1], displacements.shape[2]))
+
+    def load_products(self, tip: Tip, tubes: Sequence[Tube]) -> Array:
+        """(R, c, l) what this rank adds to I for each mode by a unit of each load of the body.
 
         That is what initial strains and body forces add to the integral over displacements, in
         which the stress is that of the whole strain.
         """
-        found = np.zeros((self._size, len(self._of_loads)))
-        self._look_at(tip, tube)
-        for number, parts in enumerate(self._of_loads):
-            if all(part is None for part in parts):
-                continue
-            given = self._held, self._force
-            for function, part in zip(given, parts, strict=True):
-                function.x.array[:] = 0.0 if part is None else part.x.array
-            cells = self._cells.within(tip, tube, 0.0)
-            facets = self._facets.within(tip, tube, 0.0)
-            form = form_on(
-                self._compiled_loads, self._whole, self._load_constants, cells, facets, given
-            )
-            vector = np.zeros(len(self._whole.dofmap.list) * self._size)
-            fem.assemble_vector(vector, form)
-            found[:, number] = vector.reshape(-1, self._size).sum(axis=0)
+        found = np.zeros((len(tubes), self._size, len(self._of_loads)))
+        loading = [
+            (number, parts)
+            for number, parts in enumerate(self._of_loads)
+            if any(part is not None for part in parts)
+        ]
+        if not loading:
+            return found
+        cells, sides = self._cells.around(tip, tubes), self._facets.around(tip, tubes)
+        for whole, tube in zip(found, tubes, strict=True):
+            self._look_at(tip, tube)
+            constants = _values(self._load_constants)
+            own = cells.rows[cells.within(tube)]
+            beside = self._sides[sides.rows[sides.within(tube)]]
+            for number, parts in loading:
+                for function, part in zip((self._held, self._force), parts, strict=True):
+                    function.x.array[:] = 0.0 if part is None else part.x.array
+                whole[:, number] += self._load_vectors.on_cells(constants, own).sum(axis=0)
+                whole[:, number] += self._load_vectors.on_sides(constants, beside).sum(axis=0)
         return found
 
     def _look_at(self, tip: Tip, tube: Tube) -> None:
@@ -642,17 +693,17 @@ class InteractionForm:
             ufl.Measure(kind, mesh, subdomain_id=1, metadata=metadata) for kind in ("dx", "ds")
         )
         # A quadrature point may fall on the tip, where the field has no gradient.
-        nothing = SMALLEST * self._reach
+        lift = self._side * SMALLEST * self._reach
         offset = ufl.SpatialCoordinate(mesh) - self._point
-        place = front_place(offset, self._frame, self._curvature, nothing)
+        place = front_place(offset, self._frame, self._curvature, lift)
         material: Elasticity | CrystalElasticity
         if elastic.material.crystal is None:
             material = Elasticity.of(mesh, elastic.material)
-            tips = tip_fields(place, self._side, material, nothing, self._epsilon)
+            tips = tip_fields(place, self._side, material, self._epsilon)
         else:
-            self._crystal = CrystalTip(mesh, elastic.material.stiffness)
+            self._crystal = CrystalTip(mesh, elastic.material.stiffness, self._size)
             material = self._crystal.elasticity(place)
-            tips = self._crystal.fields(place, self._side, nothing)
+            tips = self._crystal.fields(place, self._side)
         weight, slopes = self._weight(place)
         return _Surroundings(
             place=place,
@@ -660,24 +711,43 @@ class InteractionForm:
             material=material,
             weight=weight,
             slopes=slopes,
-            normal=place.axes * ufl.FacetNormal(mesh),
+            normal=place.axes * padded(ufl.FacetNormal(mesh), self._size),
             opened=ufl.conditional(ufl.lt(place.ahead, -BLUNT * self._reach), weight, 0.0),
+            stuck=ufl.conditional(ufl.gt(place.ahead, 0.0), weight, 0.0),
             dx=dx,
             ds=ds,
         )
 
     def _integral(self, around: _Surroundings) -> Any:
-        place, slope = around.place, ufl.grad(ufl.TestFunction(self._space))
+        place, slope = around.place, ufl.grad(self._test)
         inside = [_volume_flux(around, field) for field in around.fields]
         leak = [_face_flux(field, around.normal) for field in around.fields]
         whole, lost = (
             sum(
-                ufl.inner(place.axes.T * flux * place.axes, slope[mode, :, :])
+                ufl.inner(place.axes.T * flux * place.axes, squared(slope[mode, :, :]))
                 for mode, flux in enumerate(fluxes)
             )
             for fluxes in (inside, leak)
         )
-        return whole * around.dx - around.opened * lost * around.ds
+        whole = whole * around.dx - around.opened * lost * around.ds
+        if self._excess is None:
+            return whole
+        held = sum(
+            ufl.inner(place.axes.T * self._held_flux(around, field) * place.axes, slope[mode, :, :])
+            for mode, field in enumerate(around.fields)
+        )
+        return whole - around.stuck * held * around.ds
+
+    def _held_flux(self, around: _Surroundings, field: TipField) -> Any:
+        """(d, d) what the bend of the front makes of the tractions between unlike bodies.
+
+        The stretch along a bent front presses the two surfaces differently where their first Lamé
+        constants differ: the crack-tip fields then have a jump of the traction ahead. Each body
+        takes its share of it, as far as that is more than the mean of both.
+        """
+        stretch = -around.place.bend * field.inward
+        ahead = ufl.as_vector([0, 1, 0])
+        return ufl.outer(self._excess * stretch * around.normal, ahead)
 
     def _load_integral(self, around: _Surroundings) -> Any:
         """The part of body forces b and initial strains e0, these by their stress s0 = D e0.
@@ -690,11 +760,14 @@ class InteractionForm:
 
         and what is lost through open surfaces; sa:e0 = ea:s0.
         """
-        axes, test = around.place.axes, ufl.TestFunction(self._whole)
+        axes = around.place.axes
+        test = _test_function(self._mesh, "DG", 0, (self._size,))
         given = in_space_of(self._held, self._size)
         held = axes * given * axes.T
         ahead = ufl.as_vector([float(axis == 1) for axis in range(self._size)])
-        growth = axes * ufl.dot(ufl.grad(given), axes.T * ahead) * axes.T
+        along = ufl.dot(axes.T, ahead)
+        along = ufl.as_vector([along[i] for i in range(self._dimension)])
+        growth = axes * ufl.dot(ufl.grad(given), along) * axes.T
         spread = _spread(around)
         inside, leak = [], []
         for field in around.fields:
@@ -711,7 +784,7 @@ class InteractionForm:
         return whole * around.dx - around.opened * lost * around.ds
 
     def _weight(self, place: FrontPlace) -> tuple[Any, list[Any]]:
-        """The weight q and its slopes (d,) in the axes of the front.
+        """The weight q and its slopes (c,) in the axes of the front.
 
         From 1 to 0 between the inner radius and the reach, twice differentiable; in space times a
         weight along the front over its integral.
@@ -721,8 +794,8 @@ class InteractionForm:
         t = ufl.max_value(0.0, ufl.min_value(1.0, t))
         around, slope = 1 - t**3 * (10 - 15 * t + 6 * t**2), -30 * (t * (1 - t)) ** 2 / width
         slopes = [slope * each / place.radius for each in (place.height, place.ahead)]
-        if self._size == 2:
-            return around, slopes
+        if self._dimension == 2:
+            return around, slopes + [0] * (self._size - 2)
         t = place.arc / self._half_length
         t = ufl.max_value(-1.0, ufl.min_value(1.0, t))
         # Without a second moment: the mean of a factor that varies along the front with the square
@@ -733,22 +806,23 @@ class InteractionForm:
         return around * along, [*slopes, around * fall * place.stretch / self._half_length]
 
 
-# By body, whether it is body 1, and epsilon: it may be body 1 of one contact and body 2 of another.
-Forms = dict[tuple[str, bool, float], InteractionForm]
+# By body, whether it is body 1, epsilon, and the excess of its first Lamé constant: it may be body
+# 1 of one contact and body 2 of another.
+Forms = dict[tuple[str, bool, float, float], InteractionForm]
 
 
 def _spread(around: _Surroundings) -> Any:
-    """(d, d) gradient of the extension of the crack, q along the direction ahead."""
+    """(c, c) gradient of the extension of the crack, q along the direction ahead."""
     size = len(around.slopes)
     spread = np.full((size, size), 0, dtype=object)
     spread[1] = around.slopes
-    if size == 3:
+    if around.place.turn is not None:
         spread[2, 2] = -around.place.bend * around.weight
     return ufl.as_matrix(spread.tolist())
 
 
 def _volume_flux(around: _Surroundings, field: TipField) -> Any:
-    """(d, d) what the gradient of the displacement is multiplied with, in the axes of the front."""
+    """(c, c) what the gradient of the displacement is multiplied with, in the axes of the front."""
     spread, weight = _spread(around), around.weight
     flux = around.material.stress(ufl.sym(field.gradient * spread)) + field.stress * spread.T
     flux -= ufl.tr(spread) * field.stress
@@ -757,16 +831,18 @@ def _volume_flux(around: _Surroundings, field: TipField) -> Any:
 
 
 def _face_flux(field: TipField, normal: Any) -> Any:
-    """(d, d) the same of an open surface with a normal (d,) in those axes, for a weight of 1."""
+    """(c, c) the same of an open surface with a normal (c,) in those axes, for a weight of 1."""
     size = normal.ufl_shape[0]
     ahead = ufl.as_vector([1 if axis == 1 else 0 for axis in range(size)])
     return ufl.outer(field.stress * normal, ahead) - normal[1] * field.stress
 
 
-def _numbers(tested: fem.FunctionSpace, space: fem.FunctionSpace) -> npt.NDArray[np.int32]:
-    """(m,) number in `space` of each node of `tested`, which has more components."""
-    numbers = np.empty(
-        tested.dofmap.index_map.size_local + tested.dofmap.index_map.num_ghosts, dtype=np.int32
-    )
-    numbers[tested.dofmap.list.ravel()] = space.dofmap.list.ravel()
-    return numbers
+def _test_function(mesh: Any, family: str, degree: int, shape: tuple[int, ...]) -> Any:
+    """A test function of a space that exists in UFL only."""
+    element = basix.ufl.element(family, mesh.topology.cell_name(), degree, shape=shape)
+    return ufl.TestFunction(ufl.FunctionSpace(mesh.ufl_domain(), element))
+
+
+def _values(constants: Sequence[fem.Constant]) -> Array:
+    """(c,) values of constants, one after the other."""
+    return np.concatenate([np.ravel(each.value) for each in constants])

@@ -12,9 +12,10 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.bodies.definition import BodyDefinition, Pair
+from fretfe.bodies.definition import BodyDefinition, DistributedLoad, Pair
 from fretfe.case import Case, isotropic
 from fretfe.case.bodies import OverTemperature
+from fretfe.case.loads import InterferenceLoad
 from fretfe.contact.interface import coordinate_range
 from fretfe.contact.recorder import Recorder, StateBlock
 from fretfe.errors import ConvergenceError
@@ -49,6 +50,8 @@ LARGEST_STRETCH = 0.01
 LARGEST_BETA = 0.25
 # One of two equal bodies has half of the compliance of a contact: one per cent of E*.
 LARGEST_SOFTENING = 0.02
+# An offset by this part of the radius changes the radius by it, and curvatures as much.
+LARGEST_OFFSET = 0.01
 # Depth over the width of the contact: about the pressure over the modulus that is left out.
 LARGEST_PENETRATION = 1e-3
 
@@ -130,6 +133,7 @@ def model_limits(
         if extent.width > 0:
             motion = _motion(model, pair, history, recorder)
             limits += _motion_limits(history, extent, motion)
+            limits += _offset(model.case, history, solution, motion)
             summary, cycle = summaries[history.name], cycle_states(solution.cycle)
             limits.append(_pairing(summary, history, motion, cycle))
             limits.append(_penetration(history, extent, depths[pair.name]))
@@ -155,19 +159,22 @@ def _at_other_temperatures(
     for body in (history.body1, history.body2):
         curve = case.given.young.get(body) if case.given is not None else None
         heated = [
-            (each.channel, each.at_points)
+            each
             for each in model.reduction.definition.loads
-            if each.kind == "temperature" and each.strains(body) and each.at_points is not None
+            if each.kind == "temperature" and each.strains(body)
         ]
         used, start = case.bodies[body].temperature, case.bodies[body].reference_temperature
         if curve is None or not heated or used is None or start is None:
             continue
         low, high = np.full((2, len(history.points)), start)
-        for channel, temperatures in heated:
-            parts = loads.values[states, loads.channels.index(channel)]
-            change = temperatures.at(history.points) - start
-            ends = change * parts.min(), change * parts.max()
-            low, high = low + np.minimum(*ends), high + np.maximum(*ends)
+        for name in dict.fromkeys(each.channel for each in heated):
+            parts = loads.values[states, loads.channels.index(name)]
+            change = sum(
+                np.outer(each.amplitudes(parts), _change(each, body, history.points, start))
+                for each in heated
+                if each.channel == name
+            )
+            low, high = low + np.min(change, axis=0), high + np.max(change, axis=0)
         yield ModelLimit(
             history.name,
             f"change of Young's modulus of {body} by temperature, over the one used",
@@ -177,6 +184,23 @@ def _at_other_temperatures(
             f"{high.max():.4g} °C at the surface: areas and edge factors are wrong by about half "
             "of this; take a temperature nearer to those",
         )
+        first, last = curve.temperatures[0], curve.temperatures[-1]
+        yield ModelLimit(
+            history.name,
+            f"temperature beyond the table of Young's modulus of {body}, over its extent",
+            max(first - float(low.min()), float(high.max()) - last, 0.0) / (last - first),
+            0.0,
+            f"the stiffness at the surface, {low.min():.4g} to {high.max():.4g} °C, is unknown "
+            f"where the table, {first:g} to {last:g} °C, does not reach; continue the table",
+        )
+
+
+def _change(load: DistributedLoad, body: str, points: Array, start: float) -> Array:
+    """(N,) change of the temperature of a body at points, from that of reference, for a unit."""
+    if body in load.changes:
+        return load.changes[body].at(points)
+    assert load.at_points is not None
+    return load.at_points.at(points) - start
 
 
 def _largest_change(curve: OverTemperature, low: float, high: float, used: float) -> float:
@@ -195,14 +219,14 @@ def oscillates(case: Case, history: ContactHistory) -> bool:
 
 
 def _dissimilar(case: Case, history: ContactHistory) -> Iterator[ModelLimit]:
-    """Between unlike bodies full stick oscillates at an edge, which only plane isotropic ones know.
+    """Between unlike bodies full stick oscillates at an edge, which only isotropic ones know.
 
     Second, of crystals, that pressure and shear depend on each other without oscillating.
     """
     if not np.any(history.friction > 0):
         return
     bodies = case.bodies[history.body1], case.bodies[history.body2]
-    known = history.facets is None and all(isotropic(each) for each in bodies)
+    known = all(isotropic(each) for each in bodies)
     yield ModelLimit(
         history.name,
         "Dundurs' beta of the bodies, with friction",
@@ -260,6 +284,28 @@ def _motion_limits(
     )
 
 
+def _offset(
+    case: Case, history: ContactHistory, solution: Solution, motion: Motion
+) -> Iterator[ModelLimit]:
+    """An overlap moves surfaces along their normals and leaves them as curved as they are."""
+    names = [
+        name
+        for name, load in case.loads.items()
+        if isinstance(load, InterferenceLoad) and load.contact == history.name
+    ]
+    if names:
+        loads = solution.loads
+        overlap = sum(loads.values[:, loads.channels.index(name)] for name in names)
+        yield ModelLimit(
+            history.name,
+            "overlap of an interference over the smaller radius of the surfaces",
+            float(np.abs(overlap).max()) * motion.curvature,
+            LARGEST_OFFSET,
+            "surfaces are offset by the overlap and keep their radii, so their gap is wrong by "
+            "this part; draw them with the radii that they have, and check units",
+        )
+
+
 def _pairing(
     summary: Contact, history: ContactHistory, motion: Motion, cycle: Indices
 ) -> ModelLimit:
@@ -277,7 +323,7 @@ def _pairing(
     else:
         factors = turned[:, 0] / (np.pi * np.sqrt(2 * summary.half_width))
         wrong = float(np.ptp(factors[cycle])) if len(cycle) else np.nan
-        largest = max(station.k_t_range for station in summary.stations)
+        largest = max(station.k_range for station in summary.stations)
         known = largest > 0
     return ModelLimit(
         summary.name,
@@ -369,15 +415,15 @@ def _deformation(slopes: Array, frames: Array) -> tuple[Array, Array, Array]:
     """Rotation and strain of a surface in n states, from the derivatives of its displacement.
 
     Args:
-        slopes: (n, d - 1, N, d) along each tangent.
-        frames: (N, d, d) of the nodes.
+        slopes: (n, d - 1, N, c) along each tangent of the surface.
+        frames: (N, c, c) of the nodes, of plane bodies with or without z.
 
     Returns:
         (n, N, m) rotation, (n, N) size of that about the tangents, and (n, N) size of the strain
         of the surface, the root of the sum of the squares of its components.
     """
     tilts = np.einsum("tand,nd->tna", slopes, frames[:, 0])
-    strains = np.einsum("tand,nbd->tnab", slopes, frames[:, 1:])
+    strains = np.einsum("tand,nbd->tnab", slopes, frames[:, 1 : slopes.shape[1] + 1])
     even = (strains + strains.swapaxes(2, 3)) / 2
     tilt, strain = np.linalg.norm(tilts, axis=2), np.linalg.norm(even, axis=(2, 3))
     if slopes.shape[1] == 1:
@@ -477,7 +523,7 @@ def farthest_states(model: Model, pair: Pair, recorder: Recorder) -> Indices:
     None of them if all nodes of both surfaces are paired.
     """
     coupling = pair.coupling
-    components = coupling.points.shape[1]
+    components = coupling.frames.shape[1]
     if not any(_unpaired(each, components).any() for each in (coupling.body1, coupling.body2)):
         return np.array([], dtype=np.int64)
     nodes = model.reduction.interface.contacts[pair.name]
@@ -495,11 +541,13 @@ def unpaired_penetration(model: Model, pair: Pair, moved: Sequence[dict[str, Arr
     coupling, contact = pair.coupling, model.case.contacts[pair.name]
     degree = model.case.model.degree
     first, second = (model.surfaces[name] for name in (contact.surface1, contact.surface2))
-    alone1, alone2 = (_unpaired(each, first.dimension) for each in (coupling.body1, coupling.body2))
+    components, size = coupling.frames.shape[1], first.dimension
+    alone1, alone2 = (_unpaired(each, components) for each in (coupling.body1, coupling.body2))
     deepest = 0.0
     for state in moved:
         places1, places2 = (
-            surface.displacement_points(degree) + state[surface.name] for surface in (first, second)
+            surface.displacement_points(degree) + state[surface.name][:, :size]
+            for surface in (first, second)
         )
         deepest = max(
             deepest,

@@ -18,10 +18,12 @@ from fretfe.bodies.definition import (
     BodyDefinition,
     ModelDefinition,
     Pair,
+    across_notes,
     contact_surfaces,
     couple_contacts,
     cut_notes,
     layer_notes,
+    side_notes,
 )
 from fretfe.bodies.rigid_modes import held_model
 from fretfe.case import Case
@@ -102,6 +104,7 @@ class Model:
         forms: of the integrals at their edges, kept for the next history: building one takes longer
             than integrating.
         notes: what a reader of the results should know, in words.
+        on_disk: whether factors are in files.
     """
 
     def __init__(self, comm: MPI.Comm, case: Case, mesh: Mesh | None, clock: Clock) -> None:
@@ -110,13 +113,15 @@ class Model:
         definition = on_root(comm, lambda: held_model(case, mesh))  # type: ignore[arg-type]
         with clock("surfaces"):
             surfaces = on_root(comm, lambda: contact_surfaces(definition, mesh))  # type: ignore[arg-type]
-            self.surfaces = surfaces
-            pairs = on_root(comm, lambda: couple_contacts(case, surfaces), share=False)
-            self._on_disk = on_root(comm, lambda: _factors_on_disk(case, mesh, pairs))  # type: ignore[arg-type]
+            self.surfaces, components = surfaces, definition.components
+            pairs = on_root(comm, lambda: couple_contacts(case, surfaces, components), share=False)
+            self.on_disk = on_root(comm, lambda: _factors_on_disk(case, mesh, pairs))  # type: ignore[arg-type]
         why = unsymmetric_because()
         layers = on_root(comm, lambda: layer_notes(case, definition, mesh))  # type: ignore[arg-type]
+        sides = on_root(comm, lambda: side_notes(definition))
         larger = (f"{LARGER_FACTORS}: {why}",) if why else ()
-        self.notes: tuple[str, ...] = (*larger, *layers, *cut_notes(definition))
+        across = across_notes(case, self.dimension)
+        self.notes: tuple[str, ...] = (*larger, *across, *layers, *sides, *cut_notes(definition))
         self.forms: Forms = {}
         self._definition = definition
         work = comm.bcast(_work(definition, mesh, case.model.degree) if mesh else None)
@@ -139,6 +144,11 @@ class Model:
     def dimension(self) -> int:
         """Number of coordinates, 2 or 3."""
         return next(iter(self.surfaces.values())).dimension
+
+    @property
+    def components(self) -> int:
+        """Number of components of the displacement."""
+        return self._definition.components
 
     def _hand_out(self, mesh: Mesh | None, pairs: tuple[Pair, ...] | None) -> dict[int, _Task]:
         """Send each body to the first rank of its group; returns those of this rank. Collective."""
@@ -166,7 +176,9 @@ class Model:
             body, task = self._definition.bodies[number], tasks.get(number)
             with clock("assembly"):
                 own = task.mesh if task else None
-                elastic = ElasticBody(comm, own, body.material, self.case.model.degree)
+                elastic = ElasticBody(
+                    comm, own, body.material, self.case.model.degree, body.components
+                )
             points, operator = comm.bcast((task.points, task.operator) if task else None)
             loads = list(self._definition.loads)
             bodies[body.name] = Body(
@@ -177,7 +189,7 @@ class Model:
                 operator,
                 clock,
                 body.tie,
-                on_disk=self._on_disk,
+                on_disk=self.on_disk,
             )
         return bodies
 
@@ -242,7 +254,8 @@ def _factors_on_disk(case: Case, mesh: Mesh, pairs: tuple[Pair, ...]) -> bool:
         ModelError: if the model cannot fit into memory even then.
     """
     nodes = sum(len(pair.coupling.weights) for pair in pairs)
-    cost = estimate_cost(mesh, case.model.degree, nodes, steps=0)
+    size = case.components(mesh.dimension)
+    cost = estimate_cost(mesh, case.model.degree, nodes, steps=0, components=size)
     refuse_too_large(cost)
     return cost.on_disk
 
@@ -260,11 +273,8 @@ def step_loads(
     """Loads of every step of a history; forces are per unit thickness."""
     values = dict(zip(history.channels, history.values.T, strict=True))
     count, contacts = len(history.times), [case.contacts[name] for name in interface.contacts]
-    # The body force goes with the square of the angular speed.
     amplitudes = [
-        values[load.channel] ** 2
-        if load.kind == "rotation"
-        else values[load.channel] / _per_thickness(case, load.kind)
+        load.amplitudes(values[load.channel]) / _per_thickness(case, load.kind)
         for load in definition.loads
     ]
     moved = [
@@ -333,6 +343,11 @@ class Prepared:
     def march(self) -> March:
         """Marches through load histories; on rank 0."""
         return March(self.model.reduction.interface)
+
+    def settle(self) -> None:
+        """Have copies of this process only read what they share a file of; on rank 0."""
+        if self.last is not None:
+            self.last.recorder.settle()
 
     @property
     def digest(self) -> str:

@@ -6,19 +6,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from dolfinx import fem
 
 from fretfe._typing import Array, Bools
-from fretfe.bodies.definition import Pair
+from fretfe.analytic.edges import oscillation
+from fretfe.bodies.definition import Material, Pair
 from fretfe.case import Case, half_plane
 from fretfe.contact.full_stick import FRACTION, Increments
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
 from fretfe.fem.interaction_integral import Forms, InteractionForm, Tip, Tube
 from fretfe.fem.model import Model, Request, Share
+from fretfe.idealise.bodies import coupled_beta
 
 # Whether bodies 1 and 2 are above the interface.
 UPPER = (True, False)
@@ -59,8 +61,9 @@ class Probe:
             the order of `Factor`.
         fields: for each place: numbers of the fields it is to be multiplied with.
         tubes: for each place: R of them.
-        oscillation: epsilon of full stick between unlike bodies; factors are then those at the
-            length 1. Zero between similar ones, and between solids.
+        oscillation: epsilon of full stick between unlike bodies; K_I and K_T are then those at the
+            length 1. Zero between similar ones.
+        excess: of the first Lamé constants of unlike bodies over the mean of both.
     """
 
     bodies: tuple[str, str]
@@ -69,6 +72,12 @@ class Probe:
     fields: tuple[tuple[int, ...], ...]
     tubes: tuple[tuple[Tube, ...], ...]
     oscillation: float = 0.0
+    excess: tuple[float, float] = (0.0, 0.0)
+
+    def form_key(self, upper: bool) -> tuple[str, bool, float, float]:
+        """Key of the form of body 1, the upper one, or of body 2."""
+        number = 0 if upper else 1
+        return self.bodies[number], upper, self.oscillation, self.excess[number]
 
 
 def probe_stations(
@@ -103,7 +112,20 @@ def probe_stations(
         frames=tuple(frames),
         fields=(tuple(fields),) * len(frames),
         tubes=tuple(tuple(each) for each in tubes),
+        **bond(model.case, pair),
     )
+
+
+def bond(case: Case, pair: Pair) -> dict[str, Any]:
+    """The constants of unlike bodies for probes of their contact, by the names of `Probe`."""
+    epsilon = oscillation(coupled_beta(case, pair.name, pair.body1, pair.body2))
+    if epsilon == 0:
+        return {}
+    first, second = (
+        Material.of(case.bodies[name], case.model.plane).first_lame
+        for name in (pair.body1, pair.body2)
+    )
+    return {"oscillation": epsilon, "excess": ((first - second) / 2, (second - first) / 2)}
 
 
 def _seen_from(
@@ -162,7 +184,7 @@ def measure(
 
 def _displacements(model: Model, fields: list[dict[str, fem.Function]]) -> dict[str, Array]:
     """(m, d, n) displacements by n fields of this rank's nodes of each body."""
-    size = model.dimension
+    size = model.components
     return {
         name: np.stack([field[name].x.array.reshape(-1, size) for field in fields], axis=2)
         for name in (fields[0] if fields else {})
@@ -173,13 +195,13 @@ def _add_forms(model: Model, probes: Sequence[Probe]) -> None:
     """Add the forms that probes need, of the bodies of this rank's group."""
     forms = model.forms
     for probe in probes:
-        for name, upper in zip(probe.bodies, UPPER, strict=True):
-            key = name, upper, probe.oscillation
+        for upper in UPPER:
+            key = name, _, epsilon, excess = probe.form_key(upper)
             if name in model.bodies and key not in forms:
                 surfaces = list(model.body_definition(name).surfaces)
                 body = model.bodies[name]
                 forms[key] = InteractionForm(
-                    body.elastic, surfaces, upper, body.loads, probe.oscillation
+                    body.elastic, surfaces, upper, body.loads, epsilon, excess
                 )
 
 
@@ -200,14 +222,13 @@ def _integrate(
     ):
         integrals = np.zeros((len(tubes), len(frame), len(numbers)))
         for upper, name, tip in zip(UPPER, probe.bodies, tips, strict=True):
-            key = name, upper, probe.oscillation
+            key = probe.form_key(upper)
             if key not in forms:
                 continue
             displacements = fields[name][..., list(numbers)]
             form, own = forms[key], amplitudes[list(numbers)]
-            for r, tube in enumerate(tubes):
-                integrals[r] += form.products(tip, tube, displacements)
-                integrals[r] += form.load_products(tip, tube) @ own.T
+            integrals += form.products(tip, tubes, displacements)
+            integrals += form.load_products(tip, tubes) @ own.T
         results.append(integrals)
     return results
 
@@ -215,18 +236,21 @@ def _integrate(
 def _whole(case: Case, probe: Probe, sums: list[Array]) -> list[Array]:
     """For each place of a probe: (R, d, J) factors from integrals over both bodies.
 
-    Between unlike bodies those of both modes in the plane by E* cosh^2(pi epsilon).
+    Between unlike bodies those of both modes in the plane by E* cosh^2(pi epsilon), that of shear
+    along the front by the shear moduli alone: G = K_III^2 (1/G1 + 1/G2)/4.
     """
-    size, bonded = len(probe.frames[0]), math.cosh(math.pi * probe.oscillation) ** 2
+    size, grown = len(probe.frames[0]), math.cosh(math.pi * probe.oscillation) ** 2
+    bonded = np.array([grown, grown, 1.0])[:size]
     results = []
     for integrals, tips, frame in zip(sums, probe.tips, probe.frames, strict=True):
         compliances = [
             half_plane(case.bodies[name], case.model.plane, tip.frame).compliance[:size, :size] / 2
             for name, tip in zip(probe.bodies, tips, strict=True)
         ]
-        factors = bonded * np.linalg.solve(sum(compliances), integrals) / np.sqrt(2 * np.pi)
+        factors = np.linalg.solve(sum(compliances), integrals) / np.sqrt(2 * np.pi)
         shares = [np.linalg.solve(sum(compliances), each) for each in compliances]
-        results.append(_turned(_signs(size)[:, None] * factors, tips, frame, shares))
+        scaled = (_signs(size) * bonded)[:, None] * factors
+        results.append(_turned(scaled, tips, frame, shares))
     return results
 
 

@@ -36,7 +36,7 @@ class Restraints:
 
     Attributes:
         shapes: displacement by a unit amplitude of each constraint.
-        constrained: local numbers of the constrained components, gdim * node + component, owned and
+        constrained: local numbers of the constrained components, c * node + component, owned and
             ghosted; of nodes on rollers in their frames.
     """
 
@@ -44,13 +44,16 @@ class Restraints:
         self, elastic: ElasticBody, constraints: Sequence[Constraint], tie: Tie | None = None
     ) -> None:
         self._elastic = elastic
-        points = elastic.space.tabulate_dof_coordinates()[:, : elastic.gdim]
+        points = elastic.node_points
+        unknowns = len(points), elastic.components
         # The last one is of what the axis of a sector holds.
-        shape = (len(constraints) + 1, *points.shape)
-        values, self._held = np.zeros(shape), np.zeros(points.shape, dtype=bool)
+        values, self._held = (
+            np.zeros((len(constraints) + 1, *unknowns)),
+            np.zeros(unknowns, dtype=bool),
+        )
         # By node: rows are the axes.
         self._frames: dict[int, Array] = {}
-        holder = np.full(points.shape, "", dtype=object)
+        holder = np.full(unknowns, "", dtype=object)
         for number, constraint in enumerate(constraints):
             nodes = elastic.boundary_nodes(constraint.boundary)
             nodes = nodes[constraint.holds(points[nodes])]
@@ -70,7 +73,7 @@ class Restraints:
             self._tie_sides(tie, values)
         self._nodes = np.array(sorted(self._frames), dtype=np.int64)
         axes = [self._frames[node] for node in self._nodes.tolist()]
-        self._axes = np.array(axes).reshape(len(axes), elastic.gdim, elastic.gdim)
+        self._axes = np.array(axes).reshape(len(axes), elastic.components, elastic.components)
         self.constrained: Indices = np.flatnonzero(self._held)
         self.shapes = [self._function(each) for each in values[:-1]]
 
@@ -93,7 +96,7 @@ class Restraints:
         Args:
             node: its local number.
             direction: unit vector.
-            values: (m, gdim) displacement of the node by each constraint, in its frame; changed.
+            values: (m, c) displacement of the node by each constraint, in its frame; changed.
             number: of the roller among the constraints.
         """
         frame = self._frames.get(node, np.eye(len(direction)))
@@ -113,7 +116,7 @@ class Restraints:
         self._held[node, free[0]] = True
 
     def _function(self, values: Array) -> fem.Function:
-        """A displacement from values (n, gdim) in the frames of the nodes."""
+        """A displacement from values (n, c) in the frames of the nodes."""
         function = fem.Function(self._elastic.space)
         function.x.array[:] = values.ravel()
         self.turn_back(function.x.array)
@@ -141,18 +144,18 @@ class Restraints:
         Forces on nodes that follow others act on these.
         """
         if self._tie is not None:
-            forces = self._followers.gather(values).reshape(-1, self._elastic.gdim)
+            forces = self._followers.gather(values).reshape(-1, self._elastic.components)
             self._leaders.add(values, self._tie.passed_on(forces).ravel())
         self._apply(values, self._axes)
 
     def _following(self, values: Array) -> Array:
-        """(s*gdim,) displacements of the nodes that follow those in `values`."""
+        """(s*c,) displacements of the nodes that follow those in `values`."""
         assert self._tie is not None
-        leading = self._leaders.gather(values).reshape(-1, self._elastic.gdim)
+        leading = self._leaders.gather(values).reshape(-1, self._elastic.components)
         return self._tie.image(leading).ravel()
 
     def _apply(self, values: Array, axes: Array) -> None:
-        rows = values.reshape(-1, self._elastic.gdim)
+        rows = values.reshape(-1, self._elastic.components)
         known = self._nodes < len(rows)  # a vector of PETSc has no ghosts
         nodes = self._nodes[known]
         rows[nodes] = np.einsum("nij,nj->ni", axes[known], rows[nodes])
@@ -182,17 +185,17 @@ class Restraints:
     @cached_property
     def turning(self) -> sparse.csr_matrix:
         """(N, N) from displacements in the frames of the nodes, global numbers. Collective."""
-        gdim, index_map = self._elastic.gdim, self._elastic.space.dofmap.index_map
+        components, index_map = self._elastic.components, self._elastic.space.dofmap.index_map
         own = self._nodes < index_map.size_local
         numbers = self._nodes[own] + index_map.local_range[0]
         parts = self._elastic.comm.allgather((numbers, self._axes[own]))
         nodes = np.concatenate([part[0] for part in parts])
         axes = np.concatenate([part[1] for part in parts])
-        size = index_map.size_global * gdim
-        unknowns = nodes[:, None] * gdim + np.arange(gdim)
+        size = index_map.size_global * components
+        unknowns = nodes[:, None] * components + np.arange(components)
         others = np.delete(np.arange(size), unknowns.ravel())
-        rows = np.concatenate([others, np.repeat(unknowns, gdim, axis=1).ravel()])
-        columns = np.concatenate([others, np.tile(unknowns, (1, gdim)).ravel()])
+        rows = np.concatenate([others, np.repeat(unknowns, components, axis=1).ravel()])
+        columns = np.concatenate([others, np.tile(unknowns, (1, components)).ravel()])
         values = np.concatenate([np.ones(len(others)), axes.swapaxes(1, 2).ravel()])
         frames = sparse.csr_matrix((values, (rows, columns)), shape=(size, size))
         if self._tie is None:

@@ -22,7 +22,7 @@ from fretfe.errors import ConvergenceError, ModelError, OutputError, StoppedErro
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.cycles import cycle_changes, may_become_steady
 from fretfe.evaluate.evaluate import Tracks, evaluate
-from fretfe.evaluate.limits import unlike_notes, with_limit_warnings
+from fretfe.evaluate.limits import unlike_notes, with_cut_spreads, with_limit_warnings
 from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.resultants import load_extremes
 from fretfe.evaluate.step_ends import division_notes, step_ends
@@ -187,6 +187,7 @@ class _Run:
             contacts = evaluate(solution, tracks=tracks, reference_length=told)
             limits = model_limits(model, recorder, solution, contacts, depths)
             contacts = with_limit_warnings(contacts, limits)
+            contacts = with_cut_spreads(contacts, recorder, solution.cycle)
             failure = marched.failure or imbalance(solution)
         if tracks is not None and case.edges.local:
             with clock("local problems"):
@@ -329,7 +330,7 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     require_possible(case, reduction.definition, cycles.longest)
     steps = step_loads(case, cycles.longest, reduction.interface, reduction.definition)
     places = [_place(prepared.model, pair) for pair in reduction.pairs]
-    channels = [load.channel for load in reduction.definition.loads]
+    channels = [load.label for load in reduction.definition.loads]
     identity = {"mesh": prepared.digest, "values at points": reduction.definition.digest}
     storage = options.storage({**_compat.versions(), **identity})
     recorder = Recorder(march, places, steps, channels, case.model.degree, storage)
@@ -445,9 +446,10 @@ def _steady(recorder: Recorder, cycles: _Cycles, options: RunOptions) -> bool:
 
 def _place(model: Model, pair: Pair) -> Place:
     coupling, names = pair.coupling, (pair.name, pair.body1, pair.body2)
+    beta = coupled_beta(model.case, *names)
     if model.dimension == 3:
-        return Place(*names, coupling, coupling.facets, coupling.free)
-    return Place(*names, coupling, dundurs=coupled_beta(model.case, *names))
+        return Place(*names, coupling, coupling.facets, coupling.free, dundurs=beta)
+    return Place(*names, coupling, dundurs=beta)
 
 
 def _require_contact(recorder: Recorder) -> None:

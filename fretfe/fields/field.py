@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Displacement fields of a run, of this program or another one, by the kind of their file.
+"""Displacements or temperatures of a run, of this program or another one, by the kind of file.
 
 A new kind of file has a function in `READERS`, by the ending of its name, which returns a `Field`.
 """
@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -20,10 +21,14 @@ from fretfe.files import require_file
 from fretfe.loads.csv_file import Table, read_table
 from fretfe.results.field_files import CELL_TYPES, FIELDS, FieldReader
 
+# What a file is read for.
+Quantity = Literal["displacements", "temperatures"]
 # The time of the only step of a file that names none.
 ONLY_STEP = 1.0
 # Rounding of numbers in single precision.
 SINGLE = float(np.finfo(np.float32).eps) / 2
+# Significant digits that a program may have written, and of how many values that is found.
+DIGITS, SAMPLE = range(4, 10), 1000
 
 
 @dataclass(frozen=True)
@@ -47,14 +52,14 @@ class Cells:
 
 @dataclass(frozen=True)
 class Field:
-    """Displacements at points, in the steps of a run.
+    """Displacements, or temperatures, at points, in the steps of a run.
 
     Attributes:
         points: (n, 3), z = 0 in the plane.
         times: (T,) of the steps, increasing; their numbers where the file has no times.
-        values: (n, 3) displacements in a step, by its number from 0.
+        values: (n, 3) displacements or (n, 1) temperatures in a step, by its number from 0.
         cells: elements between the points; None if the file has none.
-        rounding: of the displacements, relative; 0 if it is not known.
+        rounding: of the values, relative; 0 if it is not known.
     """
 
     points: Array
@@ -64,8 +69,27 @@ class Field:
     rounding: float = 0.0
 
 
-def read_field(path: Path) -> Field:
-    """Displacements in a file, or in the results folder of a run.
+def rounding_of(values: Array) -> float:
+    """Relative rounding of values (n, ...) as their file has them; 0 if it has all their digits.
+
+    It is that of single precision, or of the digits of a text.
+    """
+    found = values[np.isfinite(values)]
+    found = found[np.abs(found) > 0]
+    chosen = found[:: 1 + len(found) // SAMPLE]
+    # Few values may have few digits by themselves.
+    if len(np.unique(chosen)) < SAMPLE // 10:
+        return 0.0
+    if (chosen == chosen.astype(np.float32)).all():
+        return SINGLE
+    for digits in DIGITS:
+        if all(float(f"{value:.{digits - 1}e}") == value for value in chosen.tolist()):
+            return 0.5 * 10.0 ** (1 - digits)
+    return 0.0
+
+
+def read_field(path: Path, quantity: Quantity = "displacements") -> Field:
+    """A field in a file, or in the results folder of a run.
 
     Raises:
         CaseError: if it is not as expected.
@@ -73,14 +97,14 @@ def read_field(path: Path) -> Field:
     """
     if path.is_dir():
         path = path / FIELDS
-    require_file(path, "a file with displacements, or a results folder with fields", CaseError)
+    require_file(path, f"a file with {quantity}, or a results folder with fields", CaseError)
     read = READERS.get(path.suffix.lower())
     if read is None:
         raise CaseError(
-            f"{path}: expected a file of displacements whose name ends in one of "
+            f"{path}: expected a file of {quantity} whose name ends in one of "
             f"{', '.join(READERS)}, or a results folder"
         )
-    found = read(path)
+    found = read(path, quantity)
     _require_good(path, found)
     return found
 
@@ -94,7 +118,7 @@ def _require_good(path: Path, found: Field) -> None:
         )
     if not len(found.times) or not len(found.points):
         missing = "steps" if len(found.points) else "points"
-        raise CaseError(f"{path}: expected displacements of at least one step, found no {missing}")
+        raise CaseError(f"{path}: expected values of at least one step, found no {missing}")
     if found.cells is not None:
         _require_elements(path, found.cells, len(found.points))
     back = np.flatnonzero(np.diff(found.times) <= 0)
@@ -115,12 +139,14 @@ def _require_elements(path: Path, cells: Cells, count: int) -> None:
         raise CaseError(f"{path}: expected {len(cells.nodes)} nodes of elements, found {ends[-1]}")
 
 
-def _read_csv(path: Path) -> Field:
-    """Columns x, y (z), ux, uy (uz), and time or step, the same number in all rows of a step."""
-    names = ("x", "y", "ux", "uy")
-    table = read_table(path, names, ("z", "uz", "time", "step"), comment="#")
+def _read_csv(path: Path, quantity: Quantity) -> Field:
+    """Columns x, y (z), ux, uy (uz) or T, and time or step, the same in all rows of a step."""
+    heated = quantity == "temperatures"
+    names = ("x", "y", "T") if heated else ("x", "y", "ux", "uy")
+    others = ("z", "time", "step") if heated else ("z", "uz", "time", "step")
+    table = read_table(path, names, others, comment="#")
     columns = table.columns
-    if ("z" in columns) != ("uz" in columns):
+    if not heated and ("z" in columns) != ("uz" in columns):
         raise CaseError(f"{path}: line 1: expected both or none of the columns 'z' and 'uz'")
     if "time" in columns and "step" in columns:
         raise CaseError(
@@ -129,7 +155,8 @@ def _read_csv(path: Path) -> Field:
     clock = columns.get("time", columns.get("step"))
     zero = np.zeros(len(columns["x"]))
     places = np.stack([columns.get(axis, zero) for axis in AXES], axis=1)
-    moved = np.stack([columns.get(f"u{axis}", zero) for axis in AXES], axis=1)
+    listed = ["T"] if heated else [f"u{axis}" for axis in AXES]
+    values = np.stack([columns.get(name, zero) for name in listed], axis=1)
     if clock is None:
         clock = np.full(len(zero), ONLY_STEP)
     times, number = np.unique(clock, return_inverse=True)
@@ -142,7 +169,8 @@ def _read_csv(path: Path) -> Field:
                 f"{path}: expected the same points in every step, found others at {time:g} than at "
                 f"{times[0]:g}"
             )
-    return Field(places[rows[0]], times, lambda step: moved[rows[step]])
+    rounding = rounding_of(values)
+    return Field(places[rows[0]], times, lambda step: values[rows[step]], rounding=rounding)
 
 
 def _sorted_rows(table: Table, places: Array, rows: Indices) -> Indices:
@@ -156,8 +184,10 @@ def _sorted_rows(table: Table, places: Array, rows: Indices) -> Indices:
     return order
 
 
-def _read_results(path: Path) -> Field:
+def _read_results(path: Path, quantity: Quantity) -> Field:
     """Fields of a run of this program; the parts are its bodies."""
+    if quantity != "displacements":
+        raise CaseError(f"{path}: expected {quantity}, found a run that has displacements only")
     try:
         reader = FieldReader(path)
         nodes = {body: reader.nodes(body) for body in reader.bodies}
@@ -183,7 +213,7 @@ def _read_results(path: Path) -> Field:
     return Field(points, reader.times, values, cells, SINGLE)
 
 
-def _read_hdf(path: Path) -> Field:
+def _read_hdf(path: Path, quantity: Quantity) -> Field:
     """Fields of this program, or of another one that writes VTKHDF."""
     import h5py
 
@@ -192,22 +222,23 @@ def _read_hdf(path: Path) -> Field:
             own = "VTKHDF/CellData/body" in file and "VTKHDF/Steps" in file
     except (OSError, RuntimeError) as error:
         raise CaseError(f"{path}: expected a VTKHDF file, found: {error}") from None
-    return _read_results(path) if own else _read_vtk(path)
+    return _read_results(path, quantity) if own else _read_vtk(path, quantity)
 
 
-def _read_calculix(path: Path) -> Field:
+def _read_calculix(path: Path, quantity: Quantity) -> Field:
     """Steps of a result file of CalculiX; nodes without a displacement are those of beams."""
-    found = read_frd(path)
+    found = read_frd(path, "NDTEMP" if quantity == "temperatures" else "DISP")
     count = len(found.shapes)
     cells = Cells(found.nodes, found.offsets, found.shapes, np.zeros(count, dtype=np.int64))
-    return Field(found.points, found.times, found.displacements, cells if count else None, SINGLE)
+    rounding = max(rounding_of(found.values(0)), SINGLE)
+    return Field(found.points, found.times, found.values, cells if count else None, rounding)
 
 
-def _read_vtk(path: Path) -> Field:
+def _read_vtk(path: Path, quantity: Quantity) -> Field:
     """Steps of a file that VTK reads, which takes a while to load."""
     from fretfe.fields.vtk import read_grid
 
-    times, read = read_grid(path)
+    times, read = read_grid(path, quantity)
     points, cells, first = read(0)
 
     def values(step: int) -> Array:
@@ -218,11 +249,10 @@ def _read_vtk(path: Path) -> Field:
             )
         return moved
 
-    single = (first == first.astype(np.float32)).all()
-    return Field(points, times, values, cells, SINGLE if single else 0.0)
+    return Field(points, times, values, cells, rounding_of(first))
 
 
-READERS: Mapping[str, Callable[[Path], Field]] = {
+READERS: Mapping[str, Callable[[Path, Quantity], Field]] = {
     ".csv": _read_csv,
     ".txt": _read_csv,
     ".hdf": _read_hdf,

@@ -46,6 +46,8 @@ ELEMENTS = {
 }
 # Kinds of analyses whose values are those of a time: static, and transient.
 IN_TIME = (0, 1)
+# Results that can be read, and their components.
+COLUMNS = {"DISP": 3, "NDTEMP": 1}
 LONGEST_LINE = 1000
 NUMBER = re.compile(rb"[-+ ]?\d\.\d+(?:[EeDd][-+]?\d+|[-+]\d+)|[-+]?(?:nan|inf)\w*", re.IGNORECASE)
 
@@ -73,7 +75,7 @@ class Frd:
         nodes: (c,) places in `points` of the nodes of each element, in VTK's order.
         offsets: (m + 1,) where the elements begin in `nodes`, and the end.
         shapes: (m,) VTK's number of each element; none where the file has no elements.
-        times: (T,) of the steps with displacements, increasing.
+        times: (T,) of the steps with the result that was asked for, increasing.
         notes: what in the file is not used, in words.
     """
 
@@ -85,35 +87,28 @@ class Frd:
     times: Array
     notes: tuple[str, ...]
     _source: _Source
-    _moved: tuple[_Block, ...]
-    _heated: dict[float, _Block]
+    _blocks: tuple[_Block, ...]
 
-    def displacements(self, step: int) -> Array:
-        """(n, 3) displacements in a step, by its number from 0; NaN at nodes without any.
+    def values(self, step: int) -> Array:
+        """(n, 3) displacements, or (n, 1) temperatures, in a step, by its number from 0.
+
+        NaN at nodes without any.
 
         Raises:
             CaseError: if there are none that can be read.
         """
-        return self._source.values(self._moved[step], self.numbers)
-
-    def temperatures(self, step: int) -> Array | None:
-        """(n,) temperatures in a step, NaN at nodes without one; None if the file has none.
-
-        Raises:
-            CaseError: if they cannot be read.
-        """
-        block = self._heated.get(float(self.times[step]))
-        return None if block is None else self._source.values(block, self.numbers)[:, 0]
+        return self._source.values(self._blocks[step], self.numbers)
 
 
-def read_frd(path: Path) -> Frd:
+def read_frd(path: Path, wanted: str = "DISP") -> Frd:
     """Open a result file of CalculiX.
 
     Args:
         path: the file, in text or binary form.
+        wanted: its name of the result, "DISP" or "NDTEMP".
 
     Raises:
-        CaseError: if it is not whole, or has no displacements of a static or transient run.
+        CaseError: if it is not whole, or has no such result of a static or transient run.
     """
     require_file(path, "a result file of CalculiX (.frd)", CaseError)
     try:
@@ -121,7 +116,7 @@ def read_frd(path: Path) -> Frd:
             mapped = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
     except (OSError, ValueError) as error:  # ValueError: it is empty
         raise CaseError(f"{path}: cannot read the result file: {error}") from None
-    return _Reader(_Source(path, mapped)).read()
+    return _Reader(_Source(path, mapped), wanted).read()
 
 
 @dataclass
@@ -196,6 +191,7 @@ class _Reader:
     """Goes through the records of a file."""
 
     source: _Source
+    wanted: str
     place: int = 0
     nodes: _Block | None = None
     blocks: list[_Block] = field(default_factory=list)
@@ -295,9 +291,8 @@ class _Reader:
         if not all(each.startswith(" -5") for each in names):
             raise self.source.error(self.place, f"{name}: expected {stated} components")
         block = self._block(name, value, line, columns)
-        wanted = {"DISP": 3, "NDTEMP": 1}
-        if name in wanted and kind in IN_TIME:
-            if columns != wanted[name]:
+        if name == self.wanted and kind in IN_TIME:
+            if columns != COLUMNS[name]:
                 raise self.source.error(block.start, f"{name}: found {columns} components")
             self.blocks.append(block)
         else:
@@ -305,6 +300,10 @@ class _Reader:
 
     def _read_elements(self, line: str) -> None:
         form, count = self._form(line), self._whole(line, 24, 36, "a number of elements")
+        alike = None if form in PRECISION else self._elements_of_one_kind(form, count)
+        if alike is not None:
+            self.elements.append(alike)
+            return
         rows = self._binary_elements(count) if form in PRECISION else self._text_elements(form)
         found: dict[int, list[list[int]]] = {}
         for kind, nodes in rows:
@@ -330,6 +329,44 @@ class _Reader:
             yield words[place + 1], nodes
             place += 4 + size
         self.place += 4 * place
+
+    def _elements_of_one_kind(self, form: int, count: int) -> tuple[int, Indices] | None:
+        """Kind and nodes of text elements that are all alike, read at once; None if they are not.
+
+        A million of them would take minutes one by one.
+        """
+        digits, begin = DIGITS[form], self.place
+        end = self._end_of_rows()
+        lines, after, self.place = self.source.data[begin:end].splitlines(), self.place, begin
+        each = len(lines) // count if count else 0
+        if each < 2 or len(lines) != each * count:
+            return None
+        tables = []
+        for row in range(each):
+            own = lines[row::each]
+            if {len(line) for line in own} != {len(own[0])}:
+                return None
+            tables.append(np.frombuffer(b"".join(own), "S1").reshape(count, -1))
+        heads, kind = tables[0], lines[0][3 + digits : 8 + digits].strip()
+        same = (heads[:, 3 + digits : 8 + digits] == heads[0, 3 + digits : 8 + digits]).all()
+        marks = [b" -1", *[b" -2"] * (each - 1)]
+        good = all(
+            line[:3] == mark and (table[:, :3] == table[0, :3]).all()
+            for line, mark, table in zip(lines, marks, tables, strict=False)
+        )
+        if not (same and good and kind.isdigit()):
+            return None
+        if any((table.shape[1] - 3) % digits for table in tables[1:]):
+            return None
+        try:
+            columns = [_numbers(table[:, 3:].reshape(-1, digits)) for table in tables[1:]]
+        except ValueError:
+            return None
+        nodes = np.hstack([column.reshape(count, -1) for column in columns]).astype(np.int64)
+        if nodes.shape[1] != self._size(int(kind)):
+            return None
+        self.place = after
+        return int(kind), nodes
 
     def _text_elements(self, form: int) -> Iterator[tuple[int, list[int]]]:
         digits = DIGITS[form]
@@ -368,17 +405,16 @@ class _Reader:
         numbers, points = numbers[order], points[order]
         if (again := np.flatnonzero(np.diff(numbers) == 0)).size:
             raise source.error(self.nodes.start, f"found node {numbers[again[0]]} twice")
-        moved = [block for block in self.blocks if block.name == "DISP"]
-        times = np.array([block.time for block in moved])
-        if not moved or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
+        times = np.array([block.time for block in self.blocks])
+        if not self.blocks or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
             listed = ", ".join(f"{time:g}" for time in times[:10]) or "none"
             raise CaseError(
-                f"{source.path}: expected displacements (DISP) of a static or transient run, at "
+                f"{source.path}: expected results {self.wanted} of a static or transient run, at "
                 f"times that increase, found {listed}"
             )
         return Frd(
             points, numbers, *self._cells(numbers), times, tuple(self._notes()), source,
-            tuple(moved), {each.time: each for each in self.blocks if each.name == "NDTEMP"},
+            tuple(self.blocks),
         )  # fmt: skip
 
     def _cells(self, numbers: Indices) -> tuple[Indices, Indices, Indices]:

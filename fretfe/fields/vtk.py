@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +12,18 @@ from scipy import sparse
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import CaseError
-from fretfe.fields.field import ONLY_STEP, Cells, Field
+from fretfe.fields.field import ONLY_STEP, Cells, Field, Quantity
 from fretfe.results.tables import require
 
-# Names of the displacement among the values at nodes that programs write, in small letters.
-DISPLACEMENTS = ("displacement", "displacements", "disp", "u")
+# Names among the values at nodes that programs write, in small letters, and their components.
+NAMES: Mapping[Quantity, tuple[str, ...]] = {
+    "displacements": ("displacement", "displacements", "disp", "u"),
+    "temperatures": ("temperature", "temp", "ndtemp", "nt", "nt11", "t"),
+}
+SHAPES: Mapping[Quantity, tuple[tuple[int, ...], ...]] = {
+    "displacements": ((2,), (3,)),
+    "temperatures": ((), (1,)),
+}
 # A place is in an element if it is nearer to it than this part of the extent of all.
 INSIDE = 1e-9
 # Steps to a place in an element from where VTK finds it.
@@ -24,11 +31,11 @@ NEWTON_STEPS = 2
 # Nodes of the largest elements that VTK knows, and more.
 MOST_NODES = 512
 
-# Points, elements and displacements in a step.
+# Points, elements and values in a step.
 Grid = tuple[Array, Cells, Array]
 
 
-def read_grid(path: Path) -> tuple[Array, Callable[[int], Grid]]:
+def read_grid(path: Path, quantity: Quantity) -> tuple[Array, Callable[[int], Grid]]:
     """(T,) times of the steps of a file, and what reads one of them.
 
     Raises:
@@ -55,7 +62,7 @@ def read_grid(path: Path) -> tuple[Array, Callable[[int], Grid]]:
             ) from error
         if not grid.n_cells:
             raise CaseError(f"{path}: expected elements, found none in step {step + 1}")
-        return np.array(grid.points, dtype=float), _cells(grid), _displacement(path, grid)
+        return np.array(grid.points, dtype=float), _cells(grid), _values(path, grid, quantity)
 
     return times, read
 
@@ -89,18 +96,19 @@ def _cells(grid: Any) -> Cells:
     )
 
 
-def _displacement(path: Path, grid: Any) -> Array:
-    """(n, 3) the displacement among the values at the nodes."""
+def _values(path: Path, grid: Any, quantity: Quantity) -> Array:
+    """(n, 3) displacements or (n, 1) temperatures among the values at the nodes."""
     arrays = {name: np.asarray(grid.point_data[name]) for name in grid.point_data}
-    vectors = {name: each for name, each in arrays.items() if each.shape[1:] in ((2,), (3,))}
-    named = [name for name in vectors if name.lower() in DISPLACEMENTS]
+    fitting = {name: each for name, each in arrays.items() if each.shape[1:] in SHAPES[quantity]}
+    named = [name for name in fitting if name.lower() in NAMES[quantity]]
     if len(named) != 1:
+        what = "vector" if quantity == "displacements" else "number"
         raise CaseError(
-            f"{path}: expected one vector at the nodes that is called one of "
-            f"{', '.join(DISPLACEMENTS)}, found {', '.join(map(repr, arrays)) or 'none'}"
+            f"{path}: expected one {what} at the nodes that is called one of "
+            f"{', '.join(NAMES[quantity])}, found {', '.join(map(repr, arrays)) or 'none'}"
         )
-    found = vectors[named[0]].astype(float)
-    return np.pad(found, ((0, 0), (0, 3 - found.shape[1])))
+    found = fitting[named[0]].astype(float).reshape(grid.n_points, -1)
+    return np.pad(found, ((0, 0), (0, 3 - found.shape[1]))) if found.shape[1] == 2 else found
 
 
 def element_weights(

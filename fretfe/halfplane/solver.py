@@ -90,12 +90,14 @@ def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
     scaled = hats.compliance(far) / np.outer(roots, roots) / problem.profile.e_star
     coupling = hats.coupling() / np.outer(roots, roots) * problem.dundurs / problem.profile.e_star
     compliance = np.zeros((size, 2, size, 2))
-    compliance[:, 0, :, 0] = compliance[:, 1, :, 1] = scaled
+    compliance[:, 0, :, 0] = scaled
+    compliance[:, 1, :, 1] = problem.tangential * scaled
     compliance[:, 0, :, 1], compliance[:, 1, :, 0] = coupling, coupling.T
     gap, tension = np.zeros((size, 2)), np.zeros((size, 2))
     gap[:, 0] = hats.integrate(problem.profile.gap) / roots
     # A bulk tension sigma0 stretches surface 2 by sigma0/(2 E*) more than surface 1.
-    tension[:, 1] = hats.integrate(lambda at: at) / roots / (2 * problem.profile.e_star)
+    stretch = problem.tangential / (2 * problem.profile.e_star)
+    tension[:, 1] = hats.integrate(lambda at: stretch * at) / roots
     motion = np.zeros((size, 2, 3))
     motion[:, 1, 0] = -roots
     motion[:, 0, 1] = roots
@@ -105,7 +107,7 @@ def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
         compliance=DenseCompliance(compliance.reshape(2 * size, -1)),
         gap=gap.ravel(),
         motion=motion.reshape(2 * size, 3),
-        stiffness=np.diag([SPRING * problem.profile.e_star, 0.0, 0.0]),
+        stiffness=np.diag([SPRING * problem.profile.e_star / problem.tangential, 0.0, 0.0]),
         loads=tension.reshape(2 * size, 1),
         coordinate_loads=np.zeros((3, 1)),
         roots=roots,

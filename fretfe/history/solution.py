@@ -150,8 +150,8 @@ class ContactHistory:
         facets: (F, 3 or 4) nodes of the facets of the surface, counter-clockwise seen from outside
             body 2; None in the plane.
         free: (N,) nodes on the rim of the surface at which both bodies end; None in the plane.
-        dundurs: Dundurs' beta in the plane, body 1 above; zero of similar bodies, and where it has
-            no part in the evaluation: without friction, and between solids.
+        dundurs: Dundurs' beta, body 1 above, of solids in plane strain; zero of similar bodies, and
+            where it has no part in the evaluation: without friction, and of crystals.
     """
 
     name: str
@@ -180,8 +180,8 @@ class ContactHistory:
 
     @property
     def mean_normal(self) -> Array:
-        """(d,) mean unit normal of body 2 over the surface."""
-        mean: Array = self.weights @ self.frames[:, 0]
+        """(d,) mean unit normal of body 2 over the surface, with as many components as points."""
+        mean: Array = self.weights @ self.frames[:, 0, : self.points.shape[1]]
         return mean / np.linalg.norm(mean)
 
     @property

@@ -156,10 +156,14 @@ class StateStream:
         rows.waiting.clear()
         self._end = place
 
-    def flush(self) -> dict[str, RowKind]:
-        """Write all rows, and have them on the disk; return what there is then."""
+    def settle(self) -> None:
+        """Write all rows."""
         for each in self._rows.values():
             self._write(each)
+
+    def flush(self) -> dict[str, RowKind]:
+        """Write all rows, and have them on the disk; return what there is then."""
+        self.settle()
         try:
             sync(self._file)
         except OSError as error:

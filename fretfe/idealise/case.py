@@ -18,6 +18,7 @@ from fretfe.idealise.bodies import (
     coupled_beta,
     geometry_obstacles,
     read_block,
+    tangential_ratio,
 )
 from fretfe.idealise.problem import HalfPlaneProblem, contact_edges
 from fretfe.loads import History, build_history
@@ -43,6 +44,9 @@ class Loading:
 def loading_obstacles(case: Case) -> Iterator[str]:
     """Reasons why the loads and supports of a case are not those of half-planes."""
     yield from _load_obstacles(case)
+    for key in case.moving_across():
+        if key[0] != "bodies":  # said of crystals in any case
+            yield f"{'.'.join(map(str, key))}: expected nothing that moves the bodies along z"
     if case.symmetry:
         yield "symmetry: expected no sector of a disc"
     fixed = _fixed(case)
@@ -146,9 +150,9 @@ def read_loading(case: Case, history: History, block: Block) -> Loading:
 
     The resultant of the loads on the upper body passes through the contact; a platen takes up its
     moment, so that M = 0, and so is the tilt of the profile. Different bodies stretch differently:
-    sigma0 = 2 E* x (strain of the lower body). Half-planes carry Q away half to either side; a
-    block that is held on one side carries all of it there, which is the same but for a uniform
-    tension of Q/2 over its height.
+    sigma0 = 2 E* x (strain of the lower body), with E* by the compliance to shear. Half-planes
+    carry Q away half to either side; a block that is held on one side carries all of it there,
+    which is the same but for a uniform tension of Q/2 over its height.
     """
     values = dict(zip(history.channels, history.values.T, strict=True))
     force = np.zeros((COMPONENTS, len(history.times)))
@@ -168,7 +172,7 @@ def read_loading(case: Case, history: History, block: Block) -> Loading:
         normal_force=-force[1],
         shear_force=force[0],
         moment=np.zeros(len(history.times)) if guided(case) else block.heights[0] * force[0],
-        bulk_tension=2 * block.profile.e_star * tension / modulus,
+        bulk_tension=2 * block.profile.e_star / tangential_ratio(case) * tension / modulus,
     )
 
 
@@ -225,6 +229,7 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
         shear_force=loading.shear_force,
         moment=loading.moment,
         bulk_tension=loading.bulk_tension,
+        tangential=tangential_ratio(case),
         dundurs=coupled_beta(case, name, UPPER, LOWER),
         guided=guided(case) and coupled_beta(case, name, UPPER, LOWER) != 0,
         between=_between(case, history, block),

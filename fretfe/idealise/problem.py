@@ -32,6 +32,8 @@ class HalfPlaneProblem:
         shear_force: (T,) Q.
         moment: (T,) M of the pressure about the axis of the profile.
         bulk_tension: (T,) sigma0.
+        tangential: compliance to shear over that to pressure, 1/E* of the profile; that of crystals
+            is not 1. Tractions do not depend on it, slip is in proportion.
         dundurs: Dundurs' second constant beta, by which pressure and shear depend on each other;
             body 1 is above.
         guided: whether body 1 does not turn although shear would turn it, as that of unlike bodies
@@ -53,6 +55,7 @@ class HalfPlaneProblem:
     shear_force: Array
     moment: Array
     bulk_tension: Array
+    tangential: float = 1.0
     dundurs: float = 0.0
     guided: bool = False
     between: Array | None = None

@@ -9,7 +9,8 @@ problem: the slip γ of the nodes, in two directions x and z, minimises
 with the shear q that all stuck nodes would have, the friction bound b = f p of each node, and the
 positive semi-definite change Kγ of the shear by slip. A node sticks, γ = 0 with |q| <= b, or slips
 against the shear, |q| = b. Newton's method for semi-smooth equations finds which of both in two to
-four iterations, here for S edges with the same nodes but other materials, bounds and loads.
+four iterations, here for S edges with the same nodes but other materials, bounds and loads. Nodes
+outside of all contacts, which carry nothing, are eliminated before: they are the first ones.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ MOST_ITERATIONS = 40
 LEAST_RESISTANCE = 1e-13
 # Shear beyond the bound by less than this fraction of it is on the bound.
 ROUND_OFF = 1e-10
+# Friction bound of edges that are given up.
+UNBOUNDED = 1e200
 
 
 @dataclass(frozen=True)
@@ -54,6 +57,37 @@ class Stiffness:
     def of(self, edges: Indices) -> Stiffness:
         """That of some edges."""
         return replace(self, stiffness=self.stiffness[edges])
+
+    def behind(self, outside: int) -> tuple[Array, Array]:
+        """Change of the shear behind some first nodes whose slip keeps their own shear as wanted.
+
+        Args:
+            outside: number o of these nodes.
+
+        Returns:
+            (n-o, n-o) of the shear by slip behind them, and (o, n) inverse of their own change
+            times the change of their shear by slip of all.
+        """
+        own, mixed = self.change[:outside, :outside], self.change[:outside, outside:]
+        inverse = np.linalg.solve(own, np.hstack([np.eye(outside), mixed]))
+        return self.change[outside:, outside:] - mixed.T @ inverse[:, outside:], inverse
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Friction bounds of S edges.
+
+    Attributes:
+        friction: coefficient.
+        lost: (S,) edges that are given up: nothing slips, and nothing is told of them.
+    """
+
+    friction: float
+    lost: Bools
+
+    def of(self, pressure: Array) -> Array:
+        """(S, n) from pressures (S, n)."""
+        return np.where(self.lost[:, None], UNBOUNDED, self.friction * pressure)
 
 
 @dataclass(frozen=True)
@@ -89,6 +123,9 @@ def partial_slip(
     # Of the outermost nodes some may have so little pressure that nothing is left to be solved.
     free, edge = bound <= tolerance, bound * (1 + ROUND_OFF) + tolerance
     slipping = free | before | (_length(trial) > edge)
+    # Not all nodes: nothing resists their common slip.
+    outside = int(np.argmin(np.append(free.all(axis=0)[:-1], False)))
+    behind = stiffness.behind(outside)
     remaining = np.arange(len(stuck))
     for _ in range(MOST_ITERATIONS):
         now, own = slipping[remaining], stiffness.of(remaining)
@@ -96,7 +133,7 @@ def partial_slip(
         now, b = now[:, :count], bound[remaining, :count]
         direction = unit(trial[remaining, :count])
         turning = _turning(trial[remaining, :count], direction, b, free[remaining, :count])
-        found = _linearised(own, now, b, stuck[remaining, :count], direction, turning)
+        found = _slip(own, behind, now, b, stuck[remaining, :count], direction, turning)
         q = stuck[remaining]
         stiffer = found @ own.stiffness  # which is symmetric
         for axis in (0, 1):
@@ -129,20 +166,53 @@ def _turning(trial: Array, direction: Array, bound: Array, free: Bools) -> Array
     return np.asarray(share * np.array([1 - x**2, 1 - z**2, -x * z]))
 
 
-def _linearised(
-    stiffness: Stiffness, slipping: Bools, bound: Array, stuck: Array, direction: Array,
-    turning: Array,
+def _slip(
+    stiffness: Stiffness, behind: tuple[Array, Array], slipping: Bools, bound: Array, stuck: Array,
+    direction: Array, turning: Array,
 ) -> Array:  # fmt: skip
     """(S, k, 2) slip that brings the shear of the slipping nodes to the linearised bound."""
+    (change, inverse), outside = behind, len(behind[1])
+    # What carries nothing has its bound as its shear, whatever slips behind it.
+    wanted = bound[:, :outside, None] * direction[:, :outside] - stuck[:, :outside]
+    passed_on = inverse[:, outside : slipping.shape[1]]
+    inner = slice(outside, None)
+    found = np.empty(stuck.shape)
+    found[:, inner] = _linearised(
+        stiffness.stiffness, change, stiffness.penalty[:, outside : slipping.shape[1]],
+        slipping[:, inner], bound[:, inner], stuck[:, inner] + passed_on.T @ wanted,
+        direction[:, inner], turning[:, :, inner],
+    )  # fmt: skip
+    stiffer = found[:, inner] @ stiffness.stiffness
+    free = inverse[:, :outside] @ wanted - passed_on @ stiffer
+    found[:, :outside] = np.linalg.solve(stiffness.stiffness, free.swapaxes(1, 2)).swapaxes(1, 2)
+    return found
+
+
+def _linearised(
+    stiffness: Array, change: Array, resistance: Array, slipping: Bools, bound: Array,
+    stuck: Array, direction: Array, turning: Array,
+) -> Array:  # fmt: skip
+    """(S, k, 2) the same of nodes that are not eliminated, k of them.
+
+    Args:
+        stiffness: (S, 2, 2) as of `Stiffness`.
+        change: (n, n) of the shear by slip.
+        resistance: (S, k) as `Stiffness.penalty`.
+        slipping: (S, k).
+        bound: (S, k).
+        stuck: (S, k, 2).
+        direction: (S, k, 2).
+        turning: (3, S, k).
+    """
     edges, count = slipping.shape
     slips, (xx, zz, xz) = slipping.astype(float), turning
     held = slips * np.array([[1 - xx, -xz], [-xz, 1 - zz]])
-    shares = np.einsum("acsk,scb->absk", held, stiffness.stiffness)
+    shares = np.einsum("acsk,scb->absk", held, stiffness)
     matrix = np.empty((edges, 2, count, 2, count))
     for row, column in np.ndindex(2, 2):
-        within = stiffness.change[:count, :count]
+        within = change[:count, :count]
         np.multiply(shares[row, column][..., None], within, out=matrix[:, row, :, column])
-    node, penalty = np.arange(count), slips * stiffness.penalty[:, :count]
+    node, penalty = np.arange(count), slips * resistance
     least = LEAST_RESISTANCE * penalty
     matrix[:, 0, node, 0, node] += penalty * xx + least + 1 - slips
     matrix[:, 1, node, 1, node] += penalty * zz + least + 1 - slips
@@ -151,8 +221,8 @@ def _linearised(
     wanted = bound[..., None] * direction - stuck
     wanted[..., 0] += xx * stuck[..., 0] + xz * stuck[..., 1]
     wanted[..., 1] += xz * stuck[..., 0] + zz * stuck[..., 1]
-    right = (slips[..., None] * wanted).transpose(0, 2, 1).reshape(edges, -1, 1)
-    solved = np.linalg.solve(matrix.reshape(edges, 2 * count, -1), right)
+    right = (slips[..., None] * wanted).transpose(0, 2, 1).reshape(edges, 2 * count, 1)
+    solved = np.linalg.solve(matrix.reshape(edges, 2 * count, 2 * count), right)
     return np.asarray(solved.reshape(edges, 2, count).transpose(0, 2, 1))
 
 

@@ -28,14 +28,21 @@ POINTS, WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
 @lru_cache(maxsize=16)
-def half_planes(finest: float, travel: float) -> HalfPlanes:
-    """Half-planes on a grid for edges that travel some way, with elements as fine as wanted."""
+def half_planes(finest: float, travel: float, *, whole: bool = False) -> HalfPlanes:
+    """Half-planes on a grid for edges that travel some way, with elements as fine as wanted.
+
+    Args:
+        finest: size of an element over the half-width.
+        travel: of the edges, likewise.
+        whole: whether both edges are wanted, which differ between unlike bodies.
+    """
     places = [0.0]
     while places[-1] < 1.0:
         size = max(finest, GROWTH * (places[-1] - travel))
         places.append(places[-1] + min(size, COARSEST))
     s = np.array(places) / places[-1]
-    return HalfPlanes(np.concatenate([s - 1, (1 - s)[-2::-1]]))
+    grid = np.concatenate([s - 1, (1 - s)[-2::-1]])
+    return WholeHalfPlanes(grid) if whole else HalfPlanes(grid)
 
 
 class HalfPlanes:
@@ -47,26 +54,34 @@ class HalfPlanes:
     Attributes:
         s: (n,) places of the nodes.
         weights: (n,) lengths that belong to them.
-        sizes: (n,) of the elements behind them.
+        points: (m,) x of the points at which pressures are taken.
+        own: which of the nodes, and of the forces, are those of the edge that is looked at.
+        part: of the force that acts on the nodes.
     """
+
+    own = slice(None)
+    part = 0.5
 
     def __init__(self, grid: Array) -> None:
         hats = HatFunctions(grid)
         count = (len(hats.nodes) + 1) // 2
         self.s = 1 + hats.nodes[:count]
-        self.sizes = np.diff(grid)[1 : count + 1]
         self.weights = hats.weights[:count].copy()
         self.weights[-1] /= 2
         whole = hats.compliance(FAR)
         folded = whole[:count, :count] + whole[:count, ::-1][:, :count]
         folded[-1] /= 2
         folded[:, -1] /= 2
-        inverse = np.linalg.inv(folded)
+        half = hats.points.size // 2
+        self.points, self._tests = hats.points[:half], hats.tests[:count, :half]
+        self._invert(folded)
+
+    def _invert(self, compliance: Array) -> None:
+        """Take the compliance (n, n) to tractions of all nodes."""
+        inverse = np.linalg.inv(compliance)
         moved = inverse @ self.weights
         self._stuck = moved / (self.weights @ moved)
-        self._change = inverse - np.outer(moved, self._stuck)
-        half = hats.points.size // 2
-        self._points, self._tests = np.abs(hats.points[:half]), hats.tests[:count, :half]
+        self.change = inverse - np.outer(moved, self._stuck)
 
     def stiffness(self, tangential: Array) -> Stiffness:
         """Change of the shear by slip, along x and across the plane.
@@ -74,21 +89,52 @@ class HalfPlanes:
         Args:
             tangential: (S, 2, 2) compliance to shear in both directions over that to pressure.
         """
-        return Stiffness(self._change, np.linalg.inv(tangential), self._stuck)
+        return Stiffness(self.change, np.linalg.inv(tangential), self._stuck)
 
-    def pressure(self, shapes: Array, half_width: Array) -> Array:
+    def pressure(self, shapes: Array, half_width: Array, centre: Array | float = 0.0) -> Array:
         """(S, n) mean pressures around the nodes, of contacts of some half-widths (S,).
 
         Args:
             shapes: (S, SAMPLES) as of `pressure_shapes`.
             half_width: up to 1.
+            centre: (S,) x of their middles; zero where only one half has nodes.
         """
-        x = np.minimum(self._points / half_width[:, None], 1.0)
+        distance = np.abs(self.points - np.reshape(centre, (-1, 1)))
+        x = np.minimum(distance / half_width[:, None], 1.0)
         place = x * (SAMPLES - 1)
         below = np.minimum(place.astype(np.int64), SAMPLES - 2)
         rest, rows = place - below, np.arange(len(shapes))[:, None]
         smooth = shapes[rows, below] * (1 - rest) + shapes[rows, below + 1] * rest
-        return np.asarray((np.sqrt(1 - x**2) * smooth) @ self._tests.T / self.weights)
+        return self.means(np.sqrt(1 - x**2) * smooth)
+
+    def means(self, values: Array) -> Array:
+        """(..., n) means around the nodes of values (..., m) at the points."""
+        return np.asarray(values @ self._tests.T / self.weights)
+
+
+class WholeHalfPlanes(HalfPlanes):
+    """The same on all of the contact: between unlike bodies its two edges differ.
+
+    Nodes are those next to the left and next to the right edge in turn, from the edges inward; the
+    left edge is looked at, and its inward direction is that of x.
+
+    Attributes:
+        coupling: (n, n) weighted relative displacement across by shear along x, for beta = 1; its
+            transpose that along x by pressure, as of `HatFunctions.coupling`.
+    """
+
+    own = slice(0, None, 2)
+    part = 1.0
+
+    def __init__(self, grid: Array) -> None:
+        hats = HatFunctions(grid)
+        count = len(hats.nodes)
+        order = np.column_stack([np.arange(count), np.arange(count)[::-1]]).ravel()[:count]
+        self.s, self.weights = 1 + hats.nodes[order], hats.weights[order]
+        self.points, self._tests = hats.points, hats.tests[order]
+        rows = np.ix_(order, order)
+        self.coupling = hats.coupling()[rows]
+        self._invert(hats.compliance(FAR)[rows])
 
 
 def pressure_shapes(powers: Array) -> Array:

@@ -6,7 +6,8 @@ fields are those of a plane contact with three displacement components: relative
 half-planes by pressure and shear in the plane, and by shear across it, whose compliance is
 1/(1 - ν) of that in the plane for isotropic bodies of one material; shear along one direction moves
 crystals along the other as well. Pressure and friction bound are known in closed form from K_N and
-K_I; K_T and K_S load the contact, and friction is one bound on the vector.
+K_I, but for what shear between unlike bodies adds (`fretfe.local.unlike`); K_T and K_S load the
+contact, and friction is one bound on the vector.
 
 All stations have the same operators but for the materials once lengths are in units of the
 half-width: those that want elements of about the same size are marched together.
@@ -23,8 +24,16 @@ from functools import cached_property
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.local.friction import Stiffness, partial_slip, unit
-from fretfe.local.half_planes import Contacts, HalfPlanes, half_planes, pressure_shapes
+from fretfe.analytic.edges import sliding_exponent
+from fretfe.local.friction import Bound, Slipped, Stiffness, partial_slip, unit
+from fretfe.local.half_planes import (
+    Contacts,
+    HalfPlanes,
+    WholeHalfPlanes,
+    half_planes,
+    pressure_shapes,
+)
+from fretfe.local.unlike import Before, Pressed, UnlikeContacts, coupled_slip
 
 # Elements over the smallest zone that is to be resolved, and the finest and coarsest over the
 # half-width.
@@ -44,10 +53,15 @@ SLIDES = (
     "in the plane problem next to the front all of the contact would slide: K_T and K_S are too "
     "large for its friction"
 )
-# Friction bound of edges that are given up.
-UNBOUNDED = 1e200
+UNSETTLED = (
+    "in the plane problem next to the front pressure and shear of unlike bodies do not settle"
+)
+# Shear over that of sliding, times which an edge has gone all of the way that sliding moves it.
+FARTHER = 3.0
 # Edges that are marched together at most: more are shared out among ranks, and need more memory.
 TOGETHER = 20
+# Nodes of a grid behind those that an edge travels over: their elements grow.
+GROWN = 35
 
 
 @dataclass(frozen=True)
@@ -59,7 +73,9 @@ class EdgeHistories:
     Attributes:
         contacts: symmetric contacts of half-planes that stand for the edges.
         k: (S, T, 2) K_T and K_S; zero up to the first state that counts.
-        k_i: (S, T) K_I, counted from the reference state; constant up to that state.
+        k_i: (S, T) K_I, counted from the reference state; constant up to that state. Between unlike
+            bodies K_T and K_I are those of full stick at the length of twice the half-width, over
+            cosh(pi epsilon): what P and Q make of half-planes without rotation.
         direction: (S, 2) unit vectors along which slip is told forward from backward.
         zone: (S,) length of the smallest slip zone that is to be resolved.
         halves: (S,) half cycles of each edge, as their first and last states in time order.
@@ -68,6 +84,7 @@ class EdgeHistories:
         modulus: (S,) E* by the compliance of the bodies to pressure.
         tangential: (S, 2, 2) their compliance to shear inward and along the edge over that.
         cycle: first and last state of the cycle that repeats itself, or None.
+        dundurs: beta of unlike bodies; zero of similar ones.
     """
 
     contacts: Contacts
@@ -81,11 +98,27 @@ class EdgeHistories:
     modulus: Array
     tangential: Array
     cycle: tuple[int, int] | None
+    dundurs: float = 0.0
+
+    @cached_property
+    def shift(self) -> Array:
+        """(S,) farthest that the shear of unlike bodies moves an edge, over the half-width.
+
+        A parabola that slides without turning reaches from -(1 - lambda) L to lambda L, and L grows
+        with 1/sqrt(lambda (1 - lambda)); a contact that sticks in part, less far.
+        """
+        if not self.dundurs:
+            return np.zeros(len(self.k))
+        low = float(sliding_exponent(abs(self.dundurs), self.friction))
+        contacts = self.contacts
+        sliding = self.friction * contacts.k_n * contacts.half_width / (2 * contacts.power)
+        share = np.nanmax(np.abs(self.k[..., 0]), axis=1) / sliding
+        return np.asarray((math.sqrt((1 - low) / low) - 1) * np.minimum(1.0, FARTHER * share))
 
     @cached_property
     def outermost(self) -> Array:
-        """(S,) largest half-widths."""
-        return np.asarray(self.contacts.widths(self.k_i).max(axis=1))
+        """(S,) largest half-widths, with room for shear that moves the edge."""
+        return np.asarray(self.contacts.widths(self.k_i).max(axis=1) * (1 + self.shift))
 
     def of(self, edges: Indices) -> EdgeHistories:
         """The same for some edges."""
@@ -169,9 +202,15 @@ class Batch:
     finest: float
     travel: float
 
+    @property
+    def work(self) -> float:
+        """Cost in no unit, to compare batches: about the square of the nodes of an edge."""
+        return len(self.edges) * (self.travel / self.finest + GROWN) ** 2
+
     def solve(self) -> list[EdgeSlip]:
         """The solutions, in the order of the edges."""
-        return _March(self.histories, half_planes(self.finest, self.travel)).solve()
+        whole = self.histories.dundurs != 0
+        return _March(self.histories, half_planes(self.finest, self.travel, whole=whole)).solve()
 
 
 # Does some batches, on one rank or on many, and gives their results in the same order.
@@ -202,7 +241,8 @@ def _batches(histories: EdgeHistories) -> list[Batch]:
     widths = histories.contacts.widths(histories.k_i)
     first, last = histories.cycle or (0, widths.shape[1] - 1)
     outermost = histories.outermost
-    travel = (outermost - widths[:, first : last + 1].min(axis=1)) / outermost
+    nearest = widths[:, first : last + 1].min(axis=1) * (1 - histories.shift)
+    travel = (outermost - nearest) / outermost
     wanted = np.clip(histories.zone / outermost / PER_ZONE, FINEST, COARSEST)
     wanted = np.maximum(wanted, travel / TRAVEL)
     finest = 2.0 ** np.floor(np.log2(wanted))
@@ -265,11 +305,14 @@ class _March:
         self._outermost = histories.outermost
         edges, nodes = len(histories.k), len(bodies.s)
         self._shear = np.zeros((edges, nodes, 2))
-        self._bound = np.zeros((edges, nodes))
+        self._bound, self._pressure = np.zeros((2, edges, nodes))
+        self._pressed: Pressed | None = None
+        self._edges = np.zeros(edges)
         self._slipping = np.zeros((edges, nodes), dtype=bool)
         self._slip = np.zeros((2, edges, nodes))  # forward and backward in the half cycle
         self._work = np.zeros(edges)
         self._lost = np.zeros(edges, dtype=bool)
+        self._reasons = np.full(edges, SLIDES, dtype=object)
         self._drift, self._swing = self._drifts()
         self._profiles: list[dict[int, SlipProfile]] = [{} for _ in histories.halves]
         self._tractions: list[dict[int, Tractions]] = [{} for _ in histories.halves]
@@ -334,59 +377,97 @@ class _March:
             self._tractions[edge][state] = self._now(edge, state)
 
     def _part(self, state: int, begin: float, end: float) -> None:
-        given, contacts, bodies = self._given, self._given.contacts, self._bodies
-        width = self._widths(state, end)
-        level = contacts.level(width) / given.modulus
-        bound = bodies.pressure(self._shapes, width / self._outermost)
-        bound *= given.friction * level[:, None]
-        bound[self._lost] = UNBOUNDED  # nothing slips, and nothing is told of them
+        given, bodies = self._given, self._bodies
         load = self._load(state, begin, end)
         if given.cycle is not None and state > given.cycle[0]:
             load = load - self._drift * np.abs(load)
-        stuck = self._shear + self._stiffness.stuck[:, None] * load[:, None] / 2
+        stuck = self._shear + bodies.part * self._stiffness.stuck[:, None] * load[:, None]
         if self._lost.all():
             return
-        tolerance = TOLERANCE * float(bound[~self._lost].max())
-        solved = partial_slip(self._stiffness, bound, stuck, self._slipping, tolerance)
+        width = self._widths(state, end)
+        level = self._given.contacts.level(width) / given.modulus
+        pressure = bodies.pressure(self._shapes, width / self._outermost) * level[:, None]
+        tolerance = TOLERANCE * given.friction * float(pressure[~self._lost].max())
+        if isinstance(bodies, WholeHalfPlanes):
+            contacts = UnlikeContacts.of(
+                bodies,
+                given.dundurs,
+                self._shapes,
+                given.contacts.power,
+                level,
+                width / self._outermost,
+            )
+            pressure, solved = self._coupled(contacts, pressure, stuck, tolerance)
+            bound = self._bound_of(pressure)
+        else:
+            bound = self._bound_of(pressure)
+            solved = partial_slip(self._stiffness, bound, stuck, self._slipping, tolerance)
         self._lost[solved.unsolved] = True
         slip = np.where((bound > tolerance)[..., None], solved.slip, 0.0)
         direction = unit(solved.shear)
         amount = np.maximum(-np.sum(slip * direction, axis=-1), 0.0)
-        self._work += np.sum(amount * (bound + self._bound) / 2, axis=1)
+        works = amount * (bound + self._bound) / 2
+        self._work += np.sum(works[:, self._bodies.own], axis=1)
         along = np.sum(slip * given.direction[:, None], axis=-1)
         counted = given.counted[:, state, None] * amount
         # Slip of body 2 against the shear: forward shear makes backward slip.
         self._slip += counted * np.array([along < 0, along >= 0])
         self._shear, self._bound, self._slipping = solved.shear, bound, solved.slipping
+        self._pressure = pressure
+
+    def _bound_of(self, pressure: Array) -> Array:
+        """(S, n) friction bound."""
+        return Bound(self._given.friction, self._lost).of(pressure)
+
+    def _coupled(
+        self, contacts: UnlikeContacts, pressure: Array, stuck: Array, tolerance: float
+    ) -> tuple[Array, Slipped]:
+        """Pressure and shear of unlike bodies, from the pressure (S, n) without shear."""
+        if self._pressed is None:  # nothing has acted before
+            middle = np.zeros(len(pressure))
+            self._pressed = Pressed(pressure, contacts.half_width, middle)
+        before = Before(self._pressed, self._slipping, self._shear)
+        bound = Bound(self._given.friction, self._lost)
+        found = coupled_slip(contacts, self._stiffness, bound, stuck, before, tolerance)
+        self._reasons[np.setdiff1d(found.unsettled, found.slipped.unsolved)] = UNSETTLED
+        self._lost[found.unsettled] = True
+        self._pressed = found.pressed
+        self._edges = 1 + found.pressed.centre - found.pressed.half_width
+        return found.pressed.pressure, found.slipped
 
     def _changed(self, before: Array) -> Array:
         change = np.hypot(*np.moveaxis(self._shear - before, -1, 0)) @ self._bodies.weights
-        return np.asarray(2 * change / np.where(self._swing > 0, self._swing, np.inf))
+        change /= self._bodies.part
+        return np.asarray(change / np.where(self._swing > 0, self._swing, np.inf))
 
     def _profile(self, edge: int, state: int) -> SlipProfile:
         """Slip of a half cycle that ends in a state."""
-        both, size = self._slip[:, edge] / self._bodies.weights, self._outermost[edge]
-        s = size * self._bodies.s - self._inside(edge, state)
+        own, size = self._bodies.own, self._outermost[edge]
+        both = (self._slip[:, edge] / self._bodies.weights)[:, own]
+        s = size * self._bodies.s[own] - self._inside(edge, state)
         slip = both[np.argmax(both.max(axis=1))] * size
         return SlipProfile(s[s > 0], slip[s > 0])
 
     def _inside(self, edge: int, state: int) -> float:
-        """Distance of an edge from its outermost place."""
+        """Distance of an edge from its outermost place, of unlike bodies where it is now."""
+        if self._given.dundurs:
+            return float(self._outermost[edge] * self._edges[edge])
         return float(self._outermost[edge] - self._widths(state, 1.0)[edge])
 
     def _now(self, edge: int, state: int) -> Tractions:
         """Tractions next to an edge, of the front of a circle as there."""
         contacts, width = self._given.contacts, self._widths(state, 1.0)
-        s = self._outermost[edge] * self._bodies.s - self._inside(edge, state)
+        own = self._bodies.own
+        s = self._outermost[edge] * self._bodies.s[own] - self._inside(edge, state)
         longer = (contacts.half_width / width) ** (contacts.power - 2)
         stress = self._given.modulus[edge] * longer[edge]
         touching = s > 0
-        pressure = self._bound[edge, touching] / self._given.friction
-        return Tractions(s[touching], stress * pressure, stress * self._shear[edge, touching])
+        pressure, shear = self._pressure[edge, own], self._shear[edge, own]
+        return Tractions(s[touching], stress * pressure[touching], stress * shear[touching])
 
     def _solution(self, edge: int, change: float) -> EdgeSlip:
         if self._lost[edge]:
-            return EdgeSlip((), (), math.nan, math.nan, SLIDES)
+            return EdgeSlip((), (), math.nan, math.nan, str(self._reasons[edge]))
         tractions = tuple(self._tractions[edge][state] for state in sorted(self._tractions[edge]))
         scale = float(self._given.modulus[edge] * self._outermost[edge] ** 2)
         work = float(self._work[edge]) * scale

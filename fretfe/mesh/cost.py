@@ -41,6 +41,8 @@ MATRICES = 5.5
 # Part of the memory of the machine from which on factors go to disk: two ranks condense two bodies
 # at the same time, each with the fronts of its own, and the system keeps the files in what is left.
 IN_MEMORY = 0.5
+# Part of the memory from which on it is mostly theirs.
+MOST = 0.5
 # With factors on disk: bytes for an unknown; the largest fronts, over the square of the unknowns of
 # the last one, the contact tractions among them.
 PER_UNKNOWN_ON_DISK, FRONTS = {2: 1000.0, 3: 2200.0}, 1.6
@@ -63,6 +65,13 @@ PROPOSALS = {
     3: "take fewer, longer layers along the edge (layers, length_size), make the elements larger "
     "away from the contact (growth), or use model.degree = 1",
 }
+# The same where the full matrices of the contact tractions take most of the memory.
+FEWER_TRACTIONS = {
+    2: "make the elements along the contact larger, or fine over a shorter part of it (edge_size, "
+    "edge_zone)",
+    3: "take fewer, longer layers along the edge (layers, length_size), or make the elements along "
+    "the contact larger, or fine over a shorter part of it (edge_size, edge_zone)",
+}
 
 
 @dataclass(frozen=True)
@@ -74,6 +83,7 @@ class Cost:
         tractions: unknown tractions at the contact nodes.
         steps: of the load history.
         memory: bytes, of one process.
+        dense: those of them for the full matrices of the contact tractions.
         on_disk: whether the factors of the bodies are to be kept on disk.
         seconds: with one thread, pictures and report included.
         behind: those of them behind the last step.
@@ -84,6 +94,7 @@ class Cost:
     tractions: int
     steps: int
     memory: float
+    dense: float
     on_disk: bool
     seconds: float
     behind: float
@@ -93,6 +104,8 @@ class Cost:
     def text(self) -> str:
         """The estimate in words."""
         disk = " (factors on disk)" if self.on_disk else ""
+        if self.dense > MOST * self.memory:
+            disk += f", {_rounded(self.dense / 2**30)} GB of them for the contact tractions,"
         return (
             f"{self.unknowns} unknowns, {self.tractions} contact tractions, {self.steps} steps: "
             f"about {_rounded(self.memory / 2**30)} GB{disk} and {_duration(self.seconds)}, "
@@ -101,7 +114,13 @@ class Cost:
 
 
 def estimate_cost(
-    mesh: Mesh, degree: int, nodes: int, steps: int, stations: int = 0, states: int = 0
+    mesh: Mesh,
+    degree: int,
+    nodes: int,
+    steps: int,
+    stations: int = 0,
+    states: int = 0,
+    components: int | None = None,
 ) -> Cost:
     """Estimate memory and time of a case.
 
@@ -112,17 +131,18 @@ def estimate_cost(
         steps: of the load history; those of one mesh if it refines itself.
         stations: of all fronts.
         states: whose fields are written.
+        components: of displacements and tractions; without it as many as coordinates.
     """
-    bodies = [body_unknowns(body, degree) for body in mesh.bodies.values()]
-    dimension = mesh.dimension
-    tractions = dimension * nodes
-    entries = sum(_factor_entries(body, degree) for body in mesh.bodies.values())
+    dimension, size = mesh.dimension, components or mesh.dimension
+    bodies = [body_unknowns(body, degree, size) for body in mesh.bodies.values()]
+    tractions = size * nodes
+    entries = sum(_factor_entries(body, degree, size) for body in mesh.bodies.values())
     dense = 8.0 * MATRICES * tractions**2
     memory = ALWAYS + PER_ENTRY * entries + PER_UNKNOWN[dimension] * sum(bodies) + dense
     there = machine_memory()
     on_disk = there is not None and memory > IN_MEMORY * there
     if on_disk:
-        memory = _memory_on_disk(mesh, degree, tractions)
+        memory = _memory_on_disk(mesh, degree, tractions, sum(bodies))
     factor, power = FACTORISING[dimension]
     preparation = sum(factor * n**power + ASSEMBLING[dimension] * n for n in bodies)
     interface = ORDERS * INTERFACE * tractions**3
@@ -131,13 +151,12 @@ def estimate_cost(
     behind = unknowns * (EDGES[dimension] * stations + FIELDS[dimension] * states)
     behind += DRAWING + PICTURES[dimension] * unknowns
     seconds = STARTING + preparation + interface + march + behind
-    return Cost(unknowns, tractions, steps, memory, on_disk, seconds, behind, dimension)
+    return Cost(unknowns, tractions, steps, memory, dense, on_disk, seconds, behind, dimension)
 
 
-def _memory_on_disk(mesh: Mesh, degree: int, tractions: int) -> float:
+def _memory_on_disk(mesh: Mesh, degree: int, tractions: int, unknowns: int) -> float:
     """Bytes of a model whose factors are on disk: most in the steps, or in the last body."""
     dimension, full = mesh.dimension, 8.0 * tractions**2
-    unknowns = sum(body_unknowns(body, degree) for body in mesh.bodies.values())
     last = max(_last_front(body, degree, tractions) for body in mesh.bodies.values())
     condensing = full * len(mesh.bodies) + 8.0 * FRONTS * last**2
     return ALWAYS + PER_UNKNOWN_ON_DISK[dimension] * unknowns + max(condensing, full * MATRICES)
@@ -167,10 +186,11 @@ def least_memory(elements: float, dimension: int) -> float:
     return ALWAYS + 2 * PER_ENTRY * entries + PER_UNKNOWN[dimension] * unknowns
 
 
-def _factor_entries(body: BodyMesh, degree: int) -> float:
-    """Entries of the symmetric factor of a body."""
+def _factor_entries(body: BodyMesh, degree: int, components: int) -> float:
+    """Entries of the symmetric factor of a body, for displacements of so many components."""
     if body.points.shape[1] == 2:
-        return _plane_entries(body_unknowns(body, degree))
+        # Blocks of a pair of nodes: as in the plane, with the square of the components.
+        return _plane_entries(body_unknowns(body, degree)) * (components / 2) ** 2
     corners = body.cells[:, : CORNERS[body.cell]]
     separators = (3 * PER_CORNER[degree]) ** 2 * _squared_separators(body.points, corners, LEVELS)
     return PER_SQUARE * separators + REST * body_unknowns(body, degree)
@@ -211,13 +231,19 @@ def refuse_too_large(cost: Cost) -> None:
     there = machine_memory()
     if there is None or cost.memory <= there:
         return
-    power = 1.0 if cost.dimension == 2 else 1 / POWER_IN_SPACE
-    fits = cost.unknowns * (there / cost.memory) ** power
+    if cost.dense > MOST * cost.memory:
+        left = max(there - (cost.memory - cost.dense), 0.0)
+        fits = f"{_rounded(cost.tractions * math.sqrt(left / cost.dense))} contact tractions"
+        proposal = FEWER_TRACTIONS[cost.dimension]
+    else:
+        power = 1.0 if cost.dimension == 2 else 1 / POWER_IN_SPACE
+        fits = f"{_rounded(cost.unknowns * (there / cost.memory) ** power)} unknowns"
+        proposal = PROPOSALS[cost.dimension]
     raise ModelError(
         f"expected a model that fits into the memory of this machine ({_rounded(there / 2**30)} "
         f"GB), found one that needs about {_rounded(cost.memory / 2**30)} GB ({cost.unknowns} "
-        f"unknowns, {cost.tractions} contact tractions). About {_rounded(fits)} unknowns would "
-        f"fit: {PROPOSALS[cost.dimension]}"
+        f"unknowns; {cost.tractions} contact tractions, whose full matrices take "
+        f"{_rounded(cost.dense / 2**30)} GB). About {fits} would fit: {proposal}"
     )
 
 

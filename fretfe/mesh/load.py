@@ -24,6 +24,7 @@ from scipy.spatial import cKDTree
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case, Geometry, Solid, check_dimension, complaint
 from fretfe.case.base import ABAQUS, CAD, GMSH_SCRIPT, XDMF, FileKind, Selector, file_kind
+from fretfe.case.tables import Part
 from fretfe.errors import CaseError, MeshError
 from fretfe.files import file_fault
 from fretfe.mesh.cad import cad_model
@@ -33,6 +34,7 @@ from fretfe.mesh.gmsh import RawMesh
 from fretfe.mesh.inp_groups import read_inp
 from fretfe.mesh.make import SetSizes, mesh_model, mesh_script, mesh_template, read_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh, check_groups, named_boundaries
+from fretfe.mesh.part import around_ball, part_of
 from fretfe.mesh.sizing import Sizes, apply_sizes, apply_sizes_on_faces
 from fretfe.mesh.split import mesh_from_raw
 from fretfe.mesh.templates import Template, find_template, read_template
@@ -81,12 +83,27 @@ def grouped_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
         MeshError: if there is no valid mesh with all the groups that the case names.
     """
     with naming_case(case):
-        mesh = _mesh_of_case(case, size)
-        if case.geometry.solid is not None:
-            mesh = _extruded_mesh(case, mesh)
+        mesh = made_mesh(case, size)
         check_groups(mesh, case)
         check_dimension(case, mesh.dimension)
     return mesh
+
+
+def made_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
+    """Read or make the mesh of a case, extruded and cut as it says, whatever else it names.
+
+    Arguments and errors are those of `grouped_mesh`.
+    """
+    mesh, solid, part = _mesh_of_case(case, size), case.geometry.solid, case.geometry.part
+    if solid is None:
+        return mesh if part is None else _part_of(case, mesh, part)
+    if part is None:
+        return _extruded_mesh(case, mesh)
+    # A circle of a plane mesh that is extruded becomes a cylinder that leans as the bodies do; a
+    # ball is within one.
+    circle = around_ball(part, solid)
+    found = _extruded_mesh(case, _part_of(case, mesh, circle))
+    return found if circle is part else _part_of(case, found, part, again=True)
 
 
 def makes_solids(case: Case) -> bool:
@@ -125,6 +142,15 @@ def size_key(case: Case) -> tuple[str, float]:
             value = geometry.parameters.get(name, sizes[name])
             return f"geometry.parameters.{name}", value
     return "", math.nan
+
+
+def _part_of(case: Case, mesh: Mesh, part: Part, *, again: bool = False) -> Mesh:
+    """The part of a mesh around the contacts of a case."""
+    if len(part.centre) > mesh.dimension:
+        text = f"expected {mesh.dimension} coordinates on this mesh, found {len(part.centre)}"
+        raise CaseError(complaint(case.source, ("geometry", "part", "centre"), text))
+    surfaces = {name for c in case.contacts.values() for name in (c.surface1, c.surface2)}
+    return part_of(mesh, part, surfaces, again=again)
 
 
 def _extruded_mesh(case: Case, mesh: Mesh) -> Mesh:

@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,12 +18,13 @@ from fretfe.environment import machine_memory
 from fretfe.errors import MeshError, OutputError
 from fretfe.files import cut_off, disk_reason, replacing, require_file
 from fretfe.mesh.contained import MESHING, raw_mesh_of
-from fretfe.mesh.cost import least_memory
 from fretfe.mesh.elements import FACET_SHAPES, NUMBERS
 from fretfe.mesh.gmsh import RawMesh, gmsh_model, raw_mesh, script_model
-from fretfe.mesh.mesh import BodyMesh, Mesh
-from fretfe.mesh.split import mesh_from_raw
 from fretfe.mesh.templates import Template
+
+# Not loaded by the process that reads a file and no more: it reads no cases.
+if TYPE_CHECKING:
+    from fretfe.mesh.mesh import BodyMesh, Mesh
 
 # The size of a model over its smallest elements up to which there are not many, in the plane and in
 # space.
@@ -61,6 +62,8 @@ def require_room(gmsh: ModuleType, source: str, smallest: float, growth: float) 
     Raises:
         MeshError: with an estimate of elements and memory, before the mesh is made.
     """
+    from fretfe.mesh.cost import least_memory
+
     low_high = gmsh.model.getBoundingBox(-1, -1)
     extent = math.dist(low_high[:3], low_high[3:])
     dimension = gmsh.model.getDimension()
@@ -152,7 +155,7 @@ def read_mesh(path: str | os.PathLike[str], merge: float | None = None) -> Mesh:
     path = Path(path)
     _require_gmsh_file(path)
     raw = raw_mesh_of(partial(_merged, path), path)
-    return mesh_from_raw(raw, str(path), merge, mergeable=True)
+    return _split(raw, str(path), merge, mergeable=True)
 
 
 def mesh_template(
@@ -181,7 +184,7 @@ def mesh_template(
     smallest = smallest if size is None or template.solid else math.inf
     fineness = smallest, known["growth"]
     raw = _meshed(model, what, order, size, fineness, lambda: None)
-    return mesh_from_raw(raw, what)
+    return _split(raw, what)
 
 
 def mesh_script(
@@ -194,7 +197,7 @@ def mesh_script(
     model = partial(script_model, template, parameters)
     work = partial(_meshed, model, str(template.path), order, size, (0.0, GROWTH))
     # A script may build, and mesh, for long.
-    return mesh_from_raw(raw_mesh_of(work, template.path, MESHING), str(template.path))
+    return _split(raw_mesh_of(work, template.path, MESHING), str(template.path))
 
 
 def mesh_model(model: OpenModel, path: Path, order: int, size: SetSizes, smallest: float) -> Mesh:
@@ -211,7 +214,16 @@ def mesh_model(model: OpenModel, path: Path, order: int, size: SetSizes, smalles
         MeshError: Gmsh cannot mesh the geometry, or the mesh is not valid.
     """
     raw = raw_mesh_of(partial(_meshed, model, str(path), order, size, (smallest, GROWTH)), path)
-    return mesh_from_raw(raw, str(path))
+    return _split(raw, str(path))
+
+
+def _split(
+    raw: RawMesh, source: str, merge: float | None = None, *, mergeable: bool = False
+) -> Mesh:
+    # Not loaded by the process that reads a file and no more: SciPy takes as long as that.
+    from fretfe.mesh.split import mesh_from_raw
+
+    return mesh_from_raw(raw, source, merge, mergeable=mergeable)
 
 
 def _meshed(

@@ -141,17 +141,20 @@ def mesh_summary(mesh: Mesh) -> list[BodySummary]:
     ]
 
 
-def count_unknowns(mesh: Mesh, degree: int) -> int:
-    """Displacement unknowns of all bodies with elements of a degree, 1 or 2."""
-    return sum(body_unknowns(body, degree) for body in mesh.bodies.values())
+def count_unknowns(mesh: Mesh, degree: int, components: int | None = None) -> int:
+    """Displacement unknowns of all bodies; arguments as of `body_unknowns`."""
+    return sum(body_unknowns(body, degree, components) for body in mesh.bodies.values())
 
 
-def body_unknowns(body: BodyMesh, degree: int) -> int:
-    """Displacement unknowns of a body with elements of a degree, 1 or 2."""
+def body_unknowns(body: BodyMesh, degree: int, components: int | None = None) -> int:
+    """Displacement unknowns of a body with elements of a degree, 1 or 2.
+
+    A displacement has as many components as the mesh has coordinates without another number.
+    """
     count = _distinct(body.cells[:, : CORNERS[body.cell]])
     if degree == 2:
         count += sum(_shared_count(body, size) for size in {len(m) for m in MIDDLES[body.cell]})
-    return body.points.shape[1] * count
+    return (components or body.points.shape[1]) * count
 
 
 def _shared_count(body: BodyMesh, size: int) -> int:

@@ -15,7 +15,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from fretfe.case.tables import MILLIMETRES
 from fretfe.errors import CaseError, MeshError
 from fretfe.files import require_file
 
@@ -59,6 +58,9 @@ class Parameter:
 
     def in_unit(self, length: str) -> Parameter:
         """The same parameter in another unit of length, if it is a length."""
+        # Not loaded by a process that only reads a file.
+        from fretfe.case.tables import MILLIMETRES
+
         if self.unit != "mm" or length not in MILLIMETRES:
             return self
         unit = MILLIMETRES[length]

@@ -11,16 +11,19 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.case import Case, parse_case
+from fretfe.case.loads import FieldLoad
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.evaluate.refinement import Measure, at_places, nearest_front, numbers
 from fretfe.evaluate.verdicts import BORDER_ELEMENTS, BORDER_FRACTION
 from fretfe.loads import History
 from fretfe.mesh.templates import find_template
+from fretfe.quality.global_run import NEARER, second_cut
 from fretfe.quality.rows import CONSTANT_NORMAL, Pairs, Place, Row, Verdict, subjects
 from fretfe.results.model import Result
 
 MEAN, START = "about another mean", "from another start"
 MESH, FINE = "on a coarser mesh", "on a finer mesh"
+CUT = "by a second cut inside"
 
 # The mean moves by this fraction of the range of each load.
 MEAN_SHIFT = 0.1
@@ -43,6 +46,9 @@ STEADY: dict[str, tuple[str, Verdict]] = {
 # Halving the elements would change a first-order quantity by this many times the difference.
 EXTRAPOLATION = 1 / (COARSER - 1)
 MESH_TOLERANCE, SLIP_TOLERANCE = 0.02, 0.05
+# What a cut does to ΔK_T falls with the fourth power of its distance: the case has so much of the
+# change to the second cut.
+CUT_SHARE = 1 / (NEARER**-4 - 1)
 # No more than this part of a number counts of its own error bar: it must not excuse whatever comes.
 LARGEST_BAR = 0.1
 
@@ -65,7 +71,14 @@ class Variant:
 def make_variants(case: Case, result: Result) -> tuple[list[Variant], dict[str, str]]:
     """The companions of a case that make sense, and for the others the reason why they do not."""
     variants, reasons = [], {}
-    if result.loads.cycle is None:
+    if any(isinstance(load, FieldLoad) for load in case.loads.values()):
+        reasons[MEAN] = reasons[START] = "the loads are positions in another run"
+        inner = second_cut(result)
+        if isinstance(inner, str):
+            reasons[CUT] = inner
+        else:
+            variants.append(Variant(CUT, inner, None))
+    elif result.loads.cycle is None:
         reasons[MEAN] = reasons[START] = "no cycle to evaluate"
     else:
         if _constant_normal(result):
@@ -89,7 +102,7 @@ def make_variants(case: Case, result: Result) -> tuple[list[Variant], dict[str, 
 
 def _constant_normal(result: Result) -> bool:
     plane = all(
-        float(station.k_i_range) <= CONSTANT_NORMAL * float(station.k_t_range)
+        float(station.k_i_range) <= CONSTANT_NORMAL * float(station.k_range)
         for contact in result.contacts
         if not contact.solid
         for station in contact.stations
@@ -219,11 +232,19 @@ def _edge_rows(name: str, contact: Contact, station: Station, other: Station) ->
         tolerance = BORDER_ELEMENTS * station.size + share
         yield at.compared(f"d {name}", length, reference, tolerance, *STEADY[name])
         return
+    if name == CUT:
+        for quantity, measure, bar in MESH_QUANTITIES:
+            (value, reference), (own, twin) = (
+                map(each, (station, other)) for each in (measure, bar)
+            )
+            allowed, reason = _allowed(name, quantity, value, own, twin)
+            yield at.compared(f"{quantity} {name}", value, reference, float(allowed), reason)
+        return
     # Extrapolated error of each number, first order.
     reason = f"elements {COARSER:g} times as large: the error of the case is about twice the change"
     for quantity, value, coarse in (
         ("K_N", station.last_k_n[0], other.last_k_n[0]),
-        ("ΔK_T", station.k_t_range, other.k_t_range),
+        ("ΔK_T", station.k_range, other.k_range),
     ):
         label = f"{quantity} {MESH}"
         if math.isnan(value) or math.isnan(coarse):
@@ -256,19 +277,34 @@ def _front_rows(name: str, contact: Contact, front: Front, twin: Front | None) -
         pairs = Pairs(values, references, BORDER_ELEMENTS * sizes + BORDER_FRACTION * values)
         yield at.over_stations(f"d {name}", pairs, *STEADY[name])
         return
-    reason = (
-        f"elements {MESHES[name]:.2g} times as large: the error bars of both meshes, that of a "
-        f"factor of the case {LARGEST_BAR:.0%} at most"
-    )
     for subject, chosen in subjects(contact, front):
         points = np.array([station.point for station in chosen])
         for quantity, measure, bar in MESH_QUANTITIES:
             values, bars = numbers(chosen, measure), numbers(chosen, bar)
             references, other = at_places(twin, points, [measure, bar])
-            # Slip zones of a fraction of their front need not be known to a tenth of themselves.
-            own = bars if quantity == "d" else np.minimum(bars, LARGEST_BAR * np.abs(values))
-            pairs = Pairs(values, references, np.hypot(own, other))
+            allowed, reason = _allowed(name, quantity, values, bars, other)
+            pairs = Pairs(values, references, allowed)
             yield subject.over_stations(f"{quantity} {name}", pairs, reason)
+
+
+def _allowed(
+    name: str, quantity: str, values: Array | float, bars: Array | float, others: Array | float
+) -> tuple[Array, str]:
+    """Largest differences of a number of stations from a companion with error bars, and why."""
+    # Slip zones of a fraction of their front need not be known to a tenth of themselves.
+    own = bars if quantity == "d" else np.minimum(bars, LARGEST_BAR * np.abs(values))
+    both = np.hypot(own, others)
+    if name != CUT:
+        reason = f"elements {MESHES[name]:.2g} times as large: the error bars of both meshes, that "
+        return both, reason + f"of a factor of the case {LARGEST_BAR:.0%} at most"
+    reason = f"cuts at {NEARER:.2g} of the distance, the error bars of both"
+    if quantity != "ΔK":
+        return both, reason
+    reason += (
+        f", and {MESH_TOLERANCE:.0%} of ΔK: what the slip of the run does to it at a cut falls "
+        f"with the fourth power of the distance, so that the case has {CUT_SHARE:.2g} of the change"
+    )
+    return both + MESH_TOLERANCE * np.abs(values), reason
 
 
 def reported_d(station: Station) -> float:

@@ -295,7 +295,7 @@ def _edge_rows(result: Result, contact: Contact, station: Station) -> Iterator[R
 
 def _unknown_rows(at: Place, contact: Contact, station: Station) -> Iterator[Row]:
     """Numbers that this run should carry and does not; warnings of the contact say why."""
-    for quantity, value in (("K_N", station.last_k_n[0]), ("ΔK_T", station.k_t_range)):
+    for quantity, value in (("K_N", station.last_k_n[0]), ("ΔK_T", station.k_range)):
         if (
             math.isnan(value)
             and contact.normal_force[station.last] > 0
@@ -330,7 +330,7 @@ def _moving_row(at: Place, station: Station) -> Row:
 
 def _fit_row(at: Place, station: Station) -> Row:
     """Range of K_T by interaction integrals and by fits to tractions."""
-    quantity, value, fitted = "ΔK_T, by fit", station.k_t_range, station.k_t_range_fitted
+    quantity, value, fitted = "ΔK_T, by fit", station.k_range, station.k_t_range_fitted
     if math.isnan(fitted) or math.isnan(value):
         return at.missing(quantity, "there is no second way here")
     tolerance = K_T_AGREEMENT * value + station.k_range_parts.extraction
@@ -371,21 +371,22 @@ def _traction_rows(at: Place, result: Result, contact: Contact, station: Station
     """
     if result.solution is None or not station.slip_zones:
         return
-    if station.k_i_range > CONSTANT_NORMAL * station.k_t_range:
+    if station.k_i_range > CONSTANT_NORMAL * station.k_range:
         reason = "the normal load varies: the shear keeps traces of slip with other edges"
         yield at.missing("d, by traction", reason)
         return
-    history = result.contact_history(contact.name)
+    history, front = result.contact_history(contact.name), plane_front(station.front)
+    line = front.inward * front.axis(station.k_angle, history.slip.shape[2])
     for number, zone in enumerate(station.slip_zones[-2:], start=1):
         label = f"d, by traction, half cycle {number}"
         if zone.gross or not zone.length > 0:
             continue
-        pressure, shear = history.traction[zone.end].T
+        pressure, shear = history.traction[zone.end][:, 0], history.traction[zone.end][:, 1:]
         if contact.steady:
-            shear = (shear - history.traction[zone.start, :, 1]) / 2
+            shear = (shear - history.traction[zone.start][:, 1:]) / 2
         friction = float(history.friction[zone.end])
-        analysis = analyse_tractions(history.arc, pressure, shear, friction=friction)
-        found = analysis.edges[plane_front(station.front).number].slip_from_traction
+        analysis = analyse_tractions(history.arc, pressure, shear @ line, friction=friction)
+        found = analysis.edges[front.number].slip_from_traction
         if not found.known:
             yield at.missing(label, found.remark)
             continue

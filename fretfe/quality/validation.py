@@ -27,6 +27,7 @@ from fretfe.quality.companions import (
     companion_rows,
     make_variants,
 )
+from fretfe.quality.global_run import carried_rows
 from fretfe.quality.rows import EVERYWHERE, Row, hertz_rows, limit_rows, own_rows
 from fretfe.results.model import Result
 
@@ -103,6 +104,7 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
             raise result.failure
         options.keep(result)
         rows = [*own_rows(result), *hertz_rows(result), *limit_rows(result)]
+        rows += carried_rows(result)
         variants, reasons = make_variants(case, result)
         rows += [EVERYWHERE.missing(name, reason) for name, reason in reasons.items()]
         options.observer.phase(plan(variants, result))

@@ -58,7 +58,7 @@ def load_unit(case: Case, name: str) -> str:
         return f"{units.length}/{units.time}^2"
     if load.type == "interference":
         return units.length
-    if load.type in ("temperature", "eigenstrain", "shape", "field"):
+    if load.type in ("temperature", "eigenstrain", "shape", "field", "temperature_field"):
         return "1"
     if load.type == "tilt":
         return "rad" if load.control == "rotation" else f"{units.force}·{units.length}"

@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
@@ -240,9 +241,15 @@ def restored_refinement(table: Mapping[str, Any]) -> Refinement:
 def restored(cls: type[T], table: Mapping[str, Any]) -> T:
     """A dataclass from a table with a key for each of its fields; other keys are left out."""
     assert is_dataclass(cls)
-    hints = get_type_hints(cls)
+    hints = _hints(cls)
     values = {each.name: _as(hints[each.name], table[each.name]) for each in fields(cls)}
     return cls(**values)
+
+
+@cache
+def _hints(cls: type[Any]) -> dict[str, Any]:
+    """Types of the fields of a class: finding them out takes longer than a table of numbers."""
+    return get_type_hints(cls)
 
 
 def _as(kind: Any, value: Any) -> Any:

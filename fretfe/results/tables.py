@@ -172,7 +172,11 @@ EDGES = (
         "k_n", "K_N in the last state; empty if its bar is more than half of it", "reported_k_n"
     ),
     _number("k_n_spread", "error bar of K_N"),
-    _number("k_t_range", "range of K_T over the evaluated cycle; empty likewise", "reported_range"),
+    _number(
+        "k_t_range",
+        "range of K_T, with displacements along z of (K_T, K_S), over the cycle; empty likewise",
+        "reported_range",
+    ),
     _number("k_t_range_spread", read="k_range_spread"),
     _number("k_i_range"),
     _zone("slip_1", "slip zone of the last but one half cycle", "reported_length", -2),
@@ -240,7 +244,7 @@ CYCLES = (
     Column("start_time", "time", "its time"),
     Column("end_time", "time", "its time"),
     Column("count", "", "1, or 0.5 for a range that nothing closes"),
-    Column("k_t_start", "k_t", "K_T at the first reversal; of solids along k_angle"),
+    Column("k_t_start", "k_t", "K_T at the first reversal; with K_S along k_angle"),
     Column("k_t_end", "k_t", "K_T at the second reversal"),
     Column("k_t_range", "k_t", "difference of the two, positive"),
     Column("k_t_mean", "k_t", "mean of the two"),
@@ -401,7 +405,8 @@ def make_dataset(
         **places,
     }
     if any("axis" in dimensions for dimensions, _ in variables.values()):
-        coordinates["axis"] = list(AXES if solid else AXES[:2])
+        sizes = {len(values[0, 0]) for names, values in variables.values() if names[-1] == "axis"}
+        coordinates["axis"] = list(AXES[: max(sizes)])
     if kept is not None:
         coordinates["kept"] = kept
     dataset: xr.Dataset = require("xarray").Dataset(variables, coordinates)

@@ -250,20 +250,23 @@ def contact_normals(surface1: Surface, surface2: Surface) -> Array:
 
 @dataclass(frozen=True)
 class Coupling:
-    """Coupling operators of one contact pair; N multiplier nodes, d space dimensions.
+    """Coupling operators of one contact pair; N multiplier nodes in space of d dimensions.
 
-    Rows of the operators belong to node i and component c (normal, then tangents) at N-row i*d + c.
+    Displacements and tractions have d components, between plane bodies that move along z too 3 of
+    them, along the normal, the tangent and z. Rows of the operators belong to node i and component
+    c at row i*components + c.
 
     Attributes:
         arc: (N,) arc length of the nodes along the multiplier side, along t; empty in space.
         points: (N, d) coordinates of the nodes.
         facets: (F, c) numbers of the nodes at the corners of the facets that have one at each:
             along t in the plane, counter-clockwise seen from outside body 2 in space.
-        frames: (N, d, d) rows: outward normal of body 2, then tangents, mean around the nodes.
+        frames: (N, components, components) rows: outward normal of body 2, then tangents, mean
+            around the nodes.
         weights: (N,) integral of each hat function over the overlap.
         averaging: (N, N) mean of a traction around each node, ∫ φ_i Σ φ_j λ_j / ∫ φ_i.
         gap: (N,) weighted initial gap, ∫ φ_i gap.
-        body1, body2: (N*d, n) operators on the surface displacements of each body.
+        body1, body2: (N*components, n) operators on the surface displacements of each body.
         free: (N,) nodes on the rim of the surface at which both bodies end; none in the plane.
     """
 
@@ -280,7 +283,12 @@ class Coupling:
 
 
 def couple(
-    name: str, surface1: Surface, surface2: Surface, multipliers: str, degree: int
+    name: str,
+    surface1: Surface,
+    surface2: Surface,
+    multipliers: str,
+    degree: int,
+    components: int | None = None,
 ) -> Coupling:
     """Build the coupling of a contact pair.
 
@@ -290,6 +298,7 @@ def couple(
         surface2: surface of body 2.
         multipliers: "surface1", "surface2" or "finer": the side that carries the multipliers.
         degree: of the displacement space.
+        components: of the displacement; without it as many as the surfaces have coordinates.
 
     Raises:
         ModelError: No part of the surfaces lies opposite the other.
@@ -304,7 +313,8 @@ def couple(
             "other within half their size; expected two boundaries that look at each other. "
             "Check the names, and that the bodies are in their working position."
         )
-    return _assemble(overlap, surface1, surface2, on_first, degree)
+    size = components or surface1.dimension
+    return _assemble(overlap, surface1, surface2, on_first, degree, size)
 
 
 def _facet_size(surface: Surface) -> float:
@@ -312,7 +322,12 @@ def _facet_size(surface: Surface) -> float:
 
 
 def _assemble(
-    overlap: OverlapPoints, surface1: Surface, surface2: Surface, on_first: bool, degree: int
+    overlap: OverlapPoints,
+    surface1: Surface,
+    surface2: Surface,
+    on_first: bool,
+    degree: int,
+    components: int,
 ) -> Coupling:
     """Coupling from the points of the overlap and a displacement space of a degree."""
     sides = (
@@ -328,10 +343,10 @@ def _assemble(
     mean = np.stack([_totals(rows, tests * x[:, None], len(nodes)) for x in overlap.normals.T], 1)
     mean /= np.linalg.norm(mean, axis=1, keepdims=True)
     # Frames at the points and at the nodes, with tangents in the same directions.
-    frames = tangent_frames(np.vstack([overlap.normals, mean]))
+    frames = _with_across(tangent_frames(np.vstack([overlap.normals, mean])), components)
     count, d = overlap.normals.shape
     # The gap opens with u_1 along n; the tangential displacement grows with u_2 along t.
-    signs = np.array([1.0, *[-1.0] * (d - 1)])[:, None]
+    signs = np.array([1.0, *[-1.0] * (components - 1)])[:, None]
     pieces = _Pieces(overlap)
     directed = tests[:, :, None, None] * (signs * frames[:count])[:, None]
     body1, body2 = (
@@ -353,6 +368,16 @@ def _assemble(
         if d == 3
         else np.zeros(len(nodes), dtype=bool),
     )
+
+
+def _with_across(frames: Array, components: int) -> Array:
+    """Frames (n, d, d) of so many components: in the plane the third one is along z."""
+    more = components - frames.shape[1]
+    if not more:
+        return frames
+    wider = np.zeros((len(frames), components, components))
+    wider[:, :-more, :-more], wider[:, -1, -1] = frames, 1.0
+    return wider
 
 
 def _free(carrier: Surface, other: Surface, nodes: Indices, normals: Array, sizes: Array) -> Bools:
@@ -445,7 +470,7 @@ class _Pieces:
     def operator(
         self, directed: Array, rows: Indices, side: _Side, degree: int, nodes: int
     ) -> sparse.csr_matrix:
-        """(N*d, m*d) integrals of test functions times displacements of a surface.
+        """(N*d, m*d) integrals of test functions times displacements of d components of a surface.
 
         Args:
             directed: (n, c, d, d) hats at the points, times weights and frames.

@@ -8,20 +8,22 @@ import math
 import re
 import time
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fretfe.backends import Backend, RunOptions
-from fretfe.backends.protocol import Session, session_of
+from fretfe.backends import Backend, Observer, RunOptions
+from fretfe.backends.protocol import CopiedSession, Session, session_of
 from fretfe.case import Case, Units, changed, parse_assignments
 from fretfe.case.overrides import parse_value, plain_value, split_assignment, with_overrides
 from fretfe.case.toml_file import read_tables
 from fretfe.errors import CaseError, FretfeError, StoppedError
 from fretfe.loads import build_history
+from fretfe.sweeps.copies import in_copies
 
 MOST_VARIANTS = 10_000
 # Values of a range are typed numbers: without the last digits of their round-off.
@@ -203,43 +205,72 @@ def run_sweep(
 ) -> Sweep:
     """Solve all cases. Collective if the backend is.
 
-    Cases that share the most are solved in a row. One that cannot be solved does not keep the
-    others from it; a signal to stop does.
+    Cases that share the most are solved in a row, or beside one another on idle cores. One that
+    cannot be solved does not keep the others from it; a signal to stop does.
 
     Args:
         variants: at least one.
         backend: solves them.
-        options: observer of the steps of each case; each case is announced when it is solved.
-            `states` is a folder for folders of all cases.
+        options: observer of the steps of each case but those that are solved beside others; each
+            case is announced when it is solved. `states` is a folder for folders of all cases.
         known: cases that need not be solved, by number.
         note: called with the number of each case that is solved, on all ranks.
     """
     solved = dict(known or {})
     stopped: StoppedError | None = None
     with session_of(backend) as session:
-        for number in _in_groups([session.group(variant.case) for variant in variants]):
-            if number in solved:
-                continue
+
+        def solve(number: int, observer: Observer) -> Solved:
             folder = options.states and options.states / f"variant-{number + 1}"
-            own = replace(options, states=folder)
-            try:
-                if stopped is None:
-                    solved[number] = _solve(variants[number], backend, session, own)
-                    note(number, solved[number])
-            except StoppedError as error:
-                stopped = error
-            if stopped is not None:
-                solved[number] = Solved(variants[number].values, (), str(stopped), (), 0.0)
-            options.announce(_told(len(solved), len(variants), solved[number]))
+            own = replace(options, states=folder, observer=observer)
+            return _solve(variants[number], backend, session, own)
+
+        groups = _in_groups([session.group(variant.case) for variant in variants])
+        left = ([number for number in group if number not in solved] for group in groups)
+        found = chain.from_iterable(_solve_group(each, session, solve, options) for each in left)
+        try:
+            for number, outcome in found:
+                solved[number] = outcome
+                note(number, outcome)
+                options.announce(_told(len(solved), variants, outcome))
+        except StoppedError as error:
+            stopped = error
+            for number, variant in enumerate(variants):
+                if number not in solved:
+                    solved[number] = Solved(variant.values, (), str(error), (), 0.0)
+                    options.announce(_told(len(solved), variants, solved[number]))
     first = variants[0]
     in_order = tuple(solved[number] for number in range(len(variants)))
     return Sweep(tuple(first.values), first.case.units, in_order, stopped)
 
 
-def _in_groups(groups: Sequence[str]) -> list[int]:
-    """Numbers of all entries: equal ones in a row, in the order of their first ones."""
-    place = {group: number for number, group in reversed(list(enumerate(groups)))}
-    return sorted(range(len(groups)), key=lambda number: place[groups[number]])
+def _in_groups(groups: Sequence[str]) -> list[list[int]]:
+    """Numbers of all entries by equal ones, in the order of their first ones."""
+    numbers: dict[str, list[int]] = {}
+    for number, group in enumerate(groups):
+        numbers.setdefault(group, []).append(number)
+    return list(numbers.values())
+
+
+def _solve_group(
+    numbers: Sequence[int],
+    session: Session,
+    solve: Callable[[int, Observer], Solved],
+    options: RunOptions,
+) -> Iterator[tuple[int, Solved]]:
+    """Solve cases that share the most: the first one here, the others on all idle cores."""
+    left = list(numbers)
+    while left:
+        number = left.pop(0)
+        yield number, solve(number, options.observer)
+        copies = session.copies() if len(left) > 1 and isinstance(session, CopiedSession) else 1
+        if copies > 1:
+            options.doing(f"{len(left)} cases, {min(copies, len(left))} at a time")
+            # Neighbours in one copy: they may begin alike.
+            shares = [each.tolist() for each in np.array_split(left, min(copies, len(left)))]
+            for number, outcome in in_copies(shares, solve, options.observer.stop):
+                left.remove(number)
+                yield number, outcome
 
 
 def _solve(variant: Variant, backend: Backend, session: Session, options: RunOptions) -> Solved:
@@ -261,7 +292,7 @@ def _solve(variant: Variant, backend: Backend, session: Session, options: RunOpt
     return Solved(variant.values, edges, failure, notes, time.perf_counter() - start)
 
 
-def _told(number: int, count: int, solved: Solved) -> str:
+def _told(number: int, variants: Sequence[Variant], solved: Solved) -> str:
     values = ", ".join(f"{key} = {value}" for key, value in solved.values.items())
     outcome = f"failed: {solved.failure}" if solved.failure else f"{solved.seconds:.1f} s"
-    return f"{number}/{count}: {values}: {outcome}"
+    return f"{number}/{len(variants)}: {values}: {outcome}"

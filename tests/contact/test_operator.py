@@ -14,6 +14,7 @@ from fretfe.contact.interface import Coordinate, DenseCompliance, Interface
 from fretfe.contact.linear_operator import (
     Conditions,
     ContactOrder,
+    DirectSystem,
     FactoredOperator,
     Response,
     unknown_tractions,
@@ -124,6 +125,15 @@ def loads(interface: Interface) -> tuple[Array, Array]:
     rng = np.random.default_rng(5)
     free = rng.standard_normal((NODES, interface.components, CASES))
     return free, rng.standard_normal((len(interface.coordinates), CASES))
+
+
+@pytest.mark.parametrize("known", [np.array([False, True, True, True]), np.zeros(4, dtype=bool)])
+def test_a_direct_system_is_the_same_without_its_matrix(known: Bools) -> None:
+    interface = problem(3)
+    system = DirectSystem(interface, conditions(interface, known))
+    size = system.count + len(CONTROLS)
+    columns = np.stack([system.apply(unit) for unit in np.eye(size)], axis=1)
+    np.testing.assert_allclose(columns, system.matrix(), rtol=0.0, atol=1e-12)
 
 
 @pytest.mark.usefixtures("way")

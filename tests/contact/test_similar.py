@@ -3,28 +3,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from scipy import linalg
 
 from fretfe._typing import Array
-from fretfe.contact.nested_inverse import FEWEST, SimilarSystems
+from fretfe.contact.nested_inverse import FEWEST, MatrixSystem, SimilarSystems
 
 SIZE = FEWEST + 20
 UNKNOWNS = np.arange(SIZE)
 
 
 @pytest.fixture
-def factorised(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """Sizes of the matrices that are factorised."""
-    sizes: list[int] = []
-    factorise = linalg.lapack.dgetrf
+def factorised(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, int]]:
+    """Precision and size of the matrices that are factorised."""
+    sizes: list[tuple[str, int]] = []
 
-    def count(matrix: Array, **options: int) -> object:
-        sizes.append(len(matrix))
-        return factorise(matrix, **options)
+    def counted(name: str) -> Callable[..., object]:
+        factorise = getattr(linalg.lapack, name)
 
-    monkeypatch.setattr(linalg.lapack, "dgetrf", count)
+        def count(matrix: Array, **options: int) -> object:
+            sizes.append((name[0], len(matrix)))
+            return factorise(matrix, **options)
+
+        return count
+
+    for name in ("sgetrf", "dgetrf"):
+        monkeypatch.setattr(linalg.lapack, name, counted(name))
     return sizes
 
 
@@ -36,18 +43,18 @@ def well_posed() -> Array:
     return np.asarray(2 * np.eye(SIZE) + random(SIZE, SIZE) / np.sqrt(SIZE))
 
 
-def test_a_small_change_needs_no_factorisation(factorised: list[int]) -> None:
+def test_a_small_change_needs_no_factorisation(factorised: list[tuple[str, int]]) -> None:
     systems, matrix, target = SimilarSystems(), well_posed(), random(SIZE, 2, 1)[..., 0]
     change = np.outer(random(SIZE), random(SIZE)) / 50
     for amount in (0.0, 1e-2, 1e-6, 0.0):
         system = matrix + amount * change
-        found = systems.solve(UNKNOWNS, system.copy(), target)
+        found = systems.solve(UNKNOWNS, MatrixSystem(system), target)
         expected = np.linalg.solve(system, target)
         assert np.allclose(found, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max())
-    assert factorised == [SIZE]
+    assert factorised == [("s", SIZE)]
 
 
-def test_other_systems_are_factorised(factorised: list[int]) -> None:
+def test_other_systems_are_factorised(factorised: list[tuple[str, int]]) -> None:
     systems, matrix, target = SimilarSystems(), well_posed(), random(SIZE, 2, 1)[..., 0]
     cases = [
         (UNKNOWNS, matrix),
@@ -57,15 +64,29 @@ def test_other_systems_are_factorised(factorised: list[int]) -> None:
     ]
     for unknowns, system in cases:
         rhs = target[: len(system)]
-        found = systems.solve(unknowns, system.copy(), rhs)
+        found = systems.solve(unknowns, MatrixSystem(system), rhs)
         expected = np.linalg.solve(system, rhs)
         assert np.allclose(found, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max())
-    assert factorised == [SIZE, SIZE, SIZE, SIZE - 1]
+    assert factorised == [("s", SIZE)] * 3 + [("s", SIZE - 1)]
 
 
-def test_a_singular_matrix_is_an_error_and_leaves_no_factors(factorised: list[int]) -> None:
+def test_a_singular_matrix_is_an_error_and_leaves_no_factors(
+    factorised: list[tuple[str, int]],
+) -> None:
     systems, target = SimilarSystems(), np.ones((SIZE, 1))
     with pytest.raises(np.linalg.LinAlgError):
-        systems.solve(UNKNOWNS, np.zeros((SIZE, SIZE)), target)
-    assert np.array_equal(systems.solve(UNKNOWNS, np.eye(SIZE), target), target)
-    assert len(factorised) == 2
+        systems.solve(UNKNOWNS, MatrixSystem(np.zeros((SIZE, SIZE))), target)
+    assert np.array_equal(systems.solve(UNKNOWNS, MatrixSystem(np.eye(SIZE)), target), target)
+    assert [precision for precision, _ in factorised] == ["s", "d", "s"]
+
+
+def test_what_single_precision_cannot_solve_is_factorised_in_double(
+    factorised: list[tuple[str, int]],
+) -> None:
+    """Equations of sizes from 1 to 1e-12, mixed: a condition of 1e12, but an answer of 1e-4."""
+    scale = np.logspace(0, -12, SIZE)
+    rotation, _ = np.linalg.qr(well_posed())
+    matrix, exact = rotation * scale @ rotation.T, random(SIZE, 1)
+    found = SimilarSystems().solve(UNKNOWNS, MatrixSystem(matrix), matrix @ exact)
+    assert np.linalg.norm(matrix @ (found - exact)) < 1e-13 * np.linalg.norm(matrix @ exact)
+    assert [precision for precision, _ in factorised] == ["s", "d"]

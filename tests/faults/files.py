@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+import base64
 import os
 import shutil
+import struct
+import zlib
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -19,12 +22,17 @@ from faults.originals import (
     MESHES,
     case_text,
     csv_case,
+    factors_case,
     field_case,
+    heat_case,
     material_case,
     points_case,
     shape_case,
     strain_case,
 )
+
+# Result files of CalculiX.
+DATA = Path(__file__).parent.parent / "data"
 
 Change = Callable[[bytes], bytes]
 
@@ -42,6 +50,7 @@ def faults() -> Iterator[Fault]:
     yield from _load_tables()
     yield from _point_tables()
     yield from _shape_tables()
+    yield from _factor_tables()
     yield from _strain_tables()
     yield from _materials()
     yield from _fields()
@@ -346,6 +355,7 @@ def _point_tables() -> Iterator[Fault]:
         "huge": square.format("1e300"),
         "below absolute zero": square.format("-274"),
         "a point twice": square.format("1\n30,40,2"),
+        "a point nearly twice": square.format("1\n30,40.0000000000001,2"),
         "elsewhere": square.replace("30", "300").replace("-300", "200").format("1"),
         "on a line through the middle of bodies": "x,y,T\n-1,0,1\n0,0,1\n1,0,1\n",
     }
@@ -430,11 +440,44 @@ def _shape_tables() -> Iterator[Fault]:
         "a point twice": square.format("1,0\n30,40,2,0"),
         "elsewhere": square.replace("30", "1").format("1,0"),
         "metres": square.replace("30", ".03").replace("40", ".04").format("1,0"),
+        "at rest": square.replace("1,0", "0,0").format("0,0"),
         "on another line": "x,y,ux,uy\n0,-40,1,1\n0,40,1,1\n",
     }
     for name, content in contents.items():
         change = _constant(content.encode())
         yield Fault(f"{file}/{name}", CHECK, _with(file, change, text), True)
+
+
+def _factor_tables() -> Iterator[Fault]:
+    """Tractions that vary over their boundary."""
+    file, text = "factors.csv", factors_case()
+    line = "x,y,value\n12,0,1\n12,-12,{}\n"
+    yield Fault(f"{file}/whole", CHECK, _table(file, line.format("2"), text), False)
+    for seed in range(12):
+
+        def damage(good: Path, here: Path, seed: int = seed) -> None:
+            _table(file, line.format("2"), text)(good, here)
+            (here / file).write_bytes(damaged((here / file).read_bytes(), seed))
+
+        yield Fault(f"{file}/damaged/{seed}", CHECK, damage)
+    yield Fault(f"{file}/pipe", CHECK, _pipe(file, text), True)
+    contents = {
+        "empty": "",
+        "header alone": "x,y,value\n",
+        "one point": "x,y,value\n12,0,1\n",
+        "no column value": line.replace("value", "p").format("2"),
+        "a column twice": line.replace("y", "value").format("2"),
+        "nan": line.format("nan"),
+        "inf": line.format("inf"),
+        "huge": line.format("1e200"),
+        "missing": line.format(""),
+        "a point twice": line.format("2\n12,-12,3"),
+        "a point nearly twice": line.format("2\n12,-12.0000000000001,3"),
+        "a half": line.replace("-12", "-6").format("2"),
+        "metres": line.replace("12", ".012").format("2"),
+    }
+    for name, content in contents.items():
+        yield Fault(f"{file}/{name}", CHECK, _table(file, content, text), True)
 
 
 def _fields() -> Iterator[Fault]:
@@ -471,6 +514,59 @@ def _fields() -> Iterator[Fault]:
     for name, content in contents.items():
         content = content if content.endswith("\n") else content + "\n"
         yield Fault(f"{table}/{name}", CHECK, _table(table, content, text), True)
+    yield from _temperature_fields()
+    yield Fault(f"{grid}/bomb", CHECK, _table(grid, _bomb(), field_case(grid)), True)
+
+
+def _temperature_fields() -> Iterator[Fault]:
+    """Temperatures of another run, as a table and as a result file of CalculiX."""
+    table, results = "heat.csv", "heat.frd"
+    text = heat_case(table)
+    square = "x,y,T,time\n-40,-50,20,1\n40,-50,20,1\n-40,50,90,1\n40,50,{}\n"
+    yield Fault(f"{table}/whole", CHECK, _table(table, square.format("90,1"), text), False)
+    contents = {
+        "nan": square.format("nan,1"),
+        "too cold": square.replace("20", "-400").replace("90", "-400").format("-400,1"),
+        "a point twice": square.format("90,1\n40,50,80,1"),
+        "elsewhere": square.replace("40", "1").format("90,1"),
+        "missing step": square.format("90,1").replace(",1\n", ",0.4\n"),
+        "hot at 0": square.format("90,0").replace(",1\n", ",0\n"),
+        "displacements": square.format("90,1").replace("T", "ux"),
+        "cold": square.replace("90", "20").format("20,1"),
+    }
+    for name, content in contents.items():
+        yield Fault(f"{table}/{name}", CHECK, _table(table, content, text), True)
+    text, whole = heat_case(results), (DATA / "solids.frd").read_text()
+    frd = {
+        "solids": whole,
+        "half": whole[: len(whole) // 2],
+        "many nodes": whole.replace("    2C", "    2C   9999999999", 1),
+        "no temperatures": whole.replace("NDTEMP", "NDTIME"),
+        "nan": whole.replace("1.20000E+02", "        nan"),
+    }
+    for name, content in frd.items():
+        yield Fault(f"{results}/{name}", CHECK, _table(results, content, text), True)
+
+
+def _bomb() -> str:
+    """A grid of 10^9 points in 30 MB: blocks of zeros that are compressed."""
+    block, count = 1 << 26, 357
+    packed = zlib.compress(bytes(block), 9)
+    head = struct.pack(f"<{3 + count}I", count, block, 0, *[len(packed)] * count)
+    data = (base64.b64encode(head) + base64.b64encode(packed * count)).decode()
+    points = f'NumberOfPoints="{count * block // 24}" NumberOfCells="1"'
+    array = '<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="{}">{}</DataArray>'
+    return (
+        '<?xml version="1.0"?><VTKFile type="UnstructuredGrid" version="0.1" '
+        'byte_order="LittleEndian" header_type="UInt32" compressor="vtkZLibDataCompressor">'
+        f"<UnstructuredGrid><Piece {points}><PointData>"
+        f"{array.format('Float64', 'U', 3, 'ascii', '0 0 0')}</PointData>"
+        f"<Points>{array.format('Float64', 'p', 3, 'binary', data)}</Points><Cells>"
+        f"{array.format('Int64', 'connectivity', 1, 'ascii', '0 1 2')}"
+        f"{array.format('Int64', 'offsets', 1, 'ascii', '3')}"
+        f"{array.format('UInt8', 'types', 1, 'ascii', '5')}"
+        "</Cells></Piece></UnstructuredGrid></VTKFile>"
+    )
 
 
 def _replacing(old: bytes, new: bytes) -> Change:

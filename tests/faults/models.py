@@ -48,6 +48,15 @@ def peen(**keys: Any) -> Tables:
     return loads(peen={"type": "eigenstrain", "history": RAMP, **layer, **keys})
 
 
+def push(**keys: Any) -> Tables:
+    return {"type": "force", "boundary": "lower_right", "direction": "x", "history": RAMP, **keys}
+
+
+def mode(values: list[list[float]], **keys: Any) -> Tables:
+    shape = {"points": [[12, 0], [12, -12]], "values": values}
+    return {"type": "shape", "boundary": "lower_right", "history": RAMP, **shape, **keys}
+
+
 def only(**keys: Any) -> Tables:
     """Bodies with these keys alone."""
     return {"bodies": {name: keys for name in PAD["bodies"]}}
@@ -248,6 +257,49 @@ MODELS: dict[str, tuple[Tables, bool | None]] = {
     ),
     "pressure by two kinds of points": (
         loads(pull=pull("lower_left", points=[[0, 0], [0, 1]], values=[1, 2], file="a.csv")), True,
+    ),
+    "pressure at one point twice": (
+        loads(pull=pull("lower_right", points=[[12, 0], [12, -12], [12, -12.0000000000001]],
+                        values=[1, 2, 9])), True,
+    ),
+    "pressure of nothing": (
+        loads(pull=pull("lower_right", points=[[12, 0], [12, -12]], values=[0, 0])), False,
+    ),
+    "a force": (loads(push=push()), False),
+    "a force on a part": (loads(push=push(centre=[12, -6], radius=3.0)), False),
+    "a force on a part that is empty": (loads(push=push(centre=[12, 6], radius=3.0)), True),
+    "a force on a part between nodes": (loads(push=push(centre=[12, -5.9], radius=1e-6)), True),
+    "a force on a part within an element": (
+        loads(push=push(centre=[12, -12], radius=1e-6)), True,
+    ),
+    "a force on a part of no radius": (loads(push=push(centre=[12, -6], radius=0.0)), True),
+    "a force on a part of nan": (loads(push=push(centre=[12, -6], radius=float("nan"))), True),
+    "a force on a part in space": (loads(push=push(centre=[12, -6, 0], radius=3.0)), True),
+    "a force on a part without a radius": (loads(push=push(centre=[12, -6])), True),
+    "a force on a part without a centre": (loads(push=push(radius=3.0)), True),
+    "a force on nothing": (loads(push=push(boundary="nothing")), True),
+    "a force along nothing": (loads(push=push(direction=[0, 0])), True),
+    "a force of 1e20": (loads(push=push(history=[{"ramp": 1e20, "until": 1, "steps": 1}])), None),
+    "a shape": (loads(mode=mode([[1e-3, 0], [1e-3, 0]])), False),
+    "a shape of nothing": (loads(mode=mode([[0, 0], [0, 0]])), True),
+    "a shape of 1e-29": (loads(mode=mode([[1e-29, 0], [0, 0]])), None),
+    "a shape of 1e20": (loads(mode=mode([[1e20, 0], [0, 0]])), None),
+    "a shape of nan": (loads(mode=mode([[float("nan"), 0], [0, 0]])), True),
+    "a shape of one component": (loads(mode=mode([[1e-3], [0]])), True),
+    "a shape of fewer values": (loads(mode=mode([[1e-3, 0]])), True),
+    "a shape of a contact surface": (
+        loads(mode=mode([[1e-3, 0], [0, 0]], boundary="lower_contact")), True,
+    ),
+    "a shape of what is held": (
+        loads(mode=mode([[1e-3, 0], [0, 0]], boundary="lower_bottom")), True,
+    ),
+    "a shape of a platen": (loads(mode=mode([[1e-3, 0], [0, 0]], boundary="upper_top")), True),
+    "two shapes of one boundary": (
+        loads(mode=mode([[1e-3, 0], [0, 0]]), more=mode([[1e-3, 0], [0, 0]])), True,
+    ),
+    "a shape backwards in size": (loads(mode=mode([[1e-3, 0], [0, 0]], factor=-1.0)), True),
+    "a fit that is true": (
+        loads(fit={"type": "interference", "contact": "main", "history": True}), True,
     ),
     "gravity without density": (
         loads(fall={"type": "acceleration", "direction": "y", "history": RAMP}), True,

@@ -170,6 +170,14 @@ def strain_case() -> str:
     return tomli_w.dumps({**PAD, "loads": {"press": press(), "weld": weld}})
 
 
+def factors_case() -> str:
+    """A case whose traction varies as factors.csv says."""
+    history = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
+    pull = {"type": "traction", "boundary": "lower_right", "direction": "normal"}
+    load = {**pull, "file": "factors.csv", "history": history}
+    return tomli_w.dumps({**PAD, "loads": {"press": press(), "pull": load}})
+
+
 def shape_case() -> str:
     """A case in which a boundary moves as shape.csv says."""
     history = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
@@ -182,6 +190,15 @@ def field_case(file: str) -> str:
     history = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
     cut = {"type": "field", "boundary": "lower_right", "file": file, "history": history}
     return tomli_w.dumps({**PAD, "loads": {"press": press(), "cut": cut}})
+
+
+def heat_case(file: str) -> str:
+    """A case whose temperatures are those of another run."""
+    warm = {"expansion": 1e-5, "reference_temperature": 20.0}
+    history = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
+    heat = {"type": "temperature_field", "file": file, "history": history}
+    bodies = {name: {**each, **warm} for name, each in PAD["bodies"].items()}
+    return tomli_w.dumps({**PAD, "bodies": bodies, "loads": {"press": press(), "heat": heat}})
 
 
 def write_originals(folder: Path) -> None:

@@ -14,15 +14,17 @@ import ufl
 from dolfinx import fem
 from dolfinx.mesh import locate_entities_boundary, to_type
 from launch import python
+from ufl.algorithms.analysis import extract_coefficients
 
 from fretfe.fem._compat import (
     MPI,
+    ElementVectors,
     PETSc,
     assemble_matrix,
     assemble_vector,
     create_mesh,
     expression,
-    form_on,
+    exterior_sides,
     petsc_library,
     versions,
     vtk_order,
@@ -128,27 +130,35 @@ def test_assemble_vector_adds_what_other_ranks_have() -> None:
 
 @pytest.mark.mpi
 @pytest.mark.parametrize("name", MESHES)
-def test_form_on_some_cells_and_facets(name: str) -> None:
+def test_element_vectors_of_some_cells_and_sides(name: str) -> None:
     space, area = mesh_of(name)
     mesh, test = space.mesh, ufl.TestFunction(space)
     factor, pair = fem.Constant(mesh, 1.0), fem.Constant(mesh, np.array([0.0, 2.0]))
-    compiled = fem.compile_form(
-        mesh.comm, factor * test * ufl.dx(1, domain=mesh) - pair[1] * test * ufl.ds(1, domain=mesh)
+    given, whole = fem.Function(space), fem.Function(fem.functionspace(mesh, ("Lagrange", 1, (2,))))
+    given.x.array[:], whole.x.array[1::2] = 3.0, 0.5
+    form = factor * given * test * ufl.dx(1, domain=mesh) - whole[1] * pair[1] * test * ufl.ds(
+        1, domain=mesh
     )
+    compiled = fem.compile_form(mesh.comm, form)
+    order = extract_coefficients(form)
+    vectors = ElementVectors(compiled, mesh, space.dofmap.list.shape[1], tuple(order))
     dim = mesh.topology.dim
     mesh.topology.create_connectivity(dim - 1, dim)
     cells = np.arange(mesh.topology.index_map(dim).size_local, dtype=np.int32)
     right = locate_entities_boundary(mesh, dim - 1, lambda x: x[0] > 1 - 1e-9)
-    none = np.empty(0, np.int32)
+    constants = np.array([1.0, 0.0, 2.0])
+    inside = vectors.on_cells(constants, cells)
+    beside = vectors.on_sides(constants, exterior_sides(mesh, right))
     # the right side has length 1; hat functions add up to one
-    for chosen, sides, expected in (
-        (cells, right, 3 * area - 2),
-        (cells, none, 3 * area),
-        (none, right, -2.0),
-    ):
-        form = form_on(compiled, space, [factor, pair], chosen, sides)
-        factor.value = 3.0  # is read when the form is assembled
-        assert assemble_vector(form).sum() == pytest.approx(expected, rel=1e-12)
+    sums = mesh.comm.allreduce(np.array([inside.sum(), beside.sum()]))
+    assert sums == pytest.approx([3 * area, -1.0], rel=1e-12)
+    # what DOLFINx adds up
+    expected = np.zeros(len(space.tabulate_dof_coordinates()))
+    fem.assemble_vector(expected, fem.form(given * test * ufl.dx))
+    found = np.zeros_like(expected)
+    np.add.at(found, space.dofmap.list[cells], inside)
+    assert found == pytest.approx(expected, abs=1e-14)
+    assert vectors.on_cells(constants, cells[:0]).shape == (0, vectors.size)
 
 
 @pytest.mark.mpi

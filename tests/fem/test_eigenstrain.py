@@ -224,8 +224,8 @@ def test_no_edge_factor_of_a_strain_that_bodies_can_follow() -> None:
     for elastic, form in forms(lambda mesh, side: load):
         x, y = elastic.space.tabulate_dof_coordinates()[:, :2].T
         moved = np.stack([2 * x**2 - 3 * x * y + y**2, x**2 + 4 * x * y - 2 * y**2], axis=1)
-        by_displacement += form.products(TIP, TUBE, moved[:, :, None])[:, 0]
-        by_load += form.load_products(TIP, TUBE)[:, 0]
+        by_displacement += form.products(TIP, [TUBE], moved[:, :, None])[0][:, 0]
+        by_load += form.load_products(TIP, [TUBE])[0][:, 0]
     largest = np.abs(by_load).max()
     # A radial quadrature of 1/sqrt(r) in the element with the tip.
     np.testing.assert_allclose(by_displacement, -by_load, atol=5e-3 * largest)
@@ -244,6 +244,6 @@ def test_edge_factors_of_a_profile_from_a_file() -> None:
         return DistributedLoad("peen", "eigenstrain", layers={"b": own})
 
     for (_, one), (_, other) in zip(forms(layer), forms(lambda mesh, side: field), strict=True):
-        expected, found = (form.load_products(TIP, TUBE)[:, 0] for form in (one, other))
+        expected, found = (form.load_products(TIP, [TUBE])[0][:, 0] for form in (one, other))
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
         assert np.abs(expected).max() > 1e-4

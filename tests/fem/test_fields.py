@@ -70,6 +70,7 @@ def body_of(cell: str, degree: int) -> ElasticBody:
     body = ElasticBody.__new__(ElasticBody)
     body.comm, body.material = MPI.COMM_WORLD, Material(200.0, 0.3, 0.0, "strain")
     body.name, body.gdim, body.mesh = "block", mesh.geometry.dim, mesh
+    body.components = body.gdim
     body.space = fem.functionspace(mesh, ("Lagrange", degree, (body.gdim,)))
     return body
 

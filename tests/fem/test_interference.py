@@ -10,7 +10,7 @@ import blocks
 import numpy as np
 import pytest
 from contact_runs import run
-from pad_cases import TOP, cylinder, pad, shear
+from pad_cases import TOP, cylinder, pad, press, shear
 
 from fretfe._typing import Array
 from fretfe.case import Solid
@@ -126,3 +126,13 @@ def test_an_overlap_of_a_pad_is_an_approach(solved: Solve) -> None:
         np.testing.assert_allclose(other.k_i, one.k_i, rtol=1e-8, atol=1e-6)
         np.testing.assert_allclose(other.k_t, one.k_t, rtol=1e-8, atol=1e-6)
         assert other.k_n_moved == pytest.approx(one.k_n_moved, rel=1e-6)
+
+
+def test_an_overlap_of_the_order_of_the_radius_is_told(solved: Solve) -> None:
+    """Under a force it makes no difference to the pressure, whatever the radii become."""
+    loads = {"press": press(steps=1), "fit": fit(2.0)}
+    answer = solved(pad(geometry=cylinder(size=0.2), loads=loads))
+    (limit,) = (each for each in answer.limits if "interference" in each.quantity)
+    assert limit.found == pytest.approx(2.0 / 50.0, rel=1e-3)
+    assert any("over the smaller radius of the surfaces is 0.04" in each
+               for each in answer.contacts[0].warnings)  # fmt: skip

@@ -139,7 +139,11 @@ def test_solids_of_a_cad_file_refine_themselves(step: Path) -> None:
     refinement = result.refinement
     assert refinement is not None and refinement.converged, refinement
     (front,) = result.contacts[0].fronts
-    assert front.along("reported_k_n") == pytest.approx(PEAK * np.sqrt(2), rel=0.05)
+    # The tolerance is of the change from the mesh before; single fits may be worse, and know it.
+    errors = np.abs(front.along("reported_k_n") / (PEAK * np.sqrt(2)) - 1)
+    bars = np.array([x.k_n_spread[x.last] / x.k_n[x.last] for x in front.stations])
+    assert (errors <= np.fmax(bars, 0.05)).all()
+    assert np.median(errors) <= 0.025
     worst = refinement.passes[-1].worst
     assert worst is not None and worst.change <= 0.05 and worst.front == "front 1"
     assert {each.quantity for each in refinement.passes[-1].changes} == {"K_N", "ΔK"}

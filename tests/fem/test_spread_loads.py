@@ -174,8 +174,8 @@ def test_no_edge_factor_of_a_bar_that_hangs(solid: bool) -> None:
         bent = (x**2 + poisson * sum(y**2 for y in across)) / 2
         own = np.stack([-bent, *(poisson * x * y for y in across)], axis=1)
         own *= STEEL.density / young
-        by_displacement += form.products(tip, tube, own[:, :, None])[:, 0]
-        by_load += form.load_products(tip, tube)[:, 0]
+        by_displacement += form.products(tip, [tube], own[:, :, None])[0][:, 0]
+        by_load += form.load_products(tip, [tube])[0][:, 0]
     largest = np.abs(by_load).max()
     assert largest > 1e-4
     assert (np.abs(by_displacement + by_load) < (0.025 if solid else 5e-3) * largest).all()

@@ -168,3 +168,97 @@ def test_a_results_folder_drives_another_mesh(tmp_path: Path) -> None:
     np.testing.assert_allclose(second.shear_force, first.shear_force, atol=0.012 * 40.0)
     (note,) = (note for note in part.notes if "loads.upper_moves: the largest force" in note)
     assert re.search(r"is 20\d(\.\d)? N/mm, the largest moment .* N·mm/mm; ", note)
+
+
+def test_bars_hold_what_slip_does_to_a_near_cut(tmp_path: Path) -> None:
+    """At 1.5 half-widths, with the same elements in the whole, so that nothing else differs.
+
+    Under 0.6 of the largest shear the displacements of the cut know that two fifths of the contact
+    have slipped, and full stick does not.
+    """
+    loads = whole_loads(450.0)
+    wave = {"wave": "sine", "amplitude": 135.0, "period": 1, "cycles": 2, "steps_per_cycle": 8}
+    loads["shear"]["history"] = [{"hold": True, "until": 1.0}, wave]
+    columns, rows = halved(WIDE), halved(DEEP)
+    coarse = result_of(tmp_path / "whole", case(loads, supports=BASE), bodies(columns, rows))
+    kept, deep = columns[np.abs(columns) <= 1.0], rows[rows <= 1.0]
+    moved = {f"{body}_moves": cut(body, tmp_path / "whole") for body in ("upper", "lower")}
+    steps = coarse.loads.times[1:].tolist()
+    for load in moved.values():
+        load["history"] = [{"times": steps, "values": steps}]
+    cycle = {"start": 2.0, "end": 3.0}
+    part = result_of(tmp_path / "part", case(moved, cycle=cycle), parts(kept, deep))
+    for first, second in zip(coarse.contacts[0].stations, part.contacts[0].stations, strict=True):
+        off = second.k_range - first.k_range
+        # the same elements: K_N differs by rounding in the file, which is in single precision
+        assert second.last_k_n[0] == pytest.approx(first.last_k_n[0], rel=1e-4)
+        own = second.k_range_parts.discretisation**2 - first.k_range_parts.discretisation**2
+        assert 0.005 * first.k_range < abs(off) < own**0.5 < 3 * abs(off)
+        assert second.k_range_spread > own**0.5
+
+
+HOT = {**STEEL, "expansion": 1.2e-5, "reference_temperature": 20.0}
+CORNERS = [(x, y) for x in (-10.0, 10.0) for y in (-10.0, 10.0)]
+
+
+def temperature(x: Array, y: Array, step: int) -> Array:
+    """(n,) at a step, linear in the place; it turns from one to the other."""
+    return np.asarray(20 + 4 * step * y + (step - 2) * 3 * x + 10 * step)
+
+
+def write_temperatures(path: Path) -> None:
+    x, y = np.array(CORNERS).T
+    rows = [
+        f"{step},{a},{b},{value:.17g}"
+        for step in range(1, 6)
+        for a, b, value in zip(x, y, temperature(x, y, step), strict=True)
+    ]
+    path.write_text("\n".join(["step,x,y,T", *rows]) + "\n")
+
+
+def heated_case(loads: dict[str, Any], **more: Any) -> dict[str, Any]:
+    data = case(loads, **more)
+    return {**data, "bodies": {"upper": HOT, "lower": {**HOT, "expansion": 1.7e-5}}}
+
+
+def test_temperatures_of_another_run_drive_the_whole_and_a_part(tmp_path: Path) -> None:
+    """The same as loads of points, and a part with its cut and its temperatures as the whole."""
+    write_temperatures(tmp_path / "heat.csv")
+    steps = [{"times": list(range(1, 6)), "values": list(range(1, 6))}]
+    heat = {"type": "temperature_field", "file": str(tmp_path / "heat.csv"), "history": steps}
+    mechanical = whole_loads()
+    mechanical["press"]["history"][0]["steps"] = 1
+    mechanical["shear"]["history"][1] = {"times": [2, 3, 4, 5], "values": [100, -100, 50, 0]}
+    whole = run(heated_case({**mechanical, "heat": heat}, supports=BASE), *bodies(WIDE, DEEP))
+    # Two fields of points whose sum is that of the file.
+    given = {}
+    x, y = np.array(CORNERS).T
+    warmer = 20 + temperature(x, y, 2) - temperature(x, y, 1)
+    for name, own, amount in (
+        ("one", temperature(x, y, 1), [1.0] * 5),
+        ("two", warmer, [0, 1, 2, 3, 4]),
+    ):
+        given[name] = {
+            "type": "temperature",
+            "points": CORNERS,
+            "values": own.tolist(),
+            "history": [{"times": list(range(1, 6)), "values": amount}],
+        }
+    same = run(heated_case({**mechanical, **given}, supports=BASE), *bodies(WIDE, DEEP))
+    scale = np.abs(whole.tractions).max()
+    np.testing.assert_allclose(whole.tractions, same.tractions, atol=1e-9 * scale)
+    (note,) = (note for note in whole.model.notes if note.startswith("loads.heat"))
+    assert "5 steps of the run, up to 5, as 2 shapes" in note
+    for body in ("upper", "lower"):
+        write_csv(whole, tmp_path / f"{body}.csv", body)
+    loads = {f"{body}_moves": cut(body, tmp_path / f"{body}.csv") for body in ("upper", "lower")}
+    part = run(heated_case({**loads, "heat": heat}), *parts(WIDE[KEPT], DEEP[:ROWS]))
+    x, inside = (
+        np.array([each.coupling.points[:, 0] for each in one.model.reduction.pairs])[0]
+        for one in (whole, part)
+    )
+    chosen = np.searchsorted(np.sort(x), np.sort(inside) - 1e-9)
+    expected = whole.tractions[:, np.argsort(x)[chosen]]
+    np.testing.assert_allclose(part.tractions[:, np.argsort(inside)], expected, atol=1e-9 * scale)
+    cold = run(heated_case(loads), *parts(WIDE[KEPT], DEEP[:ROWS]))
+    assert np.abs(cold.tractions - part.tractions).max() > 0.01 * scale

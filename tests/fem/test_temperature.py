@@ -230,6 +230,55 @@ def test_free_expansion_scales_the_gap(solid: bool, gap: float) -> None:
     assert same == (gap == 0.0)
 
 
+PEENED = {
+    "type": "eigenstrain",
+    "surfaces": ["lower_top"],
+    "depths": [0.0, 0.2],
+    "values": [0.02, 0.0],
+}
+CYCLED = [
+    {"ramp": 1.0, "until": 1.0, "steps": 2},
+    {"hold": True, "until": 2.0},
+    {**wave(0.8, steps=8), "mean": 1.0},
+]
+
+
+@pytest.mark.parametrize(
+    "load",
+    [{"type": "temperature", "value": REFERENCE + 20.0, "bodies": ["lower"]}, PEENED],
+    ids=["temperature", "eigenstrain"],
+)
+def test_energy_balance(load: dict[str, Any]) -> None:
+    """Elastic energy is the work of the loads, the strain too, less what friction takes.
+
+    Each step takes the mean of forces times displacements, exactly, as the bodies are linear.
+    """
+    found = run(pressed(False, strain={**load, "history": CYCLED}), *bodies(False, 0.01))
+    loads = found.model.reduction.definition.loads
+    energy, moved = [], []
+    for number in range(len(found.results)):
+        fields = found.fields(number)
+        pairs = [(found.model.bodies[name].elastic, each) for name, each in fields.items()]
+        energy.append(sum(body.forces(u).dot(u.x.petsc_vec) / 2 for body, u in pairs))
+        moved.append(
+            [sum(body.load_vector(each).dot(u.x.petsc_vec) for body, u in pairs) for each in loads]
+        )
+    states = [each.state for each in found.results]
+    work = work_of(np.array([each.amplitudes for each in found.steps[1:]]), np.array(moved))
+    taken = -work_of(
+        *(np.array([getattr(each, name).ravel() for each in states])
+          for name in ("traction", "relative"))
+    )  # fmt: skip
+    assert taken[-8:].sum() > 1e-3 * np.abs(work[-8:]).sum()
+    np.testing.assert_allclose(np.diff(energy), work - taken, rtol=0, atol=1e-10 * work.max())
+
+
+def work_of(forces: Array, displacements: Array) -> Array:
+    """(T - 1,) work of forces (T, n) from each state to the next."""
+    means = (forces[1:] + forces[:-1]) / 2
+    return np.asarray((means * np.diff(displacements, axis=0)).sum(axis=1))
+
+
 SIDES: tuple[Side, Side] = ("left", "right")
 # Large, so that half-planes are near.
 SIZES = {"upper_width": 20.0, "lower_width": 30.0, "lower_height": 30.0, "upper_height": 10.0}
@@ -315,8 +364,8 @@ def test_no_edge_factor_without_stress(name: str) -> None:
         places = elastic.space.tabulate_dof_coordinates()[:, :2]
         own = 1.3 * EXPANSION * displaced(places)[:, :, None]
         tip, tube = Tip(TIP, np.array([[0.0, 1.0], [1.0, 0.0]])), Tube(0.5)
-        by_displacement += form.products(tip, tube, own)[:, 0]
-        by_load += form.load_products(tip, tube)[:, 0]
+        by_displacement += form.products(tip, [tube], own)[0][:, 0]
+        by_load += form.load_products(tip, [tube])[0][:, 0]
     largest = np.abs(by_load).max()
     # A radial quadrature of 1/sqrt(r) in the element with the tip.
     np.testing.assert_allclose(by_displacement, -by_load, atol=5e-3 * largest)
@@ -375,8 +424,8 @@ def test_no_edge_factor_without_stress_in_space() -> None:
         x, y, z = elastic.space.tabulate_dof_coordinates().T
         squares = np.stack([(x**2 - y**2 - z**2) / 2, x * y, x * z], axis=1)
         own = 30 * EXPANSION * np.stack([np.stack([x, y, z], axis=1), squares], axis=2)
-        by_displacement += form.products(tip, tube, own)
-        by_load += form.load_products(tip, tube)
+        by_displacement += form.products(tip, [tube], own)[0]
+        by_load += form.load_products(tip, [tube])[0]
     largest = np.abs(by_load).max(axis=0)
     assert (largest > 1e-3).all()
     assert (np.abs(by_displacement + by_load) < 5e-3 * largest).all()

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""A shim between two pads, as between blade and disc: two contacts that are equal by symmetry."""
+"""A shim or a roller between two pads: two contacts that are equal by symmetry."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import blocks
@@ -28,13 +29,19 @@ def mirrored(points: Array) -> Array:
     return -pad(points)
 
 
-def stack(shear: float) -> Run:
-    """Two pads on either side of a shim that nothing but they hold."""
+def barrel(points: Array) -> Array:
+    """A shim whose sides are cylinders."""
+    x, y = points.T
+    return np.stack([x, y * (1 - x**2 / (2 * RADIUS * SHIM))], axis=1)
+
+
+def stack(shear: float, middle: Callable[[Array], Array] | None) -> Run:
+    """Two pads on either side of a shim, perhaps mapped, that nothing but they hold."""
     fine = np.concatenate([[-3.0, -1.6], np.linspace(-0.8, 0.8, 17), [1.6, 3.0]])
     rise = np.array([0.0, 0.2, 0.6, 1.5, HEIGHT])
     upper = blocks.block("upper", fine, rise, mapping=pad, order=2)
     lower = blocks.block("lower", fine, rise, mapping=mirrored, order=2)
-    middle = blocks.block("shim", fine, np.linspace(-SHIM, SHIM, 5), order=2)
+    shim = blocks.block("shim", fine, np.linspace(-SHIM, SHIM, 5), mapping=middle, order=2)
     platen = {"type": "platen", "boundary": "upper_top", "control": "force"}
     wave = {"wave": "sine", "amplitude": shear, "period": 1.0, "cycles": 1, "steps_per_cycle": 4}
     waiting = [{"hold": True, "until": 1.0}, wave]
@@ -54,13 +61,16 @@ def stack(shear: float) -> Run:
             "shear": {**platen, "direction": "x", "history": waiting},
         },
     }
-    return run(case, upper, middle, lower)
+    return run(case, upper, shim, lower)
 
 
 @pytest.mark.mpi
-def test_both_contacts_of_a_shim_are_equal_by_symmetry() -> None:
-    """Turned by half a circle the stack is itself, and so are pressure, shear and slip."""
-    found = stack(SHEAR)
+@pytest.mark.parametrize("middle", [None, barrel], ids=["flat", "cylinders"])
+def test_both_contacts_of_a_shim_are_equal_by_symmetry(
+    middle: Callable[[Array], Array] | None,
+) -> None:
+    """Turned by half a circle the stack is itself, and so are pressure and shear."""
+    found = stack(SHEAR, middle)
     interface = found.model.comm.bcast(
         found.model.reduction.interface.contacts if found.model.comm.rank == 0 else None
     )

@@ -17,7 +17,7 @@ from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation, sliding_exponent
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import parse_case
-from fretfe.evaluate.factors import half_plane_units
+from fretfe.evaluate.factors import edge_fits, half_plane_units
 from fretfe.evaluate.verdicts import AGREES, last_verdict
 from fretfe.halfplane import solve_half_planes
 from fretfe.halfplane.solver import build_interface
@@ -215,3 +215,21 @@ def test_compliance_is_symmetric_and_positive() -> None:
     matrix = interface.compliance.block(all_of_it, all_of_it)
     assert matrix == pytest.approx(matrix.T, abs=1e-15)
     assert np.linalg.eigvalsh(matrix)[0] > 0
+
+
+@pytest.mark.parametrize(("beta", "friction"), [(0.07, 0.3), (-0.07, 0.8), (0.2, 0.8)])
+def test_exponents_of_fits_are_lambda(beta: float, friction: float) -> None:
+    """ln p = ln K + lambda ln s + c s at distances s from the edge, after loading one way.
+
+    Next to the edge nodal values alternate; behind a third of the slip zone the power law ends.
+    """
+    shear = friction * LOAD * np.linspace(0.15, 0.75, 5)
+    contact = solve(unlike(problem(LOAD, shear, friction=friction), beta))
+    fits = edge_fits(contact, np.arange(len(contact.traction)))
+    x, pressure = contact.arc, contact.mean_traction[-1, :, 0]
+    for fit, inward in zip(fits, (1.0, -1.0), strict=True):
+        s = inward * (x - fit.position[-1])
+        near = (s > 0.01) & (s < 0.12)
+        terms = np.column_stack([np.ones(near.sum()), np.log(s[near]), s[near]])
+        found = np.linalg.lstsq(terms, np.log(pressure[near]))[0][1]
+        assert found == pytest.approx(sliding_exponent(beta, inward * friction), abs=0.01)

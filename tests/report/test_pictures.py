@@ -31,6 +31,7 @@ from fretfe.report.pictures.mesh import STATUS
 from fretfe.report.pictures.panels import Pixels, View
 from fretfe.report.pictures.render import draw_bodies
 from fretfe.results.field_files import FIELDS
+from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import PICTURE_LIST, PICTURES
 
@@ -282,7 +283,7 @@ def test_other_work_is_done_while_processes_draw(
         events.extend(files)
         return {file: {"reason": "of the test"} for file in files}
 
-    def work() -> None:
+    def work(_: Result) -> None:
         events.append("work")
         worked.set()
 

@@ -7,6 +7,7 @@ import importlib.util
 import json
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,6 @@ from fretfe._typing import Array
 from fretfe.cli.lists import animate
 from fretfe.cli.lists import scene as write_scene
 from fretfe.errors import CaseError, FretfeError, OutputError
-from fretfe.evaluate.plane.section import PLANE_FRONTS
 from fretfe.evaluate.resultants import station_extremes
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 from fretfe.report.pictures.fields import BodyField, Grid, find_time, open_fields
@@ -192,11 +192,8 @@ WAVE = np.sin(np.linspace(0, 2 * np.pi, 9))
 def test_extremes_of_stations(
     k_t: list[Array], k_i: list[Array], cycle: tuple[int, int] | None, expected: list[int]
 ) -> None:
-    stations = [
-        PLANE_FRONTS[0].history(
-            0 * shear, 0 * shear, 0 * shear, 0 * shear, np.column_stack([normal, shear])
-        )
-        for shear, normal in zip(k_t, k_i, strict=True)
+    stations: Any = [
+        SimpleNamespace(k_along=shear, k_i=normal) for shear, normal in zip(k_t, k_i, strict=True)
     ]
     assert station_extremes(stations, cycle) == expected
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 
 import csv
 import math
+import os
+import signal
+import time
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +17,7 @@ from pad_cases import pad
 from rich.console import Console
 from told import Told
 
-from fretfe.backends import RunOptions, SharingBackend
+from fretfe.backends import Observer, RunOptions, SharingBackend
 from fretfe.backends.analytic import BACKEND as ANALYTIC
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case, changed, parse_case
@@ -100,6 +103,64 @@ def test_cases_that_share_the_most_are_solved_in_a_row_and_listed_in_order() -> 
     assert [len(each.edges) for each in sweep.variants] == [2, 0, 2, 0]
     assert told.announced[0].startswith(f"1/4: {FRICTION} = 0.4, {RADIUS} = 50: ")
     assert told.announced[2] == f"3/4: {FRICTION} = 0.4, {RADIUS} = 40: failed: step 3 failed"
+
+
+@dataclass
+class Copied(Recording):
+    """One of which three copies can be made; some frictions end a copy, or wait for its end."""
+
+    parent: int = field(default_factory=os.getpid)
+    deadly: float = math.nan
+    endless: float = math.nan
+
+    def copies(self) -> int:
+        return 3
+
+    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
+        friction = case.contacts["main"].friction
+        if friction == self.deadly and os.getpid() != self.parent:
+            os._exit(1)
+        while friction == self.endless:
+            time.sleep(0.01)
+            options.progress(1, 2, "")
+        return super().solve(case, options)
+
+
+FRICTIONS = (0.4, 0.5, 0.6, 0.7, 0.8)
+
+
+def in_copies(backend: Copied, observer: Observer | None = None) -> Sweep:
+    variants = make_variants(parse_case(pad()), {FRICTION: FRICTIONS})
+    return run_sweep(variants, backend, RunOptions(observer=observer or Told()))
+
+
+def test_copies_solve_cases_beside_one_another() -> None:
+    backend = Copied()
+    sweep = in_copies(backend)
+    # The others are solved by copies of the backend.
+    assert backend.solved == [(0.4, 50)]
+    assert [each.values[FRICTION] for each in sweep.variants] == list(FRICTIONS)
+    assert [dict(each.edges[0]) for each in sweep.variants] == [
+        dict(each.edges[0]) for each in swept(friction=FRICTIONS).variants
+    ]
+
+
+def test_a_copy_that_ends_leaves_its_cases_to_others() -> None:
+    backend = Copied(deadly=0.5)
+    sweep = in_copies(backend)
+    assert [friction for friction, _ in backend.solved][:2] == [0.4, 0.5]
+    assert not sweep.failures
+
+
+def test_a_signal_ends_copies_and_keeps_what_they_have_solved() -> None:
+    class Signalled(Told):
+        def stop(self) -> signal.Signals | None:
+            return signal.SIGTERM if len(self.announced) == 4 else None
+
+    sweep = in_copies(Copied(endless=0.8), Signalled())
+    assert sweep.stopped is not None and sweep.stopped.signal is signal.SIGTERM
+    assert [bool(each.failure) for each in sweep.variants] == [False] * 4 + [True]
+    assert "stopped by SIGTERM" in sweep.variants[-1].failure
 
 
 def test_csv_holds_all_records(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from fretfe.backends import RunOptions, find_backend
 from fretfe.case import Case, parse_case
 from fretfe.evaluate.contacts import SlipZone, fronts_of
 from fretfe.evaluate.evaluate import evaluate
-from fretfe.evaluate.plane.evaluate import with_flank
+from fretfe.evaluate.plane.evaluate import with_shear
 from fretfe.evaluate.plane.section import PLANE_FRONTS
 from fretfe.evaluate.verdicts import NO_VERDICT, NOT_RESOLVED, Verdict, expected_error, judge
 from fretfe.halfplane import solve_half_planes
@@ -66,16 +66,16 @@ def test_a_zone_after_a_whole_slide_is_not_called_too_short_for_the_mesh() -> No
     assert found.reason.startswith("too few elements over the slip zone: 1.1 of")
     assert "known to ±" in judged(zone.length / 10, zone).reason
 
-    def with_shear(share: float) -> SlipZone:
+    def slid(share: float) -> SlipZone:
         traction = history.mean_traction[:].copy()
         traction[..., 1] = share * history.friction.max() * traction[..., 0]
-        slid = replace(history, mean_traction=traction)
-        return with_flank(slid, PLANE_FRONTS[0], station.position, contact.centre, zone)
+        sheared, front = replace(history, mean_traction=traction), PLANE_FRONTS[0]
+        return with_shear(sheared, front, station.position, contact.centre, zone, 0.0)
 
-    assert judged(0.9 * zone.length, with_shear(0.9)).word == NOT_RESOLVED
-    slid = judged(0.9 * zone.length, with_shear(-0.98))
-    assert slid.word == NO_VERDICT
-    assert "the shear is 98% of f p all over the flank" in slid.reason
+    assert judged(0.9 * zone.length, slid(0.9)).word == NOT_RESOLVED
+    sliding = judged(0.9 * zone.length, slid(-0.98))
+    assert sliding.word == NO_VERDICT
+    assert "the shear is 98% of f p all over the flank" in sliding.reason
 
 
 @cache

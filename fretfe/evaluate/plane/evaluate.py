@@ -34,6 +34,7 @@ from fretfe.evaluate.factors import (
     LoadPath,
     UnitFactors,
     add_up,
+    along_line,
     cycle_range,
     edge_fits,
     edge_movement,
@@ -56,6 +57,8 @@ from fretfe.evaluate.verdicts import FLANK
 from fretfe.history.solution import ContactHistory, Factor, Solution
 from fretfe.history.state_array import blocks
 
+# Degrees from inward beyond which the range of (K_T, K_S) has next to no K_T to be compared.
+NEARLY_ALONG_Z = 89.0
 Cycle = tuple[int, int] | None
 # From the states of an interval of contact, and the cycle as counted in it, to (states, ...)
 # histories.
@@ -96,7 +99,7 @@ def evaluate_plane(
             ]
         )
         whole = factors_at(whole, contact.dundurs, 2 * a / K_T_LENGTH)
-        whole /= np.cosh(np.pi * oscillation(contact.dundurs))
+        whole[..., : Factor.K_S] /= np.cosh(np.pi * oscillation(contact.dundurs))
         stations = edges.at(zones, zones).stations()
         if told is not None:
             # Formulas for slip zones need the factors at their own lengths.
@@ -120,7 +123,9 @@ def evaluate_plane(
         "effective_tension": by_interval(contact, solution.cycle, tension),
         "shear_mismatch": shear_mismatch(
             k_t, half_width, full_stick_shear_force(solution, contact), solution.cycle
-        ),
+        )
+        if all(abs(each.k_angle) < NEARLY_ALONG_Z for each in stations)
+        else np.nan,
         "dissipation": float(_friction_work(solution, contact).sum()),
     }
 
@@ -318,12 +323,22 @@ class _Edges:
 
     def stations(self) -> list[Station]:
         """The stations of both edges."""
-        cycle = cycle_states(self.solution.cycle)
-        spreads = range_spreads(self.histories, self.fits, self.contact.arc, cycle, self.path)
-        return [self._station(front, spreads[front.number]) for front in PLANE_FRONTS]
+        cycle, arc = cycle_states(self.solution.cycle), self.contact.arc
+        spreads = range_spreads(self.histories, self.fits, arc, cycle, self.path)
+        found = zip(PLANE_FRONTS, self.histories.directions(cycle), spreads, strict=True)
+        return [self._station(front, *line, spread) for front, line, spread in found]
 
-    def _station(self, front: PlaneFront, spread: RangeSpread) -> Station:
-        """The station of an edge, with the error bar of its range."""
+    def _station(
+        self, front: PlaneFront, direction: Array, turning: float, spread: RangeSpread
+    ) -> Station:
+        """The station of an edge, with the error bar of its range.
+
+        Args:
+            front: whose station it is.
+            direction: (2,) in which (K_T, K_S) varies most.
+            turning: range across it over that along it.
+            spread: error bar of the range along it.
+        """
         fit, work = self.fits[front.number], _friction_work(self.solution, self.contact)
         contact, cycle = self.contact, cycle_states(self.solution.cycle)
         exponents = np.broadcast_to(fit.exponent, fit.k_n.shape)
@@ -333,9 +348,11 @@ class _Edges:
         factors = self.histories.ways[:, front.number].mean(axis=0)
         history = front.history(fit.position, fit.spread_position, fit.k_n, k_n_spread, factors)
         history = replace(history, last=last_state(cycle, history))
-        evaluated = in_evaluated_interval(contact, self.solution.cycle, history)
+        along = replace(history, k_t=np.column_stack([history.k_t, history.k_s]) @ direction)
+        evaluated = in_evaluated_interval(contact, self.solution.cycle, along)
         cycles = count_cycles(cycle, contact.friction, evaluated)
         point, frame = _place(contact, front, fit.position)
+        angle = float(np.degrees(np.arctan2(direction[1], direction[0])))
         here = nearest_front(contact.arc, last_known(self.centre, cycle)) == front.number
         fitted = self.histories.fitted
         return Station(
@@ -347,13 +364,16 @@ class _Edges:
             k_n_moved_spread=movement.k_n_spread,
             stiffening=movement.stiffening,
             k_t_range=cycle_range(history.k_t, cycle),
-            k_range=cycle_range(history.k_t, cycle),
+            k_s_range=cycle_range(history.k_s, cycle),
+            k_range=cycle_range(along.k_t, cycle),
+            k_angle=angle,
+            turning=turning,
             k_range_spread=spread.total,
             k_range_parts=spread,
             k_t_range_fitted=(
                 np.nan
                 if fitted is None
-                else cycle_range(fitted[front.number, :, Factor.K_T], cycle)
+                else cycle_range(along_line(fitted[front.number], direction), cycle)
             ),
             k_i_range=cycle_range(history.k_i, cycle),
             reference_length=self.lengths[front.number],
@@ -361,12 +381,16 @@ class _Edges:
             oscillation=oscillation(contact.dundurs),
             coupling=abs(contact.dundurs) * float(contact.friction.max()),
             cycles=cycles,
-            slip_zones=self._zones(front, evaluated, cycles),
+            slip_zones=self._zones(front, evaluated, angle, cycles),
             dissipation=float(work[here].sum()),
         )
 
     def _zones(
-        self, front: PlaneFront, evaluated: StationHistory, cycles: CountedCycles
+        self,
+        front: PlaneFront,
+        evaluated: StationHistory,
+        angle: float,
+        cycles: CountedCycles,
     ) -> tuple[SlipZone, ...]:
         contact, cycle = self.contact, cycle_states(self.solution.cycle)
         worst = worst_cycle(cycles, cycle, contact.friction, evaluated)
@@ -375,7 +399,9 @@ class _Edges:
         position = evaluated.position
         border = slip_border_of(contact, front, position, outer, degree)
         zones = slip_zones(cycle, contact.friction, evaluated, border, self.path, worst=worst)
-        return tuple(with_flank(contact, front, position, self.centre, zone) for zone in zones)
+        return tuple(
+            with_shear(contact, front, position, self.centre, zone, angle) for zone in zones
+        )
 
 
 def _k_n_spread(solution: Solution, fit: EdgeFit, moved: float, exact: bool) -> Array:
@@ -389,7 +415,8 @@ def _k_n_spread(solution: Solution, fit: EdgeFit, moved: float, exact: bool) -> 
 def _place(contact: ContactHistory, front: PlaneFront, position: Array) -> tuple[Array, Frame]:
     """(3,) point and frame in the last state in which the position (T,) is known."""
     place = last_known(position, np.array([], dtype=np.int64))
-    rows = np.hstack([contact.points, contact.frames.reshape(len(contact.arc), -1)]).T
+    frames = contact.frames[:, :2, :2].reshape(len(contact.arc), -1)
+    rows = np.hstack([contact.points, frames]).T
     point, across, tangent = np.reshape(
         [np.interp(place, contact.arc, row) for row in rows], (3, 2)
     )
@@ -401,21 +428,36 @@ def _element_size(arc: Array, place: float) -> float:
     return float(np.diff(arc)[max(int(np.searchsorted(arc[1:-1], place)), 0)])
 
 
-def with_flank(
-    contact: ContactHistory, front: PlaneFront, position: Array, centre: Array, zone: SlipZone
+def with_shear(
+    contact: ContactHistory,
+    front: PlaneFront,
+    position: Array,
+    centre: Array,
+    zone: SlipZone,
+    angle: float,
 ) -> SlipZone:
-    """A slip zone with the shear of the flank behind it, if the mesh does not resolve it."""
+    """A slip zone with the share of f p behind it that acts across the angle of K and along it.
+
+    That along it if the mesh does not resolve the zone; that across it between bodies that move
+    along z. The angle is that of (K_T, K_S), in degrees.
+    """
+    predicted = max(float(np.nan_to_num(zone.prediction)), 0.0)
+
+    def share(state: int, angle: float, begin: float) -> float:
+        traction = contact.mean_traction[state]
+        s = front.inward * (contact.arc - position[state])
+        middle = front.inward * (centre[state] - position[state])
+        behind = (s > begin) & (s < middle) & (traction[:, 0] > 0)
+        weights = contact.weights[behind]
+        bound = float(contact.friction[zone.end] * (weights @ traction[behind, 0]))
+        shear = traction[behind, 1:] @ front.axis(angle, traction.shape[1] - 1)
+        return abs(float(weights @ shear)) / bound if bound > 0 else np.nan
+
+    if contact.slip.shape[2] > 1:
+        zone = replace(zone, across=share(zone.start, angle + 90.0, predicted))
     if zone.resolved or zone.gross:
         return zone
-    pressure, shear = contact.mean_traction[zone.end].T
-    s = front.inward * (contact.arc - position[zone.end])
-    middle = front.inward * (centre[zone.end] - position[zone.end])
-    behind = FLANK * max(float(np.nan_to_num(zone.prediction)), 0.0)
-    flank = (s > behind) & (s < middle) & (pressure > 0)
-    weights = contact.weights[flank]
-    bound = float(contact.friction[zone.end] * (weights @ pressure[flank]))
-    share = abs(float(weights @ shear[flank])) / bound if bound > 0 else np.nan
-    return replace(zone, flank=share)
+    return replace(zone, flank=share(zone.end, angle, FLANK * predicted))
 
 
 def _friction_work(solution: Solution, contact: ContactHistory) -> Array:

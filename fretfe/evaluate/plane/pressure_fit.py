@@ -155,11 +155,34 @@ class EdgeFit:
             length: at which K_N is told.
             zone: length of the slip zone in elements.
         """
-        apart = np.asarray(self.exponent - 0.5)
-        k_n = length**apart * self.k_n
-        beyond = BEYOND_SLIP * np.clip(WINDOW / zone, 1.0, MOST_BEYOND)
-        spread = np.hypot(length**apart * self.spread_k_n, beyond * np.abs(apart) * k_n)
+        k_n, spread = k_n_at(self.k_n, self.spread_k_n, np.asarray(self.exponent), length, zone)
         return replace(self, k_n=k_n, spread_k_n=spread)
+
+
+def k_n_at(
+    k_n: Array,
+    spread: Array,
+    exponent: Array,
+    length: Array | float,
+    zone: Array | float,
+    most: float = MOST_BEYOND,
+) -> tuple[Array, Array]:
+    """Return K_N and its error bar at a length from those at the length 1, as of `EdgeFit.at`.
+
+    Args:
+        k_n: (T, ...) at the length 1, of the power law.
+        spread: (T, ...) its error bar.
+        exponent: (T, ...) lambda.
+        length: at which K_N is told.
+        zone: length of the slip zone in elements.
+        most: how much larger the error may be than with a zone of many elements.
+    """
+    apart = exponent - 0.5
+    told = length**apart * k_n
+    beyond = BEYOND_SLIP * np.clip(WINDOW / np.maximum(zone, WINDOW / most), 1.0, most)
+    # Just after a reversal the zone is too short to tell lambda, which is not known any better.
+    largest = np.fmax.reduce(np.atleast_1d(np.abs(apart)))
+    return told, np.hypot(length**apart * spread, beyond * largest * told)
 
 
 def fit_edge(section: Section, *, solved: bool = False, exponent: Array | float = 0.5) -> EdgeFit:

@@ -8,6 +8,7 @@ sections, one at each of its two fronts: left and right, and their signs, stand 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
@@ -165,7 +166,11 @@ class PlaneFront:
         k_n_spread: Array,
         factors: Array,
     ) -> StationHistory:
-        """Return the history of the front's station; (T,) arrays and singular factors (T, 2)."""
+        """Return the history of the front's station; (T,) arrays and singular factors (T, d).
+
+        Without displacements along z there is no K_S among these: it is zero.
+        """
+        *_, k_s = np.pad(factors, ((0, 0), (0, 3 - factors.shape[1]))).T
         return StationHistory(
             front=self.name,
             number=0,
@@ -174,9 +179,19 @@ class PlaneFront:
             k_n=k_n,
             k_n_spread=k_n_spread,
             k_t=factors[:, Factor.K_T],
-            k_s=np.zeros(len(factors)),
+            k_s=k_s,
             k_i=factors[:, Factor.K_I],
         )
+
+    def axis(self, angle: float, size: int) -> Array:
+        """Return the direction (size,) of shear along the arc and, if there are two, along z.
+
+        Args:
+            angle: in degrees, from inward towards `along`, which is -z at the left front.
+            size: number of tangential components.
+        """
+        line = np.array([math.cos(math.radians(angle)), -math.sin(math.radians(angle))])
+        return np.asarray(self.inward * line[:size])
 
     def frame(self, across: Array, tangent: Array) -> Frame:
         """Return the frame of the front's station.

@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from fretfe._typing import Array, Bools
+from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.numerics import average
 from fretfe.evaluate.plane.section import PlaneFront, main_patch
 from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder
@@ -186,11 +187,12 @@ def _border_between(
     the half cycle before: only slip in the direction of the largest slip at this front counts.
     `hidden` is what the kind of the elements adds to the bar, in elements, if the zone is one long.
     """
-    forward, backward = _slip_both_ways(contact, start, end, outer)
     closed = contact.status[end] != OPEN
     patch = main_patch(contact.arc, contact.traction[end, :, 0])
     closed[: patch.first] = closed[patch.last + 1 :] = False
     nodes = front.from_front(np.flatnonzero(closed))
+    line = _line(contact, start, end, outer, nodes[: len(nodes) // 2])
+    forward, backward = _slip_both_ways(contact, start, end, outer, line)
     total = (forward - backward)[nodes[: len(nodes) // 2]]
     direction = np.sign(total[np.argmax(np.abs(total))])
     slip = {1.0: forward, -1.0: backward}.get(direction, np.zeros_like(forward))
@@ -212,16 +214,42 @@ def _border_between(
     return replace(border, resolved=False, spread=spread)
 
 
-def _slip_both_ways(
-    contact: ContactHistory, start: int, end: int, outer: Bools
-) -> tuple[Array, Array]:
-    """(N,) sums of slip increments to larger and smaller x in the outer steps between states."""
-    sums = np.zeros((2, len(contact.arc)))
-    for part in blocks(end - start, len(contact.arc)):
+def _line(contact: ContactHistory, start: int, end: int, outer: Bools, nodes: Indices) -> Array:
+    """(d - 1,) unit vector of the largest slip of some nodes (n,) between two states; +x at d = 2.
+
+    Args:
+        contact: one contact.
+        start: first state.
+        end: last state.
+        outer: (T,) whether the slip in the step to each state counts.
+        nodes: of the slip zone and around it.
+    """
+    if contact.slip.shape[2] == 1:
+        return np.ones(1)
+    parts = [each[:, nodes].sum(axis=0) for each in _steps(contact, start, end, outer)]
+    total = np.sum(parts, axis=0)
+    size = np.linalg.norm(total, axis=1)
+    largest = int(size.argmax()) if len(size) else 0
+    return np.asarray(total[largest] / size[largest]) if size.any() else np.array([1.0, 0.0])
+
+
+def _steps(contact: ContactHistory, start: int, end: int, outer: Bools) -> Iterator[Array]:
+    """(n, N, d - 1) slip in the outer steps between two states, block by block."""
+    for part in blocks(end - start, math.prod(contact.slip.shape[1:])):
         first, last = start + part.start, start + part.stop
         slipping = contact.status[first + 1 : last + 1] == SLIP
         slipping &= outer[first + 1 : last + 1, None]
-        increments = np.where(slipping, np.diff(contact.slip[first : last + 1, :, 0], axis=0), 0.0)
+        slip = np.diff(contact.slip[first : last + 1], axis=0)
+        yield np.where(slipping[..., None], slip, 0.0)
+
+
+def _slip_both_ways(
+    contact: ContactHistory, start: int, end: int, outer: Bools, line: Array
+) -> tuple[Array, Array]:
+    """(N,) sums of slip increments along a line (d - 1,) and against it in outer steps."""
+    sums = np.zeros((2, len(contact.arc)))
+    for steps in _steps(contact, start, end, outer):
+        increments = steps @ line
         sums += np.maximum(increments, 0.0).sum(axis=0), np.maximum(-increments, 0.0).sum(axis=0)
     return sums[0], sums[1]
 

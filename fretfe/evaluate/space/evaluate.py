@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array, Indices
+from fretfe.analytic.edges import oscillation
 from fretfe.evaluate.contacts import (
     NO_NUMBER,
     CountedCycles,
@@ -23,12 +24,18 @@ from fretfe.evaluate.contacts import (
 )
 from fretfe.evaluate.cycles import count_cycles, worst_cycle
 from fretfe.evaluate.factors import (
+    FactorHistories,
     LoadPath,
     add_up,
+    along_line,
     cycle_range,
     excess,
     load_path,
+    main_direction,
     one_sided_share,
+    reference_length,
+    reversed_share,
+    rotated,
     uneven_share,
     with_moved,
     within_known,
@@ -39,7 +46,8 @@ from fretfe.evaluate.slip import cycle_states, last_state, slip_zones
 from fretfe.evaluate.space.fronts import NEAR, FrontTrack, SpaceFront
 from fretfe.evaluate.space.half_spaces import half_space_ratios
 from fretfe.evaluate.space.patches import follow_patches
-from fretfe.evaluate.space.pressure_fit import FrontFit
+from fretfe.evaluate.space.pressure_fit import FrontFit, load_growth
+from fretfe.evaluate.space.sectors import Frames
 from fretfe.evaluate.space.slip import SlipBetween, shear_share
 from fretfe.evaluate.verdicts import FLANK
 from fretfe.history.solution import ContactHistory, Factor, Solution
@@ -122,7 +130,10 @@ def _moved(near: bool, outward: float, spread: float, k_i: Array, ragged: float)
 
 
 def evaluate_solids(
-    solution: Solution, contact: ContactHistory, tracks: tuple[FrontTrack, ...] | None
+    solution: Solution,
+    contact: ContactHistory,
+    tracks: tuple[FrontTrack, ...] | None,
+    told: float | None,
 ) -> dict[str, Any]:
     """Fronts, resultants and friction work of a contact of solids, by the names of `Contact`.
 
@@ -130,10 +141,11 @@ def evaluate_solids(
         solution: the solved history.
         contact: one of its contacts.
         tracks: its fronts, followed through the history; None if nobody looked for them.
+        told: reference length of factors between unlike bodies; None for the predicted slip zones.
     """
     found = solid_resultants(contact)
     first, last = solution.cycle or (0, len(solution.times) - 1)
-    fronts = evaluate_fronts(solution, contact, tracks or ())
+    fronts = evaluate_fronts(solution, contact, tracks or (), told)
     patches, owner = follow_patches(solution, contact)
     if patches:
         fronts = tuple(
@@ -149,9 +161,19 @@ def evaluate_solids(
 
 
 def evaluate_fronts(
-    solution: Solution, contact: ContactHistory, tracks: tuple[FrontTrack, ...]
+    solution: Solution,
+    contact: ContactHistory,
+    tracks: tuple[FrontTrack, ...],
+    told: float | None = None,
 ) -> tuple[Front, ...]:
-    """Evaluate the fronts of a solid contact, followed through the history."""
+    """Evaluate the fronts of a solid contact, followed through the history.
+
+    Args:
+        solution: the solved history.
+        contact: one of its contacts.
+        tracks: its fronts.
+        told: as of `evaluate_solids`.
+    """
     slip, path = SlipBetween(contact), load_path(solution.values, solution.between, solution.cycle)
     fronts, first = [], 0
     for number, track in enumerate(tracks):
@@ -163,73 +185,68 @@ def evaluate_fronts(
             solution,
             contact,
             track,
-            _Factors.of(solution, contact, track, own),
+            _factor_histories(solution, contact, track, own),
             moved_stations(contact, track.front, own),
             slip,
             path,
         )
-        stations = tuple(front.station(each) for each in range(count))
         frames = track.front.frames
         sums = half_space_ratios(solution, contact, track, alone=len(tracks) == 1)
+        stations = front.stations_told(told)
         fronts.append(Front(front.name, stations, frames.closed, frames.length, sums))
     return tuple(fronts)
 
 
-class _Factors:
-    """Singular factors of the n stations of a front.
-
-    Attributes:
-        ways: (R, n, T, 3) histories in R ways.
-        one_sided: (n,) what steps of the cycle may be wrong by of which one end only is known.
-        uneven: (n,) what they may be wrong by as the front moves within them.
-    """
-
-    def __init__(self, ways: Array, one_sided: Array, uneven: Array) -> None:
-        self.ways, self.one_sided, self.uneven = ways, one_sided, uneven
-
-    @classmethod
-    def of(
-        cls, solution: Solution, contact: ContactHistory, track: FrontTrack, stations: slice
-    ) -> _Factors:
-        count, states = len(track.front.sectors), len(solution.times)
-        integrals = contact.integrals
-        if integrals is None:
-            unknown = np.full(count, np.nan)
-            return cls(np.full((1, count, states, 3), np.nan), unknown, unknown)
-        touching = contact.pressed_nodes > 0
-        drivers, friction = solution.driver_values, contact.friction
-        ways = []
-        one_sided, uneven = np.zeros(count), np.zeros(count)
-        for way in range(len(integrals.reaches)):
-            units = _interpolate(
-                track.fit.place,
-                integrals.positions[:, stations],
-                integrals.factors[:, way, stations],
-                track.front.depth,
-            )
-            # Each station by itself: where one is unknown others are not.
-            alone, cycle = [units[:, [row]] for row in range(count)], solution.cycle
-            filled = [within_known(each, solution.step) for each in alone]
-            ways.append([add_up(each, drivers, friction, touching, cycle)[0] for each in filled])
-            if way == 0:
-                pairs = zip(alone, filled, strict=True)
-                one_sided = np.array([one_sided_share(*each, drivers, cycle)[0] for each in pairs])
-                uneven = uneven_share(units, drivers, friction, cycle)
-        return cls(np.array(ways), one_sided, uneven)
+def _factor_histories(
+    solution: Solution, contact: ContactHistory, track: FrontTrack, stations: slice
+) -> FactorHistories:
+    """Singular factors of the n stations of a front; NaN without integrals."""
+    count, states = len(track.front.sectors), len(solution.times)
+    integrals = contact.integrals
+    if integrals is None:
+        unknown = np.full(count, np.nan)
+        nothing = np.full((1, count, states, 3), np.nan)
+        return FactorHistories(nothing, None, exact=False, one_sided=unknown, uneven=unknown)
+    touching = contact.pressed_nodes > 0
+    drivers, friction, cycle = solution.driver_values, contact.friction, solution.cycle
+    ways = []
+    one_sided, uneven = np.zeros(count), np.zeros(count)
+    for way in range(len(integrals.reaches)):
+        units = _interpolate(
+            track.fit.place,
+            integrals.positions[:, stations],
+            integrals.factors[:, way, stations],
+            track.front.depth,
+            contact.dundurs,
+        )
+        # Each station by itself: where one is unknown others are not.
+        alone = [units[:, [row]] for row in range(count)]
+        filled = [within_known(each, solution.step) for each in alone]
+        unlike = contact.dundurs != 0
+        ways.append(
+            [add_up(each, drivers, friction, touching, cycle, unlike)[0] for each in filled]
+        )
+        if way == 0:
+            pairs = zip(alone, filled, strict=True)
+            one_sided = np.array([one_sided_share(*each, drivers, cycle)[0] for each in pairs])
+            uneven = uneven_share(units, drivers, friction, cycle)
+    return FactorHistories(np.array(ways), None, exact=False, one_sided=one_sided, uneven=uneven)
 
 
-def _interpolate(places: Array, known: Array, values: Array, depth: Array) -> Array:
+def _interpolate(places: Array, known: Array, values: Array, depth: Array, dundurs: float) -> Array:
     """(T, n, ...) values (S, n, ...) known at places (S, n), at the places (T, n) of all states.
 
     Factors for a unit of a load fall with the half of the width of the contact: with its power 1/2
     where fronts are straight and long, 3/2 around a circle. Times the power 3/2 both are straight
-    lines, and so they are taken between; constant outside, NaN where the place is.
+    lines, and so they are taken between; constant outside, NaN where the place is. Of unlike bodies
+    that is so of K_I and K_T at a length in proportion to that width.
 
     Args:
         places: inward from the front of the reference state.
         known: likewise.
         values: factors for a unit of each driver.
         depth: (n,) half of the width in the reference state.
+        dundurs: beta.
     """
     result = np.full((len(places), *values.shape[1:]), np.nan)
     for station, (at, x) in enumerate(zip(places.T, known.T, strict=True)):
@@ -238,10 +255,12 @@ def _interpolate(places: Array, known: Array, values: Array, depth: Array) -> Ar
             continue
         order = np.flatnonzero(there)[np.argsort(x[there])]
         width, widths = (_narrowed(depth[station], each) for each in (at[found], x[order]))
-        flat = widths[:, None] ** 1.5 * values[order, station].reshape(len(order), -1)
+        own = rotated(values[order, station], dundurs, widths)
+        flat = widths[:, None] ** 1.5 * own.reshape(len(order), -1)
         columns = [np.interp(at[found], x[order], column) for column in flat.T]
         factors = np.array(columns).T / width[:, None] ** 1.5
-        result[found, station] = factors.reshape(-1, *values.shape[2:])
+        factors = factors.reshape(-1, *values.shape[2:])
+        result[found, station] = rotated(factors, dundurs, 1 / width)
     return result
 
 
@@ -252,16 +271,74 @@ def _narrowed(depth: float, place: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Front:
-    """One front, and what the numbers of its stations are made of."""
+    """One front, and what the numbers of its stations are made of.
+
+    Attributes:
+        lengths: (n,) reference lengths between unlike bodies, at which K_N and factors are; None
+            between similar ones, and where they are still at the length 1.
+    """
 
     name: str
     solution: Solution
     contact: ContactHistory
     track: FrontTrack
-    factors: _Factors
+    factors: FactorHistories
     moved: Sequence[MovedStation]
     slip: SlipBetween
     path: LoadPath | None
+    lengths: Array | None = None
+
+    def stations_told(self, told: float | None) -> tuple[Station, ...]:
+        """The stations, of unlike bodies at the lengths of their predicted slip zones or another.
+
+        Args:
+            told: the other length; None without.
+        """
+        count = len(self.track.front.sectors)
+        if not self.contact.dundurs:
+            return tuple(self.station(each) for each in range(count))
+        zones = self._reference_lengths()
+        own = self._at(zones, zones)
+        stations = tuple(own.station(each) for each in range(count))
+        if told is None:
+            return stations
+        other = self._at(np.full(count, told), zones)
+        # Formulas for slip zones need the factors at their own lengths.
+        return tuple(
+            replace(other.station(number), slip_zones=station.slip_zones)
+            for number, station in enumerate(stations)
+        )
+
+    def _reference_lengths(self) -> Array:
+        """(n,) lengths of the slip zones that the stations predict."""
+        mean, cycle = self.factors.ways.mean(axis=0), cycle_states(self.solution.cycle)
+        return np.array(
+            [
+                reference_length(self.contact, self.track.fit.of(number), mean[number], a, cycle)
+                for number, a in enumerate(self.track.front.depth.tolist())
+            ]
+        )
+
+    def _at(self, lengths: Array, zones: Array) -> _Front:
+        """The same of unlike bodies at reference lengths (n,), with slip zones (n,)."""
+        factors, cycle = (
+            self.factors.at(self.contact.dundurs, lengths),
+            cycle_states(self.solution.cycle),
+        )
+        along = [
+            along_line(own, direction)
+            for own, (direction, _) in zip(
+                factors.ways.mean(axis=0), factors.directions(cycle), strict=True
+            )
+        ]
+        shares = np.column_stack([reversed_share(each, cycle) for each in along])
+        fit = self.track.fit.at(lengths, shares * zones / self.track.front.sizes)
+        return replace(
+            self,
+            track=replace(self.track, fit=fit),
+            factors=factors,
+            lengths=lengths,
+        )
 
     def station(self, number: int) -> Station:
         """All that is known of a station."""
@@ -271,12 +348,14 @@ class _Front:
         history = self._history(number)
         history = replace(history, last=last_state(cycle, history))
         vectors = np.column_stack([history.k_t, history.k_s])
-        direction, turning = _direction(vectors, cycle)
+        direction, turning = main_direction(vectors, cycle)
         along = replace(history, k_t=vectors @ direction)
         spread = _spread(self.factors, front, fit, number, direction, cycle, self.path)
         cycles = count_cycles(cycle, self.contact.friction, along)
         length = float(last_known(fit.length[:, number], cycle))
         depth, to_end = float(front.depth[number]), float(frames.to_end[number])
+        # Shear along the front knows nothing of beta.
+        coupled = abs(self.contact.dundurs * float(direction[0]))
         return Station(
             **vars(history),
             point=frames.points[number],
@@ -300,8 +379,12 @@ class _Front:
             k_range_spread=spread.total,
             k_range_parts=spread,
             k_i_range=cycle_range(history.k_i, cycle),
+            reference_length=np.nan if self.lengths is None else float(self.lengths[number]),
+            exponent=float(fit.exponent[history.last, number]),
+            oscillation=oscillation(self.contact.dundurs),
+            coupling=coupled * float(self.contact.friction.max()),
             cycles=cycles,
-            stiffening=2 / length,
+            stiffening=_stiffening(frames, number, length, depth),
             slip_zones=tuple(
                 self._with_shear(number, along, zone, direction)
                 for zone in self._zones(number, along, cycles)
@@ -368,23 +451,18 @@ class _Front:
         return replace(zone, across=across, flank=flank)
 
 
-def _direction(history: Array, cycle: Indices) -> tuple[Array, float]:
-    """(2,) unit vector along which (K_T, K_S) (T, 2) varies most, and how much it turns.
+def _stiffening(frames: Frames, station: int, length: float, depth: float) -> float:
+    """Relative growth of dP/da with the half-width: in the plane, and of the front's length.
 
-    Its first component is positive: K along it has the sign of K_T.
+    A concave front gets shorter, which takes away half of the former at most.
     """
-    vectors = history[cycle] if len(cycle) else history
-    vectors = vectors[np.isfinite(vectors).all(axis=1)]
-    if len(vectors) < 2 or not np.ptp(vectors, axis=0).any():
-        return np.array([1.0, 0.0]), 0.0
-    axes = np.linalg.svd(vectors - vectors.mean(axis=0), full_matrices=False)[2]
-    along, across = (np.ptp(vectors @ axis) for axis in axes)
-    direction = axes[0] * (1.0 if axes[0, 0] >= 0 else -1.0)
-    return np.asarray(direction), float(across / along)
+    growth, curvature = load_growth(length, depth), float(frames.curvature[station])
+    round_front = frames.closed and curvature > 0
+    return growth + (1 / depth if round_front else max(curvature, -growth / 2))
 
 
 def _spread(
-    factors: _Factors,
+    factors: FactorHistories,
     front: SpaceFront,
     fit: FrontFit,
     station: int,
@@ -452,5 +530,5 @@ def _bent(
 
 def _largest(history: Array, cycle: Indices) -> float:
     """Size of the range of a vector (T, 2) over the cycle."""
-    direction = _direction(history, cycle)[0]
+    direction = main_direction(history, cycle)[0]
     return cycle_range(history @ direction, cycle)

@@ -16,6 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.analytic.edges import sliding_exponent
 from fretfe.evaluate.space.pressure_fit import FrontFit, FrontFitter
 from fretfe.evaluate.space.sectors import (
     Frames,
@@ -56,7 +57,9 @@ FINER = 8
 # Known stations that a curve through them takes.
 FEWEST = 4
 # Attributes of a fit that there is none of.
-UNKNOWN = np.array([np.nan, np.inf, np.nan, np.inf, np.nan])
+UNKNOWN = np.array([np.nan, np.inf, np.nan, np.inf, np.nan, 0.5])
+# Elements from the front whose shear over pressure tells which way it slips.
+NEXT_TO_FRONT = 2.5
 # Curves found anew, at most, for a front that moves far.
 MOST_CURVES = 12
 AREAS = 6
@@ -270,19 +273,42 @@ def _follow(
 
 
 def _fit(contact: ContactHistory, curve: SpaceFront, states: Indices) -> Array:
-    """(5, n, stations) fits in some states."""
+    """(k, n, stations) the attributes of fits in some states."""
     parts = []
     for block in blocks(len(states), contact.traction[0].size):
-        pressure = contact.mean_traction[states[block]][..., 0]
-        parts.append(np.array([*vars(curve.fits.fit(pressure)).values()]))
+        traction = np.asarray(contact.mean_traction[states[block]])
+        fits = curve.fits.fit(traction[..., 0], _exponents(contact, curve, traction))
+        parts.append(np.array([*vars(fits).values()]))
     return np.concatenate(parts, axis=1)
+
+
+def _exponents(contact: ContactHistory, curve: SpaceFront, traction: Array) -> Array | float:
+    """(T, n) exponents of the pressure by the part of the slip that is inward; 1/2 if similar.
+
+    Args:
+        contact: whose fronts these are.
+        curve: with n stations.
+        traction: (T, N, 3) means around the nodes.
+    """
+    if not contact.dundurs:
+        return 0.5
+    ratios = np.zeros((len(traction), len(curve.sectors)))
+    for station, sector in enumerate(curve.sectors):
+        near = sector.s < NEXT_TO_FRONT * sector.size
+        nodes, area = sector.nodes[near], contact.weights[sector.nodes] * sector.fade
+        own = traction[:, nodes] * area[near, None]
+        inward = contact.frames[nodes, 1:] @ curve.frames.inward[station]
+        pressure, shear = own[..., 0].sum(axis=1), np.einsum("tnd,nd->t", own[..., 1:], inward)
+        np.divide(shear, pressure, where=pressure > 0, out=ratios[:, station])
+    limit = contact.friction.max()
+    return sliding_exponent(contact.dundurs, np.clip(ratios, -limit, limit))
 
 
 def _same(front: SpaceFront, others: tuple[SpaceFront, ...]) -> SpaceFront | None:
     """The front among others that crosses the stations' lines of a front, the nearest to them."""
     best, distance = None, np.inf
     for other in others:
-        flat = np.zeros((5, len(other.frames.points)))
+        flat = np.zeros((len(UNKNOWN), len(other.frames.points)))
         place = at_stations(other.frames, flat, front.frames)[0]
         crossed = np.isfinite(place)
         if crossed.mean() >= KNOWN_STATIONS and np.mean(np.abs(place[crossed])) < distance:
@@ -291,7 +317,7 @@ def _same(front: SpaceFront, others: tuple[SpaceFront, ...]) -> SpaceFront | Non
 
 
 def at_stations(frames: Frames, fit: Array, stations: Frames) -> Array:
-    """(5, n) attributes of a fit (5, m) of one front at the n stations of another one.
+    """(k, n) attributes of a fit (k, m) of one front at the n stations of another one.
 
     NaN, with infinite bars, where the front does not cross the line along a station's `inward`.
     """

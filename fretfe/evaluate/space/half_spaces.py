@@ -6,18 +6,22 @@ half-spaces are known in closed form: with F = (x - c).A(x - c) = 1 on the front
 
     traction = (force / (2 pi a b)) / sqrt(1 - F),    pressure of a moment = v.(x - c) / sqrt(1 - F)
 
-and F = 1 - 2 g s at a distance s inside. Real bodies are no half-spaces: the ratios of the factors
-found to these differ from 1 by some per cent, and belong in no error bar.
+and F = 1 - 2 g s at a distance s inside. Between unlike bodies that is so of K_I and K_T at a
+length of about the width of the contact, but for terms of second order in beta: K_T by Q and K_I by
+P stay if both bodies change places. Real bodies are no half-spaces: the ratios of the factors found
+to these differ from 1 by some per cent, and belong in no error bar.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import HalfSpaceRatios
+from fretfe.evaluate.factors import rotated
 from fretfe.evaluate.space.fronts import FrontTrack
 from fretfe.evaluate.space.sectors import Frames
 from fretfe.history.solution import ContactHistory, Factor, Solution
@@ -85,7 +89,8 @@ def half_space_ratios(
     ellipse = _ellipse(frames, integrals.positions[-1])
     if ellipse is None:
         return _none(NO_ELLIPSE)
-    units = integrals.factors[-1].mean(axis=0)
+    widths = np.full(len(frames.arc), 2 * math.sqrt(ellipse.product))
+    units = rotated(integrals.factors[-1].mean(axis=0), contact.dundurs, widths)
     fields = contact.full_stick.fields[int(integrals.areas[-1])]
     # Drivers count by the loads that they carry.
     loads = np.abs(solution.driver_values).max(axis=0)

@@ -11,7 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.case import AnyBody, half_plane
+from fretfe.analytic.edges import oscillation
+from fretfe.case import AnyBody, half_plane, isotropic
 from fretfe.evaluate.contacts import (
     Contact,
     Frame,
@@ -22,12 +23,15 @@ from fretfe.evaluate.contacts import (
     no_local_problem,
 )
 from fretfe.evaluate.cycles import worst_cycle
+from fretfe.evaluate.factors import whole_factor
 from fretfe.evaluate.plane.slip import INTERVAL, slip_border
 from fretfe.evaluate.slip import cycle_states
+from fretfe.evaluate.space.pressure_fit import load_growth
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.local.half_planes import Contacts, work_share
 from fretfe.local.problem import (
     SLIDES,
+    UNSETTLED,
     EdgeHistories,
     EdgeSlip,
     Share,
@@ -58,10 +62,13 @@ LESS = 2.25
 HERTZIAN = 0.85
 # Share of what the shape of the contact adds to the first order of a slip zone that is left open.
 SHAPE = 0.1
-# Error of a slip zone by displacements that pressure and shear cause of each other, which the plane
-# problem leaves out, over f times `EdgeBodies.coupling`: measured on half-planes, up to 3.8 f beta
-# (f beta = .02 to .16) and 1.7 f times the cross compliance (f times it up to .12).
+# Error of a slip zone because pressure and shear of crystals displace points across one another, as
+# the plane problem leaves out, over f times `EdgeBodies.coupling`: measured on half-planes, up to
+# 3.8 f beta (f beta = .02 to .16) and 1.7 f times the cross compliance (f times it up to .12).
 UNLIKE = 2.0
+# Between unlike bodies K_N is that of both ends of the cycle in the mean at this part of the length
+# of the slip zone, e^2/4: by the power law it differs there by (2 - 2 ln 2) f beta/pi.
+MEAN_LENGTH = math.exp(2 - 2 * math.log(2))
 # Largest part of the half-width for which the growth of a zone with its loads is told.
 DEEPEST = 0.9
 
@@ -73,8 +80,9 @@ class EdgeBodies:
     Attributes:
         modulus: E* by the compliance to pressure; in plane strain.
         tangential: (2, 2) compliance to shear inward and along the front over that to pressure.
-        coupling: displacements that pressure and shear cause of each other, over those by
-            themselves: the cross compliance of crystals, and beta of unlike bodies, twice.
+        coupling: displacements that pressure and shear of crystals cause of each other, over those
+            by themselves: the cross compliance, and beta, twice. Zero of isotropic bodies, whose
+            beta the plane problem knows.
     """
 
     modulus: float
@@ -89,6 +97,8 @@ class EdgeBodies:
         both, skew = first.compliance + second.compliance, first.skew - second.skew
         root = np.sqrt(np.diag(both))
         cross = ((np.abs(both) + 2 * np.abs(skew)) / np.outer(root, root))[0, 1:]
+        if all(isotropic(each) for each in bodies):
+            cross = np.zeros(2)
         return cls(
             modulus=2 / float(both[0, 0]),
             tangential=both[1:, 1:] / both[0, 0],
@@ -142,15 +152,17 @@ def _fronts(
     }
     done: dict[tuple[str, int], Station] = {}
     for late in (False, True) if path.cycle else (False,):
-        posed = {key: _pose(path, pair, *each, late) for key, each in left.items()}
+        posed = {key: _pose(path, pair, contact.dundurs, *each, late) for key, each in left.items()}
         edges = {key: edge for key, edge in posed.items() if isinstance(edge, _Edge)}
-        found = solve_edges(_histories(edges.values(), path), share) if edges else []
+        histories = _histories(edges.values(), path, contact.dundurs) if edges else None
+        found = solve_edges(histories, share) if histories else []
         for key, reason in posed.items():
             if isinstance(reason, str):
                 done[key] = replace(left[key][1], local=no_local_problem(reason))
         for (key, edge), slip in zip(edges.items(), found, strict=True):
             done[key] = edge.solved(slip)
-        left = {key: each for key, each in left.items() if done[key].local.reason == SLIDES}
+        again = (SLIDES, UNSETTLED)
+        left = {key: each for key, each in left.items() if done[key].local.reason in again}
     return tuple(
         _with_work(front, [done[front.name, each.number] for each in front.stations])
         for front in fronts
@@ -244,7 +256,7 @@ def cycles_before(solution: Solution) -> slice:
     return slice(ends[begin], ends[max(first - period, begin)])
 
 
-def _histories(edges: Collection[_Edge], path: _Path) -> EdgeHistories:
+def _histories(edges: Collection[_Edge], path: _Path, dundurs: float) -> EdgeHistories:
     """Histories of edges, and what they have in common."""
     shapes = [each.shape for each in edges]
     return EdgeHistories(
@@ -263,6 +275,7 @@ def _histories(edges: Collection[_Edge], path: _Path) -> EdgeHistories:
         modulus=np.array([each.bodies.modulus for each in edges]),
         tangential=np.array([each.bodies.tangential for each in edges]),
         cycle=(path.begin, len(path.kept) - 1) if path.cycle else None,
+        dundurs=dundurs,
     )
 
 
@@ -271,12 +284,12 @@ class _Shape:
     """The contact of half-planes that stands for an edge, in the last state of the history.
 
     It is as wide, and grows with such a power, that a slip zone is longer than to first order by as
-    much as at the station: the pressure falls behind K_N √s as that of a Hertzian contact of the
-    half-width `length`. Closed fronts shrink all around the contact as the stick zone does, as
-    those of an ellipse: with its half axis b and the first order d1 its slip zones are
-    d = b (1 - (1 - 3 d1/b)^(1/3)) (Vermeulen and Johnson). Between the axes of an ellipse that is
-    so to 1 % if b is the geometric mean of half of the chord along `inward` and of the distance of
-    the tangent from the centre.
+    much as at the station: dP/da grows at the same rate, which `load_growth` takes from the
+    pressure behind K_N √s, and a bent front gets longer.
+    Closed fronts shrink all around the contact as the stick zone does, as those of an ellipse: with
+    its half axis b and the first order d1 its slip zones are d = b (1 - (1 - 3 d1/b)^(1/3))
+    (Vermeulen and Johnson). Between the axes of an ellipse that is so to 1 % if b is the geometric
+    mean of half of the chord along `inward` and of the distance of the tangent from the centre.
 
     Attributes:
         half_width, k_n, power: of the contact.
@@ -296,11 +309,14 @@ class _Shape:
         """That of a station of a front, where `_twist` of the shear is twist."""
         k_n, k_n_bar = _k_n_around(front, station)
         length, length_bar = _length_around(front, station)
-        half_width = _width(front, station) if length > HERTZIAN * station.depth else length
+        half_width = width = _width(front, station)
+        if length <= HERTZIAN * station.depth:
+            half_width = 1 / load_growth(length, width)
         bend = station.curvature * half_width
         locally = STRAIGHT + float(np.clip(bend, LEAST_POWER - STRAIGHT, 1.0))
         round_power = ROUND + twist * (TWISTED - ROUND)
-        power = round_power if front.closed and bend > 0 else locally
+        all_round = STRAIGHT + (round_power - STRAIGHT) * half_width / width
+        power = all_round if front.closed and bend > 0 else locally
         return cls(half_width, k_n, power, locally, k_n_bar, length_bar)
 
     def bar(self, length: float, first_order: float, range_bar: float) -> float:
@@ -435,6 +451,7 @@ def _twist(front: Front) -> float:
 def _pose(
     path: _Path,
     pair: Sequence[AnyBody],
+    dundurs: float,
     front: Front,
     station: Station,
     twist: float,
@@ -448,6 +465,7 @@ def _pose(
     Args:
         path: through the states.
         pair: the bodies.
+        dundurs: their beta.
         front: of the station.
         station: one of its stations.
         twist: share of the shear along the front that turns with it.
@@ -457,8 +475,9 @@ def _pose(
     if reason := _unposed(station, path.friction):
         return reason
     kept, shape = path.kept, _Shape.of(front, station, twist)
-    k = np.column_stack([station.k_t, station.k_s])[kept]
-    k_i = station.k_i[kept] - station.k_i[kept[-1]]
+    k_t, k_i = _loading(station, dundurs, shape.half_width)
+    k = np.column_stack([k_t, station.k_s])[kept]
+    k_i = k_i[kept] - k_i[kept[-1]]
     grown = 1 + 3 * k_i / (shape.k_n * shape.half_width)
     lost = np.flatnonzero(~(np.isfinite(k).all(axis=1) & (grown > NARROWEST**1.5)))
     first = max(int(lost[-1]) + 1 if len(lost) else 0, path.first)
@@ -486,6 +505,19 @@ def _pose(
         spans=spans,
         friction=path.friction,
     )
+
+
+def _loading(station: Station, dundurs: float, half_width: float) -> tuple[Array, Array]:
+    """(T,) K_T and K_I that load the plane problem, as of `EdgeHistories`.
+
+    Of unlike bodies those at twice the half-width, whatever the length at which they are told.
+    """
+    if not dundurs:
+        return station.k_t, station.k_i
+    whole = whole_factor(
+        station.k_i, station.k_t, dundurs, station.reference_length, 2 * half_width
+    ) / math.cosh(math.pi * oscillation(dundurs))
+    return whole.imag, whole.real
 
 
 def _around(front: Front, station: Station) -> Indices:
@@ -534,7 +566,7 @@ def _k_n_around(front: Front, station: Station) -> tuple[float, float]:
     """
     stations = [front.stations[number] for number in _around(front, station)]
     told = [each for each in stations if math.isfinite(each.reported_k_n)]
-    k_n, bars = np.array([each.last_k_n for each in told]).T
+    k_n, bars = np.array([_mean_k_n(each) for each in told]).T
     s = _along(front, station, np.array([each.arc for each in told]))
     order = min(2 if front.closed else 1, len(s) - 1)
     weights = 1 / np.maximum(bars, 1e-3 * k_n)
@@ -547,6 +579,17 @@ def _k_n_around(front: Front, station: Station) -> tuple[float, float]:
     own = float(np.median(bars)) / math.sqrt(alike)
     middle = float(curve(0.0))
     return middle, math.hypot(own, rest) / middle
+
+
+def _mean_k_n(station: Station) -> tuple[float, float]:
+    """K_N in the last state, and its error bar; of unlike bodies that without shear."""
+    k_n, bar = station.last_k_n
+    if not station.oscillation:
+        return k_n, bar
+    predicted = [each.prediction for each in station.slip_zones if each.prediction > 0]
+    zone = predicted[-1] if predicted else station.reference_length
+    ratio = (MEAN_LENGTH * zone / station.reference_length) ** (station.exponent - 0.5)
+    return ratio * k_n, ratio * bar
 
 
 def _mean(values: Array) -> np.polynomial.Polynomial:

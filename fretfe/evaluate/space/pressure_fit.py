@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """K_N and the place of a front at stations of a solid, from the pressures around them.
 
-p = sqrt(t) (K_N + c_1 t + c_2 t^2 + ...), t the distance from the front, is fitted to moments of
-the pressure: its integrals with smooth bumps, which have their places one after the other from the
-front inward and fade out along it. Nodal values alternate about the truth next to a front, as the
-contact area ends at nodes. Moments see of it only that of second order of what elements carry about
-the front, one unknown more, which goes with the curvature of a bump there. Bumps of several widths
-and numbers, and several orders, are joined by ``average``.
+p = t^lambda (K_N + c_1 t + c_2 t^2 + ...), t the distance from the front and lambda = 1/2 but
+between unlike bodies, is fitted to moments of the pressure: its integrals with smooth bumps, which
+have their places one after the other from the front inward and fade out along it. Nodal values
+alternate about the truth next to a front, as the contact area ends at nodes. Moments see of it only
+that of second order of what elements carry about the front, one unknown more, which goes with the
+curvature of a bump there. Bumps of several widths and numbers, and several orders, are joined by
+``average``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -21,6 +22,7 @@ from scipy.sparse import csr_array
 
 from fretfe._typing import Array, Indices
 from fretfe.evaluate.numerics import average
+from fretfe.evaluate.plane.pressure_fit import EdgeFit, k_n_at
 from fretfe.evaluate.space.sectors import Sector
 
 # Distances between bumps, in elements, and numbers of bumps: the windows of the fits.
@@ -41,11 +43,20 @@ INTERVALS = np.array([1.5, 1.7])
 # them, all end at the same place within an element, and no mean along the front tells: cylinders
 # with 5 to 13 elements are off by .7 to 1.0 of that, of either sign.
 COARSE = 1.0
+# Between unlike bodies the pressure has its power law in the slip zone only, but bumps reach over
+# six elements at least: how much larger the error of K_N may be than with a zone of many elements,
+# as of `k_n_at`. Of slices by the pressures of plane runs with zones of 1 to 17 elements, against
+# runs of five to twenty times smaller elements, K_N was off by up to 3.6 |lambda - 1/2|, and by 6.6
+# where half of a reversal has passed.
+MOST_BEYOND = 22 / 3
 # Places of the front that moments are tabulated for, in spacings from the reference front.
 FARTHEST = 1.5
 ITERATIONS = 3
 # Nodes sample a bump well enough if they give its integral to so much.
 SAMPLED = 0.15
+# Exponents lambda of which moments are tabulated; between them they are a polynomial of it, to 1e-5
+# as far as they reach.
+EXPONENTS = 0.5 + 0.06 * np.arange(-2, 3)
 
 
 @dataclass(frozen=True)
@@ -61,6 +72,7 @@ class FrontFit:
         k_n_spread: (T, n) its error bar.
         length: (T, n) over which K_N makes the pressure: that of the Hertzian contact, of this
             half-width, whose pressure falls behind K_N sqrt(t) as fast.
+        exponent: (T, n) lambda; where it is not 1/2, K_N is that at the length 1.
     """
 
     place: Array
@@ -68,6 +80,32 @@ class FrontFit:
     k_n: Array
     k_n_spread: Array
     length: Array
+    exponent: Array
+
+    def at(self, lengths: Array, zones: Array) -> FrontFit:
+        """The same of unlike bodies at lengths (n,), with slip zones of some elements (T, n)."""
+        k_n, spread = k_n_at(self.k_n, self.k_n_spread, self.exponent, lengths, zones, MOST_BEYOND)
+        return replace(self, k_n=k_n, k_n_spread=spread)
+
+    def of(self, station: int) -> EdgeFit:
+        """That of one station."""
+        columns = self.place, self.k_n, self.place_spread, self.k_n_spread, self.exponent
+        return EdgeFit(*(each[:, station] for each in columns))
+
+
+def load_growth(length: float, half_width: float) -> float:
+    """Relative growth of dP/da with a in the plane problem next to a front.
+
+    By superposed flat punches ((A0) of the theory guide) a symmetric contact of half-planes of the
+    half-width a, with dP/da growing at the rate g, has next to its edges the pressure
+    p = K_N sqrt(t) (1 + (5/(12a) - 2g/3) t + ...). Hertz has `length` = a and g = 1/a; a flat with
+    rounded ends has a g far below 1/`length`.
+
+    Args:
+        length: over which K_N makes the pressure, as of `FrontFit`: 1 - t/(4 length).
+        half_width: a.
+    """
+    return 3 / (8 * length) + 5 / (8 * half_width)
 
 
 class FrontFitter:
@@ -86,14 +124,26 @@ class FrontFitter:
         self._count, self._depth = len(sectors), depth
         self._sizes = np.array([sector.size for sector in sectors])
         self._bends = np.array([sector.curvature for sector in sectors])
-        self._windows = [
-            _window(sectors, weights, deepest, spacing * self._sizes, count)
-            for spacing, count in WINDOWS
-        ]
+        self._windows = []
+        for spacing in SPACINGS:
+            distances = spacing * self._sizes
+            bumps = [
+                _bumps(sector, weights[sector.nodes], float(distance))
+                for sector, distance in zip(sectors, distances, strict=True)
+            ]
+            self._windows += [
+                _window(sectors, bumps, len(weights), deepest, distances, count) for count in COUNTS
+            ]
 
-    def fit(self, pressure: Array) -> FrontFit:
-        """Fronts and K_N, (T, n) each, from the means around the nodes (T, N) in T states."""
+    def fit(self, pressure: Array, exponent: Array | float = 0.5) -> FrontFit:
+        """Fronts and K_N, (T, n) each, in T states.
+
+        Args:
+            pressure: (T, N) means around the nodes.
+            exponent: (T, n) lambda, or one for all.
+        """
         shape = len(pressure), self._count
+        exponent = np.broadcast_to(exponent, shape)
         fits = np.full((2, *shape, len(WINDOWS), len(TERMS)), np.nan)
         errors, misfits = np.full_like(fits, np.nan), np.ones_like(fits)
         slopes = np.full(fits.shape[1:], np.nan)
@@ -105,10 +155,12 @@ class FrontFitter:
                 continue
             at, distances = stations[rows], spacing * self._sizes[stations[rows]]
             # Lengths in spacings so far: those of places, and roots of those of K_N.
-            scale = np.array([distances, distances**-0.5])
+            power = exponent[states, at]
+            scale = np.array([distances, distances**-power])
             for column, terms in enumerate(TERMS):
                 if count >= terms + 2:  # the place and the spread are unknown too
-                    found = _fit(moments[states, rows], self._bends[at] * distances, terms, spacing)
+                    bends = self._bends[at] * distances
+                    found = _fit(moments[states, rows], bends, power, terms, spacing)
                     fits[:, states, at, number, column] = found.values * scale
                     errors[:, states, at, number, column] = found.errors * scale
                     misfits[:, states, at, number, column] = found.misfit
@@ -120,11 +172,16 @@ class FrontFitter:
         length = np.divide(0.25, slope, out=np.full_like(slope, np.inf), where=slope > 0)
         coarse = COARSE * (self._sizes / np.minimum(length, self._depth)) ** 2 * means[1]
         spread = np.where(np.isfinite(means[1]), np.hypot(bars[1], coarse), np.inf)
-        return FrontFit(means[0], bars[0], means[1], spread, length)
+        return FrontFit(means[0], bars[0], means[1], spread, length, exponent)
 
 
 def _window(
-    sectors: Sequence[Sector], weights: Array, deepest: Array, distances: Array, count: int
+    sectors: Sequence[Sector],
+    of_sectors: Sequence[Array],
+    size: int,
+    deepest: Array,
+    distances: Array,
+    count: int,
 ) -> tuple[Indices, csr_array]:
     """(m,) stations that have room for some bumps, and what gives their moments (m count, N)."""
     stations: list[int] = []
@@ -133,28 +190,31 @@ def _window(
     for station, sector in enumerate(sectors):
         if (count - 1 + REACH) * distances[station] > deepest[station]:
             continue
-        bumps = _moments(sector, weights[sector.nodes], float(distances[station]), count)
+        bumps = _moments(sector, of_sectors[station][:count], float(distances[station]))
         if bumps is not None:
             stations.append(station)
             parts.append(bumps.ravel())
             columns.append(np.tile(sector.nodes, count))
             lengths.append(np.full(count, bumps.shape[1]))
     rows = np.cumsum(np.concatenate(lengths))
-    shape = len(stations) * count, len(weights)
+    shape = len(stations) * count, size
     matrix = csr_array((np.concatenate(parts), np.concatenate(columns), rows), shape=shape)
     return np.array(stations, dtype=np.int64), matrix
 
 
-def _moments(sector: Sector, weights: Array, distance: float, count: int) -> Array | None:
+def _bumps(sector: Sector, weights: Array, distance: float) -> Array:
+    """(n, m) bumps at 0, 1, 2, ... distances from the reference front, times areas of m nodes."""
+    area = weights * sector.fade / distance
+    return np.asarray(_bump(sector.s / distance - np.arange(max(COUNTS))[:, None]) * area)
+
+
+def _moments(sector: Sector, bumps: Array, distance: float) -> Array | None:
     """(count, m) what gives the integrals with each bump over the width of the sector.
 
-    Of bumps at 0, 1, 2, ... distances from the reference front; None if the nodes do not sample
-    them.
+    None if the nodes do not sample the bumps (count, m).
     """
-    area = weights * sector.fade / distance
-    bumps = _bump(sector.s / distance - np.arange(count)[:, None]) * area
     # The width at the reference front.
-    width = bumps.sum(axis=1) / (1 - sector.curvature * distance * np.arange(count))
+    width = bumps.sum(axis=1) / (1 - sector.curvature * distance * np.arange(len(bumps)))
     middle = np.median(width)
     if not np.all(np.abs(width - middle) <= SAMPLED * middle) or not middle > 0:
         return None
@@ -190,25 +250,29 @@ class _Fits:
     misfit: Array
 
 
-def _fit(moments: Array, curvature: Array, terms: int, spacing: float) -> _Fits:
-    """Fit a series to moments (m, count), the curvature of the front given (m,)."""
+def _fit(moments: Array, curvature: Array, exponent: Array, terms: int, spacing: float) -> _Fits:
+    """Fit a series to moments (m, count), curvature of the front and exponent given, (m,) each."""
     count, place = moments.shape[1], np.zeros(len(moments))
     sigma = SCATTER / spacing * moments
     sigma[:, :2] *= FIRST / SCATTER
     target = moments / sigma
-    columns = [*range(terms), -1]
     table, rates = (
-        lambda place, of=of: _model(of, place, curvature)[:, :count, columns] / sigma[..., None]
-        for of in _table()
+        lambda place, rate=rate: (
+            _model(place, curvature, exponent, rate, (count, terms)) / sigma[..., None]
+        )
+        for rate in (0, 1)
     )
-    coefficients = _least_squares(table(place), target)[0]
+    model = table(place)
+    coefficients = _solution(*np.linalg.qr(model), target)
     for _ in range(ITERATIONS):
         moved = np.einsum("mnk,mk->mn", rates(place), coefficients)
-        jacobian = np.concatenate([table(place), moved[..., None]], axis=2)
-        solution, inverse = _least_squares(jacobian, target)
+        q, r = np.linalg.qr(np.concatenate([model, moved[..., None]], axis=2))
+        solution = _solution(q, r, target)
         coefficients = solution[:, :-1]
         place = np.clip(place + solution[:, -1], -FARTHEST, FARTHEST)
-    rest = target - np.einsum("mnk,mk->mn", table(place), coefficients)
+        model = table(place)
+    inverse = np.linalg.solve(r, q.swapaxes(1, 2))
+    rest = target - np.einsum("mnk,mk->mn", model, coefficients)
     found = (np.abs(place) < FARTHEST) & (coefficients[:, 0] > 0)
     free = count - terms - 2
     misfit = np.sum(rest**2, axis=1) / free if free else np.ones(len(moments))
@@ -217,26 +281,53 @@ def _fit(moments: Array, curvature: Array, terms: int, spacing: float) -> _Fits:
     return _Fits(values, errors, coefficients[:, 1] / coefficients[:, 0], misfit)
 
 
-def _least_squares(matrix: Array, target: Array) -> tuple[Array, Array]:
-    """(m, k) solutions and (m, k, n) pseudo-inverses of m systems (m, n, k) of full rank."""
-    q, r = np.linalg.qr(matrix)
-    inverse = np.linalg.solve(r, q.swapaxes(1, 2))
-    return np.einsum("mkn,mn->mk", inverse, target), inverse
+def _solution(q: Array, r: Array, target: Array) -> Array:
+    """(m, k) least squares of m systems (m, n, k) of full rank from their factors."""
+    return np.asarray(np.linalg.solve(r, q.swapaxes(1, 2) @ target[..., None])[..., 0])
 
 
-def _model(table: CubicSpline, place: Array, curvature: Array) -> Array:
-    """(m, bumps, terms + 1) moments of sqrt(t) t^k, and of a spread, of fronts at places (m,)."""
-    flat, bend, at = table(place), curvature[:, None, None], place[:, None, None]
+def _model(
+    place: Array, curvature: Array, exponent: Array, rate: int, size: tuple[int, int]
+) -> Array:
+    """(m, bumps, terms + 1) moments of t^lambda t^k, and of a spread, of fronts at places (m,).
+
+    Or, for a `rate` of 1, their derivatives by the place. The `size` is (bumps, terms).
+    """
+    flat = _tabulated(place, exponent, rate, size)
+    bend, at = curvature[:, None, None], place[:, None, None]
     # Areas are those between curved lines: (1 - curvature s) ds, s = place + t.
     curved = (1 - bend * at) * flat[..., :-2] - bend * flat[..., 1:-1]
     return np.concatenate([curved, flat[..., -1:]], axis=2)
 
 
-@cache
-def _table() -> tuple[CubicSpline, CubicSpline]:
-    """Moments of sqrt(t) t^k over places of the front, and their rates.
+def _tabulated(place: Array, exponent: Array, rate: int, size: tuple[int, int]) -> Array:
+    """(m, bumps, terms + 2) moments of fronts at places (m,), or their rates, not bent."""
+    if np.all(exponent == 0.5):
+        return np.asarray(_table(0.5, size)(place, rate))
+    found = np.zeros(1)
+    for number, each in enumerate(EXPONENTS):
+        others = np.delete(EXPONENTS, number)
+        share = np.prod((exponent[:, None] - others) / (each - others), axis=1)
+        found = found + share[:, None, None] * _table(float(each), size)(place, rate)
+    return found
 
-    Each gives (bumps, terms + 1) numbers; integrals over r with t = r^2, by Gauss's rule.
+
+@cache
+def _table(exponent: float, size: tuple[int, int]) -> CubicSpline:
+    """Moments of some bumps, for some terms, over places of the front.
+
+    It gives (bumps, terms + 2) numbers: of t^exponent t^k, k as far as the terms, and of a spread.
+    """
+    count, terms = size
+    places, values = _moment_values(exponent)
+    return CubicSpline(places, values[:, :count, [*range(terms + 1), -1]])
+
+
+@cache
+def _moment_values(exponent: float) -> tuple[Array, Array]:
+    """(p,) places of the front, and (p, bumps, powers + 1) moments of all bumps and powers there.
+
+    Integrals over r with t = r^2, by Gauss's rule.
     """
     places = np.linspace(-FARTHEST - 0.1, FARTHEST + 0.1, 161)
     powers, bumps = np.arange(max(TERMS) + 1), np.arange(max(COUNTS))
@@ -250,7 +341,8 @@ def _table() -> tuple[CubicSpline, CubicSpline]:
         weight = (np.diff(roots)[:, None] * gauss / 2).ravel()
         s = place + r**2
         shapes = _bump(s - bumps[:, None])
-        values[row, :, :-1] = (shapes * weight) @ (2 * r[:, None] ** (2 + 2 * powers))
+        values[row, :, :-1] = (shapes * weight) @ (
+            2 * r[:, None] ** (2 * exponent + 1 + 2 * powers)
+        )
         values[row, :, -1] = _bump_curvature(place - bumps)
-    table = CubicSpline(places, values)
-    return table, table.derivative()
+    return places, values

@@ -312,7 +312,8 @@ class Sectors:
         half_width = max(min(wanted, widest), ROWS * along_size)
         depth += 2 * size
         radius = float(np.hypot(depth, half_width))
-        near = np.array(sorted(self._tree.query_ball_point(frames.points[station], 1.2 * radius)))
+        found = sorted(self._tree.query_ball_point(frames.points[station], 1.2 * radius))
+        near = np.array(found, dtype=np.int64)
         s, along, across = coordinates(self._points[near], frames, station)
         inside: Bools = (np.abs(along) <= half_width) & (np.abs(s) <= depth)
         inside &= np.abs(across) <= depth

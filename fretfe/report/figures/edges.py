@@ -25,6 +25,7 @@ from fretfe._typing import Array, Bools
 from fretfe.case import Units
 from fretfe.evaluate.contacts import Contact, CountedCycles, Front, HalfSpaceRatios, Station
 from fretfe.evaluate.edge_tractions import HalfCycleEnd, half_cycle_ends
+from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.resultants import station_extremes
 from fretfe.history.solution import Solution
 from fretfe.report.figures.history import time_panels
@@ -114,15 +115,15 @@ class _Near:
     Attributes:
         edge: the edge.
         earlier, later: the two states that are compared.
-        sign: of ΔK_T in terms of q.
-        range: |ΔK_T|.
+        line: (d - 1,) of ΔK in terms of the shear along the arc and, where bodies move along z, z.
+        range: |ΔK|.
         moved: by how much the edge moves between the two.
     """
 
     edge: Station
     earlier: int
     later: int
-    sign: float
+    line: Array
     range: float
     moved: float
 
@@ -149,17 +150,18 @@ def _near(shown: Shown, edge: Station) -> _Near | None:
     cycle = shown.run.loads.cycle
     if cycle is None:
         friction = np.flatnonzero(shown.tractions.friction > 0)
-        states = [int(friction[0]) - 1, len(edge.k_t) - 1] if len(friction) else []
+        states = [int(friction[0]) - 1, len(edge.k_along) - 1] if len(friction) else []
     else:
         states = station_extremes([edge], cycle)
     if len(states) < 2 or not np.isfinite([edge.position[states[1]], edge.k_n[states[1]]]).all():
         return None
-    change = float(edge.k_t[states[1]] - edge.k_t[states[0]])
-    sign = np.sign(change) * inward(edge)
+    change = float(edge.k_along[states[1]] - edge.k_along[states[0]])
+    size = shown.tractions.slip.shape[2]
+    line = np.sign(change) * plane_front(edge.front).axis(edge.k_angle, size)
     moved = abs(edge.position[states[1]] - edge.position[states[0]])
     if change == 0.0:
         return None
-    return _Near(edge, states[0], states[1], sign, abs(change), float(np.nan_to_num(moved)))
+    return _Near(edge, states[0], states[1], line, abs(change), float(np.nan_to_num(moved)))
 
 
 def _draw(figure: Figure, shown: Shown, near: _Near) -> None:
@@ -197,7 +199,7 @@ def _smallest(s: Array) -> float:
 def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line: Array) -> None:
     tractions = shown.tractions
     before, after = (tractions.mean_traction[state, inside] for state in (near.earlier, near.later))
-    change = near.sign * (after[:, 1] - before[:, 1])
+    change = (after[:, 1:] - before[:, 1:]) @ near.line
     friction = tractions.friction[near.later]
     cyclic = shown.run.loads.cycle is not None
     bound = friction * (after[:, 0] + before[:, 0] * cyclic)
@@ -209,9 +211,15 @@ def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line:
     stuck = _stuck_change(solution, shown, near)
     if stuck is not None:
         axes.plot(
-            s, _positive(near.sign * stuck[inside]), "-.", color=GREEN, label="the same, full stick"
+            s, _positive(stuck[inside] @ near.line), "-.", color=GREEN, label="the same, full stick"
         )
-    axes.plot(line, near.range / np.sqrt(line), "--", color=VERMILLION, label="ΔK_T/√s")
+    axes.plot(
+        line,
+        near.range / np.sqrt(line),
+        "--",
+        color=VERMILLION,
+        label="ΔK_T/√s" if len(near.line) == 1 else "ΔK/√s",
+    )
     finite = np.concatenate([_positive(change), _positive(bound)])
     finite = finite[np.isfinite(finite)]
     if len(finite):
@@ -219,7 +227,7 @@ def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line:
 
 
 def _stuck_change(solution: Solution, shown: Shown, near: _Near) -> Array | None:
-    """(N,) shear that the stuck contact gains between the two states.
+    """(N, d - 1) shear that the stuck contact gains between the two states.
 
     Each step with the mean of the unit fields of the areas before and after it, as for K_T.
     """
@@ -234,9 +242,9 @@ def _stuck_change(solution: Solution, shown: Shown, near: _Near) -> Array | None
             step = solution.driver_values[state] - solution.driver_values[state - 1]
             for area in areas:
                 drive[area] = drive.get(area, np.zeros_like(step)) + step / len(areas)
-    total = np.zeros(len(shown.tractions.arc))
+    total = np.zeros(shown.tractions.slip.shape[1:])
     for area, amount in drive.items():
-        total += full_stick.fields[area, :, 1] @ amount
+        total += full_stick.fields[area, :, 1:] @ amount
     return total
 
 
@@ -297,7 +305,7 @@ def _histogram(axes: Axes, cycles: CountedCycles) -> None:
 
 def _matrix(figure: Figure, axes: Axes, edge: Station) -> None:
     cycles = edge.cycles
-    begin, end = edge.k_t[cycles.start], edge.k_t[cycles.end]
+    begin, end = edge.k_along[cycles.start], edge.k_along[cycles.end]
     limits = (min(begin.min(), end.min()), max(begin.max(), end.max()))
     counts, rows, columns = np.histogram2d(
         begin, end, CLASSES, (limits, limits), weights=cycles.count

@@ -12,7 +12,7 @@ from fretfe._typing import Array, Indices
 from fretfe.case import Case
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.refinement import KINDS, Refinement
-from fretfe.evaluate.resultants import shear_direction
+from fretfe.evaluate.resultants import shear_direction, shear_line
 from fretfe.history.solution import OPEN, Solution
 from fretfe.history.state_array import blocks
 from fretfe.loads import History
@@ -109,7 +109,10 @@ def factor_plot(run: Result, contact: Contact, key: str) -> Plot:
     """K_T and K_I of both edges over time."""
 
     def draw(figure: Figure) -> None:
-        _draw_factors(figure, run.case, run.loads, (contact,), {"k_t": "K_T", "k_i": "K_I"})
+        names = {"k_t": "K_T", "k_i": "K_I"}
+        if any(np.any(edge.k_s) for edge in contact.stations):
+            names = {"k_t": "K_T", "k_s": "K_S", "k_i": "K_I"}
+        _draw_factors(figure, run.case, run.loads, (contact,), names)
 
     return make_plot(f"{key}-factors", f"Contact {contact.name}", "", DOUBLE, draw)
 
@@ -274,11 +277,13 @@ def slip_loop_plot(shown: Shown) -> Plot | None:
 def _shear(shown: Shown, states: slice) -> tuple[Array, Array, str]:
     """Direction of the shear at the nodes (N, d - 1), the force along it in some states, its name.
 
-    Of solids it is the direction in which Q varies most.
+    Of solids, and where plane bodies move along z, it is the direction in which Q varies most.
     """
     contact, force = shown.tractions, shown.summary.shear_force[states]
     if not shown.summary.solid:
-        return np.ones((len(contact.weights), 1)), force, "Q"
+        line, vectors = shear_line(shown.summary, states), shown.summary.shear_vectors[states]
+        name = "Q" if len(line) == 1 else f"Q along {direction_text(np.insert(line, 1, 0.0))}"
+        return np.tile(line, (len(contact.weights), 1)), vectors @ line, name
     direction = shear_direction(force)
     name = f"Q along {direction_text(direction)}"
     return contact.frames[:, 1:] @ direction, force @ direction, name

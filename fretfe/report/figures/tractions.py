@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from fretfe._typing import Array, Bools
 from fretfe.case import Case
 from fretfe.evaluate.contacts import Contact, SlipZone, Station
-from fretfe.evaluate.resultants import load_extremes
+from fretfe.evaluate.resultants import load_extremes, shear_line
 from fretfe.evaluate.slip import SMALLEST_SLIP
 from fretfe.evaluate.stress import (
     EdgeStress,
@@ -50,12 +50,13 @@ from fretfe.report.theme import (
 
 INTRO = (
     "Means around each node. Dotted: pressure p; dashed, with shading between: friction bound ±f "
-    "p; solid: shear q on body 2. Where the solid line lies on the dashed one, the contact slips "
-    "or has just slipped. The two states are the load extremes: largest and smallest K_T at the "
+    "p; solid: shear q on body 2; where bodies move along z, dash-dotted: q_z along it. Where the "
+    "solid line, or the length of both together, is on the dashed one, the contact slips or has "
+    "just slipped. The two states are the load extremes: largest and smallest K_T at the "
     "edge where it varies most, in the evaluated cycle or, if there is none, in the whole history."
 )
-# Points between a panel and its title: the three rows of the legend stand there.
-TITLE_PAD = 50.0
+# Points between a panel and its title for each row of the legend, which stands there.
+TITLE_PAD = 50.0 / 3
 LOCAL_INTRO = (
     "At both edges, in the evaluated cycle or in the whole history without one. Above: range of "
     "the slip, twice its amplitude. Below: friction work per area; the integral of p over the way "
@@ -124,7 +125,8 @@ def draw_tractions(case: Case, solution: Solution, contacts: tuple[Contact, ...]
         for panel, history, summary in zip(panels, solution.contacts, contacts, strict=False):
             _draw_contact(panel, case, solution, history, summary)
             title = f"{summary.name}: {history.body1} on {history.body2}"
-            panel.set_title(title, loc="left", pad=TITLE_PAD)
+            lines = len(panel.get_legend_handles_labels()[1]) // 2
+            panel.set_title(title, loc="left", pad=TITLE_PAD * lines)
         for panel in panels[len(contacts) :]:
             panel.set_axis_off()
 
@@ -141,13 +143,15 @@ def _draw_contact(
         time = f"t = {solution.times[state]:g} {case.units.time}"
         shown = _around_contact(history, state)
         x = history.arc[shown]
-        pressure, shear = history.mean_traction[state, shown, :2].T
+        pressure, shear, *along_z = history.mean_traction[state, shown].T
         bound = history.friction[state] * pressure
         panel.plot(x, pressure, color=colour, lw=0.8, ls=":", label=f"p, {time}")
         panel.fill_between(x, -bound, bound, color=colour, alpha=0.12, lw=0)
         panel.plot(x, bound, color=colour, lw=0.8, ls="--", label=f"±f p, {time}")
         panel.plot(x, -bound, color=colour, lw=0.8, ls="--")
         panel.plot(x, shear, color=colour, lw=1.6, label=f"q, {time}")
+        for values in along_z:
+            panel.plot(x, values, color=colour, lw=1.2, ls="-.", label=f"q_z, {time}")
     panel.axhline(0, color=GREY, lw=0.6)
     panel.set_xlabel(f"x along the contact [{length}]")
     panel.set_ylabel(f"p, q [{stress}]")
@@ -318,12 +322,12 @@ def draw_envelope(
 def _slip_range(shown: Shown, states: tuple[int, int]) -> tuple[Array, Bools]:
     """(N,) range of the slip of each node that is in contact at some time, and of those always."""
     tractions, (first, last) = shown.tractions, states
-    count = len(tractions.arc)
+    count, line = len(tractions.arc), shear_line(shown.summary, slice(first, last + 1))
     low, high = np.full(count, np.inf), np.full(count, -np.inf)
     always = np.ones(count, dtype=bool)
     for part in blocks(last - first, count):
         rows = slice(first + 1 + part.start, first + 1 + part.stop)
-        closed, slip = tractions.status[rows] != OPEN, tractions.slip[rows, :, 0]
+        closed, slip = tractions.status[rows] != OPEN, tractions.slip[rows] @ line
         always &= closed.all(axis=0)
         low = np.minimum(low, np.where(closed, slip, np.inf).min(axis=0))
         high = np.maximum(high, np.where(closed, slip, -np.inf).max(axis=0))
@@ -418,7 +422,9 @@ def _status_map(axes: Axes, shown: Shown, low: float, high: float, states: tuple
     rows = np.unique(np.linspace(*states, min(states[1] - states[0], MOST_ROWS) + 1).astype(int))
     steps = rows[1:]
     kind = tractions.status[steps].astype(int)
-    kind = np.where((kind == SLIP) & (tractions.traction[steps, :, 1] < 0), SLIP + 1, kind)
+    line = shear_line(shown.summary, slice(states[0], states[1] + 1))
+    backward = tractions.traction[steps][..., 1:] @ line < 0
+    kind = np.where((kind == SLIP) & backward, SLIP + 1, kind)
     frictionless = tractions.friction[steps, None] == 0
     kind = np.where(frictionless & (kind != OPEN), SLIP + 2, kind)
     arc = tractions.arc

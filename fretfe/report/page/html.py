@@ -31,6 +31,7 @@ from fretfe.report.page.tables import (
     contact_table,
     cycle_table,
     edge_answers,
+    range_name,
     refinement_tables,
     station_table,
     summary,
@@ -246,7 +247,8 @@ def render(directory: Path, plots: Plots | None = None) -> str:
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    glossary = Glossary(solid=run.solid)
+    ranges = range_name(run)
+    glossary = Glossary(solid=run.solid, across=ranges == "|ΔK|")
     environment.filters.update(svg=Markup, number=number, grid=_grid)
     environment.filters.update(linked=glossary.linked, subscripts=subscripts)
     package = files("fretfe.report.page")
@@ -258,6 +260,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         case=run.case,
         units=run.case.units,
         answers=answers,
+        ranges=ranges,
         summary=summary(run, answers),
         contacts=contact_table(run),
         cycles=cycle_table(run),
@@ -349,10 +352,11 @@ class Glossary:
 
     Args:
         solid: whether the bodies are solids.
+        across: whether plane bodies move along z.
     """
 
-    def __init__(self, solid: bool) -> None:
-        wanted = TERMS | (SOLID_TERMS if solid else PLANE_TERMS)
+    def __init__(self, solid: bool, across: bool = False) -> None:
+        wanted = TERMS | (SOLID_TERMS if solid else PLANE_TERMS) | ({"K_S"} if across else set())
         self.terms = tuple(term for term in _read_terms() if term.name in wanted)
         self._by_name = {term.name: term for term in self.terms}
 

@@ -55,17 +55,23 @@ def _edge_table(run: Result) -> Table:
 
     The prediction follows the load loop where there is a cycle, else it is that of first loading.
     """
-    units = run.case.units
+    units, ranges = run.case.units, range_name(run)
     title = (
         f"Contact edges: x and slip zones in {units.length}, "
-        f"K_N in {units.stress}/√{units.length}, ΔK_T in {units.stress}·√{units.length}"
+        f"K_N in {units.stress}/√{units.length}, {ranges} in {units.stress}·√{units.length}"
     )
-    headers = ("contact", "edge", "x", "K_N", "ΔK_T", "slip zones", "predicted")
+    headers = ("contact", "edge", "x", "K_N", ranges, "slip zones", "predicted")
     table = plain_table(title, headers, text=2)
     for contact in run.contacts:
         for edge in contact.stations:
             table.add_row(contact.name, edge.front, *_edge_cells(edge))
     return table
+
+
+def range_name(run: Result) -> str:
+    """ΔK_T; |ΔK| of the vector (K_T, K_S) where plane bodies move along z."""
+    sheared = any(station.k_s_range > 0 for each in run.contacts for station in each.stations)
+    return "|ΔK|" if sheared else "ΔK_T"
 
 
 def _edge_cells(edge: Station) -> list[str]:

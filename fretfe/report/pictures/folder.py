@@ -63,12 +63,12 @@ NOT_IMPORTED = (
 )
 
 
-def make_pictures(directory: Path, meanwhile: Callable[[], None] = lambda: None) -> None:
+def make_pictures(directory: Path, meanwhile: Callable[[Result], None] = lambda _: None) -> None:
     """Draw what a run has computed, as far as this machine can.
 
     Args:
         directory: results folder.
-        meanwhile: other work, which is done while other processes draw if cores are idle.
+        meanwhile: other work with the results, done while other processes draw if cores are idle.
 
     Raises:
         OutputError: if the results cannot be read or the folder cannot be written to.
@@ -100,7 +100,7 @@ def _lacks(run: Result, wanted: Wanted) -> str:
 
 
 def _draw(
-    run: Result, wanted: Sequence[Wanted], meanwhile: Callable[[], None]
+    run: Result, wanted: Sequence[Wanted], meanwhile: Callable[[Result], None]
 ) -> dict[str, dict[str, Any]]:
     """Caption and size of each picture, or the reason why there is none."""
     files = [each.file for each in wanted if each.kind in BY_CHILD]
@@ -110,7 +110,7 @@ def _draw(
         files = []
     idle = idle_cores()
     if not idle:
-        meanwhile()
+        meanwhile(run)
     # The threads only wait for their processes.
     with ThreadPoolExecutor(max(idle, 1)) as waiting:
         shares = [files[first :: max(idle, 1)] for first in range(min(len(files), max(idle, 1)))]
@@ -118,7 +118,7 @@ def _draw(
             waiting.submit(draw_in_child, "pictures", folder_of(run), share) for share in shares
         ]
         if idle:
-            meanwhile()
+            meanwhile(run)
         reports |= {
             each.file: _draw_contacts(run, each) for each in wanted if each.kind not in BY_CHILD
         }

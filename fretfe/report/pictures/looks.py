@@ -301,7 +301,7 @@ def edge_view(
     most = LARGEST_VIEW * edge.half_width
     wanted = SLIP_ZONES * edge.slip if edge.slip > 0 else most
     half = max(min(wanted, most), FEWEST_ELEMENTS * element)
-    normal = contact.frames[number, 0]
+    normal = contact.frames[number, 0, :2]
     lower = bodies[contact.body2]
     height = (lower.deformed(1.0)[nearest_node(point, lower)] - point) @ normal
     view = View(point + height * normal, np.array([half, EDGE_ASPECT * half]), normal)

@@ -398,7 +398,7 @@ def contact_view(contact: ContactHistory, states: Sequence[int]) -> View:
     closed = (contact.status[list(states)] != OPEN).any(axis=0)
     points = contact.points[closed] if closed.any() else contact.points
     middle = len(points) // 2
-    normal = (contact.frames[closed] if closed.any() else contact.frames)[middle, 0]
+    normal = (contact.frames[closed] if closed.any() else contact.frames)[middle, 0, :2]
     upright = View(points[middle], np.ones(2), normal)
     local = upright.local(points)
     low, high = local.min(axis=0), local.max(axis=0)

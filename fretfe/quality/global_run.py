@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Agreement of a part with the run whose displacements move its cuts, and a second cut inside.
+
+What a part carries follows from the displacements of its cuts, which nothing forces to be those of
+bodies in equilibrium: the forces through its contact tell whether they are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from fretfe._typing import Array, Indices
+from fretfe.case import Case, parse_case
+from fretfe.case.loads import FieldLoad
+from fretfe.errors import FretfeError
+from fretfe.history.solution import ContactHistory, Solution
+from fretfe.mesh.part import cut_name, seen
+from fretfe.quality.rows import Place, Row
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result
+
+# Distance of the second cut over that of the first one, and over that of the edges at least.
+NEARER, ROOM = 2 / 3, 1.1
+# Largest difference of force and moment, relative to their largest value; from which it is warned.
+SAME_FORCE = 0.02
+
+
+@dataclass(frozen=True)
+class Carried:
+    """Forces through a contact of a part and through that of the run that drives it.
+
+    Attributes:
+        load: name of a load that the run drives.
+        contact: name of the contact.
+        forces: (2, T, d) on body 2, of the part and of the run.
+        moments: (2, T, 1 or 3) about the middle of the surface of the part.
+        arm: largest distance of its nodes under pressure from there.
+        reason: why there is nothing to compare, in words; empty if there is.
+    """
+
+    load: str
+    contact: str
+    forces: Array
+    moments: Array
+    arm: float
+    reason: str = ""
+
+    @property
+    def differences(self) -> tuple[float, float]:
+        """Largest difference of force, and of moment, over the largest force (times the arm)."""
+        most = float(np.linalg.norm(self.forces[1], axis=1).max()) or math.nan
+        force, moment = (
+            float(np.linalg.norm(each[0] - each[1], axis=1).max())
+            for each in (self.forces, self.moments)
+        )
+        return force / most, moment / (most * self.arm)
+
+
+def carried(result: Result) -> Iterator[Carried]:
+    """Compare what the contacts of a part carry with those of the results folder that drives it.
+
+    Runs of other programs have no contacts that could be read: nothing is said of them.
+    """
+    if result.solution is None:
+        return
+    case, known = result.case, set()
+    for name, load in case.loads.items():
+        folder = case.resolve(load.file) if isinstance(load, FieldLoad) else None
+        if folder is None or not folder.is_dir() or folder in known:
+            continue
+        known.add(folder)
+        assert isinstance(load, FieldLoad)
+        try:
+            run = load_result(folder)
+        except FretfeError as error:
+            yield _unknown(name, "", f"its results cannot be read: {error}")
+            continue
+        for contact in dict.fromkeys(each.pair for each in result.solution.contacts):
+            yield _carried(result, run, name, load, contact)
+
+
+def _unknown(load: str, contact: str, reason: str) -> Carried:
+    none = np.full((2, 1, 1), np.nan)
+    return Carried(load, contact, none, none, math.nan, reason)
+
+
+def _carried(result: Result, run: Result, name: str, load: FieldLoad, pair: str) -> Carried:
+    """Forces through one contact at the states of the part, which are positions in the run."""
+    one, other = (_patches(each.solution, pair) for each in (result, run))
+    if not other:
+        return _unknown(name, pair, f"the run has no contact {pair!r}")
+    if load.factor != 1:
+        return _unknown(name, pair, "the run has another unit of length")
+    assert result.solution is not None and run.solution is not None
+    if result.solution.kept is not None or run.solution.kept is not None:
+        return _unknown(name, pair, "the tractions of all states are not kept")
+    # At the states of the part, by those of the run at its positions.
+    positions = result.solution.values[:, result.solution.channels.index(name)]
+    times = run.solution.times
+    if load.position == "number":
+        times = np.arange(len(times), dtype=float)
+    own = one[0].points
+    pressed = pressed_nodes(other)
+    away, nearest = cKDTree(own).query(other[0].points[pressed])
+    if (away > _reaches(one[0])[nearest]).any():
+        return _unknown(name, pair, "the cut runs through the contact of the run")
+    middle = (own.min(axis=0) + own.max(axis=0)) / 2
+    forces, moments = zip(*(_resultants(each, middle) for each in (one, other)), strict=True)
+    by_run = [
+        np.stack([np.interp(positions, times, column) for column in each[1].T], axis=1)
+        for each in (forces, moments)
+    ]
+    arm = float(np.linalg.norm(own[pressed_nodes(one)] - middle, axis=1).max(initial=0.0))
+    return Carried(
+        name,
+        pair,
+        np.stack([forces[0], by_run[0]]),
+        np.stack([moments[0], by_run[1]]),
+        arm or math.nan,
+    )
+
+
+def _patches(solution: Solution | None, pair: str) -> list[ContactHistory]:
+    return [each for each in solution.contacts if each.pair == pair] if solution else []
+
+
+def pressed_nodes(patches: list[ContactHistory]) -> Indices:
+    """Nodes of a pair of surfaces that are under pressure in some state."""
+    found = np.zeros(len(patches[0].points), dtype=bool)
+    for patch in patches:
+        for state in range(len(patch.traction)):
+            found |= patch.traction[state][:, 0] > 0
+    return np.flatnonzero(found)
+
+
+def _reaches(contact: ContactHistory) -> Array:
+    """(N,) largest extent of the facets of a surface around each of its nodes."""
+    count = len(contact.points)
+    facets = contact.facets
+    if facets is None:
+        facets = np.column_stack([np.arange(count - 1), np.arange(1, count)])
+    extents = np.linalg.norm(np.ptp(contact.points[facets], axis=1), axis=1)
+    found = np.zeros(count)
+    for column in facets.T:
+        np.maximum.at(found, column, extents)
+    return found
+
+
+def _resultants(patches: list[ContactHistory], about: Array) -> tuple[Array, Array]:
+    """(T, d) force on body 2 and (T, 1 or 3) moment about a point, through a pair of surfaces."""
+    forces, moments = [], []
+    for state in range(len(patches[0].traction)):
+        nodes = np.sum([_nodal_forces(patch, state) for patch in patches], axis=0)
+        arms = patches[0].points - about
+        if arms.shape[1] == 2:
+            turning = (arms[:, 0] * nodes[:, 1] - arms[:, 1] * nodes[:, 0])[:, None]
+        else:
+            turning = np.cross(arms, nodes)
+        forces.append(nodes.sum(axis=0))
+        moments.append(turning.sum(axis=0))
+    return np.array(forces), np.array(moments)
+
+
+def _nodal_forces(patch: ContactHistory, state: int) -> Array:
+    """(N, d) forces on body 2: against its normal by the pressure, along its tangents by shear."""
+    traction = patch.mean_traction[state] * np.where(np.arange(patch.points.shape[1]) == 0, -1, 1)
+    return np.asarray(patch.weights[:, None] * np.einsum("nk,nkd->nd", traction, patch.frames))
+
+
+def carried_notes(result: Result) -> Iterator[str]:
+    """Differences of the forces through the contacts of a part from those of the run, in words."""
+    for each in carried(result):
+        if each.reason:
+            yield f"loads.{each.load}: not compared with the forces of the run, as {each.reason}"
+            continue
+        force, moment = each.differences
+        text = (
+            f"loads.{each.load}: through contact {each.contact} the force differs from that of the "
+            f"run by up to {force:.2g} of the largest one, its moment about the middle of the "
+            f"surface by up to {moment:.2g} of that force times {each.arm:.3g}"
+        )
+        if max(force, moment) > SAME_FORCE:
+            text += (
+                ". The part does not carry what the run carries: its displacements near the cuts "
+                "are not those of bodies in equilibrium with these materials, loads and friction"
+            )
+        yield text
+
+
+def carried_rows(result: Result) -> Iterator[Row]:
+    """Rows for forces and moments through the contacts of a part, against those of the run."""
+    for each in carried(result):
+        at, what = Place(each.contact or "all"), "force, against the run that drives the cuts"
+        if each.reason:
+            yield at.missing(what, each.reason)
+            continue
+        reason = (
+            "in the state of the largest difference; bodies in equilibrium carry the same on every "
+            f"section, tolerance {SAME_FORCE:.0%} of the largest force"
+        )
+        most = float(np.linalg.norm(each.forces[1], axis=1).max())
+        for name, values, scale in (
+            (what, each.forces, most),
+            ("moment" + what.removeprefix("force"), each.moments, most * each.arm),
+        ):
+            off = np.abs(values[0] - values[1])
+            state, axis = np.unravel_index(off.argmax(), off.shape)
+            yield at.compared(
+                name,
+                float(values[0, state, axis]),
+                float(values[1, state, axis]),
+                SAME_FORCE * scale,
+                reason,
+            )
+
+
+def second_cut(result: Result) -> Case | str:
+    """The case of a part with cuts nearer to its contact; the reason if there is none.
+
+    The displacements of the run move the new cuts, too.
+    """
+    case = result.case
+    fields = {name: load for name, load in case.loads.items() if isinstance(load, FieldLoad)}
+    if len(result.contacts) != 1 and case.geometry.part is None:
+        return "there are several contacts, and no circle or ball around one of them"
+    assert result.solution is not None
+    pressed = np.concatenate(
+        [each.points[pressed_nodes([each])] for each in result.solution.contacts]
+    )
+    owners = {
+        load.boundary: body
+        for load in fields.values()
+        for body, mesh in result.bodies.items()
+        if load.boundary in mesh.boundaries
+    }
+    part = case.geometry.part
+    if part is not None:
+        centre, radius = np.array(part.centre), part.radius
+    else:
+        centre = (pressed.min(axis=0) + pressed.max(axis=0)) / 2
+        radius = min(
+            float(np.linalg.norm(mesh.points[mesh.boundaries[name]] - centre, axis=-1).min())
+            for name, body in owners.items()
+            for mesh in [result.bodies[body]]
+        )
+    reach = float(np.linalg.norm(seen(case, pressed, len(centre)) - centre, axis=1).max())
+    if NEARER * radius < ROOM * reach:
+        return (
+            f"no room: the contact reaches {reach:.3g} from the middle of the part, the cuts are "
+            f"at {radius:.3g}"
+        )
+    data = case.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+    data["geometry"]["part"] = {"centre": centre.tolist(), "radius": NEARER * radius}
+    for name, load in fields.items():
+        data["loads"][name]["boundary"] = cut_name(owners[load.boundary])
+    return parse_case(data, source=case.source, trust_geo=case.trust_geo)

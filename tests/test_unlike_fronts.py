@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Stations of solids between unlike bodies: exponents, K_N, factors at lengths, by made-up runs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from halfplane_problems import LOAD, loop, problem, started
+from solid_runs import FRICTION, PEAK, solid_result, surface
+
+from fretfe._typing import Array, Bools
+from fretfe.analytic.edges import oscillation, sliding_exponent
+from fretfe.evaluate.factors import edge_fits, reversed_share, whole_factor
+from fretfe.evaluate.plane.pressure_fit import EdgeFit
+from fretfe.evaluate.space.evaluate import evaluate_fronts
+from fretfe.evaluate.space.fronts import FrontTrack, follow_fronts
+from fretfe.evaluate.space.local import MEAN_LENGTH, _mean_k_n
+from fretfe.halfplane import solve_half_planes
+from fretfe.history.solution import (
+    OPEN,
+    SLIP,
+    ContactHistory,
+    FullStickUnits,
+    Solution,
+    StationIntegrals,
+)
+
+STATIONS = 12
+
+
+def sliding(beta: float) -> tuple[Solution, ContactHistory]:
+    """A circle of radius 1 that slides along x, with p ~ s^lambda all around it."""
+    shape = surface(count=48)
+    result = solid_result({"main": shape})
+    assert result.solution is not None
+    (contact,) = result.solution.contacts
+    x, z = shape.plane.T
+    r = np.hypot(x, z)
+    inward = -x / np.maximum(r, 1e-9)
+    exponent = sliding_exponent(beta, FRICTION * inward)
+    pressure = PEAK * np.maximum(1 - r**2, 0.0) ** exponent
+    tangents = contact.frames[:, 1:, 0]
+    traction = np.column_stack([pressure, FRICTION * pressure[:, None] * tangents])
+    count = len(contact.traction)
+    everywhere = np.broadcast_to(traction, (count, *traction.shape))
+    contact = replace(
+        contact,
+        dundurs=beta,
+        traction=everywhere,
+        mean_traction=everywhere,
+        status=np.tile(np.where(pressure > 0, SLIP, OPEN).astype(np.int8), (count, 1)),
+    )
+    return replace(result.solution, contacts=(contact,)), contact
+
+
+@cache
+def tracked(beta: float) -> tuple[Solution, ContactHistory, FrontTrack, Array]:
+    """Also (n,) components of x along `inward` of the stations."""
+    solution, contact = sliding(beta)
+    (track,) = follow_fronts(solution, contact, STATIONS)
+    return solution, contact, track, track.front.frames.inward[:, 0]
+
+
+@pytest.mark.parametrize("beta", [0.2, -0.07])
+def test_exponent_and_k_n_all_around_a_sliding_circle(beta: float) -> None:
+    """lambda by the part of the slip that is inward; p = s^lambda K_N at the length 1."""
+    *_, track, inward = tracked(beta)
+    exponent = sliding_exponent(beta, FRICTION * inward)
+    fit, similar = track.fit, tracked(0.0)[2].fit
+    np.testing.assert_allclose(fit.exponent[-1], exponent, atol=2e-3)
+    # 1 - r^2 is 2 s next to the front. Nodal values are no means around nodes: single stations are
+    # off by up to 2 %, by the same whatever the exponent.
+    ratio = fit.k_n[-1] / similar.k_n[-1]
+    np.testing.assert_allclose(ratio, 2 ** (exponent - 0.5), rtol=3e-3)
+    np.testing.assert_allclose(fit.k_n[-1], PEAK * 2**exponent, rtol=0.03)
+    # A twentieth of an element.
+    assert np.abs(fit.place[-1] - similar.place[-1]).max() < 3e-3
+
+
+def with_integrals(track: FrontTrack, contact: ContactHistory, drivers: int) -> ContactHistory:
+    """Factors of a bonded circle by the second driver, a force along x, and K_I by beta."""
+    factors = np.zeros((1, 2, STATIONS, 3, drivers))
+    inward, along = track.front.frames.inward[:, 0], track.front.frames.along[:, 0]
+    factors[..., 0, 1], factors[..., 1, 1], factors[..., 2, 1] = 0.3 * inward, inward, along
+    integrals = StationIntegrals(np.array([0]), np.zeros((1, STATIONS)), np.arange(2.0), factors)
+    stick = FullStickUnits(
+        np.zeros((1, len(contact.weights), 3, drivers)), np.zeros(len(contact.traction), dtype=int)
+    )
+    return replace(contact, integrals=integrals, full_stick=stick)
+
+
+def test_factors_of_stations_are_told_at_lengths() -> None:
+    """As in the plane: one code. Slip zones do not depend on the length; K_S is at any length."""
+    beta = 0.2
+    solution, contact, track, _ = tracked(beta)
+    contact = with_integrals(track, contact, solution.driver_values.shape[1])
+    (own,), (told,) = (
+        evaluate_fronts(solution, contact, (track,), length) for length in (None, 0.05)
+    )
+    q = solution.driver_values[:, 1] - solution.driver_values[0, 1]
+    for one, other in zip(own.stations, told.stations, strict=True):
+        assert other.reference_length == 0.05
+        assert other.slip_zones == one.slip_zones
+        assert one.oscillation == pytest.approx(oscillation(beta))
+        direction = np.cos(np.radians(one.k_angle))
+        assert one.coupling == pytest.approx(beta * FRICTION * abs(direction))
+        whole = [
+            whole_factor(each.k_i, each.k_t, beta, each.reference_length, 2.0)
+            for each in (one, other)
+        ]
+        np.testing.assert_allclose(whole[0], whole[1], atol=1e-9 * np.ptp(q))
+        np.testing.assert_array_equal(one.k_s, other.k_s)
+        # K_N without shear, which loads the plane problem, does not depend on the length either.
+        assert _mean_k_n(other)[0] == pytest.approx(_mean_k_n(one)[0])
+    assert MEAN_LENGTH == pytest.approx(np.exp(2) / 4)
+
+
+def test_no_beta_is_the_limit() -> None:
+    numbers = []
+    for beta in (0.0, 1e-10):
+        solution, contact, track, _ = tracked(beta)
+        contact = with_integrals(track, contact, solution.driver_values.shape[1])
+        (front,) = evaluate_fronts(solution, contact, (track,))
+        numbers.append(
+            [
+                [*each.last_k_n, each.k_range, each.k_range_spread, each.slip_zones[-1].prediction]
+                for each in front.stations
+            ]
+        )
+    similar, nearly = numbers
+    np.testing.assert_allclose(nearly, similar, rtol=1e-8)
+
+
+def test_part_of_a_reversal_since_its_beginning() -> None:
+    along = np.array([9.0, 1.0, 1.0, 0.0, -1.0, -1.0, 0.5, 1.0])
+    whole = reversed_share(along, np.arange(1, 8))
+    np.testing.assert_allclose(whole, [1.0, 1.0, 1.0, 0.5, 1.0, 1.0, 0.75, 1.0])
+    for none in (reversed_share(along, np.arange(0)), reversed_share(0 * along, np.arange(8))):
+        np.testing.assert_array_equal(none, np.ones(8))
+
+
+# Friction, and elements over the half-width and along a slice: four to a slip zone of ZONE, at
+# which K_N is told.
+STRONG, ELEMENT, LAYERS, ZONE, STEPS = 0.6, 0.05, 14, 0.2, 12
+# Of the half-planes next to the edges.
+FINE = 0.0018
+
+
+@cache
+def half_planes(beta: float) -> tuple[Solution, tuple[EdgeFit, ...]]:
+    """A cylinder under Q = ±.4 f P by 300 elements, some 60 to a slip zone, and both edges."""
+    shear = started(0.4 * STRONG * LOAD * np.sin(loop(STEPS, 2)))
+    given = problem(LOAD, shear, friction=STRONG, cycle=STEPS)
+    outcome = solve_half_planes(replace(given, dundurs=beta, guided=True), 300)
+    assert outcome.failure is None
+    (contact,) = outcome.solution.contacts
+    return outcome.solution, edge_fits(contact, outcome.solution.source)
+
+
+def slice_of(contact: ContactHistory) -> ContactHistory:
+    """A straight slice of solids with the tractions of half-planes, means around coarser nodes."""
+    count = round(1.3 / ELEMENT)
+    x, z = ELEMENT * np.arange(-count, count + 1), ELEMENT * np.arange(LAYERS + 1)
+    fine = np.linspace(contact.arc[0], contact.arc[-1], 20001)
+    means = np.array([np.interp(fine, x, hat) for hat in np.eye(len(x))]) * np.gradient(fine)
+    states = np.asarray(contact.mean_traction)
+    values = np.array([[np.interp(fine, contact.arc, row) for row in each.T] for each in states])
+    plane = np.einsum("nf,tkf->tnk", means, values) / ELEMENT
+    rows = len(z)
+    traction = np.repeat(np.pad(plane, ((0, 0), (0, 0), (0, 1))), rows, axis=1)
+    points = np.column_stack([np.repeat(x, rows), np.zeros(len(x) * rows), np.tile(z, len(x))])
+    first = (np.arange(len(x) - 1)[:, None] * rows + np.arange(LAYERS)).ravel()
+    depth = np.full(rows, ELEMENT)
+    depth[[0, -1]] /= 2
+    frame = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+    return replace(
+        contact,
+        arc=np.zeros(0),
+        points=points,
+        frames=np.tile(frame, (len(points), 1, 1)),
+        weights=np.tile(ELEMENT * depth, len(x)),
+        traction=traction,
+        mean_traction=traction,
+        facets=np.stack([first, first + 1, first + rows + 1, first + rows], axis=1),
+        free=np.zeros(len(points), dtype=bool),
+    )
+
+
+def coarse_slice(beta: float) -> Bools:
+    """Whether K_N is within its error bar in the states of a cycle, at both edges.
+
+    That lambda is the plane's where all of a zone slips is asserted.
+    """
+    solution, edges = half_planes(beta)
+    (contact,) = solution.contacts
+    assert solution.cycle is not None
+    cycle = np.arange(solution.cycle[0], solution.cycle[1] + 1)
+    force = np.asarray(contact.traction)[..., 1] @ contact.weights
+    share, station, within = reversed_share(force, cycle), 4, []
+    tracks = follow_fronts(solution, slice_of(contact), 2 * station)
+    assert len(tracks) == 2
+    for track in tracks:
+        inward = track.front.frames.inward[station, 0]
+        edge = edges[0 if inward > 0 else 1]
+        for state in (cycle[np.argmax(force[cycle])], cycle[np.argmin(force[cycle])]):
+            slips = sliding_exponent(beta, STRONG * inward * np.sign(force[state]))
+            assert np.asarray(edge.exponent)[state] == pytest.approx(slips, abs=1e-6)
+            assert track.fit.exponent[state, station] == pytest.approx(slips, abs=1e-4)
+        whole, zones = np.full(2 * station, ZONE), share[:, None] * np.full(2 * station, ZONE)
+        found, truth = track.fit.at(whole, zones / ELEMENT), edge.at(ZONE, ZONE / FINE)
+        # Sooner after a reversal the half-planes hardly know either.
+        told = cycle[share[cycle] >= 0.5 - 1e-9]
+        error = np.abs(found.k_n[told, station] - truth.k_n[told])
+        within.append(error < np.hypot(found.k_n_spread[told, station], truth.spread_k_n[told]))
+    return np.concatenate(within)
+
+
+def test_coarse_slices_know_how_well_they_know_k_n() -> None:
+    """Either sign of beta, that is both orders of the bodies, both edges, both directions of slip.
+
+    Fits reach far beyond four elements: K_N is off by 3 |lambda - 1/2| at the reversals, and by 6
+    half-way between them.
+    """
+    within = np.concatenate([coarse_slice(beta) for beta in (-0.071, 0.071, 0.2)])
+    # Bars are meant to hold 95 %; those of the plane hold 46 % here.
+    assert within.mean() >= 0.95
