@@ -183,6 +183,30 @@ def test_strip_has_two_open_fronts_with_ends() -> None:
     assert ends[0] and ends[-1] and not ends[STATIONS // 2]
 
 
+def test_factors_next_to_an_end_are_those_an_element_from_it() -> None:
+    """At the even spacing of 60 stations three of either end are nearer than an element."""
+    solution, contact = solved(*grid(), [lambda x, _: np.sqrt(np.clip(1 - x**2, 0.0, None))])
+    (track, _) = follow_fronts(solution, contact, 60)
+    front = track.front
+    sizes = np.array([sector.along_size for sector in front.sectors])
+    at = front.frames.arc + front.aside
+    assert np.all(np.minimum(at, front.frames.length - at) > 0.99 * sizes)
+    assert np.all(front.aside[4:-4] == 0) and front.aside[0] > 0 > front.aside[-1]
+
+
+def test_stations_slide_along_a_circle() -> None:
+    solution, contact = solved(*grid(), [hertz(1.0, 1.0)])
+    (track,) = follow_fronts(solution, contact, STATIONS)
+    frames = track.front.frames
+    slid = frames.slid(np.full(STATIONS, frames.length / STATIONS))
+    for name in ("points", "inward", "along"):
+        following = np.roll(getattr(frames, name), -1, axis=0)
+        np.testing.assert_allclose(getattr(slid, name), following, atol=0.02)
+    radii = np.linalg.norm(slid.points, axis=1)
+    np.testing.assert_allclose(radii, np.linalg.norm(frames.points, axis=1), atol=2e-3)
+    np.testing.assert_array_equal(track.front.aside, np.zeros(STATIONS))
+
+
 def test_ring_has_two_fronts() -> None:
     """Contact between radii .5 and 1.3: the inner front is a hole, its inward points outward."""
 

@@ -327,7 +327,7 @@ class _SolidDraft(_Draft["_Plan"]):
                     ways = [[each[USUAL]] for each in tubes]
                 elif difference is not None:
                     fields = (*fields, difference)
-                frames = track.front.frames.moved(own)
+                frames = track.front.frames.moved(own).slid(track.front.aside)
                 probes.append(probe_stations(self._common.model, pair, frames, ways, fields))
         return probes
 
@@ -422,8 +422,8 @@ def _plan(
 
 def _tubes(front: SpaceFront) -> list[list[Tube]]:
     """For each station of a front its tubes."""
-    tubes = []
-    for sector, depth, to_end in zip(front.sectors, front.depth, front.frames.to_end, strict=True):
+    tubes, frames = [], front.frames.slid(front.aside)
+    for sector, depth, to_end in zip(front.sectors, front.depth, frames.to_end, strict=True):
         radius = 1 / max(abs(sector.curvature), 1e-300)
         farthest = min(WIDEST * depth, NARROWEST * radius)
         longest = min(radius, NEAREST_END * to_end)

@@ -173,6 +173,33 @@ def test_the_pairing_error_of_an_extruded_pad() -> None:
     assert 0.002 < found == pytest.approx(expected, rel=0.15)
 
 
+@pytest.mark.parametrize("layers", [2, 3])
+def test_stations_next_to_the_ends_have_the_factors_of_the_plane(layers: int) -> None:
+    """Half-way between an end and a twelfth of the length: a tenth of a layer, or less."""
+    ends, y = np.array([0.32, 0.42, 0.65]), [0.0, 0.02, 0.06, 0.15, 0.5, 1.0]
+    pad_x = np.r_[-ends[::-1], np.linspace(-0.3, 0.3, 31), ends]
+    block_x = np.r_[-1.0, -0.7, pad_x[1:-1], 0.7, 1.0]
+    upper = blocks.block("pad", pad_x, y, mapping=rounded, cell="quadrilateral")
+    lower = blocks.block("block", block_x, [-each for each in y[::-1]], cell="quadrilateral")
+    data = {**pad_case(), "edges": {"stations": 12}}
+    wave_ = {"wave": "sine", "amplitude": 1.0, "period": 1.0, "cycles": 1, "steps_per_cycle": 4}
+    data["loads"]["shear"]["history"] = [{"hold": True, "until": 1}, wave_]
+    mesh = Mesh({"pad": upper, "block": lower})
+    plane = solve_on(parse_case({**data, "model": {**data["model"]}}), mesh)
+    whole = extrude(mesh, Solid(length=LENGTH, layers=layers))
+    solid = solve_on(parse_case(as_solid(data)), whole)
+    truth, fronts = plane.contacts[0].stations[0], solid.contacts[0].fronts
+    assert len(fronts) == 2
+    for front in fronts:
+        found, bar, normal = map(front.along, ("k_range", "k_range_spread", "k_i_range"))
+        # Circles and tubes of other radii on one mesh.
+        np.testing.assert_allclose(found, truth.k_range, rtol=0.01)
+        # What quadrature makes of the weight.
+        np.testing.assert_allclose(found, found[6], rtol=0.002)
+        np.testing.assert_allclose(normal, normal[6], rtol=0.002)
+        assert bar == pytest.approx(bar[6], rel=0.1)
+
+
 # Corners of the three quadrilaterals in a triangle: a vertex, the middle of an edge, the middle of
 # the triangle, the middle of the other edge.
 MIDDLE = [1 / 3, 1 / 3]

@@ -475,11 +475,14 @@ def _spread(
     The parts are those of the plane: what the ways to integrate differ by; that a discrete contact
     area ends somewhere within an element, by the largest range along the front, since that of one
     station may be a small difference; extremes between steps. And one more: elements that are long
-    along the front cannot follow how factors vary there.
+    along the front cannot follow how factors vary there, and next to its end the factors are those
+    of a place beside the station.
     """
     histories = factors.ways[..., Factor.K_T :]
     own = histories[:, station] @ direction
-    bent = _bent(histories.mean(axis=0), front, station, direction, cycle)
+    swing = _swing(histories.mean(axis=0), station, direction, cycle)
+    bent = _bent(swing, front, station)
+    beside = _beside(swing, front, station)
     ranges = [cycle_range(way, cycle) for way in own]
     # At the ends of an open front factors grow out of all proportion.
     inner = front.frames.to_end > front.depth
@@ -493,39 +496,65 @@ def _spread(
     misplaced = error / min(front.depth[station], np.median(front.depth), radius) * largest
     return RangeSpread(
         extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else np.nan,
-        discretisation=float(np.linalg.norm([misplaced, factors.one_sided[station], bent])),
+        discretisation=float(np.linalg.norm([misplaced, factors.one_sided[station], bent, beside])),
         steps=excess(own.mean(axis=0), cycle, path) + float(factors.uneven[station]),
     )
 
 
-def _bent(
-    histories: Array, front: SpaceFront, station: int, direction: Array, cycle: Indices
-) -> float:
+def _swing(histories: Array, station: int, direction: Array, cycle: Indices) -> Array:
+    """(n,) by how much factors of all stations change while those of one go through their range.
+
+    NaN where they are not known; of all where they are not known at that station.
+
+    Args:
+        histories: (n, T, 2) K_T and K_S of all stations.
+        station: the one.
+        direction: (2,) unit vector of its range.
+        cycle: states of the cycle.
+    """
+    if not len(cycle) or not np.isfinite(own := histories[station, cycle] @ direction).all():
+        return np.full(len(histories), np.nan)
+    ends = cycle[np.argmax(own)], cycle[np.argmin(own)]
+    return np.asarray((histories[:, ends[0]] - histories[:, ends[1]]) @ direction)
+
+
+def _bent(swing: Array, front: SpaceFront, station: int) -> float:
     """Largest difference of the range from a straight line over one element along the front.
 
     Half of its second difference over the element, from the stations: h^2 / 8 times the second
     derivative. Next to stations that are not known it is taken from those that are.
 
     Args:
-        histories: (n, T, 2) K_T and K_S of all stations.
+        swing: (n,) of all stations, as of `_swing`.
         front: with the length of the elements along it.
         station: one of the stations.
-        direction: (2,) unit vector of the range.
-        cycle: states of the cycle.
     """
-    if not len(cycle) or not np.isfinite(own := histories[station, cycle] @ direction).all():
+    known = np.isfinite(swing)
+    if not known.any():
         return 0.0
-    swing = histories[:, cycle[np.argmax(own)]] - histories[:, cycle[np.argmin(own)]]
     size, frames = front.sectors[station].along_size, front.frames
     step = max(size / 2, frames.length / len(frames.arc))
-    known = np.isfinite(swing).all(axis=1)
     at = frames.arc[station] + step * np.array([-1.0, 0.0, 1.0])
     period = frames.length if frames.closed else None
     if not frames.closed:
         first, last = frames.arc[known][[0, -1]]
         at += max(first - at[0], 0.0) - max(at[-1] - last, 0.0)
-    values = np.interp(at, frames.arc[known], swing[known] @ direction, period=period)
+    values = np.interp(at, frames.arc[known], swing[known], period=period)
     return float(abs(np.diff(values, 2)[0]) / 2 * (size / 2 / step) ** 2)
+
+
+def _beside(swing: Array, front: SpaceFront, station: int) -> float:
+    """Change of the range between a station next to an end and where its factors are integrated.
+
+    By the slope of the range behind that place; arguments as of `_bent`.
+    """
+    aside, frames = float(front.aside[station]), front.frames
+    known = np.isfinite(swing)
+    if not aside or not known.any():
+        return 0.0
+    step = math.copysign(max(abs(aside), frames.length / len(frames.arc)), aside)
+    at = frames.arc[station] + aside + np.array([0.0, step])
+    return float(abs(aside / step * np.diff(np.interp(at, frames.arc[known], swing[known]))[0]))
 
 
 def _largest(history: Array, cycle: Indices) -> float:

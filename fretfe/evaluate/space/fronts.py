@@ -52,6 +52,10 @@ STEPS = 200
 NEAR = 0.75
 # Share of the stations that must be known.
 KNOWN_STATIONS = 0.5
+# Elements along an open front from its ends, nearer to which there is no integral: its weight falls
+# to zero at the end, and within half of an element quadrature points hardly see it (up to four
+# times the factor of a straight slice); .2 % of it there.
+ROOM = 1.0
 # Points of a curve between which it is straight, for each of its stations.
 FINER = 8
 # Known stations that a curve through them takes.
@@ -94,6 +98,16 @@ class SpaceFront:
     def sizes(self) -> Array:
         """(n,) lengths of the elements across the front."""
         return np.array([sector.size for sector in self.sectors])
+
+    @property
+    def aside(self) -> Array:
+        """(n,) distances along the front to where factors are integrated; 0 but next to an end."""
+        frames = self.frames
+        if frames.closed:
+            return np.zeros(len(frames.arc))
+        sizes = np.array([sector.along_size for sector in self.sectors])
+        room = np.minimum(ROOM * sizes, frames.length / 2)
+        return np.clip(frames.arc, room, frames.length - room) - frames.arc
 
 
 class FrontFinder:

@@ -72,6 +72,26 @@ class Frames:
             curvature=self.curvature / (1 - self.curvature * inward),
         )
 
+    def slid(self, along: Array) -> Frames:
+        """Stations at distances along the front (n,) from these, on their circles of curvature."""
+        angle = self.curvature * along
+        chord, turned = along * np.sinc(angle / (2 * np.pi)), _turned(angle / 2, self)[1]
+        inward, tangent = _turned(angle, self)
+        return replace(
+            self,
+            points=self.points + chord[:, None] * turned,
+            inward=inward,
+            along=tangent,
+            arc=self.arc + along,
+        )
+
+
+def _turned(angle: Array, frames: Frames) -> tuple[Array, Array]:
+    """(n, 3) `inward` and `along` of n frames, turned about `across` as where a front bends."""
+    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    inward, along = frames.inward, frames.along
+    return cosine * inward - sine * along, cosine * along + sine * inward
+
 
 class FrontCurve:
     """A smooth curve through points of a front, by least squares.
