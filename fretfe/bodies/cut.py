@@ -38,6 +38,8 @@ ROUNDED, FEW = 1e-6, 20
 SUMS, SPANNED = 64, 0.1
 # Positions that differ by less than this part of the whole run are the same.
 SAME = 1e-6
+# Changes of temperature below this part of the temperatures are rounding.
+ROUND_OFF = 1e-13
 # Points of a field without elements that are looked at around each place, by dimension; if those do
 # not surround all places, as in long elements.
 AROUND, FAR_AROUND = {2: 12, 3: 32}, 256
@@ -148,6 +150,8 @@ def read_temperatures(
             f"Celsius), found {coldest:g}"
         )
     change = found["values"] - start[:, None]
+    # Interpolation rounds: without this, bodies at their reference temperature would be heated.
+    change[np.abs(change) < ROUND_OFF * np.abs(found["values"]).max()] = 0
     steps = _counted(path, load.position, found["times"], change, "change of temperature")
     cut = reduce_in_time(channel, *steps, float(found["rounding"]))
     return replace(cut, what="changes of temperature")
