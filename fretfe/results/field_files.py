@@ -290,6 +290,7 @@ class FieldReader:
             raise OutputError(
                 f"{path}: expected fields of a run, found: {read_fault(error)}"
             ) from error
+        self._starts: dict[str, Indices] = {}
         self._rows = {
             str(name): (int(first), int(last), int(count))
             for name, first, last, count in zip(names, ends[:-1], ends[1:], cells, strict=True)
@@ -315,11 +316,13 @@ class FieldReader:
         Raises:
             OutputError: if they are damaged; so does `nodes`.
         """
-        starts = self._stored(f"Steps/PointDataOffsets/{name}", slice(number, number + 1))
-        start = int(starts[0]) if starts.size else -1
-        if start < 0:
+        if name not in self._starts:  # of all states at once: one by one takes as long as values
+            stored = self._stored(f"Steps/PointDataOffsets/{name}", slice(None))
+            self._starts[name] = stored.astype(np.int64)
+        starts = self._starts[name]
+        if number >= len(starts) or starts[number] < 0:
             raise OutputError(f"{self._path}: expected the start of state {number + 1}, found none")
-        return self._read(f"PointData/{name}", body, start).astype(np.float64)
+        return self._read(f"PointData/{name}", body, int(starts[number])).astype(np.float64)
 
     def _read(self, table: str, body: str, start: int) -> Array:
         first, last, count = self._rows[body]
