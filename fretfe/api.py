@@ -32,8 +32,8 @@ from fretfe.sweeps import Sweep
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from fretfe.exchange.submodel import Submodel
     from fretfe.station import StationModel
-    from fretfe.submodel import Submodel
 
 __all__ = [
     "Checked",
@@ -169,7 +169,7 @@ def write_submodel(
         FretfeError: if there is no such contact, a part of the case cannot be cut, displacements
             are missing, or a file cannot be written.
     """
-    from fretfe.submodel import write_submodel as write
+    from fretfe.exchange.submodel import write_submodel as write
 
     return write(result, around, Path(output), radius, size)
 

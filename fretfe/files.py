@@ -22,6 +22,12 @@ NO_FILES = (
     (stat.S_ISCHR, "a device"),
     (stat.S_ISBLK, "a device"),
 )
+# What is larger is refused (docs/security.md): rows of a table; nodes or elements that a file of
+# another run states; bytes of its arrays, or of the files of a deck; these files, and how deep they
+# include one another; members of a set of a deck, and of all of its instances.
+MOST_ROWS, MOST_STATED, MOST_BYTES = 1_000_000, 50_000_000, 4 * 2**30
+MOST_FILES, DEEPEST_INCLUDE = 1000, 10
+MOST_MEMBERS, MOST_PLACED = 100_000_000, 200_000_000
 REASONS = {
     errno.ENOSPC: "the disk is full",
     errno.EDQUOT: "the disk quota is used up",

@@ -176,7 +176,7 @@ def in_values(old: str, new: str) -> Callable[[str], str]:
         (lambda text: text.replace("    45  ", "    46  ", 1), "nodes: expected 46 rows"),
         (
             lambda text: text.replace("          45  ", "999999999999  "),
-            "expected 999999999999 rows",
+            "expected at most 50,000,000 nodes",
         ),
         (
             lambda text: text.replace("          45  ", "         -45  "),

@@ -15,7 +15,7 @@ from pad_cases import pad, press
 
 from fretfe._typing import Array
 from fretfe.bodies import cut as bodies_cut
-from fretfe.bodies.cut import Cut, read_cut, read_temperatures, reduce_in_time
+from fretfe.bodies.cut import Asked, Cut, read_cuts, read_temperatures, reduce_in_time
 from fretfe.bodies.definition import cut_notes, define_model, require_possible
 from fretfe.case import Case, parse_case
 from fretfe.case.loads import FieldLoad, TemperatureFieldLoad
@@ -54,7 +54,7 @@ def field_load(file: str = "run", **keys: Any) -> FieldLoad:
 
 
 def cut(path: Path, places: Array, **keys: Any) -> Cut:
-    return read_cut(path, field_load(**keys), "cut", "upper", places)
+    return read_cuts(path, [Asked("cut", field_load(**keys), "upper", places)])["cut"]
 
 
 def displacement(found: Cut, position: float) -> Array:
@@ -361,6 +361,47 @@ def test_messages_name_the_load(tmp_path: Path) -> None:
     case = driven(tmp_path, RAMP, part="blade")
     (tmp_path / "run.csv").write_text("x,y,ux\n")
     with pytest.raises(CaseError, match=r"case\.toml: loads\.cut\.file: .*run\.csv: line 1: expec"):
+        define_model(case, mesh())
+
+
+def test_loads_of_one_file_read_it_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each with its own places and factor."""
+    points = np.array([[x, y, 0.0] for x in (0, 0.4, 1) for y in (0, 0.7, 1)])
+    write_csv(tmp_path / "run.csv", points, 2)
+    files = []
+
+    def read(work: Any, path: Path) -> Any:
+        files.append(path)
+        return work(lambda: None)
+
+    monkeypatch.setattr(bodies_cut, "arrays_of", read)
+    one, other = INSIDE[:4, :2], INSIDE[4:, :2]
+    metres = field_load(factor=1000.0)
+    asked = [
+        Asked("one", field_load(), "upper", one),
+        Asked("other", metres, "lower", 1000 * other),
+    ]
+    found = read_cuts(tmp_path / "run.csv", asked)
+    assert files == [tmp_path / "run.csv"]
+    for name, places, factor in (("one", one, 1.0), ("other", other, 1000.0)):
+        expected = factor * linear(np.pad(places, [(0, 0), (0, 1)]))[:, :2]
+        np.testing.assert_allclose(displacement(found[name], 1.0), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("names", [("far", "near"), ("near", "far")])
+def test_of_loads_of_one_file_that_which_fails_is_named(
+    tmp_path: Path, names: tuple[str, str]
+) -> None:
+    """The table reaches as far as the upper body, and not to the right side of the lower one."""
+    data = driven(tmp_path, RAMP).model_dump(mode="json", exclude_unset=True)
+    points = np.array([[x, y, 0] for x in (-1, 1.5) for y in (-1, 2.0)])
+    write_csv(tmp_path / "run.csv", points, 2)
+    load = data["loads"].pop("cut")
+    for name in names:
+        side = {"far": "lower_right", "near": "upper_right"}[name]
+        data["loads"][name] = {**load, "boundary": side}
+    case = parse_case(data, tmp_path / "case.toml")
+    with pytest.raises(CaseError, match=r"loads\.far\.file: .*expected points around all nodes"):
         define_model(case, mesh())
 
 

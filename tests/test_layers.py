@@ -53,7 +53,6 @@ LAYERS = (
     "fretfe.runner",
     "fretfe.checked",
     "fretfe.station",
-    "fretfe.submodel",
     "fretfe.matching.*",
     "fretfe.api",
     "fretfe.cli.*",

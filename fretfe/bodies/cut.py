@@ -7,7 +7,7 @@ phi_r(x) a_r(t), by a singular value decomposition.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -30,6 +30,8 @@ from fretfe.mesh.mesh import place_text
 if TYPE_CHECKING:
     from fretfe.fields.field import Cells, Field, Quantity
 
+# Names of arrays beside those of the loads, whose names have no blanks.
+TIMES, ROUNDING = "times of steps", "rounding of values"
 # Shapes are taken until the rest is below this part of the field,
 EXACT = 1e-10
 # or its rounding; or, where it has few digits, with so many of them below that.
@@ -38,6 +40,8 @@ ROUNDED, FEW = 1e-6, 20
 SUMS, SPANNED = 64, 0.1
 # Positions that differ by less than this part of the whole run are the same.
 SAME = 1e-6
+# Changes of temperature below this part of the temperatures are rounding.
+ROUND_OFF = 1e-13
 # Points of a field without elements that are looked at around each place, by dimension; if those do
 # not surround all places, as in long elements.
 AROUND, FAR_AROUND = {2: 12, 3: 32}, 256
@@ -103,24 +107,40 @@ class Cut:
             raise CaseError(complaint(case.source, key, text))
 
 
-def read_cut(path: Path, load: FieldLoad, channel: str, body: str, places: Array) -> Cut:
-    """Displacements of a cut boundary in another run.
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """Places at which a load asks for a field.
+
+    Attributes:
+        channel: name of the load.
+        load: it.
+        body: that the places are of.
+        places: (m, d).
+    """
+
+    channel: str
+    load: FieldLoad | TemperatureFieldLoad
+    body: str
+    places: Array
+
+
+def read_cuts(path: Path, asked: Sequence[Asked]) -> dict[str, Cut]:
+    """Displacements of cut boundaries in another run, by the names of their loads.
 
     Args:
-        path: of a file with displacements, or a results folder.
-        load: of the boundary.
-        channel: name of the load.
-        body: that the boundary is of.
-        places: (m, d) its nodes.
+        path: of a file with displacements, or a results folder, which is read once.
+        asked: nodes of the boundaries.
 
     Raises:
         FretfeError: if the field is not as expected, or does not reach the places.
     """
-    work = partial(_values_at, path, "displacements", places, load.part, body, load.factor)
-    found = arrays_of(work, path)
-    moved = load.factor * found["values"][:, :, : places.shape[1]]
-    steps = _counted(path, load.position, found["times"], moved, "displacement")
-    return reduce_in_time(channel, *steps, float(found["rounding"]))
+    times, rounding, values = _read(path, "displacements", asked)
+    cuts = {}
+    for each, found in zip(asked, values, strict=True):
+        moved = each.load.factor * found[:, :, : each.places.shape[1]]
+        steps = _counted(path, each.load.position, times, moved, "displacement")
+        cuts[each.channel] = reduce_in_time(each.channel, *steps, rounding)
+    return cuts
 
 
 def read_temperatures(
@@ -138,19 +158,29 @@ def read_temperatures(
     Raises:
         FretfeError: if the field is not as expected, or does not reach the places.
     """
-    every = np.concatenate(list(places.values()))
-    work = partial(_values_at, path, "temperatures", every, None, "", load.factor)
-    found = arrays_of(work, path)
-    coldest = float(found["values"].min())
+    asked = Asked(channel, load, "", np.concatenate(list(places.values())))
+    times, rounding, (found,) = _read(path, "temperatures", [asked])
+    coldest = float(found.min())
     if coldest < ABSOLUTE_ZERO:
         raise CaseError(
             f"{path}: expected temperatures >= {ABSOLUTE_ZERO:g} (absolute zero, in degrees "
             f"Celsius), found {coldest:g}"
         )
-    change = found["values"] - start[:, None]
-    steps = _counted(path, load.position, found["times"], change, "change of temperature")
-    cut = reduce_in_time(channel, *steps, float(found["rounding"]))
+    change = found - start[:, None]
+    # Interpolation rounds: without this, bodies at their reference temperature would be heated.
+    change[np.abs(change) < ROUND_OFF * np.abs(found).max()] = 0
+    steps = _counted(path, load.position, times, change, "change of temperature")
+    cut = reduce_in_time(channel, *steps, rounding)
     return replace(cut, what="changes of temperature")
+
+
+def _read(
+    path: Path, quantity: Quantity, asked: Sequence[Asked]
+) -> tuple[Array, float, list[Array]]:
+    """Times (T,) of steps, rounding of values, and these (T, m, c) at all that is asked for."""
+    found = arrays_of(partial(_values_at, path, quantity, tuple(asked)), path)
+    values = [found[each.channel] for each in asked]
+    return found[TIMES], float(found[ROUNDING]), values
 
 
 def _counted(
@@ -212,15 +242,9 @@ def _spanning(steps: Array) -> tuple[Array, float]:
 
 
 def _values_at(
-    path: Path,
-    quantity: Quantity,
-    places: Array,
-    part: str | None,
-    body: str,
-    factor: float,
-    opened: Callable[[], None],
+    path: Path, quantity: Quantity, asked: tuple[Asked, ...], opened: Callable[[], None]
 ) -> Mapping[str, Array]:
-    """Times (T,) of the steps, and values (T, m, 3) or (T, m, 1) at places (m, d) of a body.
+    """Times (T,) of the steps, and values (T, m, 3) or (T, m, 1) at places (m, d), by their loads.
 
     This is done in another process, which the file may crash.
     """
@@ -229,27 +253,38 @@ def _values_at(
 
     field = read_field(path, quantity)
     opened()
-    dimension = places.shape[1]
-    own = np.pad(places / factor, ((0, 0), (0, 3 - dimension)))
-    if dimension == 2 and np.ptp(field.points[:, 2]) > 0:
+    if asked[0].places.shape[1] == 2 and np.ptp(field.points[:, 2]) > 0:
         raise CaseError(f"{path}: expected {quantity} in the plane z = 0, found others")
+    chosen, between = zip(*(_interpolation(path, field, each) for each in asked), strict=True)
+    # All of them from one pass through the file, most of whose time is that of unpacking.
+    read = map(field.values, range(len(field.times)))
+    steps = zip(*([values[rows] for rows in chosen] for values in read), strict=True)
+    arrays = {}
+    for each, interpolate, own in zip(asked, between, steps, strict=True):
+        arrays[each.channel] = interpolate(np.stack(own))
+        wrong = np.argwhere(~np.isfinite(arrays[each.channel]))
+        if len(wrong):
+            raise CaseError(
+                f"{path}: expected finite {quantity}, found others near "
+                f"{place_text(each.places[wrong[0, 1]])} in step {wrong[0, 0] + 1}"
+            )
+    return {TIMES: field.times, ROUNDING: np.array(field.rounding), **arrays}
+
+
+def _interpolation(
+    path: Path, field: Field, asked: Asked
+) -> tuple[Indices, Callable[[Array], Array]]:
+    """Points (n,) of a field near places (m, d), and values there (T, m, c) by those (T, n, c)."""
+    places = asked.places
+    own = np.pad(places / asked.load.factor, ((0, 0), (0, 3 - places.shape[1])))
     if field.cells is None:
-        moved = _between_points(path, field, own, places)
-    else:
-        chosen = _of_part(path, field.cells, part, body)
-        weights = _element_weights(path, field, chosen, own, places)
-        moved = np.stack([weights @ field.values(step) for step in range(len(field.times))])
-    wrong = np.argwhere(~np.isfinite(moved))
-    if len(wrong):
-        raise CaseError(
-            f"{path}: expected finite {quantity}, found others near "
-            f"{place_text(places[wrong[0, 1]])} in step {wrong[0, 0] + 1}"
-        )
-    return {
-        "times": field.times,
-        "values": moved,
-        "rounding": np.array(field.rounding),
-    }
+        return _between_points(path, field.points[:, : places.shape[1]], own, places)
+    part = asked.load.part if isinstance(asked.load, FieldLoad) else None
+    elements = _of_part(path, field.cells, part, asked.body)
+    weights = _element_weights(path, field, elements, own, places)
+    chosen, columns = np.unique(weights.indices, return_inverse=True)
+    near = sparse.csr_matrix((weights.data, columns, weights.indptr))
+    return chosen, lambda steps: np.stack([near @ values for values in steps])
 
 
 def _element_weights(
@@ -282,10 +317,12 @@ def _of_part(path: Path, cells: Cells, part: str | None, body: str) -> Indices:
     return np.arange(len(cells.shapes))
 
 
-def _between_points(path: Path, field: Field, own: Array, places: Array) -> Array:
-    """(T, m, c) values that are linear in a Delaunay triangulation of points near places."""
-    dimension = places.shape[1]
-    points, local = field.points[:, :dimension], own[:, :dimension]
+def _between_points(
+    path: Path, points: Array, own: Array, places: Array
+) -> tuple[Indices, Callable[[Array], Array]]:
+    """Interpolation that is linear in a Delaunay triangulation of points (n, d) near places."""
+    dimension = points.shape[1]
+    local = own[:, :dimension]
     if len(points) < 2:
         raise CaseError(f"{path}: expected at least 2 points, found {len(points)}")
     tree = cKDTree(points)
@@ -298,9 +335,13 @@ def _between_points(path: Path, field: Field, own: Array, places: Array) -> Arra
             break
     if fault:
         raise CaseError(f"{path}: expected points around all nodes, found {fault}")
-    steps = [field.values(step)[chosen] for step in range(len(field.times))]
-    given = PointValues(points[chosen], np.concatenate(steps, axis=1))
-    return given.at(local).reshape(len(places), len(steps), -1).swapaxes(0, 1)
+
+    def between(steps: Array) -> Array:
+        """All steps at once: finding the triangles takes most of the time."""
+        given = PointValues(points[chosen], np.concatenate(list(steps), axis=1))
+        return given.at(local).reshape(len(places), len(steps), -1).swapaxes(0, 1)
+
+    return chosen, between
 
 
 def _fault_of(points: Array, local: Array, places: Array) -> str:

@@ -7,6 +7,7 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from scipy.spatial import cKDTree
 from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.crystals import isotropic as isotropic_stiffness
 from fretfe.analytic.crystals import plane_stress, tensor
-from fretfe.bodies.cut import Cut, read_cut, read_temperatures
+from fretfe.bodies.cut import Asked, Cut, read_cuts, read_temperatures
 from fretfe.bodies.cyclic import Tie, tie_sides
 from fretfe.bodies.point_values import OUTSIDE, NodalValues, PointValues, read_points
 from fretfe.case import (
@@ -463,13 +464,16 @@ def define_model(case: Case, mesh: Mesh) -> ModelDefinition:
     loads = distributed_loads(case, mesh)
     for load in loads:
         _require_values_around(case, load, mesh)
+    cuts = _read_cuts(case, mesh)
     return ModelDefinition(
-        bodies=tuple(_define_body(case, mesh, name, size) for name in case.bodies),
+        bodies=tuple(_define_body(case, mesh, name, size, cuts) for name in case.bodies),
         loads=loads,
     )
 
 
-def _define_body(case: Case, mesh: Mesh, name: str, size: int) -> BodyDefinition:
+def _define_body(
+    case: Case, mesh: Mesh, name: str, size: int, cuts: Mapping[str, tuple[Asked, Cut]]
+) -> BodyDefinition:
     own = mesh.bodies[name].boundaries
     surfaces = [
         surface
@@ -483,7 +487,8 @@ def _define_body(case: Case, mesh: Mesh, name: str, size: int) -> BodyDefinition
             f"({', '.join(sorted(own)) or 'none'}) in a contact of the case."
         )
     shapes = _shapes(case, mesh.bodies[name])
-    cut, cuts = _cuts(case, mesh.bodies[name])
+    own_cuts = [each for each in cuts.values() if each[0].body == name]
+    cut = [driven for each in own_cuts for driven in _driven(*each)]
     moved = _displacements(case, size) + shapes + cut
     constrained = [
         each
@@ -500,7 +505,7 @@ def _define_body(case: Case, mesh: Mesh, name: str, size: int) -> BodyDefinition
         ),
         surfaces=tuple(surfaces),
         tie=_tie(case, mesh.bodies[name]),
-        cuts=cuts,
+        cuts=tuple(cut for _, cut in own_cuts),
         components=size,
     )
 
@@ -589,29 +594,46 @@ def _nodes(case: Case, body: BodyMesh, boundary: str) -> Array:
     return boundary_surface(body, boundary).displacement_points(case.model.degree)
 
 
-def _cuts(case: Case, body: BodyMesh) -> tuple[list[Driven], tuple[Cut, ...]]:
-    """Cut boundaries of a body: the shapes that move them, with the motions that give resultants.
+def _read_cuts(case: Case, mesh: Mesh) -> dict[str, tuple[Asked, Cut]]:
+    """Cuts, with what their loads ask for, by the names of these.
 
     Raises:
         CaseError: if the field of a run is not as expected.
     """
-    constrained, cuts = [], []
+    files: dict[Path, list[Asked]] = {}
     for name, load in case.loads.items():
-        if not isinstance(load, FieldLoad) or load.boundary not in body.boundaries:
-            continue
-        places = _nodes(case, body, load.boundary)
-        try:
-            cut = read_cut(case.resolve(load.file), load, name, body.name, places)
-        except (CaseError, MeshError) as error:
-            raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
-        cuts.append(cut)
-        rest = (0.0,) * places.shape[1]
-        for number, (shape, course) in enumerate(zip(cut.shapes, cut.courses, strict=True), 1):
-            moved = NodalShape(places, shape)
-            constraint = Constraint(f"{name} {number}", load.boundary, rest, shape=moved)
-            constrained.append(Driven(constraint, "displacement", name, course))
-        constrained += _resultant(name, load.boundary, places)
-    return constrained, tuple(cuts)
+        if isinstance(load, FieldLoad):
+            (body,) = (each for each in mesh.bodies.values() if load.boundary in each.boundaries)
+            asked = Asked(name, load, body.name, _nodes(case, body, load.boundary))
+            files.setdefault(case.resolve(load.file), []).append(asked)
+    cuts = {name: cut for path, every in files.items()
+            for name, cut in _cuts_in(case, path, every).items()}  # fmt: skip
+    return {each.channel: (each, cuts[each.channel]) for every in files.values() for each in every}
+
+
+def _cuts_in(case: Case, path: Path, asked: Sequence[Asked]) -> dict[str, Cut]:
+    try:
+        return read_cuts(path, asked)
+    except (CaseError, MeshError) as error:
+        if len(asked) > 1:  # each alone, to tell whose it is
+            return {
+                name: cut for each in asked for name, cut in _cuts_in(case, path, [each]).items()
+            }
+        key = ("loads", asked[0].channel, "file")
+        raise CaseError(complaint(case.source, key, str(error))) from None
+
+
+def _driven(asked: Asked, cut: Cut) -> list[Driven]:
+    """The shapes that move a cut boundary, with the motions that give resultants."""
+    load, places = asked.load, asked.places
+    assert isinstance(load, FieldLoad)
+    rest = (0.0,) * places.shape[1]
+    constrained = []
+    for number, (shape, course) in enumerate(zip(cut.shapes, cut.courses, strict=True), 1):
+        moved = NodalShape(places, shape)
+        constraint = Constraint(f"{asked.channel} {number}", load.boundary, rest, shape=moved)
+        constrained.append(Driven(constraint, "displacement", asked.channel, course))
+    return constrained + _resultant(asked.channel, load.boundary, places)
 
 
 def _resultant(name: str, boundary: str, places: Array) -> list[Driven]:

@@ -302,7 +302,22 @@ class ShapeLoad(ChannelAtPoints):
         return self
 
 
-class FieldLoad(Channel):
+class OtherRun(Channel):
+    """A load that another run gives; the history runs through its steps."""
+
+    position: Literal["time", "number"] = Field(
+        default="time",
+        description='What the history counts: the "time" of the run, or the "number" of its steps '
+        "in the file, from 1 on.",
+    )
+    factor: Positive = Field(
+        default=1.0,
+        description="Factor of all lengths, coordinates and displacements: 1000 for metres in a "
+        "case in millimetres.",
+    )
+
+
+class FieldLoad(OtherRun):
     """A cut boundary whose displacement is that of another run."""
 
     type: Literal["field"] = Field(
@@ -320,19 +335,9 @@ class FieldLoad(Channel):
         description="Part of the run that the boundary is cut from, of a results folder its body; "
         "without it the part with the name of the body.",
     )
-    position: Literal["time", "number"] = Field(
-        default="time",
-        description='What the history counts: the "time" of the run, or the "number" of its steps '
-        "in the file, from 1 on.",
-    )
-    factor: Positive = Field(
-        default=1.0,
-        description="Factor of all lengths, coordinates and displacements: 1000 for metres in a "
-        "case in millimetres.",
-    )
 
 
-class TemperatureFieldLoad(Channel):
+class TemperatureFieldLoad(OtherRun):
     """Temperatures of bodies that are those of another run."""
 
     type: Literal["temperature_field"] = Field(
@@ -347,15 +352,6 @@ class TemperatureFieldLoad(Channel):
     )
     bodies: tuple[Name, ...] | None = Field(
         default=None, min_length=1, description="Bodies that it acts on; all without this key."
-    )
-    position: Literal["time", "number"] = Field(
-        default="time",
-        description='What the history counts: the "time" of the run, or the "number" of its steps '
-        "in the file, from 1 on.",
-    )
-    factor: Positive = Field(
-        default=1.0,
-        description="Factor of all coordinates: 1000 for metres in a case in millimetres.",
     )
 
 

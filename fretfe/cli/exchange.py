@@ -390,7 +390,7 @@ def submodel(
     if rank_from_environment() > 0:
         return
     from fretfe.api import load_result
-    from fretfe.submodel import told, write_submodel
+    from fretfe.exchange.submodel import told, write_submodel
 
     result = load_result(results)
     found = write_submodel(result, around, output, radius, size, trust_geo=trust_geo)

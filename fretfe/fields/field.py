@@ -17,6 +17,7 @@ from fretfe._typing import Array, Indices
 from fretfe.case.base import AXES
 from fretfe.errors import CaseError, OutputError
 from fretfe.fields.frd import read_frd
+from fretfe.fields.sizes import require_sizes
 from fretfe.files import require_file
 from fretfe.loads.csv_file import Table, read_table
 from fretfe.results.field_files import CELL_TYPES, FIELDS, FieldReader
@@ -29,6 +30,12 @@ ONLY_STEP = 1.0
 SINGLE = float(np.finfo(np.float32).eps) / 2
 # Significant digits that a program may have written, and of how many values that is found.
 DIGITS, SAMPLE = range(4, 10), 1000
+
+# Nodes of the elements that have so many by their kind, as VTK numbers these.
+NODES = {
+    3: 2, 5: 3, 8: 4, 9: 4, 10: 4, 11: 8, 12: 8, 13: 6, 14: 5, 21: 3, 22: 6, 23: 8, 24: 10, 25: 20,
+    26: 15, 27: 13, 28: 9, 29: 27,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -104,6 +111,7 @@ def read_field(path: Path, quantity: Quantity = "displacements") -> Field:
             f"{path}: expected a file of {quantity} whose name ends in one of "
             f"{', '.join(READERS)}, or a results folder"
         )
+    require_sizes(path)
     found = read(path, quantity)
     _require_good(path, found)
     return found
@@ -135,6 +143,12 @@ def _require_elements(path: Path, cells: Cells, count: int) -> None:
     ends = cells.offsets
     if not good or len(ends) != len(cells.shapes) + 1 or (np.diff(ends) <= 0).any():
         raise CaseError(f"{path}: expected elements between its {count} points, found others")
+    for shape, nodes in NODES.items():
+        if wrong := set(np.diff(ends)[cells.shapes == shape].tolist()) - {nodes}:
+            raise CaseError(
+                f"{path}: expected {nodes} nodes of elements of VTK's kind {shape}, found some of "
+                f"{', '.join(map(str, sorted(wrong)))}"
+            )
     if ends[0] != 0 or ends[-1] != len(cells.nodes):
         raise CaseError(f"{path}: expected {len(cells.nodes)} nodes of elements, found {ends[-1]}")
 
@@ -193,10 +207,15 @@ def _read_results(path: Path, quantity: Quantity) -> Field:
         nodes = {body: reader.nodes(body) for body in reader.bodies}
     except OutputError as error:
         raise CaseError(str(error)) from None
-    widths = np.concatenate([np.full(len(each), each.shape[1]) for each in nodes.values()])
+    kinds = {(each.shape[-1], each.shape[1]) for each in nodes.values()}
+    if {axes for axes, _ in kinds} != {3}:
+        raise CaseError(f"{path}: expected coordinates x, y, z, found others")
     points = np.concatenate([each.reshape(-1, 3) for each in nodes.values()])
-    counts = [len(each) for each in nodes.values()]
     dimension = 3 if np.ptp(points[:, 2]) > 0 else 2
+    if wrong := [width for _, width in kinds if (dimension, width) not in CELL_TYPES]:
+        raise CaseError(f"{path}: expected elements as a run has them, found some of {wrong} nodes")
+    widths = np.concatenate([np.full(len(each), each.shape[1]) for each in nodes.values()])
+    counts = [len(each) for each in nodes.values()]
     shapes = [CELL_TYPES[dimension, each.shape[1]] for each in nodes.values()]
     cells = Cells(
         nodes=np.arange(len(points)),
@@ -207,8 +226,13 @@ def _read_results(path: Path, quantity: Quantity) -> Field:
     )
 
     def values(step: int) -> Array:
-        each = [reader.values("displacement", body, step).reshape(-1, 3) for body in reader.bodies]
-        return np.concatenate(each)
+        try:
+            each = [reader.values("displacement", body, step) for body in reader.bodies]
+        except OutputError as error:
+            raise CaseError(str(error)) from None
+        if any(own.shape != nodes[body].shape for own, body in zip(each, nodes, strict=True)):
+            raise CaseError(f"{path}: expected a displacement at each node, found others")
+        return np.concatenate([own.reshape(-1, 3) for own in each])
 
     return Field(points, reader.times, values, cells, SINGLE)
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import CaseError
+from fretfe.fields.sizes import require_count
 from fretfe.files import require_file
 
 # Forms of the numbers of a block, as the file has them.
@@ -247,6 +248,7 @@ class _Reader:
     def _block(self, name: str, time: float, line: str, columns: int) -> _Block:
         """The rows of values that follow, which are passed over."""
         form, count = self._form(line), self._whole(line, 24, 36, "a number of nodes")
+        require_count(self.source.path, "nodes", count)
         start, data = self.place, self.source.data
         if form in PRECISION:
             self.place += count * (4 + columns * np.dtype(PRECISION[form]).itemsize)
@@ -300,6 +302,7 @@ class _Reader:
 
     def _read_elements(self, line: str) -> None:
         form, count = self._form(line), self._whole(line, 24, 36, "a number of elements")
+        require_count(self.source.path, "elements", count)
         alike = None if form in PRECISION else self._elements_of_one_kind(form, count)
         if alike is not None:
             self.elements.append(alike)

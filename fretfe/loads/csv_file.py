@@ -16,14 +16,10 @@ from fretfe._typing import Array
 from fretfe.case.base import LARGEST
 from fretfe.case.messages import shortened
 from fretfe.errors import CaseError
-from fretfe.files import require_file
+from fretfe.files import MOST_ROWS, require_file
 
 # What may stand between cells, by the name that a case gives it.
 SEPARATORS = {",": ",", ";": ";", "tab": "\t", "space": " "}
-
-
-# Rows that are read: more than the steps of any load.
-MOST_ROWS = 1_000_000
 # Bytes of a file that is read at once if it can be.
 LARGE = 1_000_000
 # Numbers nearer to zero have lost digits: they are remains of something else.

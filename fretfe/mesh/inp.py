@@ -18,6 +18,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.errors import MeshError
+from fretfe.files import MOST_MEMBERS, MOST_PLACED
 from fretfe.mesh.inp_cards import Card, cards
 
 # Keywords, without blanks, that change nodes, elements or what numbers mean, or that join parts:
@@ -55,8 +56,6 @@ JOINING = {
     "SURFACEBEHAVIOR": ("TIED",),
     "CONTACTINITIALIZATIONDATA": ("TIED",),
 }
-# Of a set, and of all that instances have together.
-MOST_MEMBERS, MOST_PLACED = 100_000_000, 200_000_000
 # Numbers of nodes and elements are smaller; those of instance i are i times this one larger.
 STRIDE = 10**9
 

@@ -8,10 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fretfe.errors import MeshError
-from fretfe.files import require_file
+from fretfe.files import DEEPEST_INCLUDE, MOST_BYTES, MOST_FILES, require_file
 
-# Of files that include each other: how deep, how many, and how many bytes of all together.
-DEEPEST, MOST_FILES, MOST_BYTES = 10, 1000, 4 * 2**30
 # Stands for bytes that are not UTF-8; in comments they do not matter.
 UNKNOWN = "\N{REPLACEMENT CHARACTER}"
 
@@ -107,8 +105,10 @@ class _Files:
             )
         if path.resolve() in [each.resolve() for each in within]:
             raise MeshError(f"{card.place}: {name} includes itself")
-        if len(within) > DEEPEST:
-            raise MeshError(f"{card.place}: files include each other more than {DEEPEST} deep")
+        if len(within) > DEEPEST_INCLUDE:
+            raise MeshError(
+                f"{card.place}: files include each other more than {DEEPEST_INCLUDE} deep"
+            )
         yield from self.cards(path, within)
 
     def _lines(self, path: Path) -> Iterator[tuple[int, str]]:

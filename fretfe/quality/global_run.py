@@ -19,6 +19,7 @@ from fretfe.case import Case, parse_case
 from fretfe.case.loads import FieldLoad
 from fretfe.errors import FretfeError
 from fretfe.history.solution import ContactHistory, Solution
+from fretfe.history.state_array import states_in_block
 from fretfe.mesh.part import cut_name, seen
 from fretfe.quality.rows import Place, Row
 from fretfe.results.model import Result
@@ -133,8 +134,8 @@ def pressed_nodes(patches: list[ContactHistory]) -> Indices:
     """Nodes of a pair of surfaces that are under pressure in some state."""
     found = np.zeros(len(patches[0].points), dtype=bool)
     for patch in patches:
-        for state in range(len(patch.traction)):
-            found |= patch.traction[state][:, 0] > 0
+        for states in _blocks(patch):
+            found |= (patch.traction[states, :, 0] > 0).any(axis=0)
     return np.flatnonzero(found)
 
 
@@ -151,25 +152,31 @@ def _reaches(contact: ContactHistory) -> Array:
     return found
 
 
+def _blocks(patch: ContactHistory) -> Iterator[slice]:
+    """States that are read at a time: a file is opened for each of them."""
+    count, each = len(patch.traction), states_in_block(patch.traction[0].nbytes)
+    return (slice(first, first + each) for first in range(0, count, each))
+
+
 def _resultants(patches: list[ContactHistory], about: Array) -> tuple[Array, Array]:
     """(T, d) force on body 2 and (T, 1 or 3) moment about a point, through a pair of surfaces."""
-    forces, moments = [], []
-    for state in range(len(patches[0].traction)):
-        nodes = np.sum([_nodal_forces(patch, state) for patch in patches], axis=0)
-        arms = patches[0].points - about
+    arms, forces, moments = patches[0].points - about, [], []
+    for states in _blocks(patches[0]):
+        nodes = np.sum([_nodal_forces(patch, states) for patch in patches], axis=0)
         if arms.shape[1] == 2:
-            turning = (arms[:, 0] * nodes[:, 1] - arms[:, 1] * nodes[:, 0])[:, None]
+            turning = (arms[:, 0] * nodes[..., 1] - arms[:, 1] * nodes[..., 0])[..., None]
         else:
             turning = np.cross(arms, nodes)
-        forces.append(nodes.sum(axis=0))
-        moments.append(turning.sum(axis=0))
-    return np.array(forces), np.array(moments)
+        forces.append(nodes.sum(axis=1))
+        moments.append(turning.sum(axis=1))
+    return np.concatenate(forces), np.concatenate(moments)
 
 
-def _nodal_forces(patch: ContactHistory, state: int) -> Array:
-    """(N, d) forces on body 2: against its normal by the pressure, along its tangents by shear."""
-    traction = patch.mean_traction[state] * np.where(np.arange(patch.points.shape[1]) == 0, -1, 1)
-    return np.asarray(patch.weights[:, None] * np.einsum("nk,nkd->nd", traction, patch.frames))
+def _nodal_forces(patch: ContactHistory, states: slice) -> Array:
+    """(n, N, d) on body 2: against its normal by the pressure, along its tangents by shear."""
+    traction = patch.mean_traction[states] * np.where(np.arange(patch.points.shape[1]) == 0, -1, 1)
+    nodes = np.einsum("snk,nkd->snd", traction, patch.frames)
+    return np.asarray(patch.weights[:, None] * nodes)
 
 
 def carried_notes(result: Result) -> Iterator[str]:

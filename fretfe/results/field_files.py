@@ -281,12 +281,16 @@ class FieldReader:
             self._root = self._file["VTKHDF"]
             self.times: Array = self._root["Steps/Values"][:]
             body = self._root["CellData/body"]
-            names, cells = body.attrs["names"], np.bincount(body[:])
+            names, numbers = body.attrs["names"], body[:]
+            if not len(numbers) or numbers.min() < 0 or numbers.max() + 1 != len(names):
+                raise ValueError(f"elements of other bodies than {', '.join(map(str, names))}")
+            cells = np.bincount(numbers)
             ends = self._root["Offsets"][:][np.concatenate([[0], np.cumsum(cells)])]
-        except (OSError, KeyError, RuntimeError) as error:
+        except (OSError, KeyError, RuntimeError, ValueError, IndexError, TypeError) as error:
             raise OutputError(
                 f"{path}: expected fields of a run, found: {read_fault(error)}"
             ) from error
+        self._starts: dict[str, Indices] = {}
         self._rows = {
             str(name): (int(first), int(last), int(count))
             for name, first, last, count in zip(names, ends[:-1], ends[1:], cells, strict=True)
@@ -312,17 +316,27 @@ class FieldReader:
         Raises:
             OutputError: if they are damaged; so does `nodes`.
         """
-        start = int(self._stored(f"Steps/PointDataOffsets/{name}", slice(number, number + 1))[0])
-        return self._read(f"PointData/{name}", body, start).astype(np.float64)
+        if name not in self._starts:  # of all states at once: one by one takes as long as values
+            stored = self._stored(f"Steps/PointDataOffsets/{name}", slice(None))
+            self._starts[name] = stored.astype(np.int64)
+        starts = self._starts[name]
+        if number >= len(starts) or starts[number] < 0:
+            raise OutputError(f"{self._path}: expected the start of state {number + 1}, found none")
+        return self._read(f"PointData/{name}", body, int(starts[number])).astype(np.float64)
 
     def _read(self, table: str, body: str, start: int) -> Array:
         first, last, count = self._rows[body]
         values = self._stored(table, slice(start + first, start + last))
+        if values.ndim != 2 or not 0 < len(values) == last - first or len(values) % count:
+            raise OutputError(
+                f"{self._path}: expected {last - first} rows of {table} for {count} elements, "
+                f"found {values.shape}"
+            )
         return values.reshape(count, -1, values.shape[-1])
 
     def _stored(self, table: str, rows: slice) -> Array:
         try:
             values: Array = self._root[table][rows]
-        except (OSError, RuntimeError) as error:
+        except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
             raise OutputError(f"{self._path}: cannot read {table}: {read_fault(error)}") from error
         return values

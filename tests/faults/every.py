@@ -3,10 +3,22 @@
 
 from __future__ import annotations
 
-from faults import case_files, disc, exports, files, folders, lives, models, pieces, rigs
+from faults import (
+    case_files,
+    disc,
+    exports,
+    fields,
+    files,
+    folders,
+    lives,
+    models,
+    pieces,
+    rigs,
+    tables,
+)
 from faults.fault import Fault
 
-SOURCES = (case_files, files, folders, models, rigs, lives, exports, pieces, disc)
+SOURCES = (case_files, files, tables, fields, folders, models, rigs, lives, exports, pieces, disc)
 
 
 def all_faults() -> list[Fault]:

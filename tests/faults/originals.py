@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import parse_case
 from fretfe.loads import build_history
 from fretfe.mesh.make import write_mesh
+from fretfe.results.field_files import FieldWriter
 from fretfe.results.writer import write_results
 from fretfe.surface.checks import load_mesh
 
@@ -218,6 +220,7 @@ def write_originals(folder: Path) -> None:
     rows = "".join(f"{x},{y},{y / 1e4},0\n" for x in (-30, 30) for y in (-40, -20, 0, 40))
     (folder / "shape.csv").write_text("# mode 1\nx,y,ux,uy\n" + rows)
     _write_grid_run(folder / "run.vtu")
+    _write_field_run(folder / "run.hdf")
     x = np.linspace(-1.2, 1.2, 60)
     p = np.sqrt(np.clip(1 - x**2, 0, None)) * 400
     lines = [f"{a:.6g},{b:.6g},{0.1 * b:.6g}" for a, b in zip(x, p, strict=True)]
@@ -296,6 +299,15 @@ def _write_grid_run(path: Path) -> None:
     grid = grid.cast_to_unstructured_grid()
     grid.point_data["U"] = 1e-5 * grid.points
     grid.save(path, binary=False)
+
+
+def _write_field_run(path: Path) -> None:
+    """The same as this program writes it, with a rectangle for each body."""
+    corners = np.array([[[-40.0, -50], [40, -50], [40, 50], [-40, 50]]])
+    moved = 1e-5 * np.pad(corners, ((0, 0), (0, 0), (0, 1)))
+    with closing(FieldWriter(path, dict.fromkeys(PAD["bodies"], corners))) as writer:
+        values = {"displacement": [moved] * 2, "stress": [np.zeros((1, 4, 6))] * 2}
+        writer.add(1.0, values)
 
 
 def _write_grids(folder: Path) -> None:

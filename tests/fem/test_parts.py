@@ -18,6 +18,7 @@ from fretfe.case.loads import FieldLoad
 from fretfe.case.tables import Part
 from fretfe.cli.exchange import submodel
 from fretfe.errors import CaseError, MeshError, OutputError
+from fretfe.exchange.submodel import told, write_submodel
 from fretfe.loads import build_history
 from fretfe.mesh.elements import facet_measures
 from fretfe.mesh.load import extrude, grouped_mesh, made_mesh
@@ -29,7 +30,6 @@ from fretfe.quality.global_run import carried, carried_notes, carried_rows, seco
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.runner import Runner
-from fretfe.submodel import told, write_submodel
 
 LINES = np.linspace(-2.0, 2.0, 17)
 

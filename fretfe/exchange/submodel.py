@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Writes the case of a part of a solved case, around one of its contacts, on a finer mesh.
+
+The displacements of the run move the boundaries along which the part is cut out. Loads and supports
+within the part are those of the run; those outside of it have done their work in that run.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomli_w
+
+from fretfe.case import Case, parse_case
+from fretfe.case.base import CAD, file_kind
+from fretfe.case.loads import FieldLoad
+from fretfe.errors import CaseError, OutputError
+from fretfe.exchange.part_place import place_of, reach_of, require_fields, require_one_contact
+from fretfe.exchange.part_tables import HISTORY, POSITION, TIME, PartTables, finer_tables
+from fretfe.files import disk_reason, replace_text
+from fretfe.mesh.load import made_mesh
+from fretfe.mesh.mesh import place_text
+from fretfe.mesh.part import cut_name
+from fretfe.results.model import Result
+from fretfe.results.writer import prepare_other
+
+CASE = "submodel.toml"
+# By it a file is known as one that may be replaced.
+FIRST_LINE = "# A part of a solved case, written by fretfe submodel."
+# Distance of the cut over that of the edges of the contact from the middle, if none is asked for.
+FAR = 3.0
+# Elements between middle and edge of a contact that show what is near it.
+FEW = 10
+
+
+@dataclass(frozen=True)
+class Submodel:
+    """A written case of a part.
+
+    Attributes:
+        path: of the case file.
+        case: in it.
+        centre: of the part, 2 coordinates of a circle or cylinder, 3 of a ball.
+        radius: of the part.
+        reach: distance from the centre of the farthest node of its contact that was ever pressed.
+        size: key and value of its element size; empty and NaN where there is none.
+        left_out: what of the case is not in the part, and why, in words.
+    """
+
+    path: Path
+    case: Case
+    centre: tuple[float, ...]
+    radius: float
+    reach: float
+    size: tuple[str, float]
+    left_out: tuple[str, ...]
+
+
+def write_submodel(
+    result: Result,
+    around: str,
+    output: Path,
+    radius: float | None = None,
+    size: float | None = None,
+    *,
+    trust_geo: bool = False,
+) -> Submodel:
+    """Write the case of the part of a solved case around one of its contacts.
+
+    Args:
+        result: with all of its steps, and a folder that has the displacements of all of them.
+        around: contact, edge or station, as for `Result.find`.
+        output: folder for the files.
+        radius: of the part; None for three times the distance of the edges from the middle.
+        size: of the elements at contact edges; None for a quarter of those of the run.
+        trust_geo: whether a .geo file of the case may run.
+
+    Raises:
+        CaseError: if there is no such contact, or a part of the case cannot be cut.
+        OutputError: if the results are not complete, or files cannot be read or written.
+        MeshError: if there is no mesh of the part.
+    """
+    folder = require_fields(result)
+    name, centre = place_of(result, around)
+    distance = reach_of(result, name, centre)
+    wanted = FAR * distance if radius is None else radius
+    require_one_contact(result, name, centre, wanted)
+    tables, known_size = finer_tables(result, size)
+    pair = result.contact_history(name).pair
+    tables["geometry"]["part"] = {"centre": list(centre), "radius": float(wanted)}
+    tables["contacts"] = {pair: tables["contacts"][pair]}
+    tables = {key: value for key, value in tables.items() if key not in ("supports", "loads")}
+    bare = {**tables, "symmetry": {}, "output": {}}
+    if result.case.geometry.file is not None and file_kind(result.case.geometry.file) is CAD:
+        # One that refines itself has no size; any shows which boundaries are there.
+        bare["geometry"] = {"size": distance / FEW, **tables["geometry"]}
+    part = made_mesh(parse_case(bare, result.case.source, trust_geo=trust_geo))
+    if not any(cut_name(name) in body.boundaries for name, body in part.bodies.items()):
+        raise CaseError(
+            f"--radius: expected one that cuts a body, found {wanted:.4g}, within which all of "
+            f"{' and '.join(part.bodies)} is"
+        )
+    builder = PartTables(result.case, part, pair, tables)
+    data = builder.tables(folder, output, result.loads.cycle, result.loads.times)
+    path = output / CASE
+    case = parse_case(data, path, trust_geo=trust_geo)
+    _write(path, data, _history(result, case))
+    return Submodel(path, case, centre, wanted, distance, known_size, tuple(builder.left_out))
+
+
+def _write(path: Path, data: dict[str, Any], history: str) -> None:
+    """Write case and histories in place of those of another sub-model.
+
+    Raises:
+        OutputError: if there is another file with this name, or they cannot be written.
+    """
+    prepare_other(path.parent)
+    try:
+        if path.exists() and not path.read_text("utf-8").startswith(FIRST_LINE):
+            raise OutputError(f"{path}: expected no such file, or a sub-model, found another case")
+        replace_text(path.parent / HISTORY, history)
+        replace_text(path, f"{FIRST_LINE}\n{tomli_w.dumps(data)}")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = disk_reason(error) if isinstance(error, OSError) else "there is another file"
+        raise OutputError(f"{path}: cannot be written: {reason}") from error
+
+
+def _history(result: Result, case: Case) -> str:
+    """Times of the states of a run, the same as positions in it, and the values of its loads."""
+    loads = result.loads
+    kept = [n for n, name in enumerate(loads.channels)
+            if name in case.loads and not isinstance(case.loads[name], FieldLoad)]  # fmt: skip
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([TIME, POSITION, *(loads.channels[n] for n in kept)])
+    for time, values in zip(loads.times[1:], loads.values[1:], strict=True):
+        writer.writerow([repr(float(each)) for each in (time, time, *values[kept])])
+    return text.getvalue()
+
+
+def told(found: Submodel, length: str) -> Iterator[str]:
+    """A sub-model in words, for its user."""
+    what = "a circle" if len(found.centre) == 2 else "a ball"
+    if found.case.geometry.solid is not None and len(found.centre) == 2:
+        what = "a cylinder along the extrusion"
+    yield (
+        f"Part within {what} of radius {found.radius:.4g} {length} around "
+        f"{place_text(np.array(found.centre))}; the contact reaches {found.reach:.4g} {length} "
+        "from there"
+    )
+    if found.size[0]:
+        yield f"{found.size[0]} = {found.size[1]:g} {length}"
+    elif found.case.edges.tolerance is None:
+        yield "The elements are those of the run, whose mesh is a file: mesh the part yourself"
+    if found.radius < found.reach:
+        yield (
+            "Warning: the cut runs through the contact. Its edges at the cut are none of the "
+            "contact; the others count"
+        )
+    if found.left_out:
+        yield f"Outside of the part: {'; '.join(found.left_out)}"
