@@ -238,6 +238,28 @@ def nickel(angle: float) -> dict[str, Any]:
     }
 
 
+LARGE = {"upper_width": 40.0, "upper_height": 40.0, "lower_width": 90.0, "lower_height": 90.0}
+
+
+@pytest.mark.parametrize(("bodies", "error"), [({}, 2.5e-3), (LARGE, 5e-4)], ids=["30", "90 mm"])
+@pytest.mark.parametrize("angle", [0.0, 30.0])
+def test_hertz_with_the_compliance_of_a_crystal(
+    solved: Solve, angle: float, bodies: dict[str, float], error: float
+) -> None:
+    """a, p0 and K_N by A_n. What they miss is the size of the bodies: .2 %, and .02 %."""
+    case = tables(nickel(angle))
+    case["geometry"]["parameters"] = CYLINDER | bodies
+    answer = solved(case)
+    half_width = np.sqrt(2 * 600.0 * 50.0 * 2 * 9.14631e-6 / np.pi)
+    peak = 2 * 600.0 / (np.pi * half_width)
+    contact = answer.contacts[0]
+    assert contact.half_width[-1] == pytest.approx(half_width, rel=error)
+    pressure = np.asarray(answer.contact_history("main").mean_traction[-1])[:, 0].max()
+    assert pressure == pytest.approx(peak, rel=error)
+    for station in contact.stations:
+        assert station.k_n[-1] == pytest.approx(peak * np.sqrt(2 / half_width), rel=error)
+
+
 @pytest.mark.parametrize("angle", [0.0, 30.0])
 def test_contact_of_a_crystal_is_that_of_half_planes(solved: Solve, angle: float) -> None:
     """Hertz with A_n: 4 A_n instead of 4/E'."""
