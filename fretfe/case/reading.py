@@ -255,9 +255,6 @@ def _in_plane_only(case: Case) -> Iterator[Problem]:
         if isinstance(load, ShapeLoad | FieldLoad):
             text = f"expected a load with {because}, found a {load.type}, which has none of them"
             yield Problem(("loads", name, "type"), text)
-    if case.output.stress_depths:
-        text = f"expected none with {because}: the stress near contacts is known without them only"
-        yield Problem(("output", "stress_depths"), text)
 
 
 def _plane_only(case: Case) -> Iterator[Problem]:

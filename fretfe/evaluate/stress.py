@@ -39,7 +39,8 @@ class BodyStress:
         name: of the body.
         points: (D, N, d) places before deformation; NaN where they are not in the body.
         normals: (N, d) outward unit normals of the body, against which the depths are counted.
-        stress: (n, D, N, 4) xx, yy, zz, xy in the axes of the case [stress].
+        stress: (n, D, N, 4) xx, yy, zz, xy in the axes of the case, of bodies that move along z
+            (n, D, N, 6) with yz, xz [stress].
     """
 
     name: str
@@ -87,9 +88,10 @@ class StressHistory:
         states: (n,) numbers of the states.
         times: (n,) their times.
         arc: (N,) place along the contact [length].
-        frames: (N, d, d) outward normal of body 2, tangent.
-        traction: (n, N, d) p and q, means around the nodes [stress].
-        slip: (n, N) of body 1 relative to body 2 [length].
+        frames: (N, 2, 2) outward normal of body 2, tangent; (N, 3, 3) with z.
+        traction: (n, N, 2) p and q, of bodies that move along z (n, N, 3) with q_z; means around
+            the nodes [stress].
+        slip: (n, N) of body 1 relative to body 2, of bodies that move along z (n, N, 2) [length].
         status: (n, N) as of `ContactHistory`.
         bodies: body 1 and body 2.
         edges: of both bodies.
@@ -171,7 +173,8 @@ class StressParameters:
         largest_tension: (D, N) largest stress along the surface in the cycle [stress].
         ruiz2: (N,) second parameter of Ruiz, Boddington and Chen (Exp. Mech. 24, 1984) at the
             surface: the largest tension along it, zero if there is none, times the largest |q|
-            times the range of the slip [stress^2 length]. NaN without the depth 0.
+            times the largest distance between two places of the slip [stress^2 length]. NaN
+            without the depth 0.
         swt: (D, N) Smith-Watson-Topper parameter [stress].
         swt_normal: (D, N, 3) normal of its plane.
         shear_strain: (D, N) largest amplitude of the shear strain on any plane [1].
@@ -211,7 +214,7 @@ def stress_parameters(
     """
     combined = fatemi_socie(*shear_numbers) if shear_numbers else None
     body = history.bodies[number]
-    tension = _along_surface(body.stress, history.frames).max(axis=0)
+    largest = tension(body.stress, history.frames[:, 1]).max(axis=0)
     normal = _critical(body.stress, material, smith_watson_topper)
     shape = body.stress.shape[1:3]
 
@@ -222,8 +225,8 @@ def stress_parameters(
     return StressParameters(
         body=body.name,
         depths=history.depths,
-        largest_tension=tension,
-        ruiz2=_ruiz2(history, tension),
+        largest_tension=largest,
+        ruiz2=_ruiz2(history, largest),
         swt=normal.value.reshape(shape),
         swt_normal=normal.normal.reshape(*shape, 3),
         # Without the normal stress there is nothing to be weighted by the yield stress.
@@ -235,7 +238,7 @@ def stress_parameters(
 
 
 def _resolved_shear(stress: Array, material: AnyBody) -> tuple[Array, Array]:
-    """Largest ranges (D, N) over octahedral and cube systems, of stresses (n, D, N, 4)."""
+    """Largest ranges (D, N) over octahedral and cube systems, of stresses (n, D, N, c)."""
     shape = stress.shape[1:3]
     if not isinstance(material, Crystal) or material.elastic.cubic is None:
         return np.full(shape, np.nan), np.full(shape, np.nan)
@@ -250,7 +253,7 @@ def _resolved_shear(stress: Array, material: AnyBody) -> tuple[Array, Array]:
 
 
 def _critical(stress: Array, material: AnyBody, parameter: Parameter) -> Critical:
-    """Largest parameter at D * N points, of stresses (n, D, N, 4)."""
+    """Largest parameter at D * N points, of stresses (n, D, N, c)."""
     tensors = _tensors(stress)
     # Voigt's order of compliances is another one; half of a shear strain is the tensor's.
     order = [0, 1, 2, 5, 3, 4]
@@ -259,17 +262,17 @@ def _critical(stress: Array, material: AnyBody, parameter: Parameter) -> Critica
 
 
 def _tensors(stress: Array) -> Array:
-    """(n, D * N, 6) all components of stresses (n, D, N, 4) as of `critical_planes.PAIRS`."""
+    """(n, D * N, 6) all components of stresses (n, D, N, c) as of `critical_planes.PAIRS`."""
     states, depths, nodes, own = stress.shape
     tensors = np.zeros((states, depths * nodes, 6))
     tensors[..., :own] = stress.reshape(states, depths * nodes, own)
     return tensors
 
 
-def _along_surface(stress: Array, frames: Array) -> Array:
-    """(n, D, N) stress along the tangent of the contact, from (n, D, N, 4)."""
-    x, y = frames[:, 1].T
-    xx, yy, _, xy = np.moveaxis(stress, 3, 0)
+def tension(stress: Array, tangents: Array) -> Array:
+    """(..., N) stress along tangents (N, 2 or 3) in the plane, of stresses (..., N, 4 or 6)."""
+    x, y = tangents[:, :2].T
+    xx, yy, _, xy = np.moveaxis(stress[..., :4], -1, 0)
     return np.asarray(xx * x**2 + yy * y**2 + 2 * xy * x * y)
 
 
@@ -280,10 +283,9 @@ def _ruiz2(history: StressHistory, tension: Array) -> Array:
     touched: Bools = history.status != OPEN
     # The state before the first step belongs to the slip if the node is in contact after it.
     touched[0] = touched[min(1, len(touched) - 1)]
-    slip = np.where(touched, history.slip, np.nan)
-    extent = np.nan_to_num(np.fmax.reduce(slip) - np.fmin.reduce(slip))
-    shear = np.abs(history.traction[..., 1]).max(axis=0)
-    return np.asarray(np.maximum(tension[at_surface[0]], 0.0) * shear * extent)
+    slip = history.slip.reshape(*touched.shape, -1)
+    shear = np.linalg.norm(history.traction[..., 1:], axis=2).max(axis=0)
+    return np.asarray(np.maximum(tension[at_surface[0]], 0.0) * shear * _extent(slip, touched))
 
 
 @dataclass(frozen=True)
@@ -321,7 +323,7 @@ def local_parameters(contact: ContactHistory, states: tuple[int, int]) -> LocalP
         states: first and last state.
     """
     first, last = states
-    count, directions = contact.slip.shape[1:]
+    count = contact.slip.shape[1]
     path, pressed, work, shear = (np.zeros(count) for _ in range(4))
     for part in blocks(last - first, count):
         steps = slice(first + part.start, first + part.stop + 1)
@@ -332,20 +334,21 @@ def local_parameters(contact: ContactHistory, states: tuple[int, int]) -> LocalP
         pressed += (moved * (traction[1:, :, 0] + traction[:-1, :, 0]) / 2).sum(axis=0)
         work += np.asarray(contact.dissipation[steps])[1:].sum(axis=0) / contact.weights
         shear = np.maximum(shear, np.linalg.norm(traction[..., 1:], axis=2).max(axis=0))
-    extent = np.zeros(count) if last == first else _extent(contact, states, directions)
+    extent = np.zeros(count)
+    if last > first:
+        kept = slice(first, last + 1)
+        touched = np.asarray(contact.status[kept]) != OPEN
+        # The state before the first step belongs to the slip if the node is in contact after it.
+        touched[0] = touched[1]
+        extent = _extent(np.asarray(contact.slip[kept]), touched)
     return LocalParameters(extent, path, work, pressed, shear * extent)
 
 
-def _extent(contact: ContactHistory, states: tuple[int, int], directions: int) -> Array:
-    """(N,) largest distance between two places of the slip, of the states in contact."""
-    first, last = states
-    slip = np.asarray(contact.slip[first : last + 1])
-    touched = np.asarray(contact.status[first : last + 1]) != OPEN
-    # The state before the first step belongs to the slip if the node is in contact after it.
-    touched[0] = touched[1]
+def _extent(slip: Array, touched: Bools) -> Array:
+    """(N,) largest distance between two places of the slip (n, N, k), of the states in contact."""
     slip = np.where(touched[..., None], slip, np.nan)
     found = np.zeros(slip.shape[1])
-    if directions == 1:
+    if slip.shape[2] == 1:
         low, high = np.fmin.reduce(slip[..., 0]), np.fmax.reduce(slip[..., 0])
         return np.nan_to_num(high - low)
     for later in range(1, len(slip)):

@@ -2,16 +2,17 @@
 """Stress at the surface of a plane body, from the displacement of its surface and the tractions.
 
 The stress of elements is poor at a surface with a traction that ends there. But of the stress at a
-contact surface all is known from the contact itself, sigma_nn = -p and sigma_nt = q, except what
-acts along the surface: Hooke's law gives it from the strain along the surface, less what is due
-to initial strains e0,
+contact surface all is known from the contact itself, sigma_nn = -p, sigma_nt = q and sigma_nz =
+q_z, except what acts along the surface: Hooke's law gives it from the strain along the surface,
+less what is due to initial strains e0. Of isotropic bodies
 
     sigma_t = E/(1 - nu^2) (eps_t - e0_t - nu e0_z) - nu/(1 - nu) p    in plane strain,
     sigma_t = E (eps_t - e0_t) - nu p                                  in plane stress,
+    sigma_tz = G du_z/dt                                               of displacements along z,
 
-and of crystals `SurfaceLaw`. eps_t is best at the Gauss points of the facets, as many as the degree
-of the displacements, where the error of the slope of a finite-element function is of one order
-higher (Barlow 1976).
+and of crystals `SurfaceLaw`. The slopes of displacements are best at the Gauss points of the
+facets, as many as the degree of the displacements, where the error of the slope of a finite-element
+function is of one order higher (Barlow 1976).
 
 Next to an edge p falls with the square root of the distance, and so does -sigma_t: it has a cusp
 there. Their sum is smooth throughout the slip zone, as sigma_t by the shear f p is, and grows with
@@ -27,8 +28,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
+from fretfe.analytic.crystals import PAIRS
 from fretfe.case import AnyBody, compliance
 from fretfe.case.tables import Plane
+from fretfe.evaluate.critical_planes import PAIRS as ORDER
 from fretfe.history.solution import OPEN, SLIP, ContactHistory
 from fretfe.mesh.elements import quadrature, shape_slopes, shape_values
 from fretfe.surface.surface import Surface
@@ -47,8 +50,8 @@ class SurfaceStrain:
     Attributes:
         arc: (g,) place of the points along the arc of the contact, increasing.
         places: (g, d) their coordinates.
-        tangents: (g, d) unit tangents of the surface.
-        slopes: (g, k, d) factors by which the displacements of k nodes make the strain.
+        tangents: (g, d) unit tangents of the surface, along the arc.
+        slopes: (g, k) factors by which values at k nodes make the derivative along the tangent.
         nodes: (g, k) numbers of these nodes among `Surface.displacement_points`.
     """
 
@@ -71,111 +74,103 @@ class SurfaceStrain:
         stretch = np.einsum(
             "qk,fkd->fqd", shape_slopes(surface.shape, surface.degree, at)[:, 0], surface.nodes
         )
-        slopes = shape_slopes(surface.shape, degree, at)[:, 0]
-        along = stretch / np.sum(stretch**2, axis=2, keepdims=True)
         places = np.einsum(
             "qk,fkd->fqd", shape_values(surface.shape, surface.degree, at), surface.nodes
         )
-        facets = surface.displacement_facets(degree)
-        count = places.shape[0] * places.shape[1]
-        flat = places.reshape(count, -1)
-        arc = arc_of(contact, flat)
+        dimension = places.shape[2]
+        flat, tangents = places.reshape(-1, dimension), stretch.reshape(-1, dimension)
+        arc, along = _on_arc(contact, flat)
+        sign = np.where(np.sum(tangents * along, axis=1) < 0, -1, 1)
+        lengths = sign * np.linalg.norm(tangents, axis=1)
+        slopes = shape_slopes(surface.shape, degree, at)[:, 0]
+        derivatives = np.tile(slopes, (len(places), 1)) / lengths[:, None]
+        nodes = np.repeat(surface.displacement_facets(degree), len(at), axis=0)
         order = np.argsort(arc)
-        weights = np.einsum("qk,fqd->fqkd", slopes, along).reshape(count, -1, along.shape[2])
-        nodes = np.repeat(facets, len(at), axis=0)
-        tangents = stretch.reshape(count, -1)
-        tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
-        return cls(arc[order], flat[order], tangents[order], weights[order], nodes[order])
+        tangents = tangents / lengths[:, None]
+        return cls(arc[order], flat[order], tangents[order], derivatives[order], nodes[order])
 
     def values(self, displacement: Array) -> Array:
-        """(g,) strain by displacements (p, d) of the surface."""
-        return np.asarray(np.einsum("gkd,gkd->g", self.slopes, displacement[self.nodes]))
+        """(g, 3) strains tt, zz, 2 tz by displacements (p, c) of the surface."""
+        slopes = np.einsum("gk,gkc->gc", self.slopes, displacement[self.nodes])
+        found = np.zeros((len(slopes), 3))
+        found[:, 0] = np.sum(slopes[:, :2] * self.tangents, axis=1)
+        found[:, 2] = slopes[:, 2:].sum(axis=1)
+        return found
 
 
-def arc_of(contact: ContactHistory, places: Array) -> Array:
-    """(m,) arc length of the contact at places (m, d) next to it, beyond its ends too."""
+def _on_arc(contact: ContactHistory, places: Array) -> tuple[Array, Array]:
+    """Arc length (m,) of the contact at places (m, d) next to it, beyond its ends too.
+
+    And the tangents (m, d) there.
+    """
     nearest = cKDTree(contact.points).query(places)[1]
-    tangents = contact.frames[nearest, 1]
+    tangents = contact.frames[nearest, 1, : places.shape[1]]
     ahead = np.sum((places - contact.points[nearest]) * tangents, axis=1)
-    return np.asarray(contact.arc[nearest] + ahead)
+    return contact.arc[nearest] + ahead, tangents
 
 
 @dataclass(frozen=True)
 class SurfaceLaw:
     """Hooke's law of a plane body as its surface sees it, of crystals too.
 
-    In the plane, with stress and strain xx, yy, xy (strain 2 xy) as vectors,
-    eps = compliance sigma + e0 - across e0_z, and sigma_zz = -across sigma - modulus e0_z.
+    Of the stress, the part along the surface is unknown: in plane strain sigma_t, sigma_z and
+    sigma_tz, in plane stress the first one only. As many strains along the surface are known.
 
     Attributes:
-        compliance: (3, 3) [1/stress].
-        across: (3,) S_3a/S_33 with the compliances S of the body; nothing in plane stress.
-        modulus: 1/S_33 [stress], of no use in plane stress.
+        compliance: (6, 6) as of `crystals.PAIRS`, for engineering strains.
+        unknown: how many of these there are.
     """
 
     compliance: Array
-    across: Array
-    modulus: float
+    unknown: int
 
     @classmethod
     def of(cls, body: AnyBody, plane: Plane) -> SurfaceLaw:
         """That of a body of a case."""
-        whole, own = compliance(body), [0, 1, 5]
-        inner = whole[np.ix_(own, own)]
-        if plane == "stress":
-            return cls(inner, np.zeros(3), 0.0)
-        across, modulus = whole[2, own] / whole[2, 2], float(1 / whole[2, 2])
-        return cls(inner - np.outer(across, across) / modulus, across, modulus)
+        return cls(compliance(body), 1 if plane == "stress" else 3)
 
-    def tangential_stress(self, strain: Array, traction: Array, frames: Array) -> Array:
-        """(n,) stress along a surface from the strain along it and the tractions.
+    def stress(self, strain: Array, traction: Array, frames: Array) -> Array:
+        """(n, 6) stress at a surface, components as of `critical_planes.PAIRS`.
 
         Args:
-            strain: (n,) without the initial one, `free_strain`.
-            traction: (n, 2) p and q, as of `ContactHistory`.
-            frames: (n, 2, 2) normal and tangent.
+            strain: (n, 3) strains tt, zz, 2 tz, less the initial ones.
+            traction: (n, c) p, q and, of displacements with three components, q_z, as of
+                `ContactHistory`.
+            frames: (n, c, c) normal, tangent and z.
         """
-        along = _stress_vector(frames[:, 1], frames[:, 1]) @ self.compliance
-        free = strain - np.sum(along * _by_traction(traction, frames), axis=1)
-        return np.asarray(free / np.sum(along * _stress_vector(frames[:, 1], frames[:, 1]), axis=1))
-
-    def free_strain(self, strain: Array, tangents: Array) -> Array:
-        """(g,) strain along a surface by initial strains (g, 3, 3) that nothing hinders."""
-        inner = strain[:, [0, 1, 0], [0, 1, 1]] * [1, 1, 2] - self.across * strain[:, 2, 2, None]
-        return np.asarray(np.sum(_stress_vector(tangents, tangents) * inner, axis=1))
-
-    def stress(self, tangential: Array, traction: Array, frames: Array, across: Array) -> Array:
-        """(N, 4) stress xx, yy, zz, xy at a surface; the same in both bodies but for `tangential`.
-
-        Args:
-            tangential: (N,) stress along the surface.
-            traction: (N, 2) p and q, as of `ContactHistory`.
-            frames: (N, 2, 2) normal and tangent.
-            across: (N,) initial strain along z.
-        """
-        own = tangential[:, None] * _stress_vector(frames[:, 1], frames[:, 1])
-        xx, yy, xy = (own + _by_traction(traction, frames)).T
-        along_z = -(self.across @ [xx, yy, xy]) - self.modulus * across
-        return np.stack([xx, yy, along_z, xy], axis=1)
+        along = _along(frames[:, 1])[..., : self.unknown]
+        found = _by_traction(traction, frames)
+        strained = self.compliance @ along
+        missing = strain[:, : self.unknown] - np.einsum("nai,na->ni", strained, found)
+        matrix = along.swapaxes(1, 2) @ strained
+        found += np.einsum("nai,ni->na", along, np.linalg.solve(matrix, missing[..., None])[..., 0])
+        return found[:, [PAIRS.index(pair) for pair in ORDER]]
 
 
-def _stress_vector(one: Array, other: Array) -> Array:
-    """(n, 3) xx, yy, xy of the symmetric part of the products of vectors (n, 2)."""
-    return np.stack(
-        [
-            one[:, 0] * other[:, 0],
-            one[:, 1] * other[:, 1],
-            (one[:, 0] * other[:, 1] + one[:, 1] * other[:, 0]) / 2,
-        ],
-        axis=1,
-    )
+def along_surface(strain: Array, tangents: Array) -> Array:
+    """(g, 3) components tt, zz, 2 tz of strains (g, 3, 3); tangents (g, 2)."""
+    parts = np.stack([strain[:, i, j] * (1 + (i != j)) for i, j in PAIRS], axis=1)
+    return np.asarray(np.einsum("gai,ga->gi", _along(tangents), parts))
+
+
+def _along(tangents: Array) -> Array:
+    """(n, 6, 3) stresses of units along the surface: tt, zz, tz; tangents (n, 2) or (n, 3)."""
+    z = np.array([[0.0, 0.0, 1.0]])
+    t = np.pad(tangents, ((0, 0), (0, 3 - tangents.shape[1])))
+    return np.stack(np.broadcast_arrays(_pair(t, t) / 2, _pair(z, z) / 2, _pair(t, z)), axis=2)
+
+
+def _pair(one: Array, other: Array) -> Array:
+    """(n, 6) components of a b + b a of vectors (n, 3)."""
+    return np.stack([one[:, i] * other[:, j] + one[:, j] * other[:, i] for i, j in PAIRS], axis=1)
 
 
 def _by_traction(traction: Array, frames: Array) -> Array:
-    """(n, 3) stress xx, yy, xy by tractions (n, 2) alone: nothing along the surface."""
-    normal, tangent = frames[:, 0], frames[:, 1]
-    pressed = -traction[:, :1] * _stress_vector(normal, normal)
-    return pressed + 2 * traction[:, 1:] * _stress_vector(normal, tangent)
+    """(n, 6) stress by tractions (n, c) alone: nothing along the surface."""
+    signs = np.array([-0.5, 1.0, 1.0])[: traction.shape[1]]
+    axes = np.pad(frames, ((0, 0), (0, 0), (0, 3 - frames.shape[2])))
+    parts = np.stack([_pair(axes[:, 0], axis) for axis in axes.swapaxes(0, 1)], axis=2)
+    return np.asarray(np.einsum("nac,nc->na", parts, signs * traction))
 
 
 @dataclass(frozen=True)

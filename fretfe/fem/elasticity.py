@@ -175,6 +175,11 @@ def elasticity_of(mesh: Any, material: Material, components: int) -> Elasticity 
     return CrystalElasticity.of(mesh, material, components)
 
 
+def stress_pairs(size: int) -> tuple[tuple[int, int], ...]:
+    """Components of the stress by displacements with 2 or 3 components, those that may be there."""
+    return PLANE_TENSOR if size == 2 else COMPONENTS
+
+
 class ElasticBody:
     """Displacement space, stiffness and load vectors of one body, distributed over all ranks.
 
@@ -427,7 +432,7 @@ class ElasticBody:
             nodes = initial.function_space.dofmap.list[: len(values)]
             tensors = initial.x.array.reshape(-1, 3, 3)[nodes]
             here = np.einsum("kn,mnij->mkij", table, tensors)
-            pairs = PLANE_TENSOR if self.components == 2 else COMPONENTS
+            pairs = stress_pairs(self.components)
             values = values - np.stack([here[..., i, j] for i, j in pairs], axis=2)
         return values
 

@@ -17,7 +17,7 @@ from scipy import sparse
 from fretfe._typing import Array, Bools, Indices
 from fretfe.errors import OutputError
 from fretfe.fem._compat import cells_around
-from fretfe.fem.elasticity import COMPONENTS, PLANE_TENSOR, ElasticBody
+from fretfe.fem.elasticity import ElasticBody, stress_pairs
 from fretfe.fem.model import Model, Request, Share
 from fretfe.fem.parallel import Lead, share_out
 from fretfe.fem.probes import Probe, measure
@@ -72,7 +72,7 @@ class FieldSource:
     def stress(
         self, places: Places, requests: Sequence[Request]
     ) -> list[tuple[Moved, dict[tuple[str, int], Array]]]:
-        """For each request the displacements of all surfaces, and stress (m, 4) at points.
+        """For each request the displacements of all surfaces, and stress (m, 4 or 6) at points.
 
         Points are the same in every call. The stress is NaN outside the bodies.
         """
@@ -192,7 +192,8 @@ class Recovery:
         for key, at in points.items():
             body = places[key][0]
             own[key] = at.found, at.stress(field[body], initial[body])
-        whole = {key: np.full((len(at), 4), np.nan) for key, (_, at) in places.items()}
+        size = len(stress_pairs(self._model.components))
+        whole = {key: np.full((len(at), size), np.nan) for key, (_, at) in places.items()}
         for part in self._model.comm.gather(own) or []:
             for key, (found, values) in part.items():
                 whole[key][found] = values
@@ -262,7 +263,7 @@ class StressPoints:
     """
 
     def __init__(self, elastic: ElasticBody, points: Array) -> None:
-        self._pairs = PLANE_TENSOR if elastic.components == 2 else COMPONENTS
+        self._pairs = stress_pairs(elastic.components)
         cells, reference, self.found = _locate(elastic, points)
         self._cells, self._reference = cells, reference
         self._operator = _operator(elastic, cells, reference, self._pairs)

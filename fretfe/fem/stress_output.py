@@ -18,13 +18,15 @@ from fretfe.contact.recorder import Recorder
 from fretfe.errors import CaseError, OutputError
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.plane.section import plane_front
-from fretfe.evaluate.stress import judged_states
+from fretfe.evaluate.stress import judged_states, tension
 from fretfe.evaluate.surface_stress import (
     EdgeValue,
     SurfaceLaw,
     SurfaceStrain,
+    along_surface,
     edge_stress,
 )
+from fretfe.fem.elasticity import stress_pairs
 from fretfe.fem.fields import FieldSource, Places
 from fretfe.fem.model import Model
 from fretfe.fem.probes import state_requests
@@ -47,8 +49,8 @@ class _Site:
         summaries: of the patches.
         surfaces: of body 1 and body 2.
         strains: along them.
-        initial: (l, 2, g) initial strains there by a unit of each load: free strain along the
-            surface, and along z.
+        initial: (l, g, 3) initial strains there by a unit of each load: tt, zz, 2 tz.
+        laws: of the bodies at their surfaces.
         depths: at which the stress is looked at.
         place: what the file knows of the contact.
     """
@@ -117,6 +119,7 @@ class _Writer:
     ) -> None:
         self._case, self._path, self._solution = model.case, path, solution
         self._depths = np.array(model.case.output.stress_depths)
+        self._components = len(stress_pairs(model.components))
         summaries = {each.name: each for each in contacts}
         self._sites = [
             _site(model, tuple(patches), summaries, self._depths)
@@ -196,30 +199,27 @@ class _Writer:
         first = site.patches[0]
         traction: Array = np.sum([each.mean_traction[state] for each in site.patches], axis=0)
         status = np.max([each.status[state] for each in site.patches], axis=0)
-        stress = np.full((2, len(self._depths), len(first.arc), 4), np.nan)
+        size, below = self._components, self._depths > 0
+        stress = np.full((2, len(self._depths), len(first.arc), size), np.nan)
         smooth = []
         for number, (surface, strain) in enumerate(zip(site.surfaces, site.strains, strict=True)):
-            free, across = np.tensordot(amplitudes, site.initial[number], axes=1)
-            found = strain.values(moved[surface.name]) - free
+            law = site.laws[number]
+            found = strain.values(moved[surface.name])
+            found -= np.tensordot(amplitudes, site.initial[number], axes=1)
             tractions, frames = _at(first, strain.arc, traction)
-            own = site.laws[number].tangential_stress(found, tractions, frames)
+            own = tension(law.stress(found, tractions, frames), frames[:, 1])
             smooth.append(own + tractions[:, 0])
-            below = self._depths > 0
-            stress[number, below] = inner[site.contact, number].reshape(-1, len(first.arc), 4)
+            stress[number, below] = inner[site.contact, number].reshape(-1, len(first.arc), size)
             if not below.all():
-                at_nodes = np.interp(first.arc, strain.arc, found, left=np.nan, right=np.nan)
-                law = site.laws[number]
-                stress[number, ~below] = law.stress(
-                    law.tangential_stress(at_nodes, traction, first.frames),
-                    traction,
-                    first.frames,
-                    np.interp(first.arc, strain.arc, across),
-                )
+                at_nodes = _interpolated(first.arc, strain.arc, found)
+                at_surface = law.stress(at_nodes, traction, first.frames)
+                stress[number, ~below] = at_surface[:, :size]
+        slip = np.asarray(first.slip[state])
         edges = [self._edge(site, state, smooth, *edge) for edge in site.edges]
         self._note(site, edges)
         return {
             "traction": traction,
-            "slip": np.asarray(first.slip[state])[:, 0],
+            "slip": slip if slip.shape[1] > 1 else slip[:, 0],
             "status": status,
             "stress": stress,
             "edge_stress": [each.value for each in edges],
@@ -281,7 +281,7 @@ def _site(
     degree = model.case.model.degree
     strains = [SurfaceStrain.of(surface, degree, pair) for surface in surfaces]
     laws = [SurfaceLaw.of(model.case.bodies[name], model.case.model.plane) for name in bodies]
-    initial = [_initial_strains(model, *each) for each in zip(bodies, strains, laws, strict=True)]
+    initial = [_initial_strains(model, *each) for each in zip(bodies, strains, strict=True)]
     place = StressSite(pair.pair, pair.arc, pair.frames, bodies, points, normals, edges)
     return _Site(
         patches,
@@ -296,22 +296,28 @@ def _site(
 
 
 def _at(contact: ContactHistory, arc: Array, traction: Array) -> tuple[Array, Array]:
-    """(g, 2) p and q, and (g, 2, 2) normal and tangent, at places (g,) along the arc."""
-    values = np.concatenate([traction, contact.frames.reshape(-1, 4)], axis=1)
+    """(g, c) p, q, q_z, and (g, c, c) normal, tangent, z, at places (g,) along the arc."""
+    size = traction.shape[1]
+    values = np.concatenate([traction, contact.frames.reshape(-1, size**2)], axis=1)
     found = np.stack([np.interp(arc, contact.arc, each) for each in values.T], axis=1)
-    frames = found[:, 2:].reshape(-1, 2, 2)
-    return found[:, :2], frames / np.linalg.norm(frames, axis=2, keepdims=True)
+    frames = found[:, size:].reshape(-1, size, size)
+    return found[:, :size], frames / np.linalg.norm(frames, axis=2, keepdims=True)
 
 
-def _initial_strains(model: Model, body: str, strain: SurfaceStrain, law: SurfaceLaw) -> Array:
-    """(l, 2, g) initial strains at a surface, as of `_Site`."""
+def _interpolated(arc: Array, places: Array, values: Array) -> Array:
+    """(N, k) values (g, k) at places (g,) along the arc, NaN beyond their ends."""
+    parts = [np.interp(arc, places, each, left=np.nan, right=np.nan) for each in values.T]
+    return np.stack(parts, axis=1)
+
+
+def _initial_strains(model: Model, body: str, strain: SurfaceStrain) -> Array:
+    """(l, g, 3) initial strains at a surface, as of `_Site`."""
     loads, material = model.reduction.definition.loads, model.body_definition(body).material
-    found = np.zeros((len(loads), 2, len(strain.arc)))
+    found = np.zeros((len(loads), len(strain.arc), 3))
     for own, load in zip(found, loads, strict=True):
         if load.strains(body):
             initial = load.initial_strain(body, material, strain.places)
-            own[0] = law.free_strain(initial, strain.tangents)
-            own[1] = initial[:, 2, 2]
+            own[:] = along_surface(initial, strain.tangents)
     return found
 
 

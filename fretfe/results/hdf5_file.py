@@ -35,6 +35,8 @@ from fretfe.files import replacing
 FORMAT = "v110"
 STRESSES = "stress.h5"
 SCHEMA = {"name": "fretfe-stress", "version": 1}
+# Components of a stress by those of the displacement.
+TENSOR = {2: 4, 3: 6}
 # Rows of a data set that a checksum is for.
 ROWS = 1
 
@@ -222,8 +224,8 @@ class StressWriter:
         """Write a state.
 
         Args:
-            values: for each contact: `traction` (N, 2), `slip` (N,), `status` (N,), `stress`
-                (2, D, N, 4), `edge_stress` (e,) and `edge_spread` (e,).
+            values: for each contact `traction`, `slip`, `status`, `stress` (2, D, N, k),
+                `edge_stress` (e,) and `edge_spread` (e,), of one state of a `StressHistory`.
         """
         for contact, tables in values.items():
             for name, table in tables.items():
@@ -239,11 +241,12 @@ def _make_room(group: h5py.Group, site: StressSite, count: int) -> None:
     for name in ("arc", "frames", "points", "normals"):
         store(group, name, getattr(site, name))
     nodes, depths = len(site.arc), site.points.shape[1]
+    size = site.frames.shape[1]
     for name, shape, kind in (
-        ("traction", (nodes, 2), float),
-        ("slip", (nodes,), float),
+        ("traction", (nodes, size), float),
+        ("slip", (nodes, 2)[: size - 1], float),
         ("status", (nodes,), np.int8),
-        ("stress", (2, depths, nodes, 4), float),
+        ("stress", (2, depths, nodes, TENSOR[size]), float),
         ("edge_stress", (len(names),), float),
         ("edge_spread", (len(names),), float),
     ):
@@ -285,7 +288,8 @@ def _read(file: h5py.File, contact: str) -> StressHistory:
         for n in ("edge_contacts", "edges", "edge_bodies", "edge_reasons")
     ]
     values, spreads = group["edge_stress"][:], group["edge_spread"][:]
-    shape = len(file["states"]), 2, len(file["depths"]), len(group["arc"]), 4
+    size = TENSOR[group["frames"].shape[1]]
+    shape = len(file["states"]), 2, len(file["depths"]), len(group["arc"]), size
     if stress.shape != shape:
         raise ValueError(f"stress of the shape {stress.shape} in place of {shape}")
     bodies = [

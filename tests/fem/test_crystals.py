@@ -28,7 +28,7 @@ from fretfe.bodies.definition import Material
 from fretfe.case import IS_CRYSTAL, Crystal, Solid, parse_case
 from fretfe.case.bodies import Elastic, Orientation
 from fretfe.errors import CaseError
-from fretfe.evaluate.surface_stress import SurfaceLaw
+from fretfe.evaluate.surface_stress import SurfaceLaw, along_surface
 from fretfe.exchange.export import export_tables
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import COMPONENTS, PLANE_TENSOR, ElasticBody
@@ -99,37 +99,48 @@ def test_stress_is_hookes_law(size: int, components: int, plane: str) -> None:
     np.testing.assert_allclose(at.stress(moved) - wanted, 0, atol=1e-10 * np.abs(wanted).max())
 
 
-@pytest.mark.parametrize("plane", ["strain", "stress"])
-def test_stress_at_a_surface_from_the_strain_along_it(plane: Any) -> None:
-    """Back from a stress: p, q, the strain along the surface less the free one."""
+@pytest.mark.parametrize(
+    ("plane", "size", "euler"),
+    [
+        ("strain", 2, (20.0, 0.0, 0.0)),
+        ("stress", 2, (20.0, 0.0, 0.0)),
+        ("strain", 3, (20.0, 40.0, 70.0)),
+    ],
+)
+def test_stress_at_a_surface_from_the_strain_along_it(
+    plane: Any, size: int, euler: tuple[float, float, float]
+) -> None:
+    """Back from a stress: tractions, the strain along the surface less the free one."""
     body = Crystal(
-        elastic=Elastic(cubic=(252.0, 161.0, 131.0)),
-        orientation=Orientation(euler=(20.0, 0.0, 0.0)),
+        elastic=Elastic(cubic=(252.0, 161.0, 131.0)), orientation=Orientation(euler=euler)
     )
     generator = np.random.default_rng(4)
-    stress = generator.normal(size=(5, 3, 3)) * [[1, 1, 0], [1, 1, 0], [0, 0, 1]]
+    stress = generator.normal(size=(5, 3, 3))
+    if size == 2:
+        stress *= [[1, 1, 0], [1, 1, 0], [0, 0, 1]]
     stress += stress.swapaxes(1, 2)
     initial = np.tile(np.diag([1e-3, 2e-3, 3e-3]), (5, 1, 1))
     compliance = np.linalg.inv(body.stiffness)
     if plane == "stress":
         stress[:, 2, 2] = 0
     else:
-        inner = stress[:, [0, 1, 0], [0, 1, 1]] @ compliance[2, [0, 1, 5]]
+        inner = stress[:, [0, 1, 1, 0, 0], [0, 1, 2, 2, 1]] @ compliance[2, [0, 1, 3, 4, 5]]
         stress[:, 2, 2] = -(inner + 3e-3) / compliance[2, 2]
     strain = initial + np.einsum("ijkl,nkl->nij", np.linalg.tensorinv(full(body.stiffness)), stress)
     assert plane == "stress" or np.abs(strain[:, 2, 2]).max() < 1e-15
     angle = generator.uniform(0, 6, 5)
-    normal = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    tangent = np.stack([np.sin(angle), -np.cos(angle)], axis=1)
-    frames = np.stack([normal, tangent], axis=1)
-    local = np.einsum("nai,nij,nbj->nab", frames, stress[:, :2, :2], frames)
-    law = SurfaceLaw.of(body, plane)
-    along = np.einsum("ni,nij,nj->n", tangent, strain[:, :2, :2], tangent)
-    traction = np.stack([-local[:, 0, 0], local[:, 0, 1]], axis=1)
-    found = law.tangential_stress(along - law.free_strain(initial, tangent), traction, frames)
-    np.testing.assert_allclose(found, local[:, 1, 1], atol=1e-12)
-    whole = law.stress(found, traction, frames, initial[:, 2, 2])
-    np.testing.assert_allclose(whole, stress[:, [0, 1, 2, 0], [0, 1, 2, 1]], atol=1e-12)
+    nothing, one = np.zeros(5), np.ones(5)
+    normal = np.stack([np.cos(angle), np.sin(angle), nothing], axis=1)
+    tangent = np.stack([np.sin(angle), -np.cos(angle), nothing], axis=1)
+    frames = np.stack([normal, tangent, np.stack([nothing, nothing, one], axis=1)], axis=1)
+    local = np.einsum("nai,nij,nbj->nab", frames, stress, frames)
+    turned_strain = np.einsum("nai,nij,nbj->nab", frames, strain, frames)
+    along = turned_strain[:, [1, 2, 1], [1, 2, 2]] * [1, 1, 2]
+    along -= along_surface(initial, tangent[:, :2])
+    traction = local[:, 0] * [-1, 1, 1]
+    found = SurfaceLaw.of(body, plane).stress(along, traction[:, :size], frames[:, :size, :size])
+    pairs = np.array(COMPONENTS)
+    np.testing.assert_allclose(found, stress[:, pairs[:, 0], pairs[:, 1]], atol=1e-12)
 
 
 def full(matrix: Array) -> Array:
@@ -225,6 +236,28 @@ def nickel(angle: float) -> dict[str, Any]:
         "elastic": {"cubic": [252e3, 161e3, 131e3]},
         "orientation": {"euler": [angle, 0.0, 0.0]},
     }
+
+
+LARGE = {"upper_width": 40.0, "upper_height": 40.0, "lower_width": 90.0, "lower_height": 90.0}
+
+
+@pytest.mark.parametrize(("bodies", "error"), [({}, 2.5e-3), (LARGE, 5e-4)], ids=["30", "90 mm"])
+@pytest.mark.parametrize("angle", [0.0, 30.0])
+def test_hertz_with_the_compliance_of_a_crystal(
+    solved: Solve, angle: float, bodies: dict[str, float], error: float
+) -> None:
+    """a, p0 and K_N by A_n. What they miss is the size of the bodies: .2 %, and .02 %."""
+    case = tables(nickel(angle))
+    case["geometry"]["parameters"] = CYLINDER | bodies
+    answer = solved(case)
+    half_width = np.sqrt(2 * 600.0 * 50.0 * 2 * 9.14631e-6 / np.pi)
+    peak = 2 * 600.0 / (np.pi * half_width)
+    contact = answer.contacts[0]
+    assert contact.half_width[-1] == pytest.approx(half_width, rel=error)
+    pressure = np.asarray(answer.contact_history("main").mean_traction[-1])[:, 0].max()
+    assert pressure == pytest.approx(peak, rel=error)
+    for station in contact.stations:
+        assert station.k_n[-1] == pytest.approx(peak * np.sqrt(2 / half_width), rel=error)
 
 
 @pytest.mark.parametrize("angle", [0.0, 30.0])
