@@ -64,6 +64,12 @@ def test_imports_of_a_check(tmp_path: Path, tables: dict[str, Any], allowed: set
     assert imported(WATCHED, "check", str(tmp_path / "case.toml")) == allowed
 
 
+def test_a_mesh_is_begun_without_scipy() -> None:
+    begun = "import fretfe.cli.app, fretfe.surface.ahead, sys; print('scipy' in sys.modules)"
+    done = python("-c", begun)
+    assert done.stdout.split() == ["False"], done.stderr
+
+
 @pytest.mark.skipif(find_spec("dolfinx") is None, reason="DOLFINx is not installed")
 def test_imports_of_a_plane_run() -> None:
     assert imported(SOLVES) == READS | {"dolfinx", "h5py", "mpi4py", "numpy"}

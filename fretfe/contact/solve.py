@@ -140,7 +140,12 @@ def _close(one: Array, other: Array) -> bool:
 
 
 def solve_history(
-    march: March, recorder: Recorder, steps: StepTable, until_steady: bool, progress: Progress
+    march: March,
+    recorder: Recorder,
+    steps: StepTable,
+    until_steady: bool,
+    progress: Progress,
+    like: Recorder | None = None,
 ) -> None:
     """Solve all steps of a history.
 
@@ -150,13 +155,14 @@ def solve_history(
         steps: the loads.
         until_steady: whether repeated blocks are solved until they are steady and then not again.
         progress: called with each accepted step, and once for each row of repeated ones.
+        like: another history of this march, whose states at the same steps may resemble these.
 
     Raises:
         ConvergenceError: if a step has no solution, or `progress` wants the history to end; what
             was recorded stands.
     """
     try:
-        _march(march, recorder, steps, until_steady, progress)
+        _march(march, recorder, steps, until_steady, progress, like)
     except ConvergenceError:
         recorder.note()
         raise
@@ -169,9 +175,10 @@ def _march(
     steps: StepTable,
     until_steady: bool,
     progress: Progress,
+    like: Recorder | None,
 ) -> None:
     count, pace, division = len(steps) - 1, Pace(), Division(march, steps, recorder.places)
-    repetition, solid = Repetition(steps), march.interface.components > 2
+    repetition = Repetition(steps)
     while (now := recorder.steps_done) < count:
         repeated = bool(recorder.repeats) and recorder.repeats[-1].last == now
         repeat = repetition.after(recorder) if until_steady and not repeated else None
@@ -179,8 +186,10 @@ def _march(
             recorder.repeat(repeat)
             progress(repeat.last, count, repeat.text)
             continue
-        # Saves two of five iterations. In the plane these take next to nothing.
-        guess = repetition.like_next(recorder) if solid else None
+        # Saves two of five iterations.
+        guess = repetition.like_next(recorder)
+        if guess is None and like is not None and now < like.steps_done:
+            guess = like.state(int(like.ends[now + 1]))
         parts = division.solve(now + 1, recorder.last, guess)
         recorder.add(now + 1, parts)
         if pace.due():

@@ -339,13 +339,15 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
         options.announce(f"continued after step {recorder.steps_done} of {until}")
     failure: ConvergenceError | None = None
     until_steady, last = case.cycle.until_steady, prepared.last
+    like = last.recorder if last is not None else None
     if last is not None and last.until_steady == until_steady and not recorder.steps_done:
         recorder.begin_like(last.recorder, min(last.written, cycles.written))
     prepared.last = Marched(recorder, cycles.written, until_steady)
     try:
         for added, end in enumerate(cycles.ends):
             if recorder.steps_done <= end:
-                solve_history(march, recorder, steps[: end + 1], until_steady, options.progress)
+                progress = options.progress
+                solve_history(march, recorder, steps[: end + 1], until_steady, progress, like)
                 if cycles.enough(added, recorder, options):
                     break
     except ConvergenceError as error:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Bodies of a mesh that are in the same place, by their outlines or their closed surfaces."""
+"""Bodies of a mesh that are in the same place, by their outlines or their closed surfaces.
+
+SciPy is imported by the functions that need it: until Gmsh begins it would take most of the time.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +11,6 @@ from dataclasses import dataclass
 from itertools import permutations, product
 
 import numpy as np
-from scipy.spatial import cKDTree
-from scipy.spatial.distance import cdist
-from scipy.spatial.transform import Rotation
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.mesh.elements import CORNERS, FACET_SHAPES, MIDDLES, directed_facets, exterior_facets
@@ -33,7 +33,7 @@ NEIGHBOURS = 24
 # Nodes of a flat facet are off the places that its corners give them by this fraction of its size.
 FLAT = 1e-6
 # A turn by about a degree takes rays along an axis off the edges and faces of usual bodies.
-_SLANT: Array = Rotation.from_rotvec([0.0171, -0.0123, 0.0089]).as_matrix()
+_SLANT = (0.0171, -0.0123, 0.0089)
 # Bodies may overlap by this fraction of the longer facet there: a straight facet on an arc that it
 # turns by 45 degrees lies 10 % of its length inside. Contacts are held to less in
 # `fretfe.surface.checks`.
@@ -81,6 +81,8 @@ class Outline:
 
     def estimate(self, points: Array) -> Array:
         """(n,) distances to places on the walls, too large by a part of a wall at most."""
+        from scipy.spatial import cKDTree
+
         t = np.linspace(0.0, 1.0, PLACES_PER_PIECE + 1)[:, None, None]
         places = ((1 - t) * self.walls[:, 0] + t * self.walls[:, 1]).reshape(-1, 2)
         return np.asarray(cKDTree(places).query(points)[0])
@@ -128,8 +130,10 @@ class ClosedSurface:
 
     def inside(self, points: Array) -> Bools:
         """(n,) points inside: a ray crosses the surface an odd number of times."""
+        from scipy.spatial.transform import Rotation
+
         chosen = np.flatnonzero(self._in_box(points))
-        turn = _SLANT[:, self._ray()]
+        turn = Rotation.from_rotvec(_SLANT).as_matrix()[:, self._ray()]
         turned, walls = points[chosen] @ turn, self.walls @ turn
         lines, heights = _lines(walls), _heights(walls)
         crossings = np.zeros(len(chosen), dtype=np.int64)
@@ -157,6 +161,8 @@ class ClosedSurface:
 
     def estimate(self, points: Array) -> Array:
         """(n,) distances from the triangles with the nearest centres; none too small."""
+        from scipy.spatial import cKDTree
+
         count = min(NEIGHBOURS, len(self.walls))
         _, near = cKDTree(self._centres).query(points, k=count)
         near = near.reshape(len(points), count)
@@ -166,6 +172,8 @@ class ClosedSurface:
 
     def distances(self, points: Array) -> tuple[Array, Indices]:
         """(n,) distances of points from the nearest triangles, and which triangles these are."""
+        from scipy.spatial.distance import cdist
+
         apart = cdist(points, self._centres)
         point, wall = np.nonzero(apart - self._radii <= apart.min(axis=1)[:, None])
         distances = _distances(points[point], self.walls[wall])

@@ -233,11 +233,11 @@ def refuse_too_large(cost: Cost) -> None:
         return
     if cost.dense > MOST * cost.memory:
         left = max(there - (cost.memory - cost.dense), 0.0)
-        fits = f"{_rounded(cost.tractions * math.sqrt(left / cost.dense))} contact tractions"
+        fits = f"{_whole(cost.tractions * math.sqrt(left / cost.dense))} contact tractions"
         proposal = FEWER_TRACTIONS[cost.dimension]
     else:
         power = 1.0 if cost.dimension == 2 else 1 / POWER_IN_SPACE
-        fits = f"{_rounded(cost.unknowns * (there / cost.memory) ** power)} unknowns"
+        fits = f"{_whole(cost.unknowns * (there / cost.memory) ** power)} unknowns"
         proposal = PROPOSALS[cost.dimension]
     raise ModelError(
         f"expected a model that fits into the memory of this machine ({_rounded(there / 2**30)} "
@@ -249,6 +249,11 @@ def refuse_too_large(cost: Cost) -> None:
 
 def _rounded(value: float) -> str:
     return f"{value:.2g}" if value < 100 else f"{value:.0f}"
+
+
+def _whole(value: float) -> str:
+    """A whole number by its first two digits: no estimate is better."""
+    return f"{float(f'{value:.2g}'):.0f}"
 
 
 def _duration(seconds: float) -> str:

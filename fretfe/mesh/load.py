@@ -19,7 +19,6 @@ from pathlib import Path
 from types import ModuleType
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case, Geometry, Solid, check_dimension, complaint
@@ -210,6 +209,8 @@ class SectorSides:
 
     def bend(self, points: Array, leaned: Array) -> Array:
         """(n, 2) places in the solid of points (n, 2) that lean by (n,) along x."""
+        from scipy.spatial import cKDTree
+
         away = cKDTree(self.contacts).query(points)[0]
         share = away / (away + cKDTree(self.sides).query(points)[0])
         x, y = (self.contacts - self.centre).mean(axis=0)

@@ -2,7 +2,8 @@
 """Pieces of a body: which cells hang together, and whether they do so wherever they touch.
 
 A body whose parts were not merged has two nodes in one place, and comes apart there when it is
-loaded: a crack that nobody drew.
+loaded: a crack that nobody drew. SciPy is imported by the functions that need it, as in
+`body_overlap`.
 """
 
 from __future__ import annotations
@@ -12,9 +13,6 @@ from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.errors import MeshError
@@ -77,6 +75,9 @@ def connected_groups(count: int, first: Indices, second: Indices) -> Indices:
         first: (p,) numbers of those that are connected,
         second: (p,) with these.
     """
+    from scipy import sparse
+    from scipy.sparse.csgraph import connected_components
+
     graph = sparse.coo_matrix((np.ones(len(first)), (first, second)), shape=(count, count))
     return np.asarray(connected_components(graph, directed=False)[1])
 
@@ -143,6 +144,8 @@ def _doubled(
     body: BodyMesh, outside: Indices, labels: Indices, sizes: Array
 ) -> tuple[Indices, Indices, Array]:
     """Pairs of nodes in the same place: both, and their distance (p,)."""
+    from scipy.spatial import cKDTree
+
     free = np.unique(outside)
     distances, others = cKDTree(body.points[free]).query(body.points[free], k=2)
     # of nodes in the very same place any may come first
@@ -178,6 +181,8 @@ def _neighbours(cells: Indices, first: Indices, second: Indices) -> Bools:
     """(p,) whether there is a node that has cells in common with both of two nodes."""
     if not len(first):
         return np.zeros(0, dtype=bool)
+    from scipy import sparse
+
     rows = np.repeat(np.arange(len(cells)), cells.shape[1])
     table = sparse.csr_matrix((np.ones(cells.size), (cells.ravel(), rows)))
     common = (table[first] @ table.T).multiply(table[second] @ table.T).sum(axis=1)
@@ -207,6 +212,8 @@ def _on_facets(body: BodyMesh, outside: Indices, labels: Indices, sizes: Array) 
 
 def _beside(body: BodyMesh, outside: Indices) -> tuple[Indices, Indices]:
     """Facets and nodes of the outside that are near each other, as pairs of numbers."""
+    from scipy.spatial import cKDTree
+
     free = np.unique(outside)
     corners = body.points[outside[:, : CORNERS[FACET_SHAPES[body.cell]]]]
     centres = corners.mean(axis=1)

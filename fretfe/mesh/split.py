@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
 from fretfe.case.base import LARGEST, SMALLEST
@@ -79,6 +78,8 @@ def merged(raw: RawMesh, tolerance: float, source: str) -> tuple[RawMesh, str]:
 
 def _representatives(raw: RawMesh, nodes: Indices, tolerance: float) -> Indices:
     """(n,) place of the first of all nodes that each of some is merged with."""
+    from scipy.spatial import cKDTree
+
     pairs = cKDTree(raw.points[nodes]).query_pairs(tolerance, output_type="ndarray")
     labels = connected_groups(len(nodes), *pairs.T)
     first = np.unique(labels, return_index=True)[1]

@@ -14,17 +14,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy import sparse
-from scipy.spatial import cKDTree
 
 from fretfe._core import _kernels
 from fretfe._typing import Array, Bools, Indices, Positions
 from fretfe.errors import ModelError
 from fretfe.mesh.elements import BULGE, MIDDLES, quadrature, seven_points, shape_values
 from fretfe.surface.surface import Chain, Surface, mean_curvature, rim_edges, tangent_frames
+
+# Not loaded by whoever loads this module: until Gmsh begins SciPy would take a third of the time.
+if TYPE_CHECKING:
+    from scipy import sparse
 
 # Spheres are larger by this fraction: points just beyond the end of a facet count as on it.
 MARGIN = 1e-6
@@ -145,6 +147,8 @@ def _box_tree(centres: Array, radii: Array) -> tuple[list[tuple[Array, Array]], 
         Centres and radii for each level below the root, and the sphere in each leaf (f,); leaves
         beyond the last one repeat it.
     """
+    from scipy.spatial import cKDTree
+
     order: Positions = cKDTree(centres, leafsize=1).indices
     padding = ((0, (1 << (len(order) - 1).bit_length()) - len(order)), (0, 0))
     low = np.pad((centres - radii[:, None])[order], padding, mode="edge")
@@ -330,6 +334,8 @@ def _assemble(
     components: int,
 ) -> Coupling:
     """Coupling from the points of the overlap and a displacement space of a degree."""
+    from scipy import sparse
+
     sides = (
         _Side(surface1, overlap.facet1, overlap.at1),
         _Side(surface2, overlap.facet2, overlap.at2),
@@ -511,6 +517,8 @@ def _sparse(
     values: Array, rows: Indices, columns: Indices, shape: tuple[int, int]
 ) -> sparse.csr_matrix:
     """Matrix of values summed by row and column; those of negative rows are left out."""
+    from scipy import sparse
+
     rows, columns = np.broadcast_to(rows, values.shape), np.broadcast_to(columns, values.shape)
     kept = rows >= 0
     return sparse.csr_matrix((values[kept], (rows[kept], columns[kept])), shape=shape)
