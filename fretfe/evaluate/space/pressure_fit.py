@@ -21,7 +21,7 @@ from scipy.interpolate import CubicSpline
 from scipy.sparse import csr_array
 
 from fretfe._core import _kernels
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.numerics import average
 from fretfe.evaluate.plane.pressure_fit import EdgeFit, k_n_at
 from fretfe.evaluate.space.sectors import Sector
@@ -34,6 +34,10 @@ WINDOWS = tuple((spacing, count) for spacing in SPACINGS for count in COUNTS)
 TERMS = (2, 3, 4)
 # A bump reaches over so many spacings to either side.
 REACH = 2
+# The series of a Hertzian contact converges as far as so many half-widths. Windows that go beyond
+# those of the contact whose pressure falls as fast are left out: a rounding may end there, and the
+# pressure be another function. Those of so many elements, the least for two orders, are not.
+CONVERGES, SHORTEST = 2.0, 6.0
 # Scatter of a moment relative to it, times the distance of bumps in elements; more of the first
 # two, which hold the front.
 SCATTER, FIRST = 0.004, 0.01
@@ -168,14 +172,45 @@ class FrontFitter:
                     errors[:, states, at, number, column] = found.errors * scale
                     misfits[:, states, at, number, column] = found.misfit
                     slopes[states, at, number, column] = found.slope / distances
-        shifts, intervals = np.zeros_like(fits), INTERVALS[:, None, None]
-        means, bars, shares = average(fits, errors, shifts, misfits, intervals)
-        # p = K_N sqrt(t) (1 - t/(4 a)) next to the edge of a Hertzian contact.
-        slope = np.abs(np.nansum(shares[1] * slopes[..., :-1], axis=(-2, -1)))
-        length = np.divide(0.25, slope, out=np.full_like(slope, np.inf), where=slope > 0)
+        means, bars, length = _joined(fits, errors, misfits, slopes)
+        fits[:, self._too_far(length)] = np.nan
+        means, bars, length = _joined(fits, errors, misfits, slopes)
         coarse = COARSE * (self._sizes / np.minimum(length, self._depth)) ** 2 * means[1]
         spread = np.where(np.isfinite(means[1]), np.hypot(bars[1], coarse), np.inf)
         return FrontFit(means[0], bars[0], means[1], spread, length, exponent)
+
+    def _too_far(self, length: Array) -> Bools:
+        """(T, n, windows) windows that reach beyond what the series stands for.
+
+        Args:
+            length: (T, n) over which K_N makes the pressure, by all windows; that of single
+                stations scatters, so the median along the front counts.
+        """
+        known = np.isfinite(length)
+        shared = np.where(known, np.minimum(length, self._depth), np.nan)
+        typical = np.full((len(length), 1, 1), np.inf)
+        typical[known.any(axis=1), 0, 0] = np.nanmedian(shared[known.any(axis=1)], axis=1)
+        reach = np.array([spacing * (count - 1 + REACH) for spacing, count in WINDOWS])
+        far = reach * self._sizes[:, None] > CONVERGES * typical
+        return np.asarray(far & (reach > SHORTEST))
+
+
+def _joined(
+    fits: Array, errors: Array, misfits: Array, slopes: Array
+) -> tuple[Array, Array, Array]:
+    """Means and bars (2, T, n) of places and K_N over windows and orders, and lengths (T, n).
+
+    Args:
+        fits: (2, T, n, windows, orders) places and K_N; NaN where there is none.
+        errors: (2, T, n, windows, orders) of them.
+        misfits: (2, T, n, windows, orders) chi^2 over degrees of freedom.
+        slopes: (T, n, windows, orders) c_1/K_N.
+    """
+    intervals = INTERVALS[:, None, None]
+    means, bars, shares = average(fits, errors, np.zeros_like(fits), misfits, intervals)
+    # p = K_N sqrt(t) (1 - t/(4 a)) next to the edge of a Hertzian contact.
+    slope = np.abs(np.nansum(shares[1] * slopes[..., :-1], axis=(-2, -1)))
+    return means, bars, np.divide(0.25, slope, out=np.full_like(slope, np.inf), where=slope > 0)
 
 
 def _window(
