@@ -48,3 +48,15 @@ def tabulate(
     sides: npt.NDArray[np.int32],
     size: int,
 ) -> npt.NDArray[np.float64]: ...
+def fit_moments(
+    tables: npt.NDArray[np.float64],
+    first: float,
+    step: float,
+    shares: npt.NDArray[np.float64],
+    moments: npt.NDArray[np.float64],
+    sigma: npt.NDArray[np.float64],
+    bends: npt.NDArray[np.float64],
+    terms: int,
+    farthest: float,
+    corrections: int,
+) -> npt.NDArray[np.float64]: ...

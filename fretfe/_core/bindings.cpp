@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "moments.hpp"
 #include "mortar.hpp"
 #include "mortar_space.hpp"
 
@@ -19,6 +20,7 @@ namespace {
 
 using Nodes = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Tables = nb::ndarray<const double, nb::ndim<5>, nb::c_contig, nb::device::cpu>;
 using Values = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Sides = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Numbers = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
@@ -110,6 +112,30 @@ auto tabulate(std::uintptr_t kernel, Values constants, Table coefficients, Nodes
   return nb::ndarray<nb::numpy, double, nb::ndim<2>>(data, {count, size}, owner);
 }
 
+auto fit_moments(Tables tables, double first, double step, Table shares, Table moments, Table sigma,
+                 Values bends, std::size_t terms, double farthest, int corrections) {
+  namespace own = fretfe::moments;
+  const std::size_t count = moments.shape(1), size = moments.shape(0);
+  if (count > own::most_bumps || terms + 2 > own::most_unknowns || terms + 2 > tables.shape(4) ||
+      count > tables.shape(3))
+    throw nb::value_error("there are more bumps or terms than the tables have");
+  const own::Tables known{
+      tables.data(), tables.shape(0), tables.shape(2), tables.shape(3), tables.shape(4), first,
+      step};
+  std::vector<own::Fit> fits(size);
+  {
+    nb::gil_scoped_release release;
+    for (std::size_t i = 0; i < size; ++i)
+      fits[i] = own::fit(known, shares.data() + i * shares.shape(1),
+                         {moments.data() + i * count, sigma.data() + i * count, count},
+                         bends.data()[i], terms, {farthest, corrections});
+  }
+  return rows(fits, [](const own::Fit &each) {
+    return std::array<double, 6>{each.place,       each.factor,       each.slope,
+                                 each.place_error, each.factor_error, each.rest};
+  });
+}
+
 } // namespace
 
 NB_MODULE(_kernels, m) {
@@ -127,4 +153,9 @@ NB_MODULE(_kernels, m) {
         "sides"_a, "size"_a,
         "Element vectors (n, size) by a compiled UFCx kernel at an address, of n elements with "
         "their coefficients (n, w), nodes (n, k, 3) and local numbers of a facet (n,).");
+  m.def("fit_moments", &fit_moments, "tables"_a, "first"_a, "step"_a, "shares"_a, "moments"_a,
+        "sigma"_a, "bends"_a, "terms"_a, "farthest"_a, "corrections"_a,
+        "Series behind fronts by least squares to moments (m, bumps): place, first factor, second "
+        "over first, errors of place and first factor, sum of squares left, (m, 6). Tables "
+        "(exponents, 4, pieces, bumps, columns) are cubic between places, shares (m, exponents).");
 }

@@ -19,6 +19,7 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.errors import OutputError
 from fretfe.history.solution import ContactHistory, Solution
+from fretfe.history.state_array import blocks
 from fretfe.results.hdf5_file import PatientFile, read_fault
 
 # Of the format: the first one with time steps.
@@ -135,18 +136,24 @@ class GridWriter:
             values: (..., c) of each part for each column, in the order of its nodes; the components
                 beyond c are zero.
         """
-        number = int(self._steps.attrs["NSteps"])
-        first = number * self._count
+        one = {name: [each[None] for each in parts] for name, parts in values.items()}
+        self.add_states(np.array([time]), one)
+
+    def add_states(self, times: Array, values: Mapping[str, Sequence[Array]]) -> None:
+        """Append n states; values (n, ..., c) as of `add`."""
+        number, count = int(self._steps.attrs["NSteps"]), len(times)
+        firsts = self._count * np.arange(number, number + count)
         for name, parts in values.items():
             stored = self._root["PointData"][name]
-            stored.resize(first + self._count, axis=0)
-            _fill(stored, first, parts)
+            stored.resize(self._count * (number + count), axis=0)
+            rows = [each.reshape(count, -1, each.shape[-1]) for each in parts]
+            _fill(stored, int(firsts[0]), np.concatenate(rows, axis=1))
         for name in ("Values", *self._series, *(f"PointDataOffsets/{each}" for each in values)):
-            self._steps[name].resize(number + 1, axis=0)
-        self._steps["Values"][number] = time
+            self._steps[name].resize(number + count, axis=0)
+        self._steps["Values"][number:] = times
         for name in values:
-            self._steps["PointDataOffsets"][name][number] = first
-        self._steps.attrs["NSteps"] = number + 1
+            self._steps["PointDataOffsets"][name][number:] = firsts
+        self._steps.attrs["NSteps"] = number + count
         self._file.flush()
         self._raw.require()
 
@@ -158,7 +165,7 @@ class GridWriter:
         nodes = [start + part.cells.ravel() for start, part in zip(starts, each, strict=False)]
         # In full: the smallest elements are tiny next to their distance from the origin.
         points = self._prepare("Points", Column(3, np.float64, shuffled=False), self._count)
-        _fill(points, 0, [part.points for part in each])
+        _fill(points, 0, np.concatenate([part.points for part in each]))
         for name, values in {
             "Connectivity": np.concatenate(nodes),
             "Offsets": np.concatenate([[0], np.cumsum(widths)]),
@@ -190,10 +197,9 @@ class GridWriter:
         )  # fmt: skip
 
 
-def _fill(table: h5py.Dataset, first: int, parts: Sequence[Array]) -> None:
-    """Write (..., c) values of each part into the rows from `first` on."""
-    rows = np.concatenate([each.reshape(-1, each.shape[-1]) for each in parts])
-    for component, column in enumerate(rows.T):
+def _fill(table: h5py.Dataset, first: int, values: Array) -> None:
+    """Write (..., c) values into the rows from `first` on."""
+    for component, column in enumerate(values.reshape(-1, values.shape[-1]).T):
         table[first : first + len(column), component] = column
 
 
@@ -210,10 +216,11 @@ def write_surfaces(path: Path, solution: Solution, states: Indices) -> None:
     """
     parts = {contact.name: _contact_part(contact) for contact in solution.contacts}
     with closing(GridWriter(path, parts, "contact", CONTACT_COLUMNS)) as writer:
-        for state in states:
-            values = [_values(contact, int(state)) for contact in solution.contacts]
+        for block in blocks(len(states), sum(part.points.size for part in parts.values())):
+            some = states[block]
+            values = [_values(contact, some) for contact in solution.contacts]
             columns = {name: [each[name] for each in values] for name in CONTACT_COLUMNS}
-            writer.add(float(solution.times[state]), columns)
+            writer.add_states(solution.times[some], columns)
 
 
 def _contact_part(contact: ContactHistory) -> Part:
@@ -221,25 +228,25 @@ def _contact_part(contact: ContactHistory) -> Part:
     return Part(contact.points, contact.facets, CELL_TYPES[2, contact.facets.shape[1]])
 
 
-def _values(contact: ContactHistory, state: int) -> dict[str, Array]:
-    """(N, c) values of each column; vectors in the axes of the case, work per area."""
-    traction = contact.mean_traction[state]
+def _values(contact: ContactHistory, states: Indices) -> dict[str, Array]:
+    """(n, N, c) values of each column in n states; vectors in axes of the case, work per area."""
+    traction = np.asarray(contact.mean_traction[states])
     scalars = {
-        "pressure": traction[:, 0],
-        "gap": contact.gap[state],
-        "status": contact.status[state],
-        "dissipation": contact.dissipation[state] / contact.weights,
+        "pressure": traction[..., 0],
+        "gap": contact.gap[states],
+        "status": contact.status[states],
+        "dissipation": contact.dissipation[states] / contact.weights,
     }
     return {
-        **{name: np.asarray(values)[:, None] for name, values in scalars.items()},
-        "shear": in_space(contact, traction[:, 1:]),
-        "slip": in_space(contact, contact.slip[state]),
+        **{name: np.asarray(values)[..., None] for name, values in scalars.items()},
+        "shear": in_space(contact, traction[..., 1:]),
+        "slip": in_space(contact, contact.slip[states]),
     }
 
 
 def in_space(contact: ContactHistory, components: Array) -> Array:
-    """(N, 3) vectors in the axes of the case, from components (N, 2) along the tangents."""
-    return np.asarray(np.einsum("nt,ntd->nd", components, contact.frames[:, 1:]))
+    """(..., N, 3) vectors in the axes of the case, from components (..., N, 2) along tangents."""
+    return np.asarray(np.einsum("...nt,ntd->...nd", components, contact.frames[:, 1:]))
 
 
 class FieldWriter(GridWriter):

@@ -58,6 +58,7 @@ LONG = 1000
 HALF_CYCLES = 2
 # In place of a list that is in `ARRAYS`: this, and the name of its data set there.
 ELSEWHERE = f"{ARRAYS}:"
+ENCODER = json.JSONEncoder(allow_nan=False)
 
 
 def prepare_directory(directory: Path) -> None:
@@ -121,7 +122,7 @@ def write_results(directory: Path, result: Result) -> None:
     try:
         lists: dict[str, Array] = {}
         numbers = with_digest(as_numbers(result, lists))
-        text = json.dumps(numbers, indent=1, allow_nan=False)
+        text = json_text(numbers)
         # Arrays or numbers of an earlier run would not belong to what is there before all is.
         (directory / REPORT).unlink(missing_ok=True)
         # The result may have been read from the file that is replaced: surfaces come before it.
@@ -141,6 +142,22 @@ def write_results(directory: Path, result: Result) -> None:
         raise OutputError(
             f"{directory}: the results cannot be written: {disk_reason(error)}"
         ) from error
+
+
+def json_text(value: Any, line: str = "\n") -> str:
+    """Plain types as JSON, with lines for what has dictionaries in it; numbers stand on one line.
+
+    Args:
+        value: of plain types.
+        line: a new one at the place of the value.
+    """
+    inner = f"{line} "
+    if isinstance(value, dict) and any(isinstance(each, dict | list) for each in value.values()):
+        items = (f"{json.dumps(name)}: {json_text(each, inner)}" for name, each in value.items())
+        return f"{{{inner}{f',{inner}'.join(items)}{line}}}"
+    if isinstance(value, list) and any(isinstance(each, dict) for each in value):
+        return f"[{inner}{f',{inner}'.join(json_text(each, inner) for each in value)}{line}]"
+    return ENCODER.encode(value)
 
 
 def _failure(write: Callable[[], None]) -> OSError | None:
@@ -282,7 +299,9 @@ class _Plain:
         if isinstance(value, np.ndarray) and len(value) > LONG:
             return self._elsewhere(value, place)
         if isinstance(value, np.ndarray):
-            return self(value.tolist(), place)
+            if value.dtype.kind == "f" and not (known := np.isfinite(value)).all():
+                value = np.where(known, value, np.array(None))
+            return value.tolist()
         if isinstance(value, list | tuple):
             return [self(item, f"{place}/{number}") for number, item in enumerate(value)]
         if isinstance(value, np.generic):

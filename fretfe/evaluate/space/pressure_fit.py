@@ -20,7 +20,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.sparse import csr_array
 
-from fretfe._typing import Array, Indices
+from fretfe._core import _kernels
+from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.numerics import average
 from fretfe.evaluate.plane.pressure_fit import EdgeFit, k_n_at
 from fretfe.evaluate.space.sectors import Sector
@@ -33,6 +34,10 @@ WINDOWS = tuple((spacing, count) for spacing in SPACINGS for count in COUNTS)
 TERMS = (2, 3, 4)
 # A bump reaches over so many spacings to either side.
 REACH = 2
+# The series of a Hertzian contact converges as far as so many half-widths. Windows that go beyond
+# those of the contact whose pressure falls as fast are left out: a rounding may end there, and the
+# pressure be another function. Those of so many elements, the least for two orders, are not.
+CONVERGES, SHORTEST = 2.0, 6.0
 # Scatter of a moment relative to it, times the distance of bumps in elements; more of the first
 # two, which hold the front.
 SCATTER, FIRST = 0.004, 0.01
@@ -49,8 +54,10 @@ COARSE = 1.0
 # runs of five to twenty times smaller elements, K_N was off by up to 3.6 |lambda - 1/2|, and by 6.6
 # where half of a reversal has passed.
 MOST_BEYOND = 22 / 3
-# Places of the front that moments are tabulated for, in spacings from the reference front.
+# Places of the front that are looked at, in spacings from the reference front, and for which
+# moments are tabulated.
 FARTHEST = 1.5
+PLACES = np.linspace(-FARTHEST - 0.1, FARTHEST + 0.1, 161)
 ITERATIONS = 3
 # Nodes sample a bump well enough if they give its integral to so much.
 SAMPLED = 0.15
@@ -165,14 +172,45 @@ class FrontFitter:
                     errors[:, states, at, number, column] = found.errors * scale
                     misfits[:, states, at, number, column] = found.misfit
                     slopes[states, at, number, column] = found.slope / distances
-        shifts, intervals = np.zeros_like(fits), INTERVALS[:, None, None]
-        means, bars, shares = average(fits, errors, shifts, misfits, intervals)
-        # p = K_N sqrt(t) (1 - t/(4 a)) next to the edge of a Hertzian contact.
-        slope = np.abs(np.nansum(shares[1] * slopes[..., :-1], axis=(-2, -1)))
-        length = np.divide(0.25, slope, out=np.full_like(slope, np.inf), where=slope > 0)
+        means, bars, length = _joined(fits, errors, misfits, slopes)
+        fits[:, self._too_far(length)] = np.nan
+        means, bars, length = _joined(fits, errors, misfits, slopes)
         coarse = COARSE * (self._sizes / np.minimum(length, self._depth)) ** 2 * means[1]
         spread = np.where(np.isfinite(means[1]), np.hypot(bars[1], coarse), np.inf)
         return FrontFit(means[0], bars[0], means[1], spread, length, exponent)
+
+    def _too_far(self, length: Array) -> Bools:
+        """(T, n, windows) windows that reach beyond what the series stands for.
+
+        Args:
+            length: (T, n) over which K_N makes the pressure, by all windows; that of single
+                stations scatters, so the median along the front counts.
+        """
+        known = np.isfinite(length)
+        shared = np.where(known, np.minimum(length, self._depth), np.nan)
+        typical = np.full((len(length), 1, 1), np.inf)
+        typical[known.any(axis=1), 0, 0] = np.nanmedian(shared[known.any(axis=1)], axis=1)
+        reach = np.array([spacing * (count - 1 + REACH) for spacing, count in WINDOWS])
+        far = reach * self._sizes[:, None] > CONVERGES * typical
+        return np.asarray(far & (reach > SHORTEST))
+
+
+def _joined(
+    fits: Array, errors: Array, misfits: Array, slopes: Array
+) -> tuple[Array, Array, Array]:
+    """Means and bars (2, T, n) of places and K_N over windows and orders, and lengths (T, n).
+
+    Args:
+        fits: (2, T, n, windows, orders) places and K_N; NaN where there is none.
+        errors: (2, T, n, windows, orders) of them.
+        misfits: (2, T, n, windows, orders) chi^2 over degrees of freedom.
+        slopes: (T, n, windows, orders) c_1/K_N.
+    """
+    intervals = INTERVALS[:, None, None]
+    means, bars, shares = average(fits, errors, np.zeros_like(fits), misfits, intervals)
+    # p = K_N sqrt(t) (1 - t/(4 a)) next to the edge of a Hertzian contact.
+    slope = np.abs(np.nansum(shares[1] * slopes[..., :-1], axis=(-2, -1)))
+    return means, bars, np.divide(0.25, slope, out=np.full_like(slope, np.inf), where=slope > 0)
 
 
 def _window(
@@ -252,89 +290,54 @@ class _Fits:
 
 def _fit(moments: Array, curvature: Array, exponent: Array, terms: int, spacing: float) -> _Fits:
     """Fit a series to moments (m, count), curvature of the front and exponent given, (m,) each."""
-    count, place = moments.shape[1], np.zeros(len(moments))
     sigma = SCATTER / spacing * moments
     sigma[:, :2] *= FIRST / SCATTER
-    target = moments / sigma
-    table, rates = (
-        lambda place, rate=rate: (
-            _model(place, curvature, exponent, rate, (count, terms)) / sigma[..., None]
-        )
-        for rate in (0, 1)
+    tables, shares = _shared(exponent)
+    place, factor, slope, *errors, rest = _kernels.fit_moments(
+        tables, PLACES[0], PLACES[1] - PLACES[0], shares, moments, sigma, curvature, terms,
+        FARTHEST, ITERATIONS,
+    ).T  # fmt: skip
+    found = (np.abs(place) < FARTHEST) & (factor > 0)
+    free = moments.shape[1] - terms - 2
+    return _Fits(
+        values=np.where(found, [place, factor], np.nan),
+        errors=np.array(errors),
+        slope=slope,
+        misfit=rest / free if free else np.ones(len(moments)),
     )
-    model = table(place)
-    coefficients = _solution(*np.linalg.qr(model), target)
-    for _ in range(ITERATIONS):
-        moved = np.einsum("mnk,mk->mn", rates(place), coefficients)
-        q, r = np.linalg.qr(np.concatenate([model, moved[..., None]], axis=2))
-        solution = _solution(q, r, target)
-        coefficients = solution[:, :-1]
-        place = np.clip(place + solution[:, -1], -FARTHEST, FARTHEST)
-        model = table(place)
-    inverse = np.linalg.solve(r, q.swapaxes(1, 2))
-    rest = target - np.einsum("mnk,mk->mn", model, coefficients)
-    found = (np.abs(place) < FARTHEST) & (coefficients[:, 0] > 0)
-    free = count - terms - 2
-    misfit = np.sum(rest**2, axis=1) / free if free else np.ones(len(moments))
-    values = np.where(found, [place, coefficients[:, 0]], np.nan)
-    errors = np.linalg.norm(inverse[:, [-1, 0]], axis=2).T
-    return _Fits(values, errors, coefficients[:, 1] / coefficients[:, 0], misfit)
 
 
-def _solution(q: Array, r: Array, target: Array) -> Array:
-    """(m, k) least squares of m systems (m, n, k) of full rank from their factors."""
-    return np.asarray(np.linalg.solve(r, q.swapaxes(1, 2) @ target[..., None])[..., 0])
-
-
-def _model(
-    place: Array, curvature: Array, exponent: Array, rate: int, size: tuple[int, int]
-) -> Array:
-    """(m, bumps, terms + 1) moments of t^lambda t^k, and of a spread, of fronts at places (m,).
-
-    Or, for a `rate` of 1, their derivatives by the place. The `size` is (bumps, terms).
-    """
-    flat = _tabulated(place, exponent, rate, size)
-    bend, at = curvature[:, None, None], place[:, None, None]
-    # Areas are those between curved lines: (1 - curvature s) ds, s = place + t.
-    curved = (1 - bend * at) * flat[..., :-2] - bend * flat[..., 1:-1]
-    return np.concatenate([curved, flat[..., -1:]], axis=2)
-
-
-def _tabulated(place: Array, exponent: Array, rate: int, size: tuple[int, int]) -> Array:
-    """(m, bumps, terms + 2) moments of fronts at places (m,), or their rates, not bent."""
+def _shared(exponent: Array) -> tuple[Array, Array]:
+    """Tables of moments as of `_tables`, and their shares (m, e) for exponents (m,)."""
     if np.all(exponent == 0.5):
-        return np.asarray(_table(0.5, size)(place, rate))
-    found = np.zeros(1)
+        return _tables((0.5,)), np.ones((len(exponent), 1))
+    shares = np.empty((len(exponent), len(EXPONENTS)))
     for number, each in enumerate(EXPONENTS):
         others = np.delete(EXPONENTS, number)
-        share = np.prod((exponent[:, None] - others) / (each - others), axis=1)
-        found = found + share[:, None, None] * _table(float(each), size)(place, rate)
-    return found
+        shares[:, number] = np.prod((exponent[:, None] - others) / (each - others), axis=1)
+    return _tables(tuple(EXPONENTS.tolist())), shares
 
 
 @cache
-def _table(exponent: float, size: tuple[int, int]) -> CubicSpline:
-    """Moments of some bumps, for some terms, over places of the front.
+def _tables(exponents: tuple[float, ...]) -> Array:
+    """(e, 4, pieces, bumps, powers + 1) cubic splines over `PLACES`, highest power of places first.
 
-    It gives (bumps, terms + 2) numbers: of t^exponent t^k, k as far as the terms, and of a spread.
+    They are of moments of t^exponent t^k, and last of a spread.
     """
-    count, terms = size
-    places, values = _moment_values(exponent)
-    return CubicSpline(places, values[:, :count, [*range(terms + 1), -1]])
+    splines = (CubicSpline(PLACES, _moment_values(exponent)) for exponent in exponents)
+    return np.ascontiguousarray([each.c for each in splines])
 
 
-@cache
-def _moment_values(exponent: float) -> tuple[Array, Array]:
-    """(p,) places of the front, and (p, bumps, powers + 1) moments of all bumps and powers there.
+def _moment_values(exponent: float) -> Array:
+    """(p, bumps, powers + 1) moments of all bumps and powers for fronts at `PLACES`.
 
     Integrals over r with t = r^2, by Gauss's rule.
     """
-    places = np.linspace(-FARTHEST - 0.1, FARTHEST + 0.1, 161)
     powers, bumps = np.arange(max(TERMS) + 1), np.arange(max(COUNTS))
     nodes, gauss = np.polynomial.legendre.leggauss(8)
     # The bumps are polynomials between whole numbers.
-    values = np.zeros((len(places), len(bumps), len(powers) + 1))
-    for row, place in enumerate(places):
+    values = np.zeros((len(PLACES), len(bumps), len(powers) + 1))
+    for row, place in enumerate(PLACES):
         ends = np.append(place, np.arange(np.floor(place) + 1, max(COUNTS) + REACH + 1))
         roots = np.sqrt(ends - place)
         r = (roots[:-1, None] + np.diff(roots)[:, None] * (nodes + 1) / 2).ravel()
@@ -345,4 +348,4 @@ def _moment_values(exponent: float) -> tuple[Array, Array]:
             2 * r[:, None] ** (2 * exponent + 1 + 2 * powers)
         )
         values[row, :, -1] = _bump_curvature(place - bumps)
-    return places, values
+    return values

@@ -31,6 +31,11 @@ WIDEST = 0.7
 # Edges of elements around a station that are looked at, and the nearest of them, of each of the two
 # directions, whose median is the size of an element.
 AROUND, NEAREST = 200, 8
+# So many times more of them where one of the directions is not among them.
+FARTHER = 4
+# Elements are long along the front from this length over that across it on. So many edges in rows
+# across it are those at the front, in the rows before and behind a station; passes to find them.
+LONG, IN_ROWS, PASSES = 3.0, 4, 3
 
 
 @dataclass(frozen=True)
@@ -309,14 +314,34 @@ class Sectors:
     def sizes(self, frames: Frames, station: int) -> tuple[float, ...]:
         """Length of the elements at a station across the front and along it.
 
-        Each is the median of the nearest edges that run more in this direction.
+        Each is the median of the nearest edges that run more in this direction. Of elements that
+        are long along the front, the nearest to it count, with distances along it in their lengths:
+        rows across it need not be near the station, nor normal to the front, and sizes in them may
+        grow from one element to the next.
         """
-        _, found = self._middles.query(frames.points[station], k=min(AROUND, len(self._edges)))
-        vectors = np.diff(self._points[self._edges[found]], axis=1)[:, 0]
-        across, along = (np.abs(vectors @ each[station]) for each in (frames.inward, frames.along))
-        # Of very long elements all edges around may run the same way.
-        sizes = _median(across[across >= along]), _median(along[along > across])
+        count, across, along = AROUND, np.empty(0), np.empty(0)
+        # Where elements are long, all edges nearby may run the same way.
+        while min(len(across), len(along)) < NEAREST and count <= FARTHER * len(self._edges):
+            _, found = self._middles.query(frames.points[station], k=min(count, len(self._edges)))
+            across, along = self._running(frames, station, found)
+            count *= FARTHER
+        size, along_size = _median(across), _median(along)
+        if along_size > LONG * size:
+            near = self._middles.query_ball_point(frames.points[station], along_size)
+            found = np.array(near, dtype=np.int64)
+            s, x, _ = coordinates(self._middles.data[found], frames, station)
+            for _ in range(PASSES):
+                order = np.argsort(np.hypot(s, x * size / along_size), kind="stable")
+                across, _ = self._running(frames, station, found[order])
+                size = float(np.median(across[:IN_ROWS]))
+        sizes = np.array([size, along_size])
         return tuple(np.where(np.isfinite(sizes), sizes, np.nanmax(sizes)).tolist())
+
+    def _running(self, frames: Frames, station: int, edges: Indices) -> tuple[Array, Array]:
+        """Lengths of those edges that run more across the front, and of those along it."""
+        vectors = np.diff(self._points[self._edges[edges]], axis=1)[:, 0]
+        across, along = (np.abs(vectors @ each[station]) for each in (frames.inward, frames.along))
+        return across[across >= along], along[along > across]
 
     def around(self, frames: Frames, station: int, depth: float) -> Sector:
         """The sector of a station.
