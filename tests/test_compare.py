@@ -30,8 +30,10 @@ from stored_runs import solved, write_run
 import fretfe
 from fretfe.api import Comparison, Result
 from fretfe.case import parse_case
+from fretfe.cli.exchange import _print_comparison
 from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.exchange.comparison import QuantityPair
+from fretfe.report.texts import number
 
 LOADS = {"press": press(), "shear": shear(steps=8)}
 
@@ -223,6 +225,17 @@ def test_histories_of_the_worst_stations_of_solids() -> None:
     unknown = with_stations(first, lambda each: replace(each, k_range_spread=math.nan))
     for comparison in (fretfe.compare(first, far), fretfe.compare(unknown, second)):
         assert {each.quantity for each in comparison.histories} == {"P", "Q", "area"}
+
+
+def test_histories_without_contact_at_first_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    result = solved("halfplane")
+    comparison = fretfe.compare(result, result)
+    (pair, *_) = (each for each in comparison.histories if each.quantity == "K_T")
+    largest = np.abs(pair.first[1:]).max()
+    open_first = replace(pair, first=np.append(math.nan, pair.first[1:]))
+    _print_comparison(replace(comparison, histories=(open_first,)))
+    text = " ".join(capsys.readouterr().out.split())
+    assert f"K_T over time ({number(float(largest))} MPa" in text
 
 
 def test_extremes_of_other_kinds_are_said() -> None:

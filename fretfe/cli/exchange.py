@@ -208,6 +208,7 @@ def compare(
 
 
 def _print_comparison(comparison: Comparison) -> None:
+    import numpy as np
 
     print_whole(_comparison_table(comparison))
     for each in comparison.tractions:
@@ -222,7 +223,8 @@ def _print_comparison(comparison: Comparison) -> None:
             if history.common
             else "has no common times"
         )
-        value = number(abs(history.first).max(initial=0.0))
+        # Without contact there is no value.
+        value = number(float(np.nanmax(abs(history.first), initial=0.0)))
         print(f"{place}: {history.quantity} over time ({value} {history.unit}) {differs}")
     for note in comparison.notes:
         print(f"Note: {note}")

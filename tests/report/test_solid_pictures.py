@@ -40,7 +40,7 @@ from fretfe.report.pictures import surfaces
 from fretfe.report.pictures.fields import FACES, BodyField, Grid, section
 from fretfe.report.pictures.fields import surface as linear_pieces
 from fretfe.report.pictures.folder import make_pictures, read_pictures
-from fretfe.report.pictures.looks import _whole, cell_volumes, plan_pictures
+from fretfe.report.pictures.looks import _cut, _whole, cell_volumes, plan_pictures
 from fretfe.report.pictures.panels import SpaceView, pixels
 from fretfe.report.pictures.surfaces import (
     FILLS,
@@ -312,6 +312,22 @@ def test_cut_shows_the_stress_below_the_contact(drawn: Path) -> None:
     height, width = colours.shape[:2]
     area = colours[int(0.72 * height) : int(0.8 * height), int(0.15 * width) : int(0.3 * width)]
     assert np.abs(area - expected).max(axis=2).min() < 0.02
+
+
+def test_cut_stays_inside_a_contact_whose_pressure_is_largest_at_an_end(result: Result) -> None:
+    history = result.contact_history("main")
+    assert history.points is not None
+    whole = _whole(history.points, [history])
+    state = int(history.mean_traction[:, :, 0].max(axis=1).argmax())
+    normal = _cut(history.points, history, state, whole).cut
+    across = history.points @ normal
+    for end in (across.argmin(), across.argmax()):
+        tractions = history.mean_traction.copy()
+        tractions[state, end, 0] = 1e6
+        loaded = replace(history, mean_traction=tractions)
+        view = _cut(history.points, loaded, state, whole)
+        assert np.allclose(view.cut, normal)
+        assert across.min() < view.centre @ normal < across.max()
 
 
 def test_scene_has_all_bodies(drawn: Path) -> None:

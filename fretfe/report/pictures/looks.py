@@ -50,6 +50,8 @@ TILT = (0.3, 0.2)
 AROUND = 2.2
 # Areas of contacts that face opposite ways, over those of all, below which they are balanced.
 BALANCED = 0.1
+# Distance of a cut from the ends of the contact, in parts of its length across the cut.
+FROM_ENDS = 0.1
 # An axis this close to the normal of a cut cannot be upright.
 UPRIGHT = 0.9
 # Tetrahedra that a solid cell consists of, by its number of corners.
@@ -359,6 +361,10 @@ def _cut(points: Array, contact: ContactHistory, state: int, whole: SpaceView) -
         upright = contact.frames[place, 0]
     upright = upright - (upright @ normal) * normal
     upright /= np.linalg.norm(upright)
+    # A cut in the end face of a body would show none of it.
+    across = (contact.points - centre) @ normal
+    margin = FROM_ENDS * float(np.ptp(across))
+    centre = centre + np.clip(0.0, across.min() + margin, across.max() - margin) * normal
     side = np.cross(upright, normal)
     side = side if side @ whole.viewer >= 0 else -side
     view = _towards(centre, normal + TILT[0] * upright + TILT[1] * side, upright)
