@@ -115,6 +115,16 @@ def create_mesh(
     return dolfinx.mesh.create_mesh(comm, ordered, ufl.Mesh(element), points)
 
 
+def entity_nodes(
+    mesh: dolfinx.mesh.Mesh, dim: int, entities: npt.NDArray[np.int32]
+) -> npt.NDArray[np.int32]:
+    """Numbers of the nodes of some entities on this rank, (n, k); n may be zero."""
+    if not len(entities):  # 0.9 divides by their number, which ends the process
+        return np.empty((0, 1), np.int32)
+    nodes: npt.NDArray[np.int32] = dolfinx.mesh.entities_to_geometry(mesh, dim, entities)
+    return nodes
+
+
 def assemble_matrix(form: Any, conditions: list[Any]) -> PETSc.Mat:
     """Assembled matrix with unit diagonal at constrained degrees of freedom. Collective."""
     # 0.9: (a, bcs, diagonal, ...); later (a, bcs, diag, ..., kind). One is the default of both.

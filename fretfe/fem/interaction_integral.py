@@ -18,7 +18,7 @@ from ufl.algorithms.analysis import extract_coefficients, extract_constants
 from fretfe._typing import Array, Indices
 from fretfe.analytic.crystals import CrackTip, turned
 from fretfe.bodies.definition import DistributedLoad
-from fretfe.fem._compat import ElementVectors, exterior_sides
+from fretfe.fem._compat import ElementVectors, entity_nodes, exterior_sides
 from fretfe.fem.elasticity import (
     CrystalElasticity,
     ElasticBody,
@@ -462,7 +462,7 @@ class _Places:
         self._middles = middles[:, : mesh.geometry.dim]
         self._sizes = SPAN * mesh.h(dim, entities)
         self._points = mesh.geometry.x[:, : mesh.geometry.dim]
-        self._nodes = dolfinx.mesh.entities_to_geometry(mesh, dim, entities)
+        self._nodes = entity_nodes(mesh, dim, entities)
 
     def around(self, tip: Tip, tubes: Sequence[Tube]) -> _Nearby:
         """Those that may have points in some tubes around a station."""

@@ -23,6 +23,7 @@ from fretfe.fem._compat import (
     assemble_matrix,
     assemble_vector,
     create_mesh,
+    entity_nodes,
     expression,
     exterior_sides,
     petsc_library,
@@ -220,3 +221,14 @@ def test_the_wheel_refuses_another_petsc(tmp_path: Path) -> None:
     refused = python("-c", IMPORT_BESIDE, str(tmp_path))
     assert refused.returncode == 1
     assert "Uninstall petsc4py" in refused.stderr
+
+
+@pytest.mark.mpi
+def test_nodes_of_facets_of_which_a_rank_may_have_none() -> None:
+    mesh = mesh_of("triangle, order 2")[0].mesh
+    mesh.topology.create_connectivity(1, 2)
+    left = locate_entities_boundary(mesh, 1, lambda x: x[0] < BULGE / 2)
+    assert COMM.allreduce(len(left)) == 1
+    places = mesh.geometry.x[entity_nodes(mesh, 1, left).ravel(), 0]
+    assert len(places) >= 2 * len(left) and (places <= 0.0).all()
+    assert len(entity_nodes(mesh, 1, left[:0])) == 0
