@@ -45,7 +45,7 @@ help:  ## this list
 demo: .venv/.installed  ## solve the dovetail demo and write results/dovetail
 	$(BIN)/fretfe run demos/dovetail.toml -o results/dovetail
 
-bench: .venv/.installed  ## times of runs, phases, ranks and commands; an hour or two on a quiet machine
+bench: .venv/.installed  ## times and memory of runs, phases, ranks and commands; an hour on a quiet machine
 	$(BIN)/python tools/bench.py
 
 test: .venv/.installed  ## all tests on 1 rank, those marked mpi on 2; the slow ones if CI or SLOW is set

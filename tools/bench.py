@@ -349,7 +349,7 @@ def rows_of_factors(name: str) -> Iterator[Row]:
             each.append(run_once(case_file(name), FRETFE_FACTORS=kind))
     best = [min(each, key=lambda run: run.whole.processor) for each in runs.values()]
     for what, values in {
-        "condensation, s": [each.seconds["condensation"] for each in best],
+        "condensation, s of wall": [each.seconds["condensation"] for each in best],
         "whole run, s of processor": [each.whole.processor for each in best],
         "peak memory, GB": [each.whole.memory for each in best],
     }.items():
@@ -394,7 +394,7 @@ def phase_of(line: str) -> str | None:
         return "steps"
     if not line.endswith(" ...\n"):
         return None
-    return re.sub(r"(: \d+ of \d+|, \d+ unknowns)$", "", line.removesuffix(" ...\n"))
+    return re.sub(r"(: (state )?\d+ of \d+|, \d+ unknowns)$", "", line.removesuffix(" ...\n"))
 
 
 def rows_of_ranks(name: str, ranks: int) -> Iterator[Row]:
