@@ -348,7 +348,7 @@ def deck_case(folder: Path, text: str, **bodies: dict[str, Any]) -> Case:
 def test_materials_of_the_file_are_defaults(tmp_path: Path) -> None:
     """What the case gives counts; numbers of the run do not depend on the file any more."""
     text = PART + ASSEMBLY + MATERIAL
-    own = {"young": 200e3, "poisson": 0.3, "density": 8e-9}
+    own: dict[str, Any] = {"young": 200e3, "poisson": 0.3, "density": 8e-9}
     case = deck_case(tmp_path, text, lower=own)
     steel = Body(young=210e3, poisson=0.3, density=7.85e-9, expansion=12e-6,
                  reference_temperature=20)  # fmt: skip
