@@ -40,9 +40,9 @@ RUNAWAY = 1e7
 # Loads are in equilibrium if a motion that nothing resists leaves this part of them.
 EQUILIBRIUM = 1e-11
 NO_RESISTANCE = "the loads find no resistance: the contact slides or opens as a whole"
-# Directions of slip (in three dimensions) are converged when less than this is left of them: of
-# those that turn, the square of their change.
-DIRECTION_TOLERANCE = 1e-12
+# Directions of slip (in three dimensions) are converged when they change by less than this: what
+# the linearised friction law leaves is half of its square.
+DIRECTION_TOLERANCE = 1e-6
 
 
 class NotConverged(Exception):
@@ -145,10 +145,9 @@ class Newton:
             if not step.resists(solution.motion):
                 raise NotConverged(NO_RESISTANCE, iteration)
             following = self._rules.following(guess, solution, loads.friction)
-            turned = np.abs(following.direction - guess.direction).max(axis=1)
-            left = np.where(guess.turning > 0, turned**2, turned).max()
+            turned = np.abs(following.direction - guess.direction).max()
             settled = np.array_equal(following.status, guess.status)
-            if settled and left < DIRECTION_TOLERANCE:
+            if settled and turned < DIRECTION_TOLERANCE:
                 return self._state(following, solution, step, reference), iteration
             # Directions that still turn, ever less, are not a cycle.
             if not settled and following.key() in seen:
