@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg, sparse
+from scipy import linalg
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface, coordinate_scale
@@ -165,11 +165,10 @@ class RegularisedFactor:
 
 
 class DirectSystem:
-    """Linear contact conditions of vectors of shear for as few unknowns as they leave, directly.
+    """Linear contact conditions of solids for as few unknowns as they leave, without any inverse.
 
     These are all components of the traction of a stuck node; of a slipping one its pressure, which
-    pulls a shear behind it, and the shear across that, along which its direction turns. Conditions
-    are about displacements along the same components, without what pressure pulls.
+    pulls a shear behind it, and the shear across that, along which its direction turns.
 
     Args:
         interface: the interface problem, d = 3.
@@ -177,61 +176,26 @@ class DirectSystem:
 
     Attributes:
         count: number of unknown tractions; coordinates follow.
-        numbers: tell the unknown tractions from those of other systems.
+        numbers: the same for systems with the same unknowns.
     """
 
     def __init__(self, interface: Interface, conditions: Conditions) -> None:
-        d, size = interface.components, interface.size * interface.components
-        stuck, self._slipping = (
-            np.flatnonzero(conditions.status == each) for each in (STICK, SLIP)
-        )
+        d = interface.components
+        stuck, slipping = (np.flatnonzero(conditions.status == each) for each in (STICK, SLIP))
         self._interface, self._conditions = interface, conditions
         self._level, self._scale = interface.compliance.level, coordinate_scale(interface)
-        components, normal = (d * stuck[:, None] + np.arange(d)).ravel(), d * self._slipping
-        self._held = np.concatenate([components, normal])
-        self._turning, self._across = conditions.across(self._slipping)
-        self.count = len(self._held) + len(self._turning)
-        # A direction that turns any way has the second of its unknowns at the end.
-        again = np.arange(len(self._turning)) >= len(np.unique(self._turning))
-        self.numbers = np.concatenate(
-            [components, size + normal, size + d * self._turning + 1 + again]
-        )
-
-    @cached_property
-    def _own(self) -> Array:
-        """(count,) what an unknown adds to its own condition."""
-        turning, own = self._turning, np.zeros(self.count)
-        weight = self._conditions.turning[turning]
-        own[len(self._held) :] = (1 - weight) / (self._conditions.penalty[turning] * self._level)
-        return own
-
-    @cached_property
-    def _tractions(self) -> sparse.csr_array:
-        """(count, N*d) tractions of each unknown."""
-        held, pull = len(self._held), self._conditions.pull[self._slipping]
-        pulled = self._shear(held - len(pull), self._slipping, pull)
-        return self._straight + pulled + self._shear(held, self._turning, self._across)
-
-    @cached_property
-    def _tested(self) -> sparse.csr_array:
-        """(count, N*d) the displacements that the conditions are about."""
-        weight = self._conditions.turning[self._turning, None]
-        return self._straight + self._shear(len(self._held), self._turning, weight * self._across)
-
-    @cached_property
-    def _straight(self) -> sparse.csr_array:
-        return self._placed(np.arange(len(self._held)), self._held, np.ones(len(self._held)))
-
-    def _shear(self, first: int, nodes: Indices, vectors: Array) -> sparse.csr_array:
-        """Vectors (n, d-1) at nodes (n,), of unknowns from the first one on."""
-        d = self._interface.components
-        columns = d * nodes[:, None] + np.arange(1, d)
-        rows = (first + np.arange(len(nodes))).repeat(d - 1)
-        return self._placed(rows, columns.ravel(), vectors.ravel())
-
-    def _placed(self, rows: Indices, columns: Indices, values: Array) -> sparse.csr_array:
-        shape = self.count, len(self._interface.gap)
-        return sparse.csr_array((values, (rows, columns)), shape=shape)
+        self._normal = d * slipping
+        components = (d * stuck[:, None] + np.arange(d)).ravel()
+        self._held = np.concatenate([components, self._normal])
+        self._sliding = slice(len(components), len(self._held))
+        self._pull = conditions.pull[slipping]
+        turning, self._across = conditions.across(slipping)
+        self._turning = d * turning
+        self._weight = conditions.turning[turning]
+        own = (1 - self._weight) / (conditions.penalty[turning] * self._level)
+        self._own = len(self._held) + np.arange(len(turning)), own
+        self.count = len(self._held) + len(turning)
+        self.numbers = np.concatenate([self._held, self._turning + 1])
 
     def solve(self, systems: SimilarSystems, free: Array, forces: Array) -> Response:
         """Solve the system; see `StuckSolution.release`.
@@ -246,12 +210,12 @@ class DirectSystem:
         """
         interface, count = self._interface, self.count
         flat = free.reshape(-1, free.shape[-1])
-        target = np.vstack([-(self._tested @ flat), -forces * self._unit[:, None]])
+        target = np.vstack([-self._tested(flat.__getitem__), -forces * self._unit[:, None]])
         known = self._known
         target[known] = self._conditions.amplitudes / self._scale[self._conditions.known, None]
         solved = systems.solve(self.numbers, self, target)
         coordinates = solved[count:] * self._scale[:, None]
-        traction = self._tractions.T @ solved[:count] / self._level
+        traction = self._tractions(solved[:count], np.zeros_like(flat)) / self._level
         relative = interface.motion @ coordinates + flat
         for case, column in enumerate(traction.T):
             relative[:, case] += interface.compliance.apply(np.ascontiguousarray(column))
@@ -272,10 +236,11 @@ class DirectSystem:
         """(k,) the matrix times a vector (k,), without the matrix."""
         interface, count = self._interface, self.count
         coordinates = vector[count:] * self._scale
-        traction = self._tractions.T @ vector[:count]
+        traction = self._tractions(vector[:count, None], np.zeros((len(interface.motion), 1)))[:, 0]
         moved = interface.compliance.apply(traction) / self._level + interface.motion @ coordinates
         found = np.empty(len(vector))
-        found[:count] = self._tested @ moved + self._own * vector[:count]
+        found[:count] = self._tested(moved[:, None].__getitem__)[:, 0]
+        found[self._own[0]] += self._own[1] * vector[self._own[0]]
         forces = interface.stiffness @ coordinates * self._level
         found[count:] = (interface.motion.T @ traction - forces) * self._scale
         found[self._known] = vector[self._known]
@@ -283,46 +248,68 @@ class DirectSystem:
 
     def matrix(self) -> Array:
         """(k, k) of the unknown tractions, then the coordinates."""
-        count = self.count
+        interface, count = self._interface, self.count
         matrix = np.empty((count + len(self._scale),) * 2)
         # Few rows at a time: what they are gathered from is larger than they are.
-        for begin in range(0, count, BLOCK):
-            part = np.arange(begin, min(begin + BLOCK, count))
-            matrix[part] = self.rows(part)
-        matrix[count:, :count] = self._forces(self._tractions)
-        stiffness = self._interface.stiffness
-        matrix[count:, count:] = -stiffness * np.outer(self._scale, self._unit)
+        for begin in range(0, len(self._held), BLOCK):
+            rows = self._held[begin : begin + BLOCK]
+            matrix[begin : begin + len(rows), :count] = self._displacements(rows)
+        for begin in range(0, len(self._turning), BLOCK):
+            part = slice(begin, begin + BLOCK)
+            place = slice(len(self._held) + begin, min(len(self._held) + begin + BLOCK, count))
+            matrix[place, :count] = self._turned(self._displacements, part)
+        matrix[:count, :count] /= self._level
+        matrix[self._own[0], self._own[0]] += self._own[1]
+        motion = interface.motion * self._scale
+        matrix[:count, count:] = self._tested(motion.__getitem__)
+        work = motion[self._held]
+        for component, pull in enumerate(self._pull.T, start=1):
+            work[self._sliding] += pull[:, None] * motion[self._normal + component]
+        across = self._along(motion.__getitem__, slice(None))
+        matrix[count:, :count] = np.vstack([work, across]).T
+        matrix[count:, count:] = -interface.stiffness * np.outer(self._scale, self._unit)
         known = self._known
         matrix[known] = 0.0
         matrix[known, known] = 1.0
         return matrix
 
-    def rows(self, numbers: Indices) -> Array:
-        """(n, k) rows of the matrix, of the conditions of unknown tractions."""
-        tested = self._tested[numbers]
-        moved = self._moved(tested, self._tractions)
-        moved[np.arange(len(numbers)), numbers] += self._own[numbers]
-        return np.hstack([moved, tested @ self._interface.motion * self._scale])
+    def _displacements(self, rows: Indices) -> Array:
+        """(r, count) displacements of some components by the unknown tractions."""
+        block, held = self._interface.compliance.block, self._held
+        found = np.empty((len(rows), self.count))
+        found[:, : len(held)] = block(rows, held)
+        for component, pull in enumerate(self._pull.T, start=1):
+            if pull.any():
+                found[:, self._sliding] += block(rows, self._normal + component) * pull
+        found[:, len(held) :] = self._along(lambda columns: block(rows, columns).T, slice(None)).T
+        return found
 
-    def columns(self, numbers: Indices) -> Array:
-        """(k, n) columns of the matrix, of unknown tractions."""
-        tractions = self._tractions[numbers]
-        moved = self._moved(tractions, self._tested)
-        moved[np.arange(len(numbers)), numbers] += self._own[numbers]
-        forces = self._forces(tractions)
-        forces[self._conditions.known] = 0.0
-        return np.vstack([moved.T, forces])
+    def _tested(self, rows: Callable[[Indices], Array]) -> Array:
+        """(count, J) what the conditions are about of the rows of an array."""
+        return np.vstack([rows(self._held), self._turned(rows, slice(None))])
 
-    def _moved(self, left: sparse.csr_array, right: sparse.csr_array) -> Array:
-        """(l, r) compliance between some tractions or displacements and others."""
-        rows, columns = (np.unique(each.indices) for each in (left, right))
-        moved = self._interface.compliance.block(rows, columns) / self._level
-        moved = np.ascontiguousarray((left[:, rows] @ moved).T)  # for sparse products
-        return np.asarray(right[:, columns] @ moved).T
+    def _turned(self, rows: Callable[[Indices], Array], part: slice) -> Array:
+        """That of the directions that turn, as far as they do."""
+        return self._weight[part, None] * self._along(rows, part)
 
-    def _forces(self, tractions: sparse.csr_array) -> Array:
-        """(m, n) forces on the coordinates by unknown tractions."""
-        return np.asarray(tractions @ self._interface.motion * self._scale).T
+    def _along(self, rows: Callable[[Indices], Array], part: slice) -> Array:
+        """(t, J) rows across the shear of slipping nodes."""
+        nodes, across = self._turning[part], self._across[part]
+        parts = (
+            each[:, None] * rows(nodes + component)
+            for component, each in enumerate(across.T, start=1)
+        )
+        return np.asarray(sum(parts))
+
+    def _tractions(self, solved: Array, traction: Array) -> Array:
+        """(N*d, J) tractions, from none, by the unknown ones."""
+        traction[self._held] = solved[: len(self._held)]
+        for component, pull in enumerate(self._pull.T, start=1):
+            traction[self._normal + component] = pull[:, None] * traction[self._normal]
+        turns = solved[len(self._held) :]
+        for component, each in enumerate(self._across.T, start=1):
+            np.add.at(traction, self._turning + component, each[:, None] * turns)
+        return traction
 
 
 class SlidingContact:
@@ -517,7 +504,7 @@ class FactoredOperator:
         self._order: ContactOrder | None = None
         self._count = FEWEST
         self._met = np.zeros(interface.size, dtype=np.int64)  # how often a node was in contact
-        self._sliding, self._direct = SlidingContact(interface), SimilarSystems()
+        self._sliding = SlidingContact(interface)
 
     def area(self, closed: Bools, gap: Array) -> NestedArea:
         """Leading block that includes a contact area; the same object while it serves this one too.
@@ -535,7 +522,7 @@ class FactoredOperator:
             self._order = None  # its matrices make room for those of the next
             count = max(self._count, math.ceil(SPARE * int(closed.sum())))
             nodes = np.lexsort(keys)[:count]
-            self._order = ContactOrder(self.interface, nodes, self._sliding, self._direct)
+            self._order = ContactOrder(self.interface, nodes, self._sliding)
         return self._order.area(closed)
 
     def memory(self) -> dict[str, NDArray[Any]]:
@@ -554,9 +541,7 @@ class FactoredOperator:
         self._count, self._met = int(memory["operator_count"]), memory["operator_met"]
         self._sliding.recall(memory)
         if "operator_order" in memory:
-            self._order = ContactOrder(
-                self.interface, memory["operator_order"], self._sliding, self._direct
-            )
+            self._order = ContactOrder(self.interface, memory["operator_order"], self._sliding)
             self._order.cost, self._order.rent = memory["operator_cost"].tolist()
             if "operator_rows" in memory:
                 self._order.rows.recall(memory)
@@ -579,11 +564,10 @@ class ContactOrder:
         interface: the interface problem.
         nodes: (K,) these nodes; the others do not touch.
         sliding: solves the conditions of plane problems most of whose nodes slide.
-        direct: solves those of vectors of shear where the factors of the order do not pay.
 
     Attributes:
         interface: the interface problem.
-        sliding, direct: as given.
+        sliding: as given.
         nodes: (K,) these nodes.
         components: (K*d,) theirs.
         others: components of the other nodes.
@@ -595,15 +579,9 @@ class ContactOrder:
         rent: what direct solutions have cost so far beyond those with the factors.
     """
 
-    def __init__(
-        self,
-        interface: Interface,
-        nodes: Indices,
-        sliding: SlidingContact,
-        direct: SimilarSystems,
-    ) -> None:
+    def __init__(self, interface: Interface, nodes: Indices, sliding: SlidingContact) -> None:
         d = interface.components
-        self.interface, self.sliding, self.direct = interface, sliding, direct
+        self.interface, self.sliding = interface, sliding
         self.nodes = nodes
         self.components = (nodes[:, None] * d + np.arange(d)).ravel()
         self._rank = np.full(interface.size, len(nodes))
@@ -631,7 +609,6 @@ class ContactOrder:
         Raises:
             ModelError: if A is not positive definite.
         """
-        self.direct.forget()  # makes room
         # In Fortran's order: a symmetric matrix.
         matrix = self.interface.compliance.block(self.components, self.components).T
         matrix /= self.level
@@ -741,7 +718,7 @@ class StuckSolution:
         self._given = free, forces
         self._free = free.reshape(-1, free.shape[-1])
         self._forces = forces * order.scale[:, None] * order.level
-        self._systems = SimilarSystems()
+        self._systems, self._direct = SimilarSystems(), SimilarSystems()
 
     @cached_property
     def _missing(self) -> Array:
@@ -787,7 +764,7 @@ class StuckSolution:
         elif not conditions.floating:
             system = DirectSystem(order.interface, conditions)
             if order.direct_pays(system.count, area.size, released.all):
-                return system.solve(order.direct, *self._given)
+                return system.solve(self._direct, *self._given)
         # Tractions by unit displacements of the released components, less those by coordinates.
         units, vectors = order.rows.units(area.size, released.all), order.rows.vectors(area.size)
         motion = order.motion[: area.size]

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -26,13 +25,8 @@ FEWEST = 500
 ROUND_OFF = 1e-12
 # Corrections that fall so fast need no iterations of GMRES.
 FALLS = 0.03
-# Unknowns that come and go, over those of a factorisation, from which on it is done anew.
-WIDEST = 0.2
-# Iterations of GMRES from one correction to the next.
-ITERATIONS = 12
-# Products with the matrix after which a factorisation is no more work, and after which it has been
-# worth it for the next system.
-PRODUCTS, WORTH = 30, 8
+# Iterations and corrections after which a factorisation is no more work.
+ITERATIONS, ROUNDS = 12, 6
 
 
 class NestedInverse:
@@ -201,12 +195,6 @@ class LinearSystem(Protocol):
     def apply(self, vector: Array) -> Array:
         """(k,) the matrix times a vector (k,)."""
 
-    def rows(self, numbers: Indices) -> Array:
-        """(n, k) some rows of the matrix."""
-
-    def columns(self, numbers: Indices) -> Array:
-        """(k, n) some columns of the matrix."""
-
 
 @dataclass(frozen=True)
 class MatrixSystem:
@@ -226,98 +214,6 @@ class MatrixSystem:
         """(k,) the matrix times a vector (k,)."""
         return np.asarray(self.known @ vector)
 
-    def rows(self, numbers: Indices) -> Array:
-        """(n, k) some rows of the matrix."""
-        return self.known[numbers]
-
-    def columns(self, numbers: Indices) -> Array:
-        """(k, n) some columns of the matrix."""
-        return self.known[:, numbers]
-
-
-class Approximate(Protocol):
-    """Approximate inverse of a linear system."""
-
-    def solve(self, target: Array) -> Array:
-        """(k, J) approximate solutions."""
-
-
-class Factors:
-    """Factors of the matrix of a linear system.
-
-    Args:
-        system: the system.
-        precision: of the factors.
-
-    Raises:
-        numpy.linalg.LinAlgError: if the matrix is singular with numbers of this precision.
-    """
-
-    def __init__(self, system: LinearSystem, precision: type[np.floating[Any]]) -> None:
-        # Of the transposed matrix, in its place.
-        matrix = system.matrix().astype(precision, copy=False).T
-        decompose = lapack.sgetrf if precision is np.float32 else lapack.dgetrf
-        factors, pivots, info = decompose(matrix, overwrite_a=1)
-        if info:
-            raise np.linalg.LinAlgError(f"row {info} of the matrix depends on those before it")
-        self._factors = factors, pivots
-
-    def solve(self, target: Array) -> Array:
-        """(k, J) solution with the matrix that was factorised, to its precision."""
-        target = target.astype(self._factors[0].dtype, copy=False)
-        solved = linalg.lu_solve(self._factors, target, trans=1, check_finite=False)
-        return np.asarray(solved, dtype=np.float64)
-
-
-class Bordered:
-    """Factors of one system as approximate factors of another with some other unknowns.
-
-    Unknowns that have gone are zero, with something that acts on their conditions instead; new
-    ones come with their conditions.
-
-    Args:
-        factors: of the one system.
-        system: the other one.
-        stay: (s,) numbers of the unknowns of both, in the one and in the other.
-        gone: (g,) numbers in the one system of those that have gone.
-        new: (n,) numbers in the other system of the new ones.
-    """
-
-    def __init__(
-        self,
-        factors: Factors,
-        system: LinearSystem,
-        stay: tuple[Indices, Indices],
-        gone: Indices,
-        new: Indices,
-    ) -> None:
-        before, now = stay
-        self._factors, self._stay, self._gone, self._new = factors, stay, gone, new
-        size = len(before) + len(gone)
-        rows, columns = system.rows(new), system.columns(new)
-        border = np.zeros((size, len(new) + len(gone)))
-        border[before, : len(new)] = columns[now]
-        border[gone, len(new) + np.arange(len(gone))] = 1.0
-        self._border = factors.solve(border)
-        self._rows = np.zeros((len(new), size))
-        self._rows[:, before] = rows[:, now]
-        corner = -np.vstack([self._rows @ self._border, self._border[gone]])
-        corner[: len(new), : len(new)] += rows[:, new]
-        self._corner = linalg.lu_factor(corner, check_finite=False)
-
-    def solve(self, target: Array) -> Array:
-        """(k, J) approximate solution of the other system."""
-        before, now = self._stay
-        own = np.zeros((len(self._border), target.shape[1]))
-        own[before] = target[now]
-        solved = self._factors.solve(own)
-        missing = np.vstack([target[self._new] - self._rows @ solved, -solved[self._gone]])
-        added = linalg.lu_solve(self._corner, missing, check_finite=False)
-        solved -= self._border @ added
-        found = np.empty_like(target)
-        found[now], found[self._new] = solved[before], added[: len(self._new)]
-        return found
-
 
 class SimilarSystems:
     """Solver of one linear system after the other, with the factors of an earlier one if they do.
@@ -328,15 +224,14 @@ class SimilarSystems:
     """
 
     def __init__(self) -> None:
-        self._unknowns: Indices
-        self._factors: Factors | None = None
+        self._unknowns: Indices | None = None
+        self._factors: tuple[NDArray[Any], Indices]
 
     def solve(self, unknowns: Indices, system: LinearSystem, target: Array) -> Array:
         """(k, J) solution of a system.
 
         Args:
-            unknowns: numbers that tell its unknowns from those of other systems; the last unknowns,
-                which have none, are the same in all of them.
+            unknowns: numbers that tell its unknowns from those of other systems.
             system: of k unknowns.
             target: (k, J) right-hand sides.
 
@@ -345,95 +240,61 @@ class SimilarSystems:
         """
         if len(target) < FEWEST:
             return np.linalg.solve(system.matrix(), target)
-        similar = self._similar(unknowns, system, len(target) - len(unknowns))
-        if similar is not None:
-            found, products = _iterate(similar, system, target)
-            if products > WORTH:
-                self._factors = None
+        if self._unknowns is not None and np.array_equal(unknowns, self._unknowns):
+            found = self._iterate(system, target)
             if found is not None:
                 return found
-        del similar
-        self._factors = None  # makes room for the next
-        self._unknowns, self._factors, found = unknowns, *_factorised(system, target)
-        return found
+        self._unknowns = None
+        for precision in (np.float32, np.float64):
+            if self._factorise(system, precision):
+                found = self._iterate(system, target)
+                if found is not None:
+                    self._unknowns = unknowns
+                    return found
+        return self._approximate(target)
 
-    def forget(self) -> None:
-        """Let the factors go."""
-        self._factors = None
+    def _factorise(self, system: LinearSystem, precision: type[np.floating[Any]]) -> bool:
+        """Factorise a matrix with numbers of some precision; False if single precision fails."""
+        single = precision is np.float32
+        # Of the transposed matrix, in its place.
+        matrix = system.matrix().astype(precision, copy=False).T
+        decompose = linalg.lapack.sgetrf if single else linalg.lapack.dgetrf
+        factors, pivots, info = decompose(matrix, overwrite_a=1)
+        self._factors = factors, pivots
+        if info and not single:
+            raise np.linalg.LinAlgError(f"row {info} of the matrix depends on those before it")
+        return not info
 
-    def _similar(self, unknowns: Indices, system: LinearSystem, others: int) -> Approximate | None:
-        """Approximate inverse of a system by the factors; None if that would be too much work."""
-        if self._factors is None or np.array_equal(unknowns, self._unknowns):
-            return self._factors
-        _, *stay = np.intersect1d(self._unknowns, unknowns, assume_unique=True, return_indices=True)
-        counts = [len(each) for each in (self._unknowns, unknowns)]
-        if sum(counts) - 2 * len(stay[0]) > WIDEST * counts[0]:
-            return None
-        gone, new = (
-            np.setdiff1d(np.arange(count), each) for count, each in zip(counts, stay, strict=True)
+    def _approximate(self, target: Array) -> Array:
+        """Solution with the matrix that was factorised."""
+        target = target.astype(self._factors[0].dtype, copy=False)
+        solved = linalg.lu_solve(self._factors, target, trans=1, check_finite=False)
+        return np.asarray(solved, dtype=np.float64)
+
+    def _iterate(self, system: LinearSystem, target: Array) -> Array | None:
+        """Solution by preconditioned iterations; None if there would have to be many."""
+        columns = [self._column(system, column) for column in target.T]
+        known = [column for column in columns if column is not None]
+        return np.stack(known, axis=1) if len(known) == len(columns) else None
+
+    def _column(self, system: LinearSystem, target: Array) -> Array | None:
+        """(k,) solution of a system with one right-hand side; None as above."""
+        similar = LinearOperator(
+            (len(target), len(target)),
+            matvec=lambda vector: self._approximate(system.apply(vector)),
+            dtype=np.float64,
         )
-        before, now = (
-            np.append(each, count + np.arange(others))
-            for count, each in zip(counts, stay, strict=True)
-        )
-        return Bordered(self._factors, system, (before, now), gone, new)
-
-
-def _factorised(system: LinearSystem, target: Array) -> tuple[Factors | None, Array]:
-    """Factors of a system, if they are good for others, and its solution (k, J)."""
-    with suppress(np.linalg.LinAlgError):
-        factors = Factors(system, np.float32)
-        found, _ = _iterate(factors, system, target)
-        if found is not None:
-            return factors, found
-        del factors
-    factors = Factors(system, np.float64)
-    found, _ = _iterate(factors, system, target)
-    return (None, factors.solve(target)) if found is None else (factors, found)
-
-
-def _iterate(similar: Approximate, system: LinearSystem, target: Array) -> tuple[Array | None, int]:
-    """(k, J) solution by preconditioned iterations, None if there would have to be many.
-
-    Then the number of products with the matrix that a column took.
-    """
-    columns = [_column(similar, system, column) for column in target.T]
-    products = max(count for _, count in columns)
-    known = [column for column, _ in columns if column is not None]
-    return (np.stack(known, axis=1) if len(known) == len(columns) else None), products
-
-
-def _column(similar: Approximate, system: LinearSystem, target: Array) -> tuple[Array | None, int]:
-    """(k,) solution of a system with one right-hand side, and products; as above."""
-    count = 0
-
-    def approximate(vector: Array) -> Array:
-        return similar.solve(vector[:, None])[:, 0]
-
-    def product(vector: Array) -> Array:
-        nonlocal count
-        count += 1
-        return system.apply(vector)
-
-    preconditioned = LinearOperator(
-        (len(target),) * 2, matvec=lambda vector: approximate(product(vector)), dtype=np.float64
-    )
-    solution = approximate(target)
-    before = float(np.linalg.norm(solution))
-    while count < PRODUCTS:
-        missing = approximate(target - product(solution))
-        size = float(np.linalg.norm(missing))
-        round_off = ROUND_OFF * float(np.linalg.norm(solution))
-        if size <= round_off:
-            return np.asarray(solution + missing), count
-        if size > FALLS * before:
-            missing = gmres(
-                preconditioned,
-                missing,
-                rtol=0.0,
-                atol=round_off / 10,
-                restart=ITERATIONS,
-                maxiter=1,
-            )[0]
-        solution, before = solution + missing, size
-    return None, count
+        solution = self._approximate(target)
+        before = float(np.linalg.norm(solution))
+        for _ in range(ROUNDS):
+            missing = self._approximate(target - system.apply(solution))
+            size = float(np.linalg.norm(missing))
+            round_off = ROUND_OFF * float(np.linalg.norm(solution))
+            if size <= round_off:
+                return np.asarray(solution + missing)
+            if size > FALLS * before:
+                missing = gmres(
+                    similar, missing, rtol=0.0, atol=round_off / 10, restart=ITERATIONS, maxiter=1
+                )[0]
+            solution, before = solution + missing, size
+        return None

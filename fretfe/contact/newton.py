@@ -40,9 +40,8 @@ RUNAWAY = 1e7
 # Loads are in equilibrium if a motion that nothing resists leaves this part of them.
 EQUILIBRIUM = 1e-11
 NO_RESISTANCE = "the loads find no resistance: the contact slides or opens as a whole"
-# Directions of slip (in three dimensions) are converged when they change by less than this: what
-# the linearised friction law leaves is half of its square.
-DIRECTION_TOLERANCE = 1e-6
+# Directions of slip (in three dimensions) are converged when they change by less than this.
+DIRECTION_TOLERANCE = 1e-10
 
 
 class NotConverged(Exception):
@@ -133,8 +132,7 @@ class Newton:
         """
         # Without friction nothing sticks: a closed node slips without resistance.
         status = np.where((status == STICK) & (loads.friction == 0), SLIP, status).astype(np.int8)
-        # Directions do not turn at first: not before slip tells how far.
-        guess = Guess(status, direction, np.zeros(len(status)))
+        guess = Guess(status, direction, np.where(loads.friction > 0, 1.0, 0.0))
         step = LoadedStep(self._operator.interface, loads, reference)
         seen: set[bytes] = set()
         for iteration in range(1, MAX_ITERATIONS + 1):
@@ -148,7 +146,7 @@ class Newton:
             turned = np.abs(following.direction - guess.direction).max()
             settled = np.array_equal(following.status, guess.status)
             if settled and turned < DIRECTION_TOLERANCE:
-                return self._state(following, solution, step, reference), iteration
+                return self._state(guess, solution, step, reference), iteration
             # Directions that still turn, ever less, are not a cycle.
             if not settled and following.key() in seen:
                 raise NotConverged("the status of the nodes repeats in a cycle", iteration)

@@ -240,6 +240,7 @@ class StatusRules:
             status[closes] = np.where(far[closes], SLIP, STICK)
             held_back = closes & (friction > 0)
             direction[held_back] = -_unit(increment, moved)[held_back]
+            turning[held_back] = 1.0
         direction[status != SLIP] = 0.0
         return Guess(status, direction, turning)
 

@@ -134,9 +134,6 @@ def test_a_direct_system_is_the_same_without_its_matrix(known: Bools) -> None:
     size = system.count + len(CONTROLS)
     columns = np.stack([system.apply(unit) for unit in np.eye(size)], axis=1)
     np.testing.assert_allclose(columns, system.matrix(), rtol=0.0, atol=1e-12)
-    some = np.arange(0, system.count, 3)
-    np.testing.assert_allclose(system.rows(some), columns[some], rtol=0.0, atol=1e-12)
-    np.testing.assert_allclose(system.columns(some), columns[:, some], rtol=0.0, atol=1e-12)
 
 
 @pytest.mark.usefixtures("way")

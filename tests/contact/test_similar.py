@@ -54,19 +54,6 @@ def test_a_small_change_needs_no_factorisation(factorised: list[tuple[str, int]]
     assert factorised == [("s", SIZE)]
 
 
-def test_unknowns_that_come_and_go_need_no_factorisation(factorised: list[tuple[str, int]]) -> None:
-    """Parts of one matrix, in any order; its last two unknowns are in all of them."""
-    systems, matrix, target = SimilarSystems(), well_posed(), random(SIZE, 2, 1)[..., 0]
-    turned = np.random.default_rng(1).permutation(SIZE - 7)[: SIZE - 10]
-    for numbers in (UNKNOWNS[5:-2], UNKNOWNS[:-5], turned, UNKNOWNS[5:-2], UNKNOWNS[:400]):
-        every = np.append(numbers, UNKNOWNS[-2:])
-        system, rhs = matrix[np.ix_(every, every)], target[every]
-        found = systems.solve(numbers, MatrixSystem(system), rhs)
-        expected = np.linalg.solve(system, rhs)
-        assert np.allclose(found, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max())
-    assert factorised == [("s", SIZE - 5)]
-
-
 def test_other_systems_are_factorised(factorised: list[tuple[str, int]]) -> None:
     systems, matrix, target = SimilarSystems(), well_posed(), random(SIZE, 2, 1)[..., 0]
     cases = [
