@@ -263,7 +263,8 @@ class Nodes(Protocol):
 class Place:
     """One contact: its name, its bodies and its nodes; of solids the facets between them.
 
-    Of solids also which nodes lie where both bodies end; Dundurs' beta of bodies that are unlike.
+    Of solids also which nodes lie where both bodies end, and the normals of planes behind which
+    they go on, as of `ContactHistory`; Dundurs' beta of bodies that are unlike.
     """
 
     name: str
@@ -272,6 +273,7 @@ class Place:
     nodes: Nodes
     facets: Indices | None = None
     free: Bools | None = None
+    continued: Array | None = None
     dundurs: float = 0.0
 
 

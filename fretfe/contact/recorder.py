@@ -460,6 +460,7 @@ class Recorder:
             ),
             facets=place.facets,
             free=place.free,
+            continued=place.continued,
             dundurs=place.dundurs,
         )
 

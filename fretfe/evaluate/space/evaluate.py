@@ -353,7 +353,7 @@ class _Front:
         spread = _spread(self.factors, front, fit, number, direction, cycle, self.path)
         cycles = count_cycles(cycle, self.contact.friction, along)
         length = float(last_known(fit.length[:, number], cycle))
-        depth, to_end = float(front.depth[number]), float(frames.to_end[number])
+        depth, to_end = float(front.depth[number]), float(frames.to_free_end[number])
         # Shear along the front knows nothing of beta.
         coupled = abs(self.contact.dundurs * float(direction[0]))
         return Station(
@@ -485,7 +485,7 @@ def _spread(
     beside = _beside(swing, front, station)
     ranges = [cycle_range(way, cycle) for way in own]
     # At the ends of an open front factors grow out of all proportion.
-    inner = front.frames.to_end > front.depth
+    inner = front.frames.to_free_end > front.depth
     mean = histories.mean(axis=0)[inner if inner.any() else slice(None)]
     known = [size for each in mean if np.isfinite(size := _largest(each, cycle))]
     largest = max(known, default=np.nan)
