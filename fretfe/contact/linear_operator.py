@@ -200,10 +200,12 @@ class DirectSystem:
         kinds = np.concatenate([np.tile(np.arange(3), len(stuck)), kinds])
         known = 2 * np.arange(len(self._scale)) + conditions.known
         self.numbers = np.concatenate([6 * self._nodes + kinds, -1 - known])
-        motion = (interface.motion * self._scale).reshape(interface.size, 3, -1)[self._nodes]
-        self._moved, self._pushed = (
-            np.einsum("ij,ijk->ik", each, motion) for each in (self._tested, self._trial)
-        )
+
+    @cached_property
+    def _motion(self) -> Array:
+        """(count, 3, m) displacements of the nodes of the unknowns by coordinates."""
+        motion = (self._interface.motion * self._scale).reshape(self._interface.size, 3, -1)
+        return np.asarray(motion[self._nodes])
 
     def solve(self, systems: SimilarSystems, free: Array, forces: Array) -> Response:
         """Solve the system; see `StuckSolution.release`.
@@ -279,8 +281,11 @@ class DirectSystem:
         _, here, there = np.intersect1d(own, tractions, assume_unique=True, return_indices=True)
         found[here, there] += self._own[own[here]]
         forces, coordinates = forces - self.count, coordinates - self.count
-        found[:split, width:] = self._moved[np.ix_(own, coordinates)]
-        found[split:, :width] = self._pushed[np.ix_(tractions, forces)].T
+        moved, pushed = (
+            np.einsum("ij,ijk->ik", directions[chosen], self._motion[chosen])
+            for directions, chosen in ((self._tested, own), (self._trial, tractions))
+        )
+        found[:split, width:], found[split:, :width] = moved[:, coordinates], pushed[:, forces].T
         stiffness = -self._interface.stiffness * np.outer(self._scale, self._unit)
         found[split:, width:] = stiffness[np.ix_(forces, coordinates)]
         known = np.flatnonzero(self._conditions.known[forces])
