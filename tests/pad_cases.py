@@ -4,7 +4,10 @@
 from __future__ import annotations
 
 import copy
+import itertools
 import tomllib
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import tomli_w
@@ -52,6 +55,21 @@ SLIDING = {
     "base": {"boundary": "lower_bottom", "fix": ["y"]},
     "side": {"boundary": "lower_left", "fix": ["x"]},
 }
+
+
+def as_field(
+    load: dict[str, Any], folder: Path, size: float, warm: Callable[..., float], dimension: int = 2
+) -> dict[str, Any]:
+    """A temperature load as the only step of another run, at the corners of a square or cube.
+
+    Temperatures `warm(x, y[, z])` are linear.
+    """
+    corners = [*itertools.product((-size, size), repeat=dimension)]
+    rows = [",".join(map(repr, (*corner, warm(*corner)))) for corner in corners]
+    path = folder / "heat.csv"
+    path.write_text("\n".join([",".join([*"xyz"[:dimension], "T"]), *rows]) + "\n")
+    kept = {key: load[key] for key in ("history", "bodies") if key in load}
+    return {"type": "temperature_field", "file": str(path), **kept}
 
 
 def wave(amplitude: float, phase: float = 0.0, cycles: int = 2, steps: int = 20) -> dict[str, Any]:

@@ -5,20 +5,22 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fretfe.case import Body
+from fretfe.case import Body, Case, case_text, changed, parse_case
 from fretfe.cli.app import app
-from fretfe.errors import MeshError
+from fretfe.errors import CaseError, MeshError
 from fretfe.mesh.gmsh import RawMesh
 from fretfe.mesh.inp import Deck, read_deck
 from fretfe.mesh.inp_groups import read_inp
 from fretfe.mesh.inp_outline import outline
 
 STEEL = Body(young=210e3, poisson=0.3)
+RAMP = {"ramp": 1.0, "until": 1.0, "steps": 1}
 BODIES = {"upper": STEEL, "lower": STEEL}
 NODES = """\
 *Node
@@ -328,3 +330,43 @@ def test_the_beginning_of_a_case_without_materials(tmp_path: Path) -> None:
     assert tables["bodies"] == {"body1": {}, "upper": {}}
     assert tables["geometry"]["bodies"] == {"body1": {"label": "LOWER PART"}}
     assert lines.count("# to be added: young, poisson") == 2
+
+
+def deck_case(folder: Path, text: str, **bodies: dict[str, Any]) -> Case:
+    write(folder, text)
+    contact = {"surface1": "upper_head", "surface2": "flank", "friction": 0.5}
+    turning = {"type": "rotation", "centre": [0, 0], "history": [RAMP]}
+    data = {
+        "geometry": {"file": "pad.inp", "bodies": {"head": {"label": "Upper"}}},
+        "bodies": {"head": {}, "lower": {}, **bodies},
+        "contacts": {"main": contact},
+        "loads": {"spin": turning},
+    }
+    return parse_case(data, folder / "pad.toml")
+
+
+def test_materials_of_the_file_are_defaults(tmp_path: Path) -> None:
+    """What the case gives counts; numbers of the run do not depend on the file any more."""
+    text = PART + ASSEMBLY + MATERIAL
+    own: dict[str, Any] = {"young": 200e3, "poisson": 0.3, "density": 8e-9}
+    case = deck_case(tmp_path, text, lower=own)
+    steel = Body(young=210e3, poisson=0.3, density=7.85e-9, expansion=12e-6,
+                 reference_temperature=20)  # fmt: skip
+    assert case.bodies == {"head": steel, "lower": Body(**own)}
+    assert case.material_notes == (
+        "bodies.head: STEEL of pad.inp: young = 210000, poisson = 0.3, density = 7.85e-09, "
+        "expansion = 1.2e-05",
+    )
+    stiffer = changed(case, {"bodies.head.young": 220e3})
+    assert stiffer.bodies["head"] == steel.model_copy(update={"young": 220e3})
+    assert "210000" in case_text(case)
+    for material, reason in (
+        (MATERIAL.replace("*Elastic", "*Elastic, type=lamina"), r"not isotropic or not constant"),
+        ("", "STEEL"),
+    ):
+        with pytest.raises(CaseError, match=rf"bodies.lower: expected young .*: .*{reason}"):
+            deck_case(tmp_path, PART + ASSEMBLY + material, head=own)
+    with pytest.raises(CaseError, match=r"bodies.head: expected young and poisson.*: none"):
+        deck_case(tmp_path, FLAT)
+    with pytest.raises(CaseError, match=r"geometry.file: .*line 1: \*TIE is not supported"):
+        deck_case(tmp_path, "*TIE, NAME=T\nA, B\n")

@@ -26,6 +26,8 @@ LAYERS = (
     "fretfe._core",
     "fretfe._typing",
     "fretfe.analytic.*",
+    "fretfe.mesh.inp_cards",
+    "fretfe.mesh.inp",
     "fretfe.case.*",
     "fretfe.loads.*",
     "fretfe.mesh.*",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Constants of bodies from material files and tables over temperature, as single numbers."""
+"""Constants of bodies from material files, decks and tables over temperature, as single numbers."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Any, Self
 
 from pydantic import TypeAdapter, ValidationError, model_validator
 
-from fretfe.case.base import Table, Text
+from fretfe.case.base import ABAQUS, Table, Text
 from fretfe.case.bodies import AnyBody, Given, OverTemperature
 from fretfe.case.messages import complaint, field_problems, found
 from fretfe.case.model import Key
 from fretfe.case.tables import MILLIMETRES
 from fretfe.case.toml_file import read_tables
-from fretfe.errors import CaseError
+from fretfe.errors import CaseError, MeshError
 
 # Units by their labels, in SI.
 POUND, INCH = 0.45359237, 0.0254
@@ -122,6 +122,8 @@ def read_material(path: Path) -> MaterialFile:
 def with_constants(data: Mapping[str, Any], source: Path) -> tuple[dict[str, Any], Given | None]:
     """Tables of a case with single numbers in place of materials and tables over temperature.
 
+    Bodies without elastic constants have the material of an input file, if the mesh is one.
+
     Args:
         data: tables of a case file; not changed.
         source: the case file.
@@ -138,10 +140,14 @@ def with_constants(data: Mapping[str, Any], source: Path) -> tuple[dict[str, Any
     resolved: dict[str, Any] = {}
     notes: list[str] = []
     young: dict[str, OverTemperature] = {}
+    decks = _of_deck(data, source, bodies)
     for name, body in bodies.items():
         resolved[name] = body
-        if isinstance(body, Mapping) and ("material" in body or any(_tables(body))):
-            resolved[name], note, curve = _resolved(data, source, str(name), body)
+        if name in decks or (
+            isinstance(body, Mapping) and ("material" in body or any(_tables(body)))
+        ):
+            deck = decks.get(name)
+            resolved[name], note, curve = _resolved(data, source, str(name), body, deck)
             notes.append(note)
             if curve is not None:
                 young[name] = curve
@@ -150,12 +156,64 @@ def with_constants(data: Mapping[str, Any], source: Path) -> tuple[dict[str, Any
     return {**data, "bodies": resolved}, Given(bodies, tuple(notes), young)
 
 
+def _of_deck(
+    data: Mapping[str, Any], source: Path, bodies: Mapping[str, Any]
+) -> dict[str, tuple[str, dict[str, float]]]:
+    """Name and numbers of the materials in an input file of bodies that lack elastic constants.
+
+    Raises:
+        CaseError: for the first body that has none there.
+    """
+    geometry = data.get("geometry")
+    geometry = geometry if isinstance(geometry, Mapping) else {}
+    file, labels = geometry.get("file"), geometry.get("bodies")
+    bare = [
+        name for name, body in bodies.items()
+        if isinstance(body, Mapping) and not {"material", "elastic"}.intersection(body)
+        and not {"young", "poisson"}.issubset(body)
+    ]  # fmt: skip
+    if not (bare and isinstance(file, str) and file.lower().endswith(ABAQUS.suffixes)):
+        return {}
+    # Imported where it is needed: most cases have no such file.
+    from fretfe.mesh.inp import Material, read_deck
+
+    try:
+        deck = read_deck(source.parent / file)
+    except MeshError as error:
+        raise CaseError(complaint(source, ("geometry", "file"), str(error))) from None
+    found = {}
+    for name in bare:
+        label = labels.get(name) if isinstance(labels, Mapping) else None
+        label = label.get("label") if isinstance(label, Mapping) else None
+        elements = deck.element_sets.get(str(label or name).upper(), ())
+        materials = deck.materials_of(elements)
+        one = deck.materials.get(materials[0]) if len(materials) == 1 else None
+        material = one or Material()
+        if missing := [key for key in ("young", "poisson")
+                       if key not in bodies[name] and key not in material.numbers]:  # fmt: skip
+            reason = ", ".join(material.left_out or materials) or "none"
+            text = (
+                f"expected {' and '.join(missing)}, or elastic, or a material, here or of "
+                f"the body in {file}, found there: {reason}"
+            )
+            raise CaseError(complaint(source, ("bodies", name), text))
+        found[name] = f"{materials[0]} of {file}", material.numbers
+    return found
+
+
 def _resolved(
-    data: Mapping[str, Any], source: Path, name: str, body: Mapping[str, Any]
+    data: Mapping[str, Any],
+    source: Path,
+    name: str,
+    body: Mapping[str, Any],
+    deck: tuple[str, dict[str, float]] | None,
 ) -> tuple[dict[str, Any], str, OverTemperature | None]:
     """A body with numbers, a note about it, and Young's modulus over temperature."""
     own = {key: value for key, value in body.items() if key != "material"}
     texts, place = [], source
+    if deck is not None:
+        texts.append(deck[0])
+        own = {**deck[1], **own}
     if "material" in body:
         place, read = _material(source, name, body["material"])
         own = {**_beside(own, _converted(data, source, name, read)), **own}

@@ -38,11 +38,15 @@ FINER = 4.0
 def finer_tables(result: Result, size: float | None) -> tuple[dict[str, Any], tuple[str, float]]:
     """Tables of the case of a run with smaller elements, and the key and size of these.
 
+    A run of the whole may leave out the plane problems next to its stations (`edges.local`); those
+    of the part are what it is for.
+
     Raises:
         CaseError: if a mesh file is to have smaller elements.
     """
     case = result.case
     tables = case.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+    tables.get("edges", {}).pop("local", None)
     key, now = size_key(case)
     if case.geometry.file is not None and file_kind(case.geometry.file) is CAD:
         key = "geometry.size"

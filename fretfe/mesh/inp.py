@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -140,6 +140,15 @@ class Deck(Level):
         """The number as it is written in the file, with the name of its instance."""
         instance, own = divmod(number, STRIDE)
         return f"{list(self.instances)[instance - 1]}.{own}" if instance else str(own)
+
+    def materials_of(self, elements: Iterable[int]) -> list[str]:
+        """Names of the materials that sections give to elements, sorted."""
+        names = {
+            number: material
+            for label, material in self.sections
+            for number in self.element_sets.get(label, ())
+        }
+        return sorted({names[number] for number in elements if number in names})
 
     def named(self, name: str) -> bool:
         """True if a set or surface has this name."""

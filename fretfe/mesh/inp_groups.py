@@ -193,9 +193,8 @@ def _material_notes(
     path: Path, deck: Deck, bodies: Mapping[str, AnyBody | None], members: Mapping[str, list[int]]
 ) -> Iterator[str]:
     """Numbers of materials that the case has not, or other ones, in words: the case counts."""
-    names = material_names(deck)
     for body, elements in members.items():
-        found = sorted({names[number] for number in elements if number in names})
+        found = deck.materials_of(elements)
         case = bodies[body]
         if len(found) > 1:
             yield (
@@ -218,15 +217,6 @@ def _material_notes(
 
 def _differ(here: float | None, there: float) -> bool:
     return here is None or not math.isclose(here, there, rel_tol=SAME)
-
-
-def material_names(deck: Deck) -> dict[int, str]:
-    """The material of each element that a section gives one."""
-    return {
-        number: material
-        for label, material in deck.sections
-        for number in deck.element_sets.get(label, ())
-    }
 
 
 def _label(name: str, selectors: Mapping[str, Selector]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 
 from fretfe.mesh.inp import Deck, Material, read_deck
@@ -14,7 +14,6 @@ from fretfe.mesh.inp_groups import (
     FACET_ELEMENTS,
     SOLID,
     listed,
-    material_names,
     unused,
 )
 
@@ -51,10 +50,9 @@ def outline(path: Path) -> Iterator[str]:
             yield f'{name} = {{ label = "{label}" }}'
     yield ""
     yield "[bodies]"
-    materials = material_names(deck)
     for label, name in names.items():
         members = [number for number in deck.element_sets[label] if number in cells]
-        yield from _body(deck, name, members, materials)
+        yield from _body(deck, name, members)
     yield ""
     yield "# names that a boundary may have, as such or as a label in [geometry.boundaries]"
     yield f"# surfaces: {listed(deck.surfaces)}"
@@ -87,9 +85,9 @@ def _name(label: str, number: int) -> str:
     return label.lower() if NAME.match(label) else f"body{number}"
 
 
-def _body(deck: Deck, name: str, members: list[int], materials: Mapping[int, str]) -> Iterator[str]:
+def _body(deck: Deck, name: str, members: list[int]) -> Iterator[str]:
     kinds = Counter(deck.elements[number][0] for number in members)
-    found = sorted({materials[number] for number in members if number in materials})
+    found = deck.materials_of(members)
     text = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
     material = deck.materials.get(found[0], Material()) if len(found) == 1 else Material()
     yield f"# {text}; material: {', '.join(found) or 'none'}"

@@ -13,7 +13,7 @@ import blocks
 import numpy as np
 import pytest
 
-from fretfe.case import load_case, parse_case
+from fretfe.case import changed, load_case, parse_case
 from fretfe.case.loads import FieldLoad
 from fretfe.case.tables import Part
 from fretfe.cli.exchange import submodel
@@ -269,6 +269,13 @@ def test_an_edge(whole: Result, tmp_path: Path) -> None:
     default = write_submodel(whole, "main", tmp_path)
     assert default.radius == pytest.approx(3 * default.reach)
     assert default.size == ("geometry.parameters.size", 0.0125)
+
+
+def test_a_part_has_local_problems_if_the_run_had_none(whole: Result, tmp_path: Path) -> None:
+    """Nobody wants slip lengths of a coarse run; those of the part are what it is for."""
+    bare = changed(whole.case, {"edges.local": False, "edges.stations": 12})
+    edges = write_submodel(replace(whole, case=bare), "main", tmp_path).case.edges
+    assert (edges.local, edges.stations) == (True, 12)
 
 
 def test_what_cannot_be_cut(whole: Result, tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import sectors
 from contact_runs import Run, run
+from pad_cases import as_field
 from scipy import sparse
 from scipy.spatial import cKDTree
 
@@ -275,6 +276,21 @@ def test_a_solid_sector_about_any_axis() -> None:
 @pytest.mark.mpi
 def test_a_turned_sector_has_the_same_tractions() -> None:
     assert_same(one_sector(31.0).tractions, one_sector().tractions)
+
+
+def test_temperatures_of_another_run_in_a_sector(tmp_path: Path) -> None:
+    """Hot everywhere: as by the value, next to the spin that presses the block on."""
+    warm = {**sectors.STEEL, "expansion": 1e-3, "reference_temperature": 0.0}
+    heat = {"type": "temperature", "value": 40.0, "history": sectors.ramp(1.0)}
+    field = as_field(heat, tmp_path, 2.0, lambda x, y: 40.0)
+    case = sectors.spinning(1, symmetry=sectors.cyclic())
+    case["bodies"] = {"ring": warm, "pad": {**warm, "expansion": 2e-3}}
+    spin = case["loads"]
+    found = []
+    for loads in (spin, {**spin, "heat": heat}, {**spin, "heat": field}):
+        found.append(run({**case, "loads": loads}, sectors.ring(), sectors.pad()).tractions)
+    assert_same(found[2], found[1])
+    assert np.abs(found[1] - found[0]).max() > 0.01 * np.abs(found[0]).max()
 
 
 def test_sides_move_alike() -> None:

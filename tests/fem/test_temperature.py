@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -12,8 +13,9 @@ import blocks
 import numpy as np
 import pytest
 from contact_runs import run
+from dolfinx import fem
 from marching import march_through
-from pad_cases import HOLD, SLIDING, cylinder, pad, press, pull, shear, wave
+from pad_cases import HOLD, SLIDING, as_field, cylinder, pad, press, pull, shear, wave
 from petsc_garbage import replace_meshes
 from scipy import sparse
 
@@ -21,7 +23,7 @@ from fretfe._typing import Array
 from fretfe.analytic._numerics import Side
 from fretfe.analytic.edges import tangential_factor
 from fretfe.bodies.definition import Constraint, DistributedLoad, Material
-from fretfe.bodies.point_values import PointValues
+from fretfe.bodies.point_values import NodalValues, PointValues
 from fretfe.case import Solid, parse_case
 from fretfe.contact.march import March
 from fretfe.fem._compat import MPI
@@ -230,6 +232,46 @@ def test_free_expansion_scales_the_gap(solid: bool, gap: float) -> None:
     assert same == (gap == 0.0)
 
 
+@pytest.mark.parametrize("solid", [False, True], ids=["plane", "solid"])
+def test_temperatures_of_another_run(solid: bool, tmp_path: Path) -> None:
+    """The same tractions by a field, uniform or linear, as by a temperature and its points."""
+    size = 2.0
+    corners = [list(each) for each in itertools.product((-size, size), repeat=2 + solid)]
+    slopes = np.array([30.0, 50.0, 40.0])[: 2 + solid]
+
+    def linear(*place: float) -> float:
+        return float(REFERENCE + slopes @ place)
+
+    graded = {"type": "temperature", "history": HEATING["history"], "points": corners,
+              "values": [linear(*each) for each in corners]}  # fmt: skip
+    found = []
+    for load, warm in ((HEATING, lambda *place: REFERENCE + 100.0), (graded, linear)):
+        field = as_field(load, tmp_path, size, warm, 2 + solid)
+        by_points, by_field = (
+            run(pressed(solid, heat=each), *bodies(solid, 0.01)).tractions[-1]
+            for each in (load, field)
+        )
+        largest = np.abs(by_points).max()
+        np.testing.assert_allclose(by_field, by_points, rtol=0, atol=1e-9 * largest)
+        found.append(by_field)
+    assert np.abs(found[1] - found[0]).max() > 0.1 * largest
+
+
+def test_no_stress_of_a_linear_field_in_a_free_solid() -> None:
+    """T = 30 x: displacements 30 alpha ((x² - y² - z²)/2, x y, x z) follow it."""
+    mesh = extrude(Mesh({"b": rectangle()}), Solid(length=0.5, layers=2)).bodies["b"]
+    elastic = ElasticBody(MPI.COMM_SELF, mesh, material(), 2)
+    change = NodalValues(mesh.points, 30 * mesh.points[:, 0])
+    x, y, z = elastic.space.tabulate_dof_coordinates().T
+    field = fem.Function(elastic.space)
+    followed = np.stack([(x**2 - y**2 - z**2) / 2, x * y, x * z], axis=1)
+    field.x.array[:] = 30 * EXPANSION * followed.ravel()
+    initial = elastic.initial_stress(DistributedLoad("hot", "temperature", changes={"b": change}))
+    held, free = (elastic.element_stresses(field, each) for each in (None, initial))
+    assert np.abs(held).max() > 1.0
+    assert np.abs(free).max() < 1e-12 * np.abs(held).max()
+
+
 PEENED = {
     "type": "eigenstrain",
     "surfaces": ["lower_top"],
@@ -381,8 +423,9 @@ def test_stress_near_a_contact_is_without_the_thermal_part(plane: str, tmp_path:
     loads = {"press": press(), "shear": shear(steps=4, cycles=1)}
     warm = {"type": "temperature", "value": 120.0, "bodies": ["lower"]}
     heat = {**warm, "history": [{"ramp": 1.0, "until": 1.0, "steps": 4}]}
+    field = as_field(heat, tmp_path, 50.0, lambda *place: 120.0)
     found = []
-    for name, more in (("cold", {}), ("hot", {"heat": heat})):
+    for name, more in (("cold", {}), ("hot", {"heat": heat}), ("field", {"heat": field})):
         tables = pad(
             geometry=cylinder(size=0.04),
             model={"plane": plane},
@@ -393,9 +436,10 @@ def test_stress_near_a_contact_is_without_the_thermal_part(plane: str, tmp_path:
         )
         result = Runner.find("fem").run(parse_case(tables), tmp_path / name)
         found.append(result.stress_history("main"))
-    cold, warmed = (each.bodies[1].stress for each in found)
+    cold, warmed, by_field = (each.bodies[1].stress for each in found)
     stress = -210e3 * 1e-5 * 100 / (0.7 if plane == "strain" else 1.0)
     expected = stress * np.array([1.0, 0.0, 1.0 if plane == "strain" else 0.0, 0.0])
+    np.testing.assert_allclose(by_field, warmed, atol=1e-6 * abs(stress))
     known = np.isfinite(cold)
     assert known.mean() > 0.9
     difference = np.where(known, warmed - cold - expected, 0.0)

@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from pad_cases import cylinder, pad, press, shear
+from pad_cases import as_field, cylinder, pad, press, shear
 
 from fretfe.results.model import Result
 
@@ -50,11 +51,17 @@ def test_constants_at_a_temperature(solved: Solve) -> None:
     assert not any("Young's modulus" in each for each in over.contacts[0].warnings)
 
 
+@pytest.mark.parametrize("field", [False, True], ids=["points", "field"])
 @pytest.mark.parametrize(("hot", "change"), [(250.0, 0.015), (300.0, 0.04), (430.0, np.nan)])
 def test_another_temperature_at_the_surface_is_judged(
-    hot: float, change: float, solved: Solve
+    hot: float, change: float, field: bool, solved: Solve, tmp_path: Path
 ) -> None:
-    result = solved(heated({"young": CURVE, "temperature": 220.0}, hot))
+    case = heated({"young": CURVE, "temperature": 220.0}, hot)
+    if field:
+        slope = (hot - 20.0) / 50.0
+        heat = as_field(case["loads"]["heat"], tmp_path, 60.0, lambda x, y: hot + slope * y)
+        case["loads"]["heat"] = heat
+    result = solved(case)
     assert softening(result) == pytest.approx(change, rel=1e-9, nan_ok=True)
     warned = [each for each in result.contacts[0].warnings if "Young's modulus" in each]
     if np.isnan(change):

@@ -361,12 +361,12 @@ class Sectors:
         rows across it need not be near the station, nor normal to the front, and sizes in them may
         grow from one element to the next.
         """
-        count, across, along = AROUND, np.empty(0), np.empty(0)
+        count, across, along = 0, np.empty(0), np.empty(0)
         # Where elements are long, all edges nearby may run the same way.
-        while min(len(across), len(along)) < NEAREST and count <= FARTHER * len(self._edges):
-            _, found = self._middles.query(frames.points[station], k=min(count, len(self._edges)))
+        while min(len(across), len(along)) < NEAREST and count < len(self._edges):
+            count = min(max(FARTHER * count, AROUND), len(self._edges))
+            _, found = self._middles.query(frames.points[station], k=count)
             across, along = self._running(frames, station, found)
-            count *= FARTHER
         size, along_size = _median(across), _median(along)
         if along_size > LONG * size:
             near = self._middles.query_ball_point(frames.points[station], along_size)
