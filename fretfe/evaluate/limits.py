@@ -196,7 +196,7 @@ def unlike_notes(case: Case, contacts: Collection[Contact]) -> Iterator[str]:
 
 
 def _origin(stations: Iterable[Station]) -> str:
-    """Where reference lengths that are not chosen come from, in words."""
+    """Origin, in words, of reference lengths that are not chosen."""
     zones = (zone for each in stations for zone in each.slip_zones[-1:])
     if any(math.isfinite(zone.prediction) for zone in zones):
         return "the slip zone that they predict"
