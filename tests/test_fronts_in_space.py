@@ -183,6 +183,44 @@ def test_strip_has_two_open_fronts_with_ends() -> None:
     assert ends[0] and ends[-1] and not ends[STATIONS // 2]
 
 
+def test_front_of_half_a_sphere_ends_at_a_plane_of_symmetry() -> None:
+    """K_N and places hold up to the cut, in all states, and no station is near a free end."""
+    points, facets = grid(across=0.75)
+    points[:, 2] += 0.75
+    radii = (0.9, 1.0)
+    solution, contact = solved(points, facets, [hertz(radius, radius, radius) for radius in radii])
+    cut, told = points[:, 2] < 1e-9, []
+    for continued in (np.where(cut[:, None], [0.0, 0.0, 1.0], np.nan), None):
+        own = replace(contact, continued=continued)
+        (track,) = follow_fronts(solution, own, STATIONS)
+        (front,) = evaluate_fronts(solution, own, (track,))
+        assert not front.closed and front.length == pytest.approx(np.pi, rel=0.01)
+        told.append(front)
+    symmetric, free = told
+    assert not symmetric.along("end").any() and np.isinf(symmetric.along("to_end")).all()
+    assert free.along("end")[[0, -1]].all() and not free.along("end")[STATIONS // 2]
+    for state, radius in enumerate(radii, start=1):
+        place, k_n = (
+            np.array([getattr(each, name)[state] for each in symmetric.stations])
+            for name in ("position", "k_n")
+        )
+        np.testing.assert_allclose(place, 1.0 - radius, atol=0.15 * SIZE)
+        np.testing.assert_allclose(k_n, np.sqrt(2 * radius), rtol=0.04)
+
+
+def test_an_open_front_that_moves_is_known_up_to_its_ends() -> None:
+    """Where it is found anew, stations at its ends have no station beyond them on either side."""
+    widths = (0.8, 1.0)
+    fields = [lambda x, _, w=width: np.sqrt(np.clip(w**2 - x**2, 0.0, None)) for width in widths]
+    for front in fronts(*grid(), fields):
+        place, spread = (
+            np.array([getattr(each, name)[1] for each in front.stations])
+            for name in ("position", "position_spread")
+        )
+        np.testing.assert_allclose(place, 0.2, atol=0.1 * SIZE)
+        assert spread.max() < 0.5 * SIZE
+
+
 def test_factors_next_to_an_end_are_those_an_element_from_it() -> None:
     """At the even spacing of 60 stations three of either end are nearer than an element."""
     solution, contact = solved(*grid(), [lambda x, _: np.sqrt(np.clip(1 - x**2, 0.0, None))])

@@ -314,7 +314,7 @@ class Station(StationHistory):
         point: (3,) place before deformation: in the plane in the same state as `frame`, of solids
             on the front in the reference state; NaN where unknown.
         curvature: positive where the contact is convex.
-        to_end: infinite on a closed front, NaN in the plane.
+        to_end: infinite on a front that does not end with the bodies, NaN in the plane.
         length: half-width of the Hertzian contact whose pressure falls behind K_N sqrt(s) as fast.
         k_n_moved: from the movement of the front between two load levels, 2 dK_I/da; not known
             between dissimilar bodies with friction either.
@@ -338,7 +338,7 @@ class Station(StationHistory):
     arc: Annotated[float, Quantity("length", "place along the front")] = 0.0
     curvature: Annotated[float, Quantity("curvature", "of the front in the tangent plane")] = 0.0
     to_end: Annotated[
-        float, Quantity("length", "distance to the nearer end of the front; empty if it is closed")
+        float, Quantity("length", "distance to the nearer free end of the front; empty without one")
     ] = math.nan
     size: Annotated[float, Quantity("length", "an element across the front")] = 0.0
     depth: Annotated[

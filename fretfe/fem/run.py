@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
+from fretfe.bodies.continued import continued_nodes
 from fretfe.bodies.definition import Pair, require_possible
 from fretfe.case import Case, FieldLoad, Wave
 from fretfe.contact.interface import Place
@@ -329,7 +330,7 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     cycles = _Cycles(history, most_added(case, history, prepared.model.dimension))
     require_possible(case, reduction.definition, cycles.longest)
     steps = step_loads(case, cycles.longest, reduction.interface, reduction.definition)
-    places = [_place(prepared.model, pair) for pair in reduction.pairs]
+    places = [_place(prepared, pair) for pair in reduction.pairs]
     channels = [load.label for load in reduction.definition.loads]
     identity = {"mesh": prepared.digest, "values at points": reduction.definition.digest}
     storage = options.storage({**_compat.versions(), **identity})
@@ -446,12 +447,13 @@ def _steady(recorder: Recorder, cycles: _Cycles, options: RunOptions) -> bool:
     return False
 
 
-def _place(model: Model, pair: Pair) -> Place:
-    coupling, names = pair.coupling, (pair.name, pair.body1, pair.body2)
+def _place(prepared: Prepared, pair: Pair) -> Place:
+    model, coupling, names = prepared.model, pair.coupling, (pair.name, pair.body1, pair.body2)
     beta = coupled_beta(model.case, *names)
-    if model.dimension == 3:
-        return Place(*names, coupling, coupling.facets, coupling.free, dundurs=beta)
-    return Place(*names, coupling, dundurs=beta)
+    if model.dimension == 2:
+        return Place(*names, coupling, dundurs=beta)
+    continued = continued_nodes(model.case, model.reduction.definition, prepared.mesh, pair)
+    return Place(*names, coupling, coupling.facets, coupling.free, continued, dundurs=beta)
 
 
 def _require_contact(recorder: Recorder) -> None:

@@ -19,6 +19,7 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
 from fretfe.case import Case, Solid, parse_case
+from fretfe.evaluate.verdicts import END, last_verdict
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.history.solution import OPEN, ContactHistory
@@ -175,7 +176,10 @@ def test_the_pairing_error_of_an_extruded_pad() -> None:
 
 @pytest.mark.parametrize("layers", [2, 3])
 def test_stations_next_to_the_ends_have_the_factors_of_the_plane(layers: int) -> None:
-    """Half-way between an end and a twelfth of the length: a tenth of a layer, or less."""
+    """Half-way between an end and a twelfth of the length: a tenth of a layer, or less.
+
+    The ends are planes of symmetry: no station is near a free one.
+    """
     ends, y = np.array([0.32, 0.42, 0.65]), [0.0, 0.02, 0.06, 0.15, 0.5, 1.0]
     pad_x = np.r_[-ends[::-1], np.linspace(-0.3, 0.3, 31), ends]
     block_x = np.r_[-1.0, -0.7, pad_x[1:-1], 0.7, 1.0]
@@ -198,6 +202,10 @@ def test_stations_next_to_the_ends_have_the_factors_of_the_plane(layers: int) ->
         np.testing.assert_allclose(found, found[6], rtol=0.002)
         np.testing.assert_allclose(normal, normal[6], rtol=0.002)
         assert bar == pytest.approx(bar[6], rel=0.1)
+        verdicts = [last_verdict(each) for each in front.stations]
+        assert {each.word for each in verdicts} == {verdicts[6].word} != {END}
+        lengths = [each.slip_zones[-1].local for each in front.stations]
+        np.testing.assert_allclose(lengths, lengths[6], rtol=0.01)
 
 
 # Corners of the three quadrilaterals in a triangle: a vertex, the middle of an edge, the middle of

@@ -320,13 +320,14 @@ def test_cut_stays_inside_a_contact_whose_pressure_is_largest_at_an_end(result: 
     whole = _whole(history.points, [history])
     state = int(history.mean_traction[:, :, 0].max(axis=1).argmax())
     normal = _cut(history.points, history, state, whole).cut
+    assert normal is not None
     across = history.points @ normal
     for end in (across.argmin(), across.argmax()):
-        tractions = history.mean_traction.copy()
+        tractions = np.array(history.mean_traction)
         tractions[state, end, 0] = 1e6
         loaded = replace(history, mean_traction=tractions)
         view = _cut(history.points, loaded, state, whole)
-        assert np.allclose(view.cut, normal)
+        assert view.cut is not None and np.allclose(view.cut, normal)
         assert across.min() < view.centre @ normal < across.max()
 
 

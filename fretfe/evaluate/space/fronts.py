@@ -9,7 +9,7 @@ altogether, has a front where the curve through the fitted places runs.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -21,6 +21,7 @@ from fretfe.evaluate.space.pressure_fit import FrontFit, FrontFitter
 from fretfe.evaluate.space.sectors import (
     Frames,
     FrontCurve,
+    Mirror,
     Normals,
     Outline,
     Sector,
@@ -56,6 +57,9 @@ KNOWN_STATIONS = 0.5
 # to zero at the end, and within half of an element quadrature points hardly see it (up to four
 # times the factor of a straight slice); .2 % of it there.
 ROOM = 1.0
+# Planes of symmetry at both ends of a front; none of them.
+Mirrors = tuple[Mirror | None, Mirror | None]
+NO_MIRRORS: Mirrors = None, None
 # Points of a curve between which it is straight, for each of its stations.
 FINER = 8
 # Known stations that a curve through them takes.
@@ -121,7 +125,7 @@ class FrontFinder:
     def __init__(self, contact: ContactHistory, count: int) -> None:
         assert contact.facets is not None
         self._points, self._facets = contact.points, contact.facets
-        self._weights = contact.weights
+        self._weights, self._continued = contact.weights, contact.continued
         self._normals = Normals(contact.points, contact.frames)
         self._sectors = Sectors(contact.points, contact.facets)
         self._tree = cKDTree(contact.points)
@@ -144,7 +148,8 @@ class FrontFinder:
     def _front(self, line: Outline, contact: Bools, pressure: Array) -> SpaceFront | None:
         closed, pieces = line.closed, FEWEST_PIECES[line.closed]
         middles, node = line.middles(self._points), int(line.inside[0])
-        curve = _curve(middles, closed, pieces)
+        free, mirrors = self._ends(line, middles)
+        curve = _curve(middles, closed, pieces, mirrors)
         for _ in range(PASSES):
             if curve is None:
                 return None
@@ -156,13 +161,24 @@ class FrontFinder:
                 return None
             points = (frames.points + place[:, None] * frames.inward)[known]
             if not closed:
-                points = _with_ends(points, middles[[0, -1]])
+                points = _with_ends(points, middles[[0, -1]], mirrors)
             reach = np.median([sector.half_width for sector in front.sectors])
             pieces = max(FEWEST_PIECES[closed], round(frames.length / (PIECE[closed] * reach)))
-            curve = _curve(points, closed, pieces)
+            curve = _curve(points, closed, pieces, mirrors)
         if curve is None:
             return None
-        return self._at(curve.at(self._count, self._normals), contact, node)
+        frames = replace(curve.at(self._count, self._normals), free=free)
+        return self._at(frames, contact, node)
+
+    def _ends(self, line: Outline, middles: Array) -> tuple[tuple[bool, bool], Mirrors]:
+        """Flags of the ends of an open line at which the bodies end, and planes of symmetry."""
+        if line.closed or self._continued is None:
+            return (True, True), NO_MIRRORS
+        first, last = (
+            self._continued[[line.inside[end], line.outside[end]]].mean(axis=0) for end in (0, -1)
+        )
+        free = bool(np.isnan(first).any()), bool(np.isnan(last).any())
+        return free, (_mirror(middles[0], first), _mirror(middles[-1], last))
 
     def _at(self, frames: Frames, contact: Bools, node: int) -> SpaceFront:
         depth = self._depths(frames, contact)
@@ -187,11 +203,16 @@ class FrontFinder:
         return np.asarray(s[last] / 2)
 
 
-def _curve(points: Array, closed: bool, pieces: int) -> FrontCurve | None:
+def _mirror(point: Array, normal: Array) -> Mirror | None:
+    """The plane with a normal, as of `ContactHistory.continued`; None if it is none."""
+    return Mirror(point, normal) if np.isfinite(normal).all() and normal.any() else None
+
+
+def _curve(points: Array, closed: bool, pieces: int, mirrors: Mirrors) -> FrontCurve | None:
     """A curve through points, of fewer pieces where points are missing; None if none of them do."""
     for fewer in range(pieces, FEWEST_PIECES[closed] - 1, -1):
         try:
-            curve = FrontCurve(points, closed, fewer)
+            curve = FrontCurve(points, closed, fewer, mirrors)
         except (np.linalg.LinAlgError, ValueError):
             continue
         if curve.known:
@@ -199,13 +220,19 @@ def _curve(points: Array, closed: bool, pieces: int) -> FrontCurve | None:
     return None
 
 
-def _with_ends(points: Array, ends: Array) -> Array:
-    """Points of an open front, with its ends (2, 3) moved like the points next to them."""
+def _with_ends(points: Array, ends: Array, mirrors: Mirrors) -> Array:
+    """Points of an open front, with its ends (2, 3) moved like the points next to them.
+
+    Where a plane of symmetry is, images follow the points.
+    """
     rows = []
     for end, (near, next_one) in zip(ends, (points[:2], points[-1:-3:-1]), strict=True):
         along = (near - next_one) / np.linalg.norm(near - next_one)
         rows.append(near + ((end - near) @ along) * along)
-    return np.vstack([rows[0], points, rows[1]])
+    first, last = (
+        row[None][mirror is not None :] for row, mirror in zip(rows, mirrors, strict=True)
+    )
+    return np.vstack([first, points, last])
 
 
 @dataclass(frozen=True)
@@ -338,6 +365,11 @@ def at_stations(frames: Frames, fit: Array, stations: Frames) -> Array:
     if np.count_nonzero(np.isfinite(fit[0])) < FEWEST:
         return np.tile(UNKNOWN[:, None], len(stations.arc))
     points, values = finer(frames, fit[0], fit.T)
+    if not frames.closed:  # as far as its ends, half of the spacing of stations away
+        ahead = points[[0, -1]] - points[[1, -2]]
+        ahead *= (frames.length / len(frames.arc) / 2 / np.linalg.norm(ahead, axis=1))[:, None]
+        points = np.vstack([points[0] + ahead[0], points, points[-1] + ahead[1]])
+        values = values[[0, *range(len(values)), -1]]
     result = np.tile(UNKNOWN, (len(stations.arc), 1))
     for station in range(len(stations.arc)):
         place = points - stations.points[station]

@@ -51,6 +51,7 @@ class Frames:
         arc: (n,) distance along the front.
         length: of the front.
         closed: whether the front runs into itself.
+        free: True where the bodies end, at its beginning and at its end.
     """
 
     points: Array
@@ -61,6 +62,7 @@ class Frames:
     arc: Array
     length: float
     closed: bool
+    free: tuple[bool, bool] = (True, True)
 
     @property
     def to_end(self) -> Array:
@@ -68,6 +70,14 @@ class Frames:
         if self.closed:
             return np.full(len(self.arc), np.inf)
         return np.minimum(self.arc, self.length - self.arc)
+
+    @property
+    def to_free_end(self) -> Array:
+        """(n,) likewise, to the nearer one of the ends at which the bodies end."""
+        if self.closed:
+            return self.to_end
+        first, last = (0.0 if each else np.inf for each in self.free)
+        return np.minimum(self.arc + first, self.length - self.arc + last)
 
     def moved(self, inward: Array) -> Frames:
         """Stations of a front that runs at distances inward (n,) from this one."""
@@ -98,6 +108,14 @@ def _turned(angle: Array, frames: Frames) -> tuple[Array, Array]:
     return cosine * inward - sine * along, cosine * along + sine * inward
 
 
+@dataclass(frozen=True)
+class Mirror:
+    """A plane of symmetry, by a point (3,) and its unit normal (3,)."""
+
+    point: Array
+    normal: Array
+
+
 class FrontCurve:
     """A smooth curve through points of a front, by least squares.
 
@@ -105,16 +123,36 @@ class FrontCurve:
         points: (m, 3) in order, the contact on the right when seen from outside body 2.
         closed: whether the last point is followed by the first one.
         pieces: number of polynomial pieces.
+        mirrors: planes of symmetry at its beginning and at its end, as far as there are.
     """
 
-    def __init__(self, points: Array, closed: bool, pieces: int) -> None:
+    def __init__(
+        self,
+        points: Array,
+        closed: bool,
+        pieces: int,
+        mirrors: tuple[Mirror | None, Mirror | None] = (None, None),
+    ) -> None:
         self.closed = closed
         rows = np.vstack([points, points[:1]]) if closed else points
-        place = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(rows, axis=0), axis=1)))
-        self._period = float(place[-1])
+        first, last = (
+            abs(float((end - mirror.point) @ mirror.normal)) if mirror else 0.0
+            for end, mirror in zip(rows[[0, -1]], mirrors, strict=True)
+        )
+        steps = np.linalg.norm(np.diff(rows, axis=0), axis=1)
+        place = np.cumsum([first, *steps])
+        self._period = float(place[-1]) + last
         # A cubic goes through four points; fewer pieces than that follow from fewer points.
-        pieces = max(1, min(pieces, len(points) - CUBIC))
-        self._spline = _spline(place, rows, pieces, closed)
+        knots = np.linspace(0.0, self._period, max(1, min(pieces, len(points) - CUBIC)) + 1)
+        whole = place, rows, knots
+        if closed:  # three rounds: the middle one knows of no seam
+            turns = self._period * np.array([-1.0, 0.0, 1.0])[:, None]
+            rounds = (place[:-1] + turns).ravel(), np.concatenate([rows[:-1]] * 3)
+            whole = (*rounds, (knots[:-1] + turns).ravel())
+        for end, mirror in zip((0.0, self._period), mirrors, strict=True):
+            if mirror:
+                whole = _with_image(*whole, end, mirror)
+        self._spline = _spline(*whole)
 
     @property
     def known(self) -> bool:
@@ -166,19 +204,23 @@ class Normals:
         return np.asarray(normals / np.linalg.norm(normals, axis=1)[:, None])
 
 
-def _spline(place: Array, rows: Array, pieces: int, closed: bool) -> BSpline:
-    """Cubic spline with even pieces through rows (m, 3) at places (m,), by least squares."""
+def _with_image(
+    place: Array, rows: Array, knots: Array, end: float, mirror: Mirror
+) -> tuple[Array, Array, Array]:
+    """Places (m,), rows (m, 3) and knots with their images behind an end of the curve."""
+    image = rows - 2 * ((rows - mirror.point) @ mirror.normal)[:, None] * mirror.normal
+    place, rows = np.append(place, 2 * end - place), np.vstack([rows, image])
+    order = np.argsort(place, kind="stable")
+    return place[order], rows[order], np.unique(np.append(knots, 2 * end - knots))
+
+
+def _spline(place: Array, rows: Array, knots: Array) -> BSpline:
+    """Cubic spline with some knots through rows (m, 3) at places (m,), by least squares."""
     # Imported where it is needed: plane contacts have no curve, and it takes a quarter of a second.
     from scipy.interpolate import make_lsq_spline
 
-    period = place[-1]
-    inner = np.linspace(0.0, period, pieces + 1)
-    if closed:  # three rounds: the middle one knows of no seam
-        turns = np.array([-period, 0.0, period])[:, None]
-        place, rows = (place[:-1] + turns).ravel(), np.concatenate([rows[:-1]] * 3)
-        inner = np.append((inner[:-1] + turns).ravel(), 2 * period)
     # The ends of the knots are those of the points, and counted four times.
-    inner = inner[(inner > place[0]) & (inner < place[-1])]
+    inner = knots[(knots > place[0]) & (knots < place[-1])]
     first, last = ([end] * (CUBIC + 1) for end in (place[0], place[-1]))
     return make_lsq_spline(place, rows, np.concatenate([first, inner, last]), CUBIC)
 
@@ -319,12 +361,12 @@ class Sectors:
         rows across it need not be near the station, nor normal to the front, and sizes in them may
         grow from one element to the next.
         """
-        count, across, along = AROUND, np.empty(0), np.empty(0)
+        count, across, along = 0, np.empty(0), np.empty(0)
         # Where elements are long, all edges nearby may run the same way.
-        while min(len(across), len(along)) < NEAREST and count <= FARTHER * len(self._edges):
-            _, found = self._middles.query(frames.points[station], k=min(count, len(self._edges)))
+        while min(len(across), len(along)) < NEAREST and count < len(self._edges):
+            count = min(max(FARTHER * count, AROUND), len(self._edges))
+            _, found = self._middles.query(frames.points[station], k=count)
             across, along = self._running(frames, station, found)
-            count *= FARTHER
         size, along_size = _median(across), _median(along)
         if along_size > LONG * size:
             near = self._middles.query_ball_point(frames.points[station], along_size)

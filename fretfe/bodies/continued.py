@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Ends of contacts of solids in the model, behind which the bodies that it stands for go on.
+
+At a plane of symmetry the mirror image continues both bodies, at the side of a sector the next
+sector does: a front that ends there has no free end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from fretfe._typing import Array, Bools
+from fretfe.analytic.crystals import turned
+from fretfe.bodies.definition import FLAT, BodyDefinition, ModelDefinition, Pair
+from fretfe.case import Case
+from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.surface.surface import Surface, boundary_surface
+
+# Cosine of the angle between the contact and a plane of symmetry from which the contact is smooth
+# across it: surfaces of elements are not quite normal to it.
+SQUARE = 0.1
+# How far the boundary of a body may be from the node of a contact, over an element there, across
+# the normal: nodes of the opposite body lie elsewhere along the end.
+BESIDE = 0.5
+# Parts of the stiffness of a crystal that may differ from those of its mirror image.
+ALIKE = 1e-6
+
+
+@dataclass(frozen=True)
+class _Side:
+    """Boundary of a body that goes on behind it.
+
+    Attributes:
+        surface: the boundary.
+        normal: (3,) of a plane of symmetry; zero for the side of a sector.
+    """
+
+    surface: Surface
+    normal: Array
+
+    def continues(self, other: _Side, points: Array, across: Array, sizes: Array) -> Bools:
+        """(n,) nodes of a contact at which both bodies go on behind sides of the same kind.
+
+        Args:
+            other: side of the other body.
+            points: (n, 3) of the nodes.
+            across: (n, 3) unit normals of the contact.
+            sizes: (n,) of elements.
+        """
+        found = np.full(len(points), abs(self.normal @ other.normal) > 1 - FLAT)
+        if not self.normal.any():
+            found[:] = not other.normal.any()
+        for side in (self, other):
+            away = points - side.surface.nearest(points)[0]
+            away -= np.einsum("nd,nd->n", away, across)[:, None] * across
+            found &= np.linalg.norm(away, axis=1) < BESIDE * sizes
+            found &= np.abs(away @ side.normal) < FLAT * side.surface.extent
+        return found & (np.abs(across @ self.normal) < SQUARE)
+
+
+def continued_nodes(case: Case, model: ModelDefinition, mesh: Mesh, pair: Pair) -> Array:
+    """Normals of planes behind which both bodies of a contact of solids go on.
+
+    Returns:
+        (N, 3) at nodes on the rim unit normals of planes of symmetry, zero where the next sector
+        continues the bodies; NaN elsewhere.
+    """
+    coupling = pair.coupling
+    found, rows = np.full(coupling.points.shape, np.nan), np.flatnonzero(coupling.free)
+    nodes = coupling.points[rows], coupling.frames[rows, 0], np.sqrt(coupling.weights[rows])
+    own = (
+        list(_sides(case, model, body, mesh.bodies[body.name]))
+        for name in (pair.body1, pair.body2)
+        for body in model.bodies
+        if body.name == name
+    )
+    for one, other in product(*own):
+        found[rows[one.continues(other, *nodes)]] = one.normal
+    return found
+
+
+def _sides(
+    case: Case, model: ModelDefinition, body: BodyDefinition, mesh: BodyMesh
+) -> Iterator[_Side]:
+    """Sides of a body behind which it goes on."""
+    for sector in case.symmetry.values():
+        for name in {sector.boundary1, sector.boundary2} & mesh.boundaries.keys():
+            yield _Side(boundary_surface(mesh, name), np.zeros(3))
+    for number, held in enumerate(body.constraints):
+        normal, surface = np.array(held.direction), boundary_surface(mesh, held.boundary)
+        if body.coordinates[number].control != "fixed" or not normal.any() or held.at:
+            continue
+        flat = np.abs(np.abs(surface.normals @ normal) - 1) < FLAT
+        others = [each for each in body.constraints if each is not held and not each.at]
+        acting = {each.boundary for each in others} | {each.boundary for each in model.loads}
+        acting &= mesh.boundaries.keys()
+        alone = not any(_lies_in(mesh, name, surface, normal) for name in acting)
+        if flat.all() and alone and _is_its_image(body, normal):
+            yield _Side(surface, normal)
+
+
+def _lies_in(mesh: BodyMesh, name: str, surface: Surface, normal: Array) -> bool:
+    """True if some facet of a boundary lies in the plane of a surface."""
+    height = (mesh.points[mesh.boundaries[name]] - surface.points[0]) @ normal
+    return bool((np.abs(height) < FLAT * surface.extent).all(axis=1).any())
+
+
+def _is_its_image(body: BodyDefinition, normal: Array) -> bool:
+    """True if the material of a body is its own mirror image."""
+    if body.material.crystal is None:
+        return True
+    stiffness = body.material.stiffness
+    image = turned(stiffness, np.eye(3) - 2 * np.outer(normal, normal))
+    return bool(np.abs(image - stiffness).max() < ALIKE * np.abs(stiffness).max())
