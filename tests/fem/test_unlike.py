@@ -124,7 +124,7 @@ def test_pairs_beside_half_planes(beta: float, size: float, friction: float) -> 
     found = fretfe.run(parse_case(case)).contacts[0]
     outcome = solve_half_planes(idealise(parse_case(case)), 600)
     (reference,) = evaluate(outcome.solution, outcome.unit_factors)
-    (reference,) = at_step_ends(outcome.solution, [reference])[1]
+    (reference,) = at_step_ends(outcome.solution, (reference,))[1]
     for one, other in zip(found.stations, reference.stations, strict=True):
         assert one.k_range == pytest.approx(other.k_range, rel=0.01)
         assert one.k_i_range == pytest.approx(other.k_i_range, abs=0.01 * other.k_range)
