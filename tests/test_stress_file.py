@@ -16,7 +16,8 @@ from fretfe._typing import Array
 from fretfe.analytic.partial_slip import elliptical_stress
 from fretfe.case import parse_case
 from fretfe.errors import CaseError, ModelError, OutputError
-from fretfe.evaluate.surface_stress import edge_stress
+from fretfe.evaluate.stress import EdgeStress
+from fretfe.evaluate.surface_stress import EdgeValue, edge_stress, near_edge
 from fretfe.history.solution import ContactHistory
 from fretfe.results.hdf5_file import STRESSES, StressSite, StressWriter, read_stress
 from fretfe.runner import Runner
@@ -45,6 +46,7 @@ def write(path: Path) -> dict[str, Array]:
             "stress": random.normal(size=(2, 2, NODES, 4)),
             "edge_stress": np.array([7.0, np.nan]),
             "edge_spread": np.array([0.5, np.nan]),
+            "edge_near": np.array([6.0, np.nan]),
         }
         writer.add({"main": values})
     assert not (path / STRESSES).exists()  # whole or not there
@@ -61,8 +63,8 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     assert np.array_equal(found.bodies[1].stress[1], last["stress"][1])
     assert np.array_equal(found.status[1], last["status"])
     first, second = found.edges
-    assert (first.edge, first.body, first.largest) == ("left", "pad", (7.0, 0.5))
-    assert second.reason == "nothing slips" and np.isnan(second.largest).all()
+    assert (first.edge, first.body, first.largest) == ("left", "pad", EdgeValue(7.0, 0.5))
+    assert second.largest.reason == "nothing slips" and np.isnan(second.largest.value)
     some = found.at(np.array([1, 3]))
     assert np.array_equal(some.bodies[0].stress, found.bodies[0].stress[:, :, [1, 3]])
     assert some.arc.tolist() == [1, 3]
@@ -141,6 +143,53 @@ def test_edge_value_of_the_exact_stress(inward: int, elements: int, error: float
     assert expected > 0
     assert found.value == pytest.approx(expected, rel=error)
     assert abs(found.value - expected) < found.spread
+
+
+@pytest.mark.parametrize("inward", [1, -1], ids=["left", "right"])
+@pytest.mark.parametrize("trailing", [True, False])
+def test_the_largest_edge_value_is_one_that_no_unknown_state_exceeds(
+    inward: int, trailing: bool
+) -> None:
+    """A shear that is taken off again: the zone that slips back is too short for a fit.
+
+    The stress of the trailing edge falls from the one state in which it is known, that of the
+    leading edge rises from there by two thirds.
+    """
+    a, c = 1.0, 0.87
+    size = (a - c) / 8
+    arc = np.arange(-1.2, 1.2, size)
+    places = (arc[:, None] + size * np.array([0.2113, 0.7887])).ravel()
+    contact = ContactHistory.__new__(ContactHistory)
+    object.__setattr__(contact, "arc", arc)
+
+    def partial(x: Array, border: float) -> Array:
+        shear = 0.4 * inward * (1 if trailing else -1)
+        slip, stick = (elliptical_stress(x, 0.0, b, 0.0, shear * b) for b in (a, border))
+        return np.asarray((slip - stick)[:, 0])
+
+    values, near = [], []
+    for taken_off in (0.0, 0.1, 0.3, 0.6, 1.0):
+        border = np.sqrt(1 - taken_off * (1 - c**2) / 2) if taken_off else c
+        stress = partial(places, c) - 2 * partial(places, border) * (taken_off > 0)
+        status = np.where(np.abs(arc) < border, 1, np.where(np.abs(arc) < a, 2, 0))
+        edge = places, stress, -inward * a, inward, contact
+        values.append(edge_stress(*edge, status))
+        near.append(near_edge(*edge))
+    assert [not each.reason for each in values] == [True] + 4 * [False]
+    found = EdgeStress(
+        "main",
+        "left",
+        "pad",
+        value=np.array([each.value for each in values]),
+        spread=np.array([each.spread for each in values]),
+        near=np.array(near),
+        reason="too short",
+    ).largest
+    if trailing:
+        assert found.value == pytest.approx(partial(np.array([-inward * a]), c)[0], rel=3e-3)
+    else:
+        assert np.isnan(found.value)
+        assert found.reason.startswith("known in 1 of 5 states only, and may be larger in others")
 
 
 def test_edge_values_that_are_unknown_have_reasons() -> None:

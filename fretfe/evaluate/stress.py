@@ -27,8 +27,12 @@ from fretfe.evaluate.critical_planes import (
 )
 from fretfe.evaluate.cycles import worst_path
 from fretfe.evaluate.slip import cycle_states
+from fretfe.evaluate.surface_stress import EdgeValue
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
+
+# Stress of two states that differs by no more than this fraction is the same.
+ROUNDING = 1e-6
 
 
 @dataclass(frozen=True)
@@ -59,7 +63,8 @@ class EdgeStress:
         body: name of the body.
         value: (n,) sigma_t [stress]; NaN where it is not known.
         spread: (n,) its error bar [stress].
-        reason: why it is known in no state; empty if it is in some.
+        near: (n,) sigma_t + p next to the edge, as of `near_edge` [stress].
+        reason: why it is not known in most of the states in which it is not; empty if it is in all.
     """
 
     contact: str
@@ -67,15 +72,26 @@ class EdgeStress:
     body: str
     value: Array
     spread: Array
+    near: Array
     reason: str
 
     @property
-    def largest(self) -> tuple[float, float]:
-        """The largest value and its error bar; NaN if none is known."""
-        if self.reason:
-            return np.nan, np.nan
-        at = int(np.nanargmax(self.value))
-        return float(self.value[at]), float(self.spread[at])
+    def at_largest(self) -> int:
+        """Number of the state of the largest known value."""
+        return int(np.argmax(np.nan_to_num(self.value, nan=-np.inf)))
+
+    @property
+    def largest(self) -> EdgeValue:
+        """The largest value of all states, if none in which it is not known can be larger."""
+        at, known = self.at_largest, np.isfinite(self.value)
+        if not known.any():
+            return EdgeValue(np.nan, np.nan, self.reason)
+        fallen = self.near <= self.near[at] + ROUNDING * np.abs(self.near[at])
+        if np.all(known | fallen):
+            top = float(np.nanmax(self.value + self.spread))
+            return EdgeValue(float(self.value[at]), top - float(self.value[at]))
+        states = f"known in {known.sum()} of {len(known)} states only, and may be larger in others"
+        return EdgeValue(np.nan, np.nan, f"{states} ({self.reason}): refine")
 
 
 @dataclass(frozen=True)

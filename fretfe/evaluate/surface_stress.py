@@ -232,6 +232,29 @@ def edge_stress(
     return EdgeValue(value, by_terms + max(by_border))
 
 
+def near_edge(
+    arc: Array, smooth: Array, position: float, inward: int, contact: ContactHistory
+) -> float:
+    """Mean of sigma_t + p over an element to both sides of an edge; NaN without an edge.
+
+    What slips next to an edge since another state changes sigma_t most at the edge itself, also
+    where the slip zone is too short for `edge_stress`. Where this mean has fallen, so has sigma_t.
+
+    Args:
+        arc: (g,) places of `smooth` along the arc.
+        smooth: (g,) sigma_t + p.
+        position: of the edge along the arc.
+        inward: direction into the contact, 1 or -1.
+        contact: that the edge belongs to.
+    """
+    if not np.isfinite(position):
+        return np.nan
+    node = int(np.clip(np.searchsorted(contact.arc, position), 1, len(contact.arc) - 1))
+    size = contact.arc[node] - contact.arc[node - 1]
+    beside = position + inward * size * np.array([-1.0, -0.5, 0.5, 1.0])
+    return float(np.interp(beside, arc, smooth).mean())
+
+
 def _extrapolated(distance: Array, values: Array, length: float, terms: int) -> float:
     """Value at the distance 0 by powers of the root of the distance from the other end, `terms`."""
     fit = np.linalg.lstsq(np.vander(np.sqrt(length - distance), terms), values, rcond=None)[0]

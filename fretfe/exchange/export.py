@@ -320,9 +320,10 @@ def _parameters(arc: Array, body: StressParameters, number: int, cubic: bool) ->
 
 def _edge_stress(result: Result) -> ExportTable:
     rows = (
-        (each.contact, each.edge, each.body, *each.largest, each.reason)
+        (each.contact, each.edge, each.body, found.value, found.spread, found.reason)
         for name in result.case.contacts
         for each in result.stress_history(name).edges
+        for found in [each.largest]
     )
     return ExportTable("edge_stress.csv", _headings(result, EDGE_STRESS), rows)
 

@@ -25,6 +25,7 @@ from fretfe.evaluate.surface_stress import (
     SurfaceStrain,
     along_surface,
     edge_stress,
+    near_edge,
 )
 from fretfe.fem.elasticity import stress_pairs
 from fretfe.fem.fields import FieldSource, Places
@@ -129,7 +130,6 @@ class _Writer:
         self._reasons: dict[str, list[Counter[str]]] = {
             site.contact: [Counter() for _ in site.edges] for site in self._sites
         }
-        self._known = {site.contact: np.zeros(len(list(site.edges)), bool) for site in self._sites}
 
     @property
     def places(self) -> Places:
@@ -176,10 +176,7 @@ class _Writer:
     def close(self) -> None:
         """Finish the file."""
         reasons = {
-            contact: [
-                "" if known else count.most_common(1)[0][0]
-                for known, count in zip(self._known[contact], counts, strict=True)
-            ]
+            contact: [count.most_common(1)[0][0] if count else "" for count in counts]
             for contact, counts in self._reasons.items()
         }
         try:
@@ -216,14 +213,16 @@ class _Writer:
                 stress[number, ~below] = at_surface[:, :size]
         slip = np.asarray(first.slip[state])
         edges = [self._edge(site, state, smooth, *edge) for edge in site.edges]
-        self._note(site, edges)
+        for count, (each, _) in zip(self._reasons[site.contact], edges, strict=True):
+            count.update([each.reason] if each.reason else [])
         return {
             "traction": traction,
             "slip": slip if slip.shape[1] > 1 else slip[:, 0],
             "status": status,
             "stress": stress,
-            "edge_stress": [each.value for each in edges],
-            "edge_spread": [each.spread for each in edges],
+            "edge_stress": [each.value for each, _ in edges],
+            "edge_spread": [each.spread for each, _ in edges],
+            "edge_near": [near for _, near in edges],
         }
 
     def _edge(
@@ -234,23 +233,13 @@ class _Writer:
         patch: ContactHistory,
         station: Station,
         body: int,
-    ) -> EdgeValue:
+    ) -> tuple[EdgeValue, float]:
         if isotropic(self._case.bodies[site.place.bodies[body]]) is None:
             # Pressure alone does not make sigma_t = -p: there is another singular part.
-            return EdgeValue(np.nan, np.nan, IS_CRYSTAL)
-        return edge_stress(
-            site.strains[body].arc,
-            smooth[body],
-            float(station.position[state]),
-            plane_front(station.front).inward,
-            patch,
-            np.asarray(patch.status[state]),
-        )
-
-    def _note(self, site: _Site, edges: list[EdgeValue]) -> None:
-        self._known[site.contact] |= [not each.reason for each in edges]
-        for count, each in zip(self._reasons[site.contact], edges, strict=True):
-            count[each.reason] += bool(each.reason)
+            return EdgeValue(np.nan, np.nan, IS_CRYSTAL), np.nan
+        arc, inward = site.strains[body].arc, plane_front(station.front).inward
+        edge = arc, smooth[body], float(station.position[state]), inward, patch
+        return edge_stress(*edge, np.asarray(patch.status[state])), near_edge(*edge)
 
     def _error(self, error: OSError) -> OutputError:
         return OutputError(

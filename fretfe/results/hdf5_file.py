@@ -214,7 +214,7 @@ class StressWriter:
         """Finish the file; after an error there is none.
 
         Args:
-            reasons: for each contact and edge value why it is never known, or an empty text.
+            reasons: for each contact and edge value why it is mostly not known, or an empty text.
         """
         for contact, texts in reasons.items():
             self._file[f"contacts/{contact}"].attrs["edge_reasons"] = list(texts)
@@ -224,8 +224,8 @@ class StressWriter:
         """Write a state.
 
         Args:
-            values: for each contact `traction`, `slip`, `status`, `stress` (2, D, N, k),
-                `edge_stress` (e,) and `edge_spread` (e,), of one state of a `StressHistory`.
+            values: for each contact `traction`, `slip`, `status`, `stress` (2, D, N, k) and, (e,),
+                `edge_stress`, `edge_spread`, `edge_near`, of one state of a `StressHistory`.
         """
         for contact, tables in values.items():
             for name, table in tables.items():
@@ -249,6 +249,7 @@ def _make_room(group: h5py.Group, site: StressSite, count: int) -> None:
         ("stress", (2, depths, nodes, TENSOR[size]), float),
         ("edge_stress", (len(names),), float),
         ("edge_spread", (len(names),), float),
+        ("edge_near", (len(names),), float),
     ):
         room(group, name, (count, *shape), np.dtype(kind), ROWS)
 
@@ -287,7 +288,7 @@ def _read(file: h5py.File, contact: str) -> StressHistory:
         [str(each) for each in group.attrs[n]]
         for n in ("edge_contacts", "edges", "edge_bodies", "edge_reasons")
     ]
-    values, spreads = group["edge_stress"][:], group["edge_spread"][:]
+    edges = [group[name][:].T for name in ("edge_stress", "edge_spread", "edge_near")]
     size = TENSOR[group["frames"].shape[1]]
     shape = len(file["states"]), 2, len(file["depths"]), len(group["arc"]), size
     if stress.shape != shape:
@@ -304,7 +305,9 @@ def _read(file: h5py.File, contact: str) -> StressHistory:
         **{name: group[name][:] for name in ("arc", "frames", "traction", "slip", "status")},
         bodies=(bodies[0], bodies[1]),
         edges=tuple(
-            EdgeStress(of, edge, body, values[:, i], spreads[:, i], reason)
-            for i, (of, edge, body, reason) in enumerate(zip(*names, strict=True))
+            EdgeStress(of, edge, body, value, spread, near, reason)
+            for of, edge, body, value, spread, near, reason in zip(
+                *names[:3], *edges, names[3], strict=True
+            )
         ),
     )

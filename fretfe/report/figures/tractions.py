@@ -243,16 +243,15 @@ def stress_plot(shown: Shown) -> Plot | None:
 
 def _stress_caption(shown: Shown, edges: list[EdgeStress]) -> str:
     unit = shown.run.case.units.stress
-    known = [each for each in edges if not each.reason]
-    texts = [
-        f"{with_error(*each.largest)} {unit} ({each.edge} edge, {each.body})" for each in known
-    ]
-    missing = [
-        f"not known at the {each.edge} edge of {each.body}: {each.reason}"
-        for each in edges
-        if each.reason
-    ]
-    return "Largest stress along the surface at the edges: " + "; ".join([*texts, *missing]) + "."
+    known, missing = [], []
+    for each in edges:
+        found = each.largest
+        if found.reason:
+            missing.append(f"not known at the {each.edge} edge of {each.body}: {found.reason}")
+        else:
+            value = with_error(found.value, found.spread)
+            known.append(f"{value} {unit} ({each.edge} edge, {each.body})")
+    return "Largest stress along the surface at the edges: " + "; ".join([*known, *missing]) + "."
 
 
 def _draw_stress(
@@ -336,13 +335,13 @@ def _edge_values(
 ) -> None:
     """Markers with bars at the edge, body by body."""
     for place, each in enumerate(found):
-        if each.reason:
+        largest = each.largest
+        if largest.reason:
             continue
-        value, spread = each.largest
-        at = history.states[int(np.nanargmax(each.value))]
+        at = history.states[each.at_largest]
         axes.errorbar(
-            [edge.position[at]], [value], [spread], marker=BODY_MARKERS[place], ms=4, mfc="white",
-            color=CYCLE[0], capsize=2, lw=1.0,
+            [edge.position[at]], [largest.value], [largest.spread], marker=BODY_MARKERS[place],
+            ms=4, mfc="white", color="black", capsize=2, lw=1.0,
         )  # fmt: skip
 
 
