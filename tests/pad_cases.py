@@ -68,7 +68,7 @@ def as_field(
     rows = [",".join(map(repr, (*corner, warm(*corner)))) for corner in corners]
     path = folder / "heat.csv"
     path.write_text("\n".join([",".join([*"xyz"[:dimension], "T"]), *rows]) + "\n")
-    kept = {key: load[key] for key in ("history", "bodies") if key in load}
+    kept: dict[str, Any] = {key: load[key] for key in ("history", "bodies") if key in load}
     return {"type": "temperature_field", "file": str(path), **kept}
 
 

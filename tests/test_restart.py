@@ -98,8 +98,8 @@ def cut_off(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("name", "place", "size", "first"),
     [
         ("states.rows", 0.3, 1, 1),
-        ("states.rows", 0.95, 1, 11),
-        ("states.rows", 0.9, 0, 11),
+        ("states.rows", 0.7, 1, 11),
+        ("states.rows", 0.7, 0, 11),
         ("states.rows", -1.0, 0, 1),
         ("checkpoint.npz", 0.5, 1, 11),
         ("checkpoint.npz", -1.0, 0, 11),

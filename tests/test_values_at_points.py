@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+import time
 from pathlib import Path
 from typing import Any
 
@@ -369,3 +370,17 @@ def test_forces() -> None:
         parse_case(push(centre=[2.1, 0.5], radius=0))
     with pytest.raises(CaseError, match=r"loads\.f\.centre: expected 2 components on this mesh"):
         check_dimension(parse_case(push(centre=[2, 0.5, 0], radius=1)), 2)
+
+
+def test_points_of_a_grid() -> None:
+    """Eight of them on one sphere, everywhere, of which Qhull alone makes minutes of merging."""
+    lines = np.linspace(0, 1, 60)
+    points = np.stack(np.meshgrid(lines[:10], lines, lines, indexing="ij"), axis=-1).reshape(-1, 3)
+    places = points.min(axis=0) + np.ptp(points, axis=0) * np.random.default_rng(0).random((500, 3))
+    places[0] = points[-1]
+    slopes = np.array([1.0, 2.0, -3.0])
+    begin = time.process_time()
+    found = PointValues(points, points @ slopes).at(places)
+    assert time.process_time() - begin < 20.0
+    np.testing.assert_allclose(found, places @ slopes, atol=1e-7)
+    assert np.median(np.abs(found - places @ slopes)) < 1e-13

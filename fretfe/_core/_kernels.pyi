@@ -60,3 +60,11 @@ def fit_moments(
     farthest: float,
     corrections: int,
 ) -> npt.NDArray[np.float64]: ...
+def combine_blocks(
+    matrix: npt.NDArray[np.float64],
+    row_nodes: npt.NDArray[np.int64],
+    tested: npt.NDArray[np.float64],
+    column_nodes: npt.NDArray[np.int64],
+    trial: npt.NDArray[np.float64],
+    out: npt.NDArray[np.float32] | npt.NDArray[np.float64],
+) -> None: ...

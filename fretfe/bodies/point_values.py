@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Indices
 from fretfe.case.base import AXES
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_table
@@ -26,6 +26,9 @@ SAME = 1e-9
 # A place that is farther from all points than so many times their distance from one another lies in
 # a hole between them: nodes of a mesh have up to half of it, random points seldom more than twice.
 HOLE = 3.0
+# More points than these are moved by up to this part of their spacing before they are triangulated;
+# elements whose weights that changes by more are slivers.
+MANY, JOGGLE, SLIVER = 1000, 1e-6, 1e-2
 # Nodes around each place between which values at nodes are linear.
 NEAREST = 32
 
@@ -56,16 +59,8 @@ class PointValues:
             columns = self.values.reshape(len(own), -1)[order].T
             found = [np.interp(local[:, 0], own[order, 0], column) for column in columns]
             return np.stack(found, axis=1).reshape(len(places), *self.values.shape[1:])
-        # Imported where it is needed: SciPy's interpolation takes a second.
-        from scipy.interpolate import LinearNDInterpolator
-
-        linear = LinearNDInterpolator(own, self.values)
-        found = linear(local)
-        missing = np.isnan(found).reshape(len(found), -1).any(axis=1)
-        # Next to the hull from inside: round-off would leave it again.
-        inside = local[missing] / (np.maximum(_gauge(own, local[missing]), 1) * (1 + 1e-9))[:, None]
-        found[missing] = linear(inside)
-        return np.asarray(found)
+        corners, weights = _simplices(own, local)
+        return np.asarray(np.einsum("mk,mk...->m...", weights, self.values[corners]))
 
     def same(self) -> tuple[int, int] | None:
         """Two points that are nearly in the same place, None if there are none."""
@@ -166,6 +161,40 @@ class NodalValues:
             return np.asarray(self.values[nearest])
         near = np.unique(tree.query(places, min(NEAREST, len(self.points)))[1])
         return PointValues(self.points[near], self.values[near]).at(places)
+
+
+def _simplices(points: Array, places: Array) -> tuple[Indices, Array]:
+    """Points (m, r + 1) of a triangulation around places (m, r), and their weights.
+
+    Grids have many points on one sphere, which cost Qhull minutes: many points are joggled. Weights
+    are then corrected to be those of the points where they are, but in slivers, which have hardly
+    any volume.
+    """
+    # Imported where it is needed: cases without points do without.
+    from scipy.spatial import Delaunay
+
+    count, size = points.shape
+    spacing = np.ptp(points, axis=0) / count ** (1 / size) * (count > MANY)
+    joggle = np.random.default_rng(0).uniform(-JOGGLE, JOGGLE, points.shape)
+    mesh = Delaunay(points + joggle * spacing)
+    chosen = mesh.find_simplex(places)
+    if (missing := chosen < 0).any():
+        # Next to the hull from inside: round-off would leave it again.
+        nearer = np.maximum(_gauge(points, places[missing]), 1) * (1 + 1e-9)
+        places = places.copy()
+        places[missing] /= nearer[:, None]
+        chosen[missing] = mesh.find_simplex(places[missing], tol=10 * JOGGLE)
+    corners, inverse = mesh.simplices[chosen], mesh.transform[chosen]
+
+    def local(vectors: Array) -> Array:
+        found = np.einsum("mij,mj->mi", inverse[:, :size], vectors)
+        return np.column_stack([found, -found.sum(axis=1)])
+
+    weights = local(places - inverse[:, size])
+    weights[:, size] += 1
+    weights[chosen < 0] = np.nan  # in none
+    change = local(places - np.einsum("mk,mkd->md", weights, points[corners]))
+    return corners, weights + change * (np.abs(change).max(axis=1) < SLIVER)[:, None]
 
 
 def _gauge(points: Array, places: Array) -> Array:

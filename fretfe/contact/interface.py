@@ -7,17 +7,23 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import blas
 
+from fretfe._core import _kernels
 from fretfe._typing import Array, Bools, Indices
 
 # Relative size below which a motion is resisted by nothing but round-off.
 UNRESISTED = 1e-9
 # Rows of a compliance that are gathered at a time.
 ROWS = 32
+
+
+# Nodes (n,), and a vector (n, 3) at each of them.
+Directions = tuple[Indices, Array]
 
 
 class Compliance(Protocol):
@@ -36,6 +42,17 @@ class Compliance(Protocol):
 
     def block(self, rows: Indices, columns: Indices) -> Array:
         """(rows, columns) displacements of some components by unit tractions at others; a copy."""
+
+    def combine(
+        self, rows: Directions, columns: Directions, found: NDArray[np.floating[Any]]
+    ) -> None:
+        """Write to (r, c) the displacements of nodes in directions by tractions in others; d = 3.
+
+        Args:
+            rows: of the displacements.
+            columns: of the tractions.
+            found: numbers of any precision.
+        """
 
 
 class DenseCompliance:
@@ -72,6 +89,12 @@ class DenseCompliance:
             part = slice(begin, begin + ROWS)
             self._matrix[rows[part]].take(columns, axis=1, out=found[part], mode="clip")
         return found
+
+    def combine(
+        self, rows: Directions, columns: Directions, found: NDArray[np.floating[Any]]
+    ) -> None:
+        """Write to (r, c) the displacements of nodes in directions by tractions in others."""
+        _kernels.combine_blocks(self._matrix, *rows, *columns, found)
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,6 +25,7 @@ from scipy import linalg
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface, coordinate_scale
 from fretfe.contact.nested_inverse import (
+    READING,
     InverseRows,
     MatrixSystem,
     NestedInverse,
@@ -113,10 +114,6 @@ FEWEST, SPARE = 300, 1.25
 # Work of opening a component among those of a block, for each of them, over that of a factorisation
 # for each cube of an unknown (measured: 18 ns, .03 ns).
 OPENING = 600
-# Rows of a system that are gathered at a time.
-BLOCK = 256
-# Work of reading an entry of a matrix, over that of a multiplication and addition in a product.
-READING = 12
 # Unknown tractions for each released component up to which a contact slides: its factors serve many
 # conditions.
 SLIDES = 1.2
@@ -176,26 +173,39 @@ class DirectSystem:
 
     Attributes:
         count: number of unknown tractions; coordinates follow.
-        numbers: the same for systems with the same unknowns.
+        numbers: the same for unknowns of the same kind in other systems.
     """
 
     def __init__(self, interface: Interface, conditions: Conditions) -> None:
-        d = interface.components
         stuck, slipping = (np.flatnonzero(conditions.status == each) for each in (STICK, SLIP))
+        turning, across = conditions.across(slipping)
+        first, weight = np.unique(turning, return_index=True)[1], conditions.turning[turning]
         self._interface, self._conditions = interface, conditions
         self._level, self._scale = interface.compliance.level, coordinate_scale(interface)
-        self._normal = d * slipping
-        components = (d * stuck[:, None] + np.arange(d)).ravel()
-        self._held = np.concatenate([components, self._normal])
-        self._sliding = slice(len(components), len(self._held))
-        self._pull = conditions.pull[slipping]
-        turning, self._across = conditions.across(slipping)
-        self._turning = d * turning
-        self._weight = conditions.turning[turning]
-        own = (1 - self._weight) / (conditions.penalty[turning] * self._level)
-        self._own = len(self._held) + np.arange(len(turning)), own
-        self.count = len(self._held) + len(turning)
-        self.numbers = np.concatenate([self._held, self._turning + 1])
+        # Of each unknown the node, the tractions there by a unit of it, and what its condition is
+        # about of the displacements.
+        self._nodes = np.concatenate([np.repeat(stuck, 3), slipping, turning])
+        self.count, own = len(self._nodes), slice(3 * len(stuck) + len(slipping), None)
+        self._trial = np.zeros((self.count, 3))
+        self._trial[: 3 * len(stuck)] = np.tile(np.eye(3), (len(stuck), 1))
+        self._trial[3 * len(stuck) : own.start, 0] = 1.0
+        self._tested = self._trial.copy()
+        self._held = 3 * self._nodes[: own.start] + self._tested[: own.start].argmax(axis=1)
+        self._trial[3 * len(stuck) : own.start, 1:] = conditions.pull[slipping]
+        self._trial[own, 1:], self._tested[own, 1:] = across, weight[:, None] * across
+        self._own = np.zeros(self.count)
+        self._own[own] = (1 - weight) / (conditions.penalty[turning] * self._level)
+        kinds = np.repeat([3, 5], [len(slipping), len(turning)])
+        kinds[len(slipping) + first] = 4
+        kinds = np.concatenate([np.tile(np.arange(3), len(stuck)), kinds])
+        known = 2 * np.arange(len(self._scale)) + conditions.known
+        self.numbers = np.concatenate([6 * self._nodes + kinds, -1 - known])
+
+    @cached_property
+    def _motion(self) -> Array:
+        """(count, 3, m) displacements of the nodes of the unknowns by coordinates."""
+        motion = (self._interface.motion * self._scale).reshape(self._interface.size, 3, -1)
+        return np.asarray(motion[self._nodes])
 
     def solve(self, systems: SimilarSystems, free: Array, forces: Array) -> Response:
         """Solve the system; see `StuckSolution.release`.
@@ -209,18 +219,22 @@ class DirectSystem:
             numpy.linalg.LinAlgError: if the conditions leave a motion without any resistance.
         """
         interface, count = self._interface, self.count
-        flat = free.reshape(-1, free.shape[-1])
-        target = np.vstack([-self._tested(flat.__getitem__), -forces * self._unit[:, None]])
+        target = np.vstack([-self._tests(free), -forces * self._unit[:, None]])
         known = self._known
         target[known] = self._conditions.amplitudes / self._scale[self._conditions.known, None]
         solved = systems.solve(self.numbers, self, target)
         coordinates = solved[count:] * self._scale[:, None]
-        traction = self._tractions(solved[:count], np.zeros_like(flat)) / self._level
-        relative = interface.motion @ coordinates + flat
+        traction = self._tractions(solved[:count]) / self._level
+        relative = interface.motion @ coordinates + free.reshape(traction.shape)
         for case, column in enumerate(traction.T):
             relative[:, case] += interface.compliance.apply(np.ascontiguousarray(column))
         relative[self._held] = 0.0
         return Response(traction.reshape(free.shape), relative.reshape(free.shape), coordinates)
+
+    @property
+    def entries(self) -> float:
+        """Half of the compliance, which is symmetric."""
+        return len(self._interface.gap) ** 2 / 2
 
     @property
     def _unit(self) -> Array:
@@ -235,81 +249,58 @@ class DirectSystem:
     def apply(self, vector: Array) -> Array:
         """(k,) the matrix times a vector (k,), without the matrix."""
         interface, count = self._interface, self.count
-        coordinates = vector[count:] * self._scale
-        traction = self._tractions(vector[:count, None], np.zeros((len(interface.motion), 1)))[:, 0]
-        moved = interface.compliance.apply(traction) / self._level + interface.motion @ coordinates
+        coordinates, traction = vector[count:] * self._scale, self._tractions(vector[:count, None])
+        moved = interface.compliance.apply(traction[:, 0]) / self._level
+        moved += interface.motion @ coordinates
         found = np.empty(len(vector))
-        found[:count] = self._tested(moved[:, None].__getitem__)[:, 0]
-        found[self._own[0]] += self._own[1] * vector[self._own[0]]
+        found[:count] = self._tests(moved.reshape(-1, 3, 1))[:, 0] + self._own * vector[:count]
         forces = interface.stiffness @ coordinates * self._level
-        found[count:] = (interface.motion.T @ traction - forces) * self._scale
+        found[count:] = (interface.motion.T @ traction[:, 0] - forces) * self._scale
         found[self._known] = vector[self._known]
         return found
 
-    def matrix(self) -> Array:
+    def matrix(self, precision: type[np.floating[Any]] = np.float64) -> NDArray[Any]:
         """(k, k) of the unknown tractions, then the coordinates."""
-        interface, count = self._interface, self.count
-        matrix = np.empty((count + len(self._scale),) * 2)
-        # Few rows at a time: what they are gathered from is larger than they are.
-        for begin in range(0, len(self._held), BLOCK):
-            rows = self._held[begin : begin + BLOCK]
-            matrix[begin : begin + len(rows), :count] = self._displacements(rows)
-        for begin in range(0, len(self._turning), BLOCK):
-            part = slice(begin, begin + BLOCK)
-            place = slice(len(self._held) + begin, min(len(self._held) + begin + BLOCK, count))
-            matrix[place, :count] = self._turned(self._displacements, part)
-        matrix[:count, :count] /= self._level
-        matrix[self._own[0], self._own[0]] += self._own[1]
-        motion = interface.motion * self._scale
-        matrix[:count, count:] = self._tested(motion.__getitem__)
-        work = motion[self._held]
-        for component, pull in enumerate(self._pull.T, start=1):
-            work[self._sliding] += pull[:, None] * motion[self._normal + component]
-        across = self._along(motion.__getitem__, slice(None))
-        matrix[count:, :count] = np.vstack([work, across]).T
-        matrix[count:, count:] = -interface.stiffness * np.outer(self._scale, self._unit)
-        known = self._known
-        matrix[known] = 0.0
-        matrix[known, known] = 1.0
-        return matrix
+        everything = np.arange(self.count + len(self._scale))
+        return self.block(everything, everything, precision)
 
-    def _displacements(self, rows: Indices) -> Array:
-        """(r, count) displacements of some components by the unknown tractions."""
-        block, held = self._interface.compliance.block, self._held
-        found = np.empty((len(rows), self.count))
-        found[:, : len(held)] = block(rows, held)
-        for component, pull in enumerate(self._pull.T, start=1):
-            if pull.any():
-                found[:, self._sliding] += block(rows, self._normal + component) * pull
-        found[:, len(held) :] = self._along(lambda columns: block(rows, columns).T, slice(None)).T
+    def block(
+        self, rows: Indices, columns: Indices, precision: type[np.floating[Any]] = np.float64
+    ) -> NDArray[Any]:
+        """(r, c) of the matrix; rows and columns in increasing order."""
+        found = np.zeros((len(rows), len(columns)), precision)
+        (own, forces), (tractions, coordinates) = (
+            np.split(each, [np.searchsorted(each, self.count)]) for each in (rows, columns)
+        )
+        split, width = len(own), len(tractions)
+        self._interface.compliance.combine(
+            (self._nodes[own], self._tested[own] / self._level),
+            (self._nodes[tractions], self._trial[tractions]),
+            found[:split, :width],
+        )
+        _, here, there = np.intersect1d(own, tractions, assume_unique=True, return_indices=True)
+        found[here, there] += self._own[own[here]]
+        forces, coordinates = forces - self.count, coordinates - self.count
+        moved, pushed = (
+            np.einsum("ij,ijk->ik", directions[chosen], self._motion[chosen])
+            for directions, chosen in ((self._tested, own), (self._trial, tractions))
+        )
+        found[:split, width:], found[split:, :width] = moved[:, coordinates], pushed[:, forces].T
+        stiffness = -self._interface.stiffness * np.outer(self._scale, self._unit)
+        found[split:, width:] = stiffness[np.ix_(forces, coordinates)]
+        known = np.flatnonzero(self._conditions.known[forces])
+        found[split + known] = (forces[known] + self.count)[:, None] == columns
         return found
 
-    def _tested(self, rows: Callable[[Indices], Array]) -> Array:
-        """(count, J) what the conditions are about of the rows of an array."""
-        return np.vstack([rows(self._held), self._turned(rows, slice(None))])
+    def _tests(self, moved: Array) -> Array:
+        """(count, J) what conditions are about of displacements (N, 3, J)."""
+        return np.asarray(np.einsum("ij,ijk->ik", self._tested, moved[self._nodes]))
 
-    def _turned(self, rows: Callable[[Indices], Array], part: slice) -> Array:
-        """That of the directions that turn, as far as they do."""
-        return self._weight[part, None] * self._along(rows, part)
-
-    def _along(self, rows: Callable[[Indices], Array], part: slice) -> Array:
-        """(t, J) rows across the shear of slipping nodes."""
-        nodes, across = self._turning[part], self._across[part]
-        parts = (
-            each[:, None] * rows(nodes + component)
-            for component, each in enumerate(across.T, start=1)
-        )
-        return np.asarray(sum(parts))
-
-    def _tractions(self, solved: Array, traction: Array) -> Array:
-        """(N*d, J) tractions, from none, by the unknown ones."""
-        traction[self._held] = solved[: len(self._held)]
-        for component, pull in enumerate(self._pull.T, start=1):
-            traction[self._normal + component] = pull[:, None] * traction[self._normal]
-        turns = solved[len(self._held) :]
-        for component, each in enumerate(self._across.T, start=1):
-            np.add.at(traction, self._turning + component, each[:, None] * turns)
-        return traction
+    def _tractions(self, solved: Array) -> Array:
+        """(N*3, J) tractions by the unknown ones (count, J)."""
+        traction = np.zeros((self._interface.size, 3, solved.shape[1]))
+        np.add.at(traction, self._nodes, self._trial[:, :, None] * solved[:, None])
+        return traction.reshape(-1, solved.shape[1])
 
 
 class SlidingContact:
@@ -504,7 +495,7 @@ class FactoredOperator:
         self._order: ContactOrder | None = None
         self._count = FEWEST
         self._met = np.zeros(interface.size, dtype=np.int64)  # how often a node was in contact
-        self._sliding = SlidingContact(interface)
+        self._sliding, self._direct = SlidingContact(interface), SimilarSystems()
 
     def area(self, closed: Bools, gap: Array) -> NestedArea:
         """Leading block that includes a contact area; the same object while it serves this one too.
@@ -522,8 +513,11 @@ class FactoredOperator:
             self._order = None  # its matrices make room for those of the next
             count = max(self._count, math.ceil(SPARE * int(closed.sum())))
             nodes = np.lexsort(keys)[:count]
-            self._order = ContactOrder(self.interface, nodes, self._sliding)
+            self._order = self._ordered(nodes)
         return self._order.area(closed)
+
+    def _ordered(self, nodes: Indices) -> ContactOrder:
+        return ContactOrder(self.interface, nodes, self._sliding, self._direct)
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """Numbers by name on which the next order, and so the round-off, depends; see `recall`."""
@@ -541,7 +535,7 @@ class FactoredOperator:
         self._count, self._met = int(memory["operator_count"]), memory["operator_met"]
         self._sliding.recall(memory)
         if "operator_order" in memory:
-            self._order = ContactOrder(self.interface, memory["operator_order"], self._sliding)
+            self._order = self._ordered(memory["operator_order"])
             self._order.cost, self._order.rent = memory["operator_cost"].tolist()
             if "operator_rows" in memory:
                 self._order.rows.recall(memory)
@@ -564,10 +558,11 @@ class ContactOrder:
         interface: the interface problem.
         nodes: (K,) these nodes; the others do not touch.
         sliding: solves the conditions of plane problems most of whose nodes slide.
+        direct: solves the systems of solids without the inverse.
 
     Attributes:
         interface: the interface problem.
-        sliding: as given.
+        sliding, direct: as given.
         nodes: (K,) these nodes.
         components: (K*d,) theirs.
         others: components of the other nodes.
@@ -579,9 +574,15 @@ class ContactOrder:
         rent: what direct solutions have cost so far beyond those with the factors.
     """
 
-    def __init__(self, interface: Interface, nodes: Indices, sliding: SlidingContact) -> None:
+    def __init__(
+        self,
+        interface: Interface,
+        nodes: Indices,
+        sliding: SlidingContact,
+        direct: SimilarSystems,
+    ) -> None:
         d = interface.components
-        self.interface, self.sliding = interface, sliding
+        self.interface, self.sliding, self.direct = interface, sliding, direct
         self.nodes = nodes
         self.components = (nodes[:, None] * d + np.arange(d)).ravel()
         self._rank = np.full(interface.size, len(nodes))
@@ -718,7 +719,6 @@ class StuckSolution:
         self._given = free, forces
         self._free = free.reshape(-1, free.shape[-1])
         self._forces = forces * order.scale[:, None] * order.level
-        self._systems, self._direct = SimilarSystems(), SimilarSystems()
 
     @cached_property
     def _missing(self) -> Array:
@@ -764,7 +764,7 @@ class StuckSolution:
         elif not conditions.floating:
             system = DirectSystem(order.interface, conditions)
             if order.direct_pays(system.count, area.size, released.all):
-                return system.solve(self._direct, *self._given)
+                return system.solve(order.direct, *self._given)
         # Tractions by unit displacements of the released components, less those by coordinates.
         units, vectors = order.rows.units(area.size, released.all), order.rows.vectors(area.size)
         motion = order.motion[: area.size]
@@ -783,7 +783,8 @@ class StuckSolution:
         if conditions.floating:
             changes, residual = _least_motion(matrix, target, count)
         else:
-            changes = self._systems.solve(released.all, MatrixSystem(matrix), target)
+            # Factors of another one would leave too much: gaps are large against what slips.
+            changes = SimilarSystems().solve(released.all, MatrixSystem(matrix), target)
         solved = self._traction + units.T @ changes[:count] - vectors.T @ changes[count:]
         return self._response(solved, released, changes, residual)
 

@@ -302,19 +302,20 @@ class Division:
             largest: of all parts.
         """
         begin, end = self._steps[number - 1], self._steps[number]
-        done, count = 0.0, 0
+        done, count, guess = 0.0, 0, None
         while done < 1.0:
             # The first parts, next to no contact at all, may be smaller than there are parts.
             least = min(1.0, 0.25 + count / MOST_PARTS) * (1.0 - done) / (MOST_PARTS - count)
             share = _reached(done, min(max(size, least), largest))
             loads = self._loads(number, share)
-            result = self._march.advance(state, begin, loads)
+            result = self._march.advance(state, begin, loads, guess=guess)
             moved = self._moved(state, result.state, end)
             size = (share - done) / float(np.clip(moved, 1 / FASTEST, FASTEST))
             if moved > TOLERATED and share - done > 1.01 * least:
+                guess = result.state
                 continue
             yield Part(share, result)
-            state, begin, done, count = result.state, loads, share, count + 1
+            state, begin, done, count, guess = result.state, loads, share, count + 1, None
 
     def _loads(self, number: int, share: float) -> StepLoads:
         if share == 1.0:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -25,8 +25,13 @@ FEWEST = 500
 ROUND_OFF = 1e-12
 # Corrections that fall so fast need no iterations of GMRES.
 FALLS = 0.03
-# Iterations and corrections after which a factorisation is no more work.
-ITERATIONS, ROUNDS = 12, 6
+# Work of reading an entry of a matrix, and of making one of a system, over that of a multiplication
+# and addition in a product of matrices.
+READING, MAKING = 12, 150
+# Unknowns that border factors, over those of the factors, from which on it is factorised anew.
+WIDEST = 1 / 16
+# Iterations of GMRES at a time; products with a system after which its own factors are of no use.
+ITERATIONS, MOST = 12, 72
 
 
 class NestedInverse:
@@ -189,8 +194,15 @@ def _parts(begin: int, end: int) -> list[tuple[int, int]]:
 class LinearSystem(Protocol):
     """A linear system of k unknowns, as a matrix and without one."""
 
-    def matrix(self) -> Array:
-        """(k, k) in C's order; it may be overwritten."""
+    @property
+    def entries(self) -> float:
+        """Number of entries of matrices that a product reads."""
+
+    def matrix(self, precision: type[np.floating[Any]]) -> NDArray[Any]:
+        """(k, k) in C's order, of numbers of some precision; it may be overwritten."""
+
+    def block(self, rows: Indices, columns: Indices) -> Array:
+        """(r, c) of it; rows and columns in increasing order."""
 
     def apply(self, vector: Array) -> Array:
         """(k,) the matrix times a vector (k,)."""
@@ -206,13 +218,26 @@ class MatrixSystem:
 
     known: Array
 
-    def matrix(self) -> Array:
+    @property
+    def entries(self) -> float:
+        """Those of the matrix."""
+        return self.known.size
+
+    def matrix(self, precision: type[np.floating[Any]]) -> NDArray[Any]:
         """(k, k) a copy."""
-        return self.known.copy()
+        return self.known.astype(precision)
+
+    def block(self, rows: Indices, columns: Indices) -> Array:
+        """(r, c) of it."""
+        return self.known[np.ix_(rows, columns)]
 
     def apply(self, vector: Array) -> Array:
         """(k,) the matrix times a vector (k,)."""
         return np.asarray(self.known @ vector)
+
+
+# Solves a system about as another one does: (k, J) for right-hand sides (k, J).
+Approximate = Callable[[Array], Array]
 
 
 class SimilarSystems:
@@ -220,7 +245,8 @@ class SimilarSystems:
 
     The solutions are as accurate as those of factors of their own. Factors are of single precision,
     which takes half of the time and memory; iterations with the system itself make up for it, and
-    where they do not, factors are of double precision.
+    where they do not, factors are of double precision. Unknowns that the factorised system has not,
+    or has alone, border it.
     """
 
     def __init__(self) -> None:
@@ -231,7 +257,8 @@ class SimilarSystems:
         """(k, J) solution of a system.
 
         Args:
-            unknowns: numbers that tell its unknowns from those of other systems.
+            unknowns: (k,) numbers that tell its unknowns from one another and from those of other
+                systems.
             system: of k unknowns.
             target: (k, J) right-hand sides.
 
@@ -239,15 +266,19 @@ class SimilarSystems:
             numpy.linalg.LinAlgError: if the matrix is singular.
         """
         if len(target) < FEWEST:
-            return np.linalg.solve(system.matrix(), target)
-        if self._unknowns is not None and np.array_equal(unknowns, self._unknowns):
-            found = self._iterate(system, target)
+            return np.linalg.solve(system.matrix(np.float64), target)
+        bordered = self._bordered(unknowns, system)
+        if bordered is not None:
+            size = len(target)
+            work = size**3 / 6 + MAKING * size**2
+            products = int(work / (READING * (system.entries + size**2 / 2)))
+            found = _iterate(system, target, bordered, products)
             if found is not None:
                 return found
         self._unknowns = None
         for precision in (np.float32, np.float64):
             if self._factorise(system, precision):
-                found = self._iterate(system, target)
+                found = _iterate(system, target, self._approximate, MOST)
                 if found is not None:
                     self._unknowns = unknowns
                     return found
@@ -256,10 +287,9 @@ class SimilarSystems:
     def _factorise(self, system: LinearSystem, precision: type[np.floating[Any]]) -> bool:
         """Factorise a matrix with numbers of some precision; False if single precision fails."""
         single = precision is np.float32
-        # Of the transposed matrix, in its place.
-        matrix = system.matrix().astype(precision, copy=False).T
         decompose = linalg.lapack.sgetrf if single else linalg.lapack.dgetrf
-        factors, pivots, info = decompose(matrix, overwrite_a=1)
+        # Of the transposed matrix, in its place.
+        factors, pivots, info = decompose(system.matrix(precision).T, overwrite_a=1)
         self._factors = factors, pivots
         if info and not single:
             raise np.linalg.LinAlgError(f"row {info} of the matrix depends on those before it")
@@ -271,30 +301,99 @@ class SimilarSystems:
         solved = linalg.lu_solve(self._factors, target, trans=1, check_finite=False)
         return np.asarray(solved, dtype=np.float64)
 
-    def _iterate(self, system: LinearSystem, target: Array) -> Array | None:
-        """Solution by preconditioned iterations; None if there would have to be many."""
-        columns = [self._column(system, column) for column in target.T]
-        known = [column for column in columns if column is not None]
-        return np.stack(known, axis=1) if len(known) == len(columns) else None
+    def _bordered(self, unknowns: Indices, system: LinearSystem) -> Approximate | None:
+        """Solver with the factors and a border; None if that were wide.
 
-    def _column(self, system: LinearSystem, target: Array) -> Array | None:
-        """(k,) solution of a system with one right-hand side; None as above."""
-        similar = LinearOperator(
-            (len(target), len(target)),
-            matvec=lambda vector: self._approximate(system.apply(vector)),
-            dtype=np.float64,
+        What is factorised keeps the unknowns that the system has not, each with a further one that
+        makes it zero.
+        """
+        if self._unknowns is None:
+            return None
+        before, size = self._unknowns, len(self._unknowns)
+        _, kept, places = np.intersect1d(unknowns, before, assume_unique=True, return_indices=True)
+        kept, places = np.sort(kept), places[np.argsort(kept)]
+        added = np.setdiff1d(np.arange(len(unknowns)), kept, assume_unique=True)
+        removed = np.setdiff1d(np.arange(size), places, assume_unique=True)
+        count, width = len(added), len(added) + len(removed)
+        if width > WIDEST * size:
+            return None
+        columns, rows = np.zeros((size, width)), np.zeros((width, size))
+        columns[places, :count], rows[:count, places] = (
+            system.block(kept, added),
+            system.block(added, kept),
         )
-        solution = self._approximate(target)
-        before = float(np.linalg.norm(solution))
-        for _ in range(ROUNDS):
-            missing = self._approximate(target - system.apply(solution))
-            size = float(np.linalg.norm(missing))
-            round_off = ROUND_OFF * float(np.linalg.norm(solution))
-            if size <= round_off:
-                return np.asarray(solution + missing)
-            if size > FALLS * before:
-                missing = gmres(
-                    similar, missing, rtol=0.0, atol=round_off / 10, restart=ITERATIONS, maxiter=1
-                )[0]
-            solution, before = solution + missing, size
-        return None
+        columns[removed, count + np.arange(len(removed))] = 1.0
+        rows[count + np.arange(len(removed)), removed] = 1.0
+        solved, corner = self._approximate(columns), np.zeros((width, width))
+        corner[:count, :count] = system.block(added, added)
+        try:
+            inverse = np.linalg.inv(corner - rows @ solved)
+        except np.linalg.LinAlgError:
+            return None
+
+        def approximate(target: Array) -> Array:
+            padded, border = (
+                np.zeros((size, *target.shape[1:])),
+                np.zeros((width, *target.shape[1:])),
+            )
+            padded[places], border[:count] = target[kept], target[added]
+            found = self._approximate(padded)
+            border = inverse @ (border - rows @ found)
+            solution = np.empty_like(target)
+            solution[kept], solution[added] = (found - solved @ border)[places], border[:count]
+            return solution
+
+        return approximate
+
+
+def _iterate(
+    system: LinearSystem, target: Array, approximate: Approximate, most: int
+) -> Array | None:
+    """Solution by preconditioned iterations; None if one takes more products than `most`."""
+    solution = np.empty_like(target)
+    for case, column in enumerate(target.T):
+        found = _column(system, column, approximate, most)
+        if found is None:
+            return None
+        solution[:, case] = found
+    return solution
+
+
+def _column(
+    system: LinearSystem, target: Array, approximate: Approximate, most: int
+) -> Array | None:
+    """(k,) solution of a system with one right-hand side; None as above."""
+    count = 0
+
+    def product(vector: Array) -> Array:
+        nonlocal count
+        count += 1
+        return system.apply(vector)
+
+    similar = LinearOperator(
+        (len(target), len(target)),
+        matvec=lambda vector: approximate(product(vector)),
+        dtype=np.float64,
+    )
+    solution = approximate(target)
+    first = before = float(np.linalg.norm(solution))
+    while True:
+        missing = approximate(target - product(solution))
+        size = float(np.linalg.norm(missing))
+        round_off = ROUND_OFF * float(np.linalg.norm(solution))
+        if size <= round_off:
+            return np.asarray(solution + missing)
+        # As fast as so far.
+        fallen = np.log(first / size) / count
+        if count >= most or (count > 1 and not np.log(first / round_off) <= most * fallen):
+            return None
+        if not size <= FALLS * before:
+            missing = gmres(
+                similar,
+                missing,
+                rtol=0.0,
+                atol=round_off / 10,
+                restart=min(ITERATIONS, most - count),
+                maxiter=1,
+            )[0]
+        solution, before = solution + missing, size

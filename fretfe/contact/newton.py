@@ -40,8 +40,10 @@ RUNAWAY = 1e7
 # Loads are in equilibrium if a motion that nothing resists leaves this part of them.
 EQUILIBRIUM = 1e-11
 NO_RESISTANCE = "the loads find no resistance: the contact slides or opens as a whole"
-# Directions of slip (in three dimensions) are converged when they change by less than this.
-DIRECTION_TOLERANCE = 1e-10
+# Directions of slip (in three dimensions) are converged when the shear changes by less than this
+# part of its largest bound; or by less than the second, and no more by far less than before, as the
+# method would without round-off.
+DIRECTION_TOLERANCE, ROUND_OFF, FALLS = 1e-10, 1e-7, 0.1
 
 
 class NotConverged(Exception):
@@ -135,6 +137,7 @@ class Newton:
         guess = Guess(status, direction, np.where(loads.friction > 0, 1.0, 0.0))
         step = LoadedStep(self._operator.interface, loads, reference)
         seen: set[bytes] = set()
+        before = np.inf
         for iteration in range(1, MAX_ITERATIONS + 1):
             try:
                 solution = self._linear_solution(step, guess)
@@ -143,15 +146,18 @@ class Newton:
             if not step.resists(solution.motion):
                 raise NotConverged(NO_RESISTANCE, iteration)
             following = self._rules.following(guess, solution, loads.friction)
-            turned = np.abs(following.direction - guess.direction).max()
+            bound = loads.friction * np.abs(solution.traction[:, 0])
+            turn = np.abs(following.direction - guess.direction).max(axis=1) * bound
+            turned = float(turn.max() / max(bound.max(), np.finfo(float).tiny))
             settled = np.array_equal(following.status, guess.status)
-            if settled and turned < DIRECTION_TOLERANCE:
+            stays = turned < DIRECTION_TOLERANCE or FALLS * before < turned < ROUND_OFF
+            if settled and stays:
                 return self._state(guess, solution, step, reference), iteration
             # Directions that still turn, ever less, are not a cycle.
             if not settled and following.key() in seen:
                 raise NotConverged("the status of the nodes repeats in a cycle", iteration)
             seen.add(following.key())
-            guess = following
+            guess, before = following, turned if settled else np.inf
         raise NotConverged(f"no solution after {MAX_ITERATIONS} iterations", MAX_ITERATIONS)
 
     def _linear_solution(self, step: LoadedStep, guess: Guess) -> LinearSolution:

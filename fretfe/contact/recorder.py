@@ -215,17 +215,23 @@ class Recorder:
         self._ends[step] = self.count - 1
 
     def _area_of(self, state: ContactState) -> int:
-        """Number of the contact area of a state, whose increments are there then; -1 without."""
+        """Number of the contact area of a state; -1 without."""
         if not state.closed.any():
             return -1
-        key = np.packbits(state.closed).tobytes()
-        if key not in self._areas:
-            self._areas[key] = len(self._areas)
+        return self._areas.setdefault(np.packbits(state.closed).tobytes(), len(self._areas))
+
+    def _find_increments(self) -> None:
+        """Find the increments of all areas met so far.
+
+        Not before they are asked for: where a contact slides at first, each would take a
+        factorisation, which the steps that stick make only later.
+        """
+        for area in range(self._stream.count("increments"), len(self._areas)):
+            state = self.state(int(np.argmax(self._by_state["area_of_state"] == area)))
             increments = self._full_stick.increments(state.closed, state.relative[:, 0])
             self._stream.append(
                 {"increments": increments.traction, "increment_motions": increments.coordinates}
             )
-        return self._areas[key]
 
     def _keep(self, state: ContactState, dissipation: Array, step: int, share: float) -> None:
         arrays = {field.name: getattr(state, field.name) for field in fields(ContactState)}
@@ -306,6 +312,7 @@ class Recorder:
 
     def increments(self, area: int) -> Increments:
         """Full-stick increments of a contact area."""
+        self._find_increments()
         row = np.array([area])
         traction, motions = (
             self._stream.read(name, row)[0] for name in ("increments", "increment_motions")
@@ -466,6 +473,7 @@ class Recorder:
         if not self._areas:
             shape = (0, len(roots), self._interface.components, len(self.drivers.names))
             return np.zeros(shape)
+        self._find_increments()
         areas: Indices = np.arange(len(self._areas))
         weighted = self._stream.rows("increments", areas, nodes)
         return mapped(weighted, lambda y, _: y / roots[:, None, None])

@@ -597,8 +597,33 @@ class FactorHistories:
         return replace(self, ways=turned(self.ways), fitted=fitted)
 
 
+def pressed_on(factors: Array, friction: Array, cycle: Indices) -> bool:
+    """True if P alone drives an edge: there is no cycle, and K_T grows by less than f K_I.
+
+    Args:
+        factors: (T, d) of the edge, between unlike bodies at a length of its own width, where P
+            adds nothing to K_T.
+        friction: (T,) coefficient in the step that ends at each state.
+        cycle: states of the evaluated cycle.
+    """
+    if len(cycle) or not friction.any():
+        return False
+    begin = max(int(np.argmax(friction > 0)) - 1, 0)
+    known = factors[begin:][np.isfinite(factors[begin:]).all(axis=1)]
+    if not len(known):
+        return False
+    ranges = np.ptp(known, axis=0)
+    shear = float(np.linalg.norm(ranges[Factor.K_T :]))
+    return shear < float(friction.max() * ranges[Factor.K_I])
+
+
 def reference_length(
-    contact: ContactHistory, fit: EdgeFit, factors: Array, half_width: float, cycle: Indices
+    contact: ContactHistory,
+    fit: EdgeFit,
+    factors: Array,
+    half_width: float,
+    cycle: Indices,
+    pressed: bool = False,
 ) -> float:
     """Length at which edge factors between unlike bodies are told: that of the predicted slip zone.
 
@@ -608,12 +633,13 @@ def reference_length(
         factors: (T, d) its singular factors, at the length 1.
         half_width: of the contact.
         cycle: states of the evaluated cycle; without one the zone is that of first loading.
+        pressed: whether P alone drives the edge; the zone is then not predicted.
     """
     length, share = UNKNOWN_ZONE * half_width, 1.0 if len(cycle) else 2.0
     states = cycle if len(cycle) else np.flatnonzero(np.isfinite(factors).all(axis=1))
     friction = contact.friction.max()
     for _ in range(LENGTH_ITERATIONS):
-        if not len(states):
+        if pressed or not len(states):
             break
         shear = factors_at(factors, contact.dundurs, length)[:, Factor.K_T :]
         reach = float(np.ptp(shear[states] @ main_direction(shear, cycle)[0]))

@@ -176,12 +176,12 @@ def unlike_notes(case: Case, contacts: Collection[Contact]) -> Iterator[str]:
             "edges.reference_length has no effect: there is no edge between unlike bodies with "
             "friction"
         )
-    origin = "the slip zone that they predict" if chosen is None else "as edges.reference_length"
     for contact in contacts:
         for front in contact.fronts:
             stations = [each for each in front.stations if each.oscillation]
             if not stations:
                 continue
+            origin = "as edges.reference_length" if chosen else _origin(stations)
             exponents = np.array([each.exponent for each in stations])
             lengths = _span(np.array([each.reference_length for each in stations]), ".3g")
             fall = _span(10 ** (exponents - 0.5) - 1, "+.1%")
@@ -193,6 +193,14 @@ def unlike_notes(case: Case, contacts: Collection[Contact]) -> Iterator[str]:
                 f"{_span(exponents, '.4f')}, epsilon = {stations[0].oscillation:.4f}: a length ten "
                 f"times as large changes K_N by {fall} and turns (K_T, K_I) by {turn:.2g} degrees"
             )
+
+
+def _origin(stations: Iterable[Station]) -> str:
+    """Origin, in words, of reference lengths that are not chosen."""
+    zones = (zone for each in stations for zone in each.slip_zones[-1:])
+    if any(math.isfinite(zone.prediction) for zone in zones):
+        return "the slip zone that they predict"
+    return "a tenth of the half-width: no slip zone is predicted"
 
 
 def _span(values: Array, form: str) -> str:

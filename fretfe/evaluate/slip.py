@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -90,6 +90,7 @@ def slip_zones(
     path: LoadPath | None = None,
     place: Callable[[float, float], float] | None = None,
     worst: Worst | None = None,
+    pressed: bool = False,
 ) -> tuple[SlipZone, ...]:
     """Slip zones of a station in time order.
 
@@ -102,6 +103,8 @@ def slip_zones(
         place: gives the position that is some length inward from a position of the station; None
             for a station of a plane front.
         worst: the cycle whose half cycles alone are looked at, where loads are irregular.
+        pressed: whether P alone drives the edge. Slip then follows the edge, and what slipped
+            before lies behind it: the last step is all there is, and no formula predicts it.
     """
     place = place or plane_front(station.front).place
     frictional = np.flatnonzero((friction > 0) & np.isfinite(station.position))
@@ -110,20 +113,25 @@ def slip_zones(
     first = int(frictional[0]) - 1
     known = np.isfinite(station.k_t) & np.isfinite(station.k_i)
     begin = max(first, int(np.argmax(known)))
-    if not known[begin : last_state(cycle, station) + 1].all():
+    last = last_state(cycle, station)
+    if not known[begin : last + 1].all():
         return ()
     zones = []
-    halves = worst.half_cycles if worst else _half_cycles(cycle, friction, station, begin)
+    halves: Sequence[tuple[int, int]] = [(max(last - 1, begin), last)]
+    if not pressed:
+        halves = worst.half_cycles if worst else _half_cycles(cycle, friction, station, begin)
     halves = [(start, end) for start, end in halves if np.isfinite(station.position[end])]
     borders = _without_faint([find_border(start, end) for start, end in halves])
     for (start, end), border in zip(halves, borders, strict=True):
         cyclic, loop = _prediction(cycle, friction[end], end, station)
         if worst and not len(cycle):
             cyclic = worst.predicted
-        elif start == first:
+        elif start == first and not pressed:
             rise = abs(station.k_t[end] - station.k_t[first])
             cyclic = float(slip_length_first_loading(rise, station.k_n[end], friction[end]))
         spread = math.hypot(border.spread, float(station.position_spread[end]))
+        if pressed:  # what slips depends on where the edge is in the step
+            spread = math.hypot(spread, float(np.ptp(station.position[start : end + 1])))
         missed = _missed(cycle, friction[end], end, station, path) if path is not None else 0.0
         # A zone that is long against its edge grows faster than predicted.
         missed *= max(1.0, border.length / loop) if loop > 0 else 1.0

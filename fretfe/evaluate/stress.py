@@ -221,7 +221,7 @@ def stress_parameters(
     def sheared(parameter: Parameter) -> Array:
         return _critical(body.stress, material, parameter).value.reshape(shape)
 
-    octahedral, cube = _resolved_shear(body.stress, material)
+    octahedral, cube = resolved_shear(body.stress, material)
     return StressParameters(
         body=body.name,
         depths=history.depths,
@@ -237,8 +237,13 @@ def stress_parameters(
     )
 
 
-def _resolved_shear(stress: Array, material: AnyBody) -> tuple[Array, Array]:
-    """Largest ranges (D, N) over octahedral and cube systems, of stresses (n, D, N, c)."""
+def resolved_shear(stress: Array, material: AnyBody) -> tuple[Array, Array]:
+    """Largest ranges (D, N) over the octahedral and over the cube systems of a cubic crystal.
+
+    Args:
+        stress: (n, D, N, c) as of `BodyStress` [stress].
+        material: of the body; NaN of one that is no cubic crystal.
+    """
     shape = stress.shape[1:3]
     if not isinstance(material, Crystal) or material.elastic.cubic is None:
         return np.full(shape, np.nan), np.full(shape, np.nan)

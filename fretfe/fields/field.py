@@ -215,9 +215,22 @@ def _sorted_rows(table: Table, places: Array, rows: Indices) -> Indices:
 
 
 def _read_results(path: Path, quantity: Quantity) -> Field:
-    """Fields of a run of this program; the parts are its bodies."""
+    """Displacements of a run of this program."""
     if quantity != "displacements":
         raise CaseError(f"{path}: expected {quantity}, found a run that has displacements only")
+    return run_field(path, "displacement")
+
+
+def run_field(path: Path, name: str) -> Field:
+    """A field of a run of this program; the parts are its bodies.
+
+    Args:
+        path: of its `fields.hdf`.
+        name: "displacement", or "stress", whose values are (n, 6), xx, yy, zz, xy, yz, xz.
+
+    Raises:
+        CaseError: if it is not as expected.
+    """
     try:
         reader = FieldReader(path)
         nodes = {body: reader.nodes(body) for body in reader.bodies}
@@ -243,12 +256,14 @@ def _read_results(path: Path, quantity: Quantity) -> Field:
 
     def values(step: int) -> Array:
         try:
-            each = [reader.values("displacement", body, step) for body in reader.bodies]
+            each = [reader.values(name, body, step) for body in reader.bodies]
         except OutputError as error:
             raise CaseError(str(error)) from None
-        if any(own.shape != nodes[body].shape for own, body in zip(each, nodes, strict=True)):
-            raise CaseError(f"{path}: expected a displacement at each node, found others")
-        return np.concatenate([own.reshape(-1, 3) for own in each])
+        width = 3 if name == "displacement" else 6
+        shapes = [(*own.shape[:2], width) for own in nodes.values()]
+        if [own.shape for own in each] != shapes:
+            raise CaseError(f"{path}: expected a {name} at each node, found others")
+        return np.concatenate([own.reshape(-1, width) for own in each])
 
     return Field(points, reader.times, values, cells, SINGLE)
 

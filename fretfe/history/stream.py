@@ -138,6 +138,11 @@ class StateStream:
             if len(each.waiting) == states_in_block(PENDING * row.nbytes):
                 self._write(each)
 
+    def count(self, name: str) -> int:
+        """Number of rows of an array, those that wait included."""
+        each = self._rows.get(name)
+        return each.count + len(each.waiting) if each is not None else 0
+
     def _write(self, rows: _Rows) -> None:
         """Write the rows that wait; those that a full disk cuts off wait on."""
         if not rows.waiting:

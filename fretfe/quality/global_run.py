@@ -18,15 +18,23 @@ from fretfe._typing import Array, Indices
 from fretfe.case import Case, parse_case
 from fretfe.case.loads import FieldLoad
 from fretfe.errors import FretfeError
+from fretfe.fields.field import Field, run_field
+from fretfe.fields.vtk import element_weights
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.history.state_array import states_in_block
+from fretfe.mesh.elements import KINDS, shape_values
+from fretfe.mesh.mesh import BodyMesh
 from fretfe.mesh.part import cut_name, seen
 from fretfe.quality.rows import Place, Row
+from fretfe.results.field_files import FIELDS
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
+from fretfe.surface.surface import normal_vectors
 
 # Distance of the second cut over that of the first one, and over that of the edges at least.
 NEARER, ROOM = 2 / 3, 1.1
+# Times of states that differ by less than this part of the whole run are the same.
+SAME_STATE = 1e-6
 # Largest difference of force and moment, relative to their largest value; from which it is warned.
 SAME_FORCE = 0.02
 
@@ -177,6 +185,107 @@ def _nodal_forces(patch: ContactHistory, states: slice) -> Array:
     traction = patch.mean_traction[states] * np.where(np.arange(patch.points.shape[1]) == 0, -1, 1)
     nodes = np.einsum("snk,nkd->snd", traction, patch.frames)
     return np.asarray(patch.weights[:, None] * nodes)
+
+
+@dataclass(frozen=True)
+class CutTractions:
+    """Tractions on a cut of a part, by its own stress and by that of the run that drives it.
+
+    Attributes:
+        load: name of the load of the cut.
+        times: (S,) of the states whose stress both have.
+        sizes: (S,) roots of mean squares of the tractions of the run over the cut.
+        differences: (S,) of those of the part from them, as roots of mean squares.
+    """
+
+    load: str
+    times: Array
+    sizes: Array
+    differences: Array
+
+
+def cut_tractions(result: Result) -> Iterator[CutTractions]:
+    """Compare the stress on cuts with that of the results folders that drive them.
+
+    At the middles of the facets, in the elements of either run. Stress converges more slowly than
+    displacements: the elements of the run are the coarser ones.
+    """
+    case = result.case
+    if result.directory is None:
+        return
+    own = result.directory / FIELDS
+    for name, load in case.loads.items():
+        if not isinstance(load, FieldLoad) or load.position != "time" or load.factor != 1:
+            continue
+        path = case.resolve(load.file) / FIELDS
+        owners = [each for each in result.bodies.values() if load.boundary in each.boundaries]
+        if not (own.is_file() and path.is_file() and owners):
+            continue
+        fields = run_field(own, "stress"), run_field(path, "stress")
+        places, areas = _middles(owners[0], load.boundary)
+        parts = owners[0].name, load.part or owners[0].name
+        weights = [
+            element_weights(field, _elements(field, part), places)[0]
+            for field, part in zip(fields, parts, strict=True)
+        ]
+        positions = np.interp(
+            fields[0].times, result.loads.times,
+            result.loads.values[:, result.loads.channels.index(name)],
+        )  # fmt: skip
+        found = []
+        for step, position in enumerate(positions):
+            other = int(np.abs(fields[1].times - position).argmin())
+            if abs(fields[1].times[other] - position) > SAME_STATE * fields[1].times[-1]:
+                continue
+            mine, theirs = (
+                _tractions(weight @ field.values(number), areas)
+                for weight, field, number in zip(weights, fields, (step, other), strict=True)
+            )
+            found.append((fields[0].times[step], _size(theirs, areas), _size(mine - theirs, areas)))
+        if found:
+            yield CutTractions(name, *np.array(found).T)
+
+
+def _elements(field: Field, part: str) -> Indices:
+    """Numbers of the elements of a body in the field of a run."""
+    assert field.cells is not None
+    return np.flatnonzero(field.cells.parts == field.cells.names.index(part))
+
+
+def _middles(body: BodyMesh, boundary: str) -> tuple[Array, Array]:
+    """Places (m, 3) in the middle of the facets of a boundary, and their normals times areas."""
+    facets = body.boundaries[boundary]
+    shape, order = KINDS[body.points.shape[1], facets.shape[1]]
+    middle = np.full((1, body.points.shape[1] - 1), 1 / 3 if shape == "triangle" else 0.5)
+    nodes = body.points[facets]
+    places = np.einsum("qk,fkd->fd", shape_values(shape, order, middle), nodes)
+    normals = normal_vectors(nodes, shape, order, middle)[:, 0]
+    missing = ((0, 0), (0, 3 - places.shape[1]))
+    return np.pad(places, missing), np.pad(normals, missing)
+
+
+def _tractions(stress: Array, areas: Array) -> Array:
+    """(m, 3) tractions by stress (m, 6) on facets with normals times areas (m, 3)."""
+    tensors = stress[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
+    normals = areas / np.linalg.norm(areas, axis=1, keepdims=True)
+    return np.asarray(np.einsum("mij,mj->mi", tensors, normals))
+
+
+def _size(tractions: Array, areas: Array) -> float:
+    """Root of the mean square of tractions (m, 3) over facets."""
+    weights = np.linalg.norm(areas, axis=1)
+    return float(np.sqrt(weights @ (tractions**2).sum(axis=1) / weights.sum()))
+
+
+def traction_notes(result: Result) -> Iterator[str]:
+    """Differences of the tractions on cuts from those of the run, in words."""
+    for cut in cut_tractions(result):
+        worst = int(cut.differences.argmax())
+        yield (
+            f"loads.{cut.load}: the tractions on the cut differ from those of the run by up to "
+            f"{cut.differences[worst] / cut.sizes.max():.2g} of the largest ones (roots of mean "
+            f"squares over the cut, {len(cut.times)} states), at time {cut.times[worst]:g}"
+        )
 
 
 def carried_notes(result: Result) -> Iterator[str]:

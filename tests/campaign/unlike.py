@@ -19,20 +19,35 @@ from fretfe.evaluate.verdicts import AGREES, judge
 UNLIKE_QUANTITIES = ("K_N", "ΔK_T", "d", "predicted")
 FINER = 4
 STEPS, CYCLES = 16, 2
+# Steps in which the normal load grows against friction.
+GRIPPING_STEPS = 10
 
 
 def judge_unlike(number: int) -> list[Judged]:
     """All numbers of the pair of a number."""
     one = draw_unlike(number)
-    return list(_judge(one, *(_stations(one, times * one.elements) for times in (1, FINER))))
+    return list(_judge(one, *(_stations(one, times) for times in (1, FINER))))
 
 
-def _stations(one: UnlikeDraw, elements: int) -> tuple[Station, ...]:
+def _stations(one: UnlikeDraw, times: int) -> tuple[Station, ...]:
+    """Both edges of a pair, by so many times its elements and steps of pressing."""
     wave = np.cos(loop(STEPS, CYCLES))
     shear = started(one.friction * LOAD * (one.mean + one.amplitude * wave))
     tension = started(one.friction * one.tension * wave)
-    given = problem(LOAD, shear, 0.0, tension, friction=one.friction, cycle=STEPS)
-    return solved(replace(given, dundurs=one.beta, guided=one.guided), elements).stations
+    normal = np.full_like(shear, LOAD)
+    if one.gripping:
+        growing = LOAD * np.linspace(0.0, 1.0, times * GRIPPING_STEPS + 1)[1:]
+        normal, shear, tension = (
+            np.concatenate([first, rest])
+            for first, rest in zip(
+                (growing, 0 * growing, 0 * growing), (normal, shear, tension), strict=True
+            )
+        )
+    loads = (normal, shear, 0.0, tension)
+    given = problem(*loads, friction=one.friction, cycle=STEPS, frictional_press=one.gripping)
+    return solved(
+        replace(given, dundurs=one.beta, guided=one.guided), times * one.elements
+    ).stations
 
 
 def _judge(

@@ -14,12 +14,13 @@ from fretfe.idealise.bodies import NORMAL, SIMILAR, dissimilarity
 
 @dataclass(frozen=True)
 class UnlikeDraw:
-    """One pair, pressed on without friction and then sheared about a mean.
+    """One pair, pressed on and then sheared about a mean.
 
     Attributes:
         number: of the pair; the seed of its draws.
         beta: Dundurs' second constant, of the largest magnitude for which limits are told.
         friction: coefficient.
+        gripping: whether friction acts from the start; else only when the pair is pressed on.
         mean, amplitude: of Q over f P.
         tension: its amplitude, in phase with Q, over f p0.
         guided: whether the upper body is held against rotation.
@@ -29,6 +30,7 @@ class UnlikeDraw:
     number: int
     beta: float
     friction: float
+    gripping: bool
     mean: float
     amplitude: float
     tension: float
@@ -50,7 +52,8 @@ def draw_unlike(number: int) -> UnlikeDraw:
     return UnlikeDraw(
         number=number,
         beta=beta,
-        friction=float(random.uniform(0.2, 0.9)),
+        friction=float(random.uniform(0.1, 1.0)),
+        gripping=bool(random.random() < 0.4),
         mean=float(random.uniform(-1, 1) * (0.8 - amplitude)),
         amplitude=amplitude,
         tension=float(random.uniform(-0.3, 0.3)) if pulled else 0.0,

@@ -186,6 +186,33 @@ def test_path_in_the_plane(path: Array, nu: float) -> None:
     assert_slip_opposes_shear(interface, results)
 
 
+def test_directions_that_turn_by_round_off_are_converged(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Large systems leave more round-off than small ones, other in each iteration."""
+    rng, exact = np.random.default_rng(3), Newton._linear_solution
+
+    def noisy(*arguments: Any) -> LinearSolution:
+        solution = exact(*arguments)
+        left: dict[str, Any] = {
+            name: np.where(
+                values == 0,
+                0.0,
+                values + 1e-10 * np.abs(values).max() * rng.uniform(-1, 1, values.shape),
+            )
+            for name, values in vars(solution).items()
+            if name in ("traction", "relative")
+        }
+        return replace(solution, **left)
+
+    path = PATHS["rotating"]
+    expected = march(sphere(), path)
+    monkeypatch.setattr(Newton, "_linear_solution", noisy)
+    results = march(sphere(), path)
+    assert_newton_alone(results, 10)
+    largest = np.abs(expected[-1].state.traction).max()
+    difference = results[-1].state.traction - expected[-1].state.traction
+    assert np.abs(difference).max() < 1e-8 * largest
+
+
 def assert_slip_opposes_shear(interface: Interface, results: Sequence[StepResult]) -> None:
     """At each slipping node the shear is f p long and points against the slip increment."""
     before, after = results[-2].state, results[-1].state

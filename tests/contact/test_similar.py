@@ -54,6 +54,17 @@ def test_a_small_change_needs_no_factorisation(factorised: list[tuple[str, int]]
     assert factorised == [("s", SIZE)]
 
 
+def test_systems_with_other_unknowns_border_the_factors(factorised: list[tuple[str, int]]) -> None:
+    """Some are taken away, some come back, in another order."""
+    systems, matrix, target = SimilarSystems(), well_posed(), random(SIZE, 2, 1)[..., 0]
+    for unknowns in (UNKNOWNS[3:], UNKNOWNS, UNKNOWNS[:-8], np.roll(UNKNOWNS, 5)[:-4]):
+        system, rhs = matrix[np.ix_(unknowns, unknowns)], target[unknowns]
+        found = systems.solve(unknowns, MatrixSystem(system), rhs)
+        expected = np.linalg.solve(system, rhs)
+        assert np.allclose(found, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max())
+    assert factorised == [("s", SIZE - 3)]
+
+
 def test_other_systems_are_factorised(factorised: list[tuple[str, int]]) -> None:
     systems, matrix, target = SimilarSystems(), well_posed(), random(SIZE, 2, 1)[..., 0]
     cases = [

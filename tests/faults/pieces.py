@@ -159,6 +159,14 @@ JOINING = (
     "*ELEMENT, TYPE=COH2D4, ELSET=E\n999999, 1, 2, 3, 4", "*ELEMENT, TYPE=CONN2D2\n999999, 1, 2",
     "*ELEMENT, TYPE=CINPE4\n999999, 1, 2, 3, 4", "*ELEMENT, TYPE=GAPUNI\n999999, 1, 2",
 )  # fmt: skip
+# Of bodies to which the case gives none.
+CONSTANTS = (
+    ("*ELASTIC\n2e5, .3", False), ("*ELASTIC\n2e5, .3, 20.\n1e5, .3, 99.", True), ("", True),
+    ("*ELASTIC\n-2e5, .3", True), ("*ELASTIC\n2e5, .5", True), ("*ELASTIC\nnan, .3", True),
+    ("*ELASTIC\n2e5", True), ("*ELASTIC, TYPE=LAMINA\n1, 1, .3, 1, 1, 1", True),
+    ("*ELASTIC\nsteel", True), ("*ELASTIC\n2e5, .3\n*DENSITY\n-1.", True),
+    ("*ELASTIC\n2e5, .3\n*EXPANSION, ZERO=-400.\n1e-5", True), ("*DENSITY\n1.", True),
+)  # fmt: skip
 PASSED = (
     "*MATERIAL, NAME=M\n*ELASTIC\n1., .3", "*STEP\n*STATIC\n*END STEP", "*BOUNDARY\n1, 1, 2",
     "*CONTACT PAIR, INTERACTION=I\nA, B", "*SOLID SECTION, ELSET=UPPER, MATERIAL=M",
@@ -185,6 +193,20 @@ def _decks() -> Iterator[Fault]:
         (here / "case.toml").write_text(_with_file("pad.inp"))
 
     yield Fault("deck/latin 1", CHECK, latin, True)
+    for constants, refused in CONSTANTS:
+
+        def bare(good: Path, here: Path, constants: str = constants) -> None:
+            sections = "".join(
+                f"*SOLID SECTION, ELSET={name}, MATERIAL=M\n" for name in ("UPPER", "LOWER")
+            )
+            text = f"*MATERIAL, NAME=M\n{constants}\n{sections}"
+            (here / "pad.inp").write_bytes((good / "pad.inp").read_bytes() + text.encode())
+            tables = {**PAD, "model": {"degree": 1}, "geometry": {"file": "pad.inp"}}
+            (here / "case.toml").write_text(
+                tomli_w.dumps({**tables, "bodies": {"upper": {}, "lower": {}}})
+            )
+
+        yield Fault(f"deck/constants: {constants}", CHECK, bare, refused)
 
 
 def _with_file(file: str, **more: Any) -> str:

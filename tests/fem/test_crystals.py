@@ -36,6 +36,9 @@ from fretfe.fem.fields import StressPoints
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
 from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import Mesh
+from fretfe.report.figures.tractions import SLIP_SYSTEMS, slip_system_plot
+from fretfe.report.source import shown_contacts
+from fretfe.report.texts import number
 from fretfe.results.model import Result
 from fretfe.runner import Runner
 
@@ -330,6 +333,14 @@ def test_stress_near_contacts(tmp_path: Path) -> None:
     assert np.all(own[known] >= one[known] * (1 - 1e-12)) and np.isclose(own, one).any()
     assert np.all(own[known] <= span.max(axis=0)[known])
     (table,) = (each for each in export_tables(answer) if each.file == "stress.csv")
-    number = [each.name for each in table.headings].index("octahedral_shear")
-    below = [row[number] for row in table.rows if row[1] == "upper" and row[2] == 0.02]
+    column = [each.name for each in table.headings].index("octahedral_shear")
+    below = [row[column] for row in table.rows if row[1] == "upper" and row[2] == 0.02]
     np.testing.assert_array_equal(below, own)
+    (shown,) = shown_contacts(answer)
+    plot = slip_system_plot(shown)
+    assert plot is not None
+    for found in answer.stress_parameters("main"):
+        for systems, values in zip(
+            SLIP_SYSTEMS, (found.octahedral_shear, found.cube_shear), strict=True
+        ):
+            assert f"{found.body}, {systems}: {number(np.nanmax(values))} MPa" in plot.caption

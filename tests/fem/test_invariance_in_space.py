@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from fretfe._typing import Array
+from fretfe.analytic.crystals import bunge_rotation
 from fretfe.case import Solid, parse_case
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
@@ -57,6 +58,7 @@ def case(
     turn: Array = UNITS,
     length: float = 1.0,
     surfaces: tuple[str, str] = ("pad_bottom", "block_top"),
+    body: dict[str, Any] | None = None,
 ) -> Any:
     """Pressed, then sheared in two directions; forces in the same unit, lengths in another."""
 
@@ -68,7 +70,8 @@ def case(
         {
             "geometry": {"file": "none.msh"},
             "bodies": {
-                name: {"young": 1000.0 / length**2, "poisson": 0.3} for name in ("pad", "block")
+                name: body or {"young": 1000.0 / length**2, "poisson": 0.3}
+                for name in ("pad", "block")
             },
             "contacts": {
                 "main": {"surface1": surfaces[0], "surface2": surfaces[1], "friction": 0.4}
@@ -134,6 +137,21 @@ def test_turned_as_a_whole(original: Result) -> None:
     assert_same(vectors(second), vectors(first) @ TURN.T)
     assert_same(np.asarray(second.gap), np.asarray(first.gap))
     assert_same(turned.contacts[0].force, original.contacts[0].force @ TURN.T)
+
+
+def test_crystals_turned_with_their_bodies() -> None:
+    def crystals(turn: Array) -> Any:
+        axes = (bunge_rotation((20.0, 40.0, 70.0)) @ turn.T).tolist()
+        elastic = {"cubic": [1350.0, 860.0, 700.0]}
+        return case(turn, body={"elastic": elastic, "orientation": {"matrix": axes}})
+
+    one = solved(crystals(UNITS), pad_on_block())
+    other = solved(crystals(TURN), moved(pad_on_block(), lambda x: x @ TURN.T))
+    first, second = contact_of(one), contact_of(other)
+    assert set(np.unique(first.status[-1])) == {0, 1, 2}
+    slips = [np.einsum("tnc,ncd->tnd", each.slip, each.frames[:, 1:]) for each in (first, second)]
+    for found, expected in ((vectors(second), vectors(first)), (slips[1], slips[0])):
+        assert np.abs(found - expected @ TURN.T).max() < 1e-9 * np.abs(expected).max()
 
 
 @pytest.mark.parametrize("length", [1e-3, 1 / 25.4], ids=["metres", "inches"])

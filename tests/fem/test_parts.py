@@ -26,7 +26,13 @@ from fretfe.mesh.make import write_mesh
 from fretfe.mesh.mesh import Mesh
 from fretfe.mesh.part import distances, part_of, seen
 from fretfe.quality.companions import CUT, companion_rows, make_variants
-from fretfe.quality.global_run import carried, carried_notes, carried_rows, second_cut
+from fretfe.quality.global_run import (
+    carried,
+    carried_notes,
+    carried_rows,
+    cut_tractions,
+    second_cut,
+)
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.runner import Runner
@@ -244,11 +250,13 @@ def test_a_second_cut_has_the_same_factors(part: Result, runner: Runner) -> None
 def test_bodies_that_are_not_in_equilibrium_are_told(
     whole: Result, runner: Runner, tmp_path: Path
 ) -> None:
-    """Displacements of the whole, but softer bodies: they carry less."""
-    found = write_submodel(whole, "main", tmp_path, radius=1.2, size=0.05)
-    softer = load_case(found.path, {"bodies.*.young": 180e3})
-    (note,) = carried_notes(runner.run(softer))
+    """Displacements of the whole, but softer bodies: they carry less, in proportion on the cuts."""
+    found = write_submodel(whole, "main", tmp_path / "case", radius=1.2, size=0.05)
+    softer = runner.run(load_case(found.path, {"bodies.*.young": 180e3}), tmp_path / "run")
+    (note,) = carried_notes(softer)
     assert "The part does not carry what the run carries" in note
+    for cut in cut_tractions(softer):
+        np.testing.assert_allclose(cut.differences, (1 - 180 / 210) * cut.sizes, rtol=0.05)
 
 
 def test_no_room_for_a_second_cut(part: Result) -> None:
@@ -396,3 +404,14 @@ def test_the_command(whole: Result, tmp_path: Path, capsys: pytest.CaptureFixtur
     assert out.startswith("Part within a circle of radius 1 mm around (0, 0.0")
     assert f"Case {tmp_path / 'case' / 'submodel.toml'}" in out
     assert write_submodel(whole, "main", tmp_path / "case").path.is_file()
+
+
+def test_tractions_on_the_cuts_are_those_of_the_run(whole: Result, part: Result) -> None:
+    """To the stress of coarse elements, at the extremes of the load, whose fields the part has."""
+    cuts = {each.load: each for each in cut_tractions(part)}
+    assert set(cuts) == {"upper_cut", "lower_cut"}
+    for name, cut in cuts.items():
+        np.testing.assert_allclose(cut.times, [2.25, 2.75, 3.0])
+        assert cut.differences.max() < 0.01 * cut.sizes.max()
+        (note,) = (each for each in part.notes if each.startswith(f"loads.{name}: the tractions"))
+        assert "over the cut, 3 states), at time 2.75" in note

@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 from fretfe._typing import Array, Bools
 from fretfe.analytic.crystals import HalfPlane, bunge_rotation, cubic, tensor, turned
 from fretfe.bodies.definition import Material
-from fretfe.case import Body, Solid, parse_case
+from fretfe.case import Body, Crystal, Solid, parse_case
 from fretfe.errors import CaseError, ModelError
 from fretfe.evaluate.plane.slip import slip_border
 from fretfe.evaluate.stress import StressHistory, stress_parameters
@@ -73,16 +73,24 @@ def tables(
     return pad(geometry=geometry, bodies=bodies, loads=loads, supports={"base": base})
 
 
+def stiffness_of(body: dict[str, Any]) -> Array:
+    """(6, 6) in the axes of the model, by Voigt's order."""
+    crystal = parse_case(tables(body)).bodies["upper"]
+    assert isinstance(crystal, Crystal)
+    return np.asarray(crystal.stiffness)
+
+
+def normal_compliance(body: dict[str, Any]) -> float:
+    """A_n of one half-plane."""
+    if "elastic" not in body:
+        return float(2 * (1 - body["poisson"] ** 2) / body["young"])
+    frame = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
+    return float(HalfPlane.of(stiffness_of(body), frame).compliance[0, 0])
+
+
 def half_width(body: dict[str, Any]) -> float:
     """Hertz with the compliance A_n of both half-planes: a² = 2 P R (2 A_n)/π."""
-    if "elastic" not in body:
-        normal = 2 * (1 - body["poisson"] ** 2) / body["young"]
-    else:
-        matrix = turned(cubic(*CONSTANTS), bunge_rotation(body["orientation"]["euler"]).T)
-        normal = HalfPlane.of(matrix, np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])).compliance[
-            0, 0
-        ]
-    return float(np.sqrt(4 * LOAD * RADIUS * normal / np.pi))
+    return float(np.sqrt(4 * LOAD * RADIUS * normal_compliance(body) / np.pi))
 
 
 def test_shear_along_z_is_the_antiplane_problem_of_cattaneo(solved: Solve) -> None:
@@ -210,23 +218,51 @@ def test_oblique_slip_is_that_of_half_planes_with_three_components(
         assert station.slip_zones[-1].length == pytest.approx(expected, rel=0.015)
 
 
-@pytest.mark.parametrize("euler", [(0.0, 0.0, 0.0), (30.0, 0.0, 0.0)])
-def test_crystal_with_z_along_an_axis(solved: Solve, euler: tuple[float, ...]) -> None:
+# Turned about z: c45 is not zero, and shear along z is apart from the plane.
+ORTHOTROPIC = {
+    "elastic": {
+        "orthotropic": {
+            "young": [180e3, 120e3, 150e3],
+            "poisson": [0.3, 0.25, 0.2],
+            "shear": [60e3, 90e3, 40e3],
+        }
+    },
+    "orientation": {"euler": [25.0, 0.0, 0.0]},
+}
+
+
+@pytest.mark.parametrize(
+    "body", [nickel(0.0, 0.0, 0.0), nickel(30.0, 0.0, 0.0), ORTHOTROPIC], ids=["0", "30", "c45"]
+)
+def test_crystal_with_z_along_an_axis(solved: Solve, body: dict[str, Any]) -> None:
     """⟨001⟩ along z: the antiplane problem by itself, and its compliance is that of half-planes.
 
-    K_S by displacements and that compliance are those of Q_z and of the fit to tractions.
+    K_S by displacements and that compliance are those of Q_z and of the fit to tractions. Slip is
+    that of the gap beside a contact of the size of the stick zone, times f and the compliance
+    1/√(c44 c55 − c45²) over that to pressure.
     """
-    body = nickel(*euler)
-    contact = solved(tables(body)).contacts[0]
-    a = half_width(body)
+    result = solved(tables(body))
+    contact, a = result.contacts[0], half_width(body)
     assert np.abs(contact.shear_force).max() < 1e-9 * SHEAR
+    c = a * np.sqrt(1 - SHEAR / (FRICTION * LOAD))
     for station in contact.stations:
         assert abs(station.position[-1]) == pytest.approx(a, rel=5e-3)
         assert station.k_range == pytest.approx(2 * SHEAR / (np.pi * np.sqrt(2 * a)), rel=5e-3)
         assert station.k_range == pytest.approx(station.k_t_range_fitted, rel=5e-3)
-        zone, found = a - a * np.sqrt(1 - SHEAR / (FRICTION * LOAD)), station.slip_zones[-1]
         # What nodes tell of a border, a twentieth of an element; the zone has four of them.
-        assert abs(found.length - zone) < 0.05 * CYLINDER["size"]
+        assert abs(station.slip_zones[-1].length - (a - c)) < 0.05 * CYLINDER["size"]
+    history = result.contact_history("main")
+    start, most = (int(np.argmin(np.abs(result.loads.times - time))) for time in (1.0, 1.25))
+    x = np.abs(history.arc)
+    slips = (x > c) & (x < a)
+    found = np.abs(history.slip[most] - history.slip[start])[slips, 1]
+    s = x[slips] / c
+    gap = c**2 / (2 * RADIUS) * (s * np.sqrt(s**2 - 1) - np.arccosh(s))
+    matrix = stiffness_of(body)
+    antiplane = 1 / np.sqrt(matrix[3, 3] * matrix[4, 4] - matrix[3, 4] ** 2)
+    expected = FRICTION * gap * antiplane / normal_compliance(body)
+    # Differences: means around nodes move the border of stick, and all slip with it.
+    assert np.ptp(found) == pytest.approx(np.ptp(expected), rel=0.015)
 
 
 def test_crystal_that_couples_z_with_the_plane(solved: Solve) -> None:

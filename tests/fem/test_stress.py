@@ -24,7 +24,7 @@ from fretfe.evaluate.stress import StressHistory, worst_states
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.fields import StressPoints
-from fretfe.report.figures.tractions import stress_plot
+from fretfe.report.figures.tractions import slip_system_plot, stress_plot
 from fretfe.report.source import shown_contacts
 from fretfe.report.texts import with_error
 from fretfe.results.hdf5_file import STRESSES, read_stress
@@ -140,6 +140,7 @@ def test_the_report_tells_the_stress_at_the_edges(solved: Result) -> None:
     (shown,) = shown_contacts(solved)
     plot = stress_plot(shown)
     assert plot is not None
+    assert slip_system_plot(shown) is None  # of isotropic bodies
     for each in solved.stress_history("main").edges:
         assert with_error(*each.largest) + f" MPa ({each.edge} edge, {each.body})" in plot.caption
 

@@ -91,7 +91,7 @@ def test_a_shim_that_another_run_heats(tmp_path: Path) -> None:
     hot = {"type": "temperature", "bodies": ["shim"], "history": half}
     points = {"points": [[0.0, -5.0], [0.0, 5.0]], "values": [320.0, 20.0]}
     field = as_field(hot, tmp_path, 5.0, lambda x, y: 170.0 - 30.0 * y)
-    loads = ({}, {"heat": {**hot, **points}}, {"heat": field})
+    loads: list[dict[str, Any]] = [{}, {"heat": {**hot, **points}}, {"heat": field}]
     cold, expected, found = (stack(SHEAR, None, **each).tractions for each in loads)
     scale = np.abs(expected).max()
     np.testing.assert_allclose(found, expected, atol=1e-9 * scale)

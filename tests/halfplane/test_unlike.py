@@ -85,17 +85,29 @@ def spence(ratio: float) -> float:
     return brentq(excess, 1e-6, 1 - 1e-12)
 
 
-@pytest.mark.parametrize("ratio", [0.6, 1.0, 1.6])
-def test_normal_loading_slips_from_the_edges_inward(ratio: float) -> None:
+# The pressing of a parabola is that of flat punches, one after the other, with their ratio: .682 at
+# f = beta = .2 by constant tractions over 160 elements of a half punch, coupled both ways.
+@pytest.mark.parametrize(
+    ("beta", "friction", "expected"),
+    [*((0.01, ratio * 0.01, spence(ratio)) for ratio in (0.6, 1.0, 1.6)), (0.2, 0.2, 0.682)],
+)
+def test_normal_loading_slips_from_the_edges_inward(
+    beta: float, friction: float, expected: float
+) -> None:
     """The ratio of stick to contact does not change as the load grows (Spence 1975)."""
-    beta = 0.01
     # The edges pass one element at a time at most.
     forces = LOAD * np.geomspace(0.1, 1.0, 161)
-    given = unlike(problem(forces, friction=ratio * beta, frictional_press=True), beta)
+    given = unlike(problem(forces, friction=friction, frictional_press=True), beta)
     contact = solve(given, 150)
-    # The border stands between two nodes at either side.
+    # The border stands between two nodes at either side, and the edge somewhere in the last step.
     element = float(np.diff(contact.arc).max())
-    assert stick_ratio(contact) == pytest.approx(spence(ratio), abs=element)
+    assert stick_ratio(contact) == pytest.approx(expected, abs=element)
+    for station in solved(given, 150).stations:
+        (zone,) = station.slip_zones
+        assert zone.resolved and zone.spread < 0.03
+        assert zone.length == pytest.approx(1 - expected, abs=zone.spread)
+        # Formulas are those of shear.
+        assert np.isnan(zone.prediction)
 
 
 def test_no_beta_changes_nothing() -> None:

@@ -41,6 +41,7 @@ from fretfe.evaluate.factors import (
     factors_at,
     load_path,
     one_sided_share,
+    pressed_on,
     range_spreads,
     reference_length,
     uneven_share,
@@ -88,18 +89,20 @@ def evaluate_plane(
     path = load_path(solution.values, solution.between, solution.cycle)
     # As if the bodies were similar, at the length where shear adds nothing to K_I.
     whole = histories.ways.mean(axis=0)
-    edges = _Edges(solution, contact, centre, fits, histories, path)
+    cycle = cycle_states(solution.cycle)
+    a, own = last_known(half_width, cycle), whole
     if contact.dundurs:
-        cycle = cycle_states(solution.cycle)
-        a = last_known(half_width, cycle)
-        zones = np.array(
-            [
-                reference_length(contact, fit, factors, a, cycle)
-                for fit, factors in zip(fits, whole, strict=True)
-            ]
-        )
         whole = factors_at(whole, contact.dundurs, 2 * a / K_T_LENGTH)
         whole[..., : Factor.K_S] /= np.cosh(np.pi * oscillation(contact.dundurs))
+    pressed = tuple(pressed_on(each, contact.friction, cycle) for each in whole)
+    edges = _Edges(solution, contact, centre, fits, histories, path, pressed)
+    if contact.dundurs:
+        zones = np.array(
+            [
+                reference_length(contact, fit, factors, a, cycle, alone)
+                for fit, factors, alone in zip(fits, own, pressed, strict=True)
+            ]
+        )
         stations = edges.at(zones, zones).stations()
         if told is not None:
             # Formulas for slip zones need the factors at their own lengths.
@@ -294,6 +297,7 @@ class _Edges:
         fits: of the pressure at both edges.
         histories: of the singular factors of both edges.
         path: loads of the cycle between its steps, unless they are straight lines.
+        pressed: (2,) whether P alone drives each edge.
         lengths: (2,) reference lengths of both edges between unlike bodies, else NaN.
     """
 
@@ -303,6 +307,7 @@ class _Edges:
     fits: tuple[EdgeFit, ...]
     histories: FactorHistories
     path: LoadPath | None
+    pressed: tuple[bool, ...]
     lengths: tuple[float, ...] = (np.nan,) * len(PLANE_FRONTS)
 
     def at(self, lengths: Array, zones: Array) -> _Edges:
@@ -398,7 +403,10 @@ class _Edges:
         degree = 2 if self.histories.exact else self.solution.degree
         position = evaluated.position
         border = slip_border_of(contact, front, position, outer, degree)
-        zones = slip_zones(cycle, contact.friction, evaluated, border, self.path, worst=worst)
+        pressed = self.pressed[front.number]
+        zones = slip_zones(
+            cycle, contact.friction, evaluated, border, self.path, worst=worst, pressed=pressed
+        )
         return tuple(
             with_shear(contact, front, position, self.centre, zone, angle) for zone in zones
         )

@@ -64,6 +64,9 @@ POOR = "the front moves too little for elements of this size"
 # How far the border of an averaged area may be from the front, in elements: bonded spheres with
 # elements of a/12 and a/20 are off by 2.8 and 1.6 % at most, .8 and .5 % rms.
 WITHIN_ELEMENT = 0.35
+# Power of the width with which factors for a unit of a load fall: around a circle, and by whether
+# fronts are closed, where they are straight and long.
+GROWTH = {True: 1.5, False: 0.5}
 
 
 @dataclass(frozen=True)
@@ -218,6 +221,7 @@ def _factor_histories(
             integrals.factors[:, way, stations],
             track.front.depth,
             contact.dundurs,
+            GROWTH[track.front.frames.closed],
         )
         # Each station by itself: where one is unknown others are not.
         alone = [units[:, [row]] for row in range(count)]
@@ -233,13 +237,14 @@ def _factor_histories(
     return FactorHistories(np.array(ways), None, exact=False, one_sided=one_sided, uneven=uneven)
 
 
-def _interpolate(places: Array, known: Array, values: Array, depth: Array, dundurs: float) -> Array:
+def _interpolate(
+    places: Array, known: Array, values: Array, depth: Array, dundurs: float, power: float
+) -> Array:
     """(T, n, ...) values (S, n, ...) known at places (S, n), at the places (T, n) of all states.
 
-    Factors for a unit of a load fall with the half of the width of the contact: with its power 1/2
-    where fronts are straight and long, 3/2 around a circle. Times the power 3/2 both are straight
-    lines, and so they are taken between; constant outside, NaN where the place is. Of unlike bodies
-    that is so of K_I and K_T at a length in proportion to that width.
+    Factors for a unit of a load fall with some power of the half of the width of the contact.
+    Times that power they are taken linear between known places, and constant outside; NaN where the
+    place is. Of unlike bodies that is so of K_I and K_T at a length in proportion to that width.
 
     Args:
         places: inward from the front of the reference state.
@@ -247,6 +252,7 @@ def _interpolate(places: Array, known: Array, values: Array, depth: Array, dundu
         values: factors for a unit of each driver.
         depth: (n,) half of the width in the reference state.
         dundurs: beta.
+        power: by which they fall.
     """
     result = np.full((len(places), *values.shape[1:]), np.nan)
     for station, (at, x) in enumerate(zip(places.T, known.T, strict=True)):
@@ -256,9 +262,9 @@ def _interpolate(places: Array, known: Array, values: Array, depth: Array, dundu
         order = np.flatnonzero(there)[np.argsort(x[there])]
         width, widths = (_narrowed(depth[station], each) for each in (at[found], x[order]))
         own = rotated(values[order, station], dundurs, widths)
-        flat = widths[:, None] ** 1.5 * own.reshape(len(order), -1)
+        flat = widths[:, None] ** power * own.reshape(len(order), -1)
         columns = [np.interp(at[found], x[order], column) for column in flat.T]
-        factors = np.array(columns).T / width[:, None] ** 1.5
+        factors = np.array(columns).T / width[:, None] ** power
         factors = factors.reshape(-1, *values.shape[2:])
         result[found, station] = rotated(factors, dundurs, 1 / width)
     return result

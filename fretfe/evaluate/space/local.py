@@ -576,6 +576,8 @@ def _k_n_around(front: Front, station: Station) -> tuple[float, float]:
     alike = float(min(len(s), INDEPENDENT))
     if order == 2:
         alike = INDEPENDENT / LESS if len(s) > INDEPENDENT else 1.0
+    if station.oscillation:  # what fits miss beyond the slip zone is the same along the front
+        alike = 1.0
     own = float(np.median(bars)) / math.sqrt(alike)
     middle = float(curve(0.0))
     return middle, math.hypot(own, rest) / middle

@@ -21,7 +21,7 @@ from fretfe.evaluate.stress import (
     EdgeStress,
     LocalParameters,
     StressHistory,
-    StressParameters,
+    resolved_shear,
     stress_parameters,
 )
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, Solution
@@ -74,6 +74,13 @@ STRESS_INTRO = (
     "and Topper on its critical plane. At the surface next to an edge it depends on the mesh; at a "
     "depth of a few elements it does not."
 )
+SLIP_SYSTEMS_INTRO = (
+    "Of cubic crystals, at both edges: largest range of the resolved shear stress in the evaluated "
+    "cycle, under irregular loads in the worst one, above of the 12 systems {111}⟨110⟩, below of "
+    "the 6 systems {001}⟨110⟩; dashed: body 1, solid: body 2. At the surface next to an edge it "
+    "depends on the mesh; at a depth of a few elements it does not."
+)
+SLIP_SYSTEMS = ("{111}⟨110⟩", "{001}⟨110⟩")
 # By status, the direction of slip, and whether there is friction; from light to dark in grey too.
 KINDS = {
     OPEN: ("open", "#FFFFFF"),
@@ -254,27 +261,74 @@ def _draw_stress(
     units = shown.run.case.units
     labels = (f"σ along the surface [{units.stress}]", f"SWT [{units.stress}]")
     panels = figure.subplots(2, 2, sharex="col", sharey="row")
-    for (top, bottom), edge, (low, high) in _edge_columns(panels, shown, labels):
+    for column, edge, (low, high) in _edge_columns(panels, shown, labels):
         seen = history.at(np.flatnonzero((history.arc >= low) & (history.arc <= high)))
         for place, body in enumerate(seen.bodies):
             found = stress_parameters(seen, place, shown.run.case.bodies[body.name])
-            _stress_lines(top, bottom, seen, found, place, units.length)
-        _edge_values(top, edge, [each for each in edges if each.edge == edge.front], history)
-    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=4)
+            _depth_lines(column, seen, (found.largest_tension, found.swt), place, units.length)
+        _edge_values(column[0], edge, [each for each in edges if each.edge == edge.front], history)
+    _depth_legend(figure)
 
 
-def _stress_lines(
-    top: Axes, bottom: Axes, seen: StressHistory, found: StressParameters, number: int, length: str
+def _depth_lines(
+    column: Sequence[Axes],
+    seen: StressHistory,
+    parameters: Sequence[Array],
+    number: int,
+    length: str,
 ) -> None:
-    """Lines of one body at all depths."""
-    for place, depth in enumerate(found.depths):
-        colour = CYCLE[place % len(CYCLE)]
-        text = f"depth {depth:g} {length}" if depth > 0 else "surface"
-        label = text if number == 1 else None
-        for axes, values in ((top, found.largest_tension), (bottom, found.swt)):
-            axes.plot(
-                seen.arc, values[place], BODY_LINES[number], color=colour, lw=1.2, label=label
-            )
+    """Lines of the parameters (D, N) of one body at all depths, one parameter a panel."""
+    for place, depth in enumerate(seen.depths):
+        label = f"depth {depth:g} {length}" if depth > 0 else "surface"
+        style: dict[str, Any] = {"color": CYCLE[place % len(CYCLE)], "lw": 1.2, "label": label}
+        for axes, values in zip(column, parameters, strict=True):
+            axes.plot(seen.arc, values[place], BODY_LINES[number], **style)
+
+
+def _depth_legend(figure: Figure) -> None:
+    """One entry a depth: the lines of the body that was drawn last."""
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    named = dict(zip(labels, handles, strict=True))
+    figure.legend(named.values(), named.keys(), loc="outside upper center", ncols=4)
+
+
+def slip_system_plot(shown: Shown) -> Plot | None:
+    """Resolved shear on slip systems along a contact; None without stress of a cubic crystal."""
+    if not shown.run.has_stress:
+        return None
+    run, history = shown.run, shown.run.stress_history(shown.tractions.pair)
+    ranges = [resolved_shear(each.stress, run.case.bodies[each.name]) for each in history.bodies]
+    found = {place: each for place, each in enumerate(ranges) if np.isfinite(each).any()}
+    if not found:
+        return None
+
+    def draw(figure: Figure) -> None:
+        octahedral, cube = (f"{each} [{run.case.units.stress}]" for each in SLIP_SYSTEMS)
+        panels = figure.subplots(2, 2, sharex="col", sharey="row")
+        for column, _, (low, high) in _edge_columns(panels, shown, (octahedral, cube)):
+            nodes = np.flatnonzero((history.arc >= low) & (history.arc <= high))
+            for place, parts in found.items():
+                seen = [each[:, nodes] for each in parts]
+                _depth_lines(column, history.at(nodes), seen, place, run.case.units.length)
+        _depth_legend(figure)
+
+    texts = [
+        f"{history.bodies[place].name}, {systems}: {_largest(values, history, run.case)}"
+        for place, parts in found.items()
+        for systems, values in zip(SLIP_SYSTEMS, parts, strict=True)
+    ]
+    caption = "Largest ranges: " + "; ".join(texts) + "."
+    return make_plot(f"{shown.key}-slip-systems", shown.title, caption, DOUBLE, draw)
+
+
+def _largest(values: Array, history: StressHistory, case: Case) -> str:
+    """The largest of some stresses (D, N), and where it is."""
+    depth, node = np.unravel_index(np.nanargmax(values), values.shape)
+    below = f", {number(history.depths[depth])} {case.units.length} below the surface"
+    return (
+        f"{number(values[depth, node])} {case.units.stress} at x = {number(history.arc[node])} "
+        f"{case.units.length}{below if history.depths[depth] > 0 else ''}"
+    )
 
 
 def _edge_values(

@@ -165,6 +165,12 @@ def _sections(run: Result) -> tuple[Section, ...]:
             tractions.STRESS_INTRO,
             map(tractions.stress_plot, shown),
         ),
+        _section(
+            "slip-systems",
+            "Resolved shear on slip systems",
+            tractions.SLIP_SYSTEMS_INTRO,
+            map(tractions.slip_system_plot, shown),
+        ),
         *histories,
         _section("loops", "Hysteresis", history.LOOPS_INTRO, loops),
     )
