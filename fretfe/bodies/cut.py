@@ -200,7 +200,7 @@ def read_temperatures(
 def _read(
     path: Path, quantity: Quantity, asked: Sequence[Asked]
 ) -> tuple[Mapping[str, Array], list[Array]]:
-    """What `_values_at` tells of the steps, and values (T, m, c) at all that is asked for."""
+    """The steps as `_values_at` tells of them, and values (T, m, c) at all that is asked for."""
     # Imported where it is needed: most cases have no fields, and HDF5 takes a while.
     from fretfe.fields.field import field_file
 
