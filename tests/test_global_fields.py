@@ -108,6 +108,41 @@ def test_anisotropic_points_are_found_far_away(tmp_path: Path) -> None:
     np.testing.assert_allclose(displacement(found, 1.0), linear(places)[:, :2], rtol=1e-9)
 
 
+def test_points_with_a_hole_around_the_cut(tmp_path: Path) -> None:
+    """Rows of long cells are none; a metre for a millimetre is one."""
+    x, y = (each.ravel() for each in np.meshgrid(*[np.linspace(-4, 4, 21)] * 2))
+    points = np.stack([x, y, 0 * x], axis=1)[np.hypot(x, y) > 3]
+    write_csv(tmp_path / "run.csv", points, 2)
+    expected = r"at \(0, 1\) in a hole: the nearest point is 2\..* away, where .* 0\.566 apart"
+    with pytest.raises(CaseError, match=expected):
+        cut(tmp_path / "run.csv", np.array([[0.0, 1.0], [0.0, 3.1]]))
+    with pytest.raises(CaseError, match="in a hole"):
+        cut(tmp_path / "run.csv", np.array([[0.0, 3.5], [3.5, 0.0]]), factor=1000.0)
+    cut(tmp_path / "run.csv", np.array([[0.0, 3.5], [3.5, 0.1]]))
+
+
+def test_missing_files_are_named(tmp_path: Path) -> None:
+    case = driven(tmp_path, RAMP)
+    (tmp_path / "run.csv").unlink()
+    with pytest.raises(CaseError, match=r"loads\.cut\.file: .*run\.csv: expected a file with dis"):
+        define_model(case, mesh())
+
+
+def test_gaps_between_numbers_of_steps(tmp_path: Path) -> None:
+    """A history stays at the steps that there are, of times linear in between."""
+    history = [{"times": [1, 2, 3], "values": [1, 2, 3]}]
+    case = driven(tmp_path, history)
+    text = (tmp_path / "run.csv").read_text()
+    lines = [each for each in text.splitlines() if not each.endswith(",1")]
+    lines = [re.sub(r",2\.5$", ",3", re.sub(r",0\.5$", ",1", each)) for each in lines]
+    (tmp_path / "run.csv").write_text("\n".join(lines))
+    require_possible(case, define_model(case, mesh()), build_history(case))
+    (tmp_path / "run.csv").write_text("\n".join(lines).replace("time", "step"))
+    definition = define_model(case, mesh())
+    with pytest.raises(CaseError, match=r"found 2 at time 2, between 1 and 3 \(steps: 1, 3\)"):
+        require_possible(case, definition, build_history(case))
+
+
 def grid_of(kind: str) -> Any:
     cube = pyvista.ImageData(dimensions=(5, 5, 5), spacing=(0.25, 0.25, 0.25))
     grid = {
@@ -263,7 +298,7 @@ BAD_TABLES = {
     ),
     "only 0": (
         "x,y,ux,uy,time\n0,0,0,0,1\n1,0,0,0,1\n0,1,0,0,1\n1,1,0,0,1\n",
-        "expected a displacement in some step, found none but 0",
+        "found none but 0: hold a boundary at rest by a support instead",
     ),
 }
 

@@ -31,13 +31,16 @@ if TYPE_CHECKING:
     from fretfe.fields.field import Cells, Field, Quantity
 
 # Names of arrays beside those of the loads, whose names have no blanks.
-TIMES, ROUNDING = "times of steps", "rounding of values"
+TIMES, ROUNDING, NUMBERED = "times of steps", "rounding of values", "numbers of steps"
 # Shapes are taken until the rest is below this part of the field,
 EXACT = 1e-10
 # or its rounding; or, where it has few digits, with so many of them below that.
 ROUNDED, FEW = 1e-6, 20
 # Random sums of the steps that stand for all of them if they leave out less than this part of that.
 SUMS, SPANNED = 64, 0.1
+# What is wanted of a load, and what to do if there is none of it.
+AT_REST = ("displacement", "hold a boundary at rest by a support instead, fix = ['x', 'y']")
+UNCHANGED = ("change of temperature", "leave the load out")
 # Positions that differ by less than this part of the whole run are the same.
 SAME = 1e-6
 # Changes of temperature below this part of the temperatures are rounding.
@@ -59,6 +62,8 @@ class Cut:
         courses: of their amplitudes.
         rest: root of the sum of squares of what is left out over that of everything.
         what: is left out, in words.
+        numbered: whether the positions are numbers of steps, of which none may be missing where a
+            history passes.
     """
 
     channel: str
@@ -67,6 +72,7 @@ class Cut:
     courses: tuple[Course, ...]
     rest: float
     what: str = "displacements of the cut"
+    numbered: bool = False
 
     @property
     def note(self) -> str:
@@ -93,6 +99,8 @@ class Cut:
                 f"found {values[off[0]]:g} at time {history.times[off[0]]:g}"
             )
             raise CaseError(complaint(case.source, key, text))
+        if self.numbered:
+            self._require_no_gap(case, history.times, values)
         low, high = np.sort(np.stack([values[:-1], values[1:]]), axis=0)
         first = np.searchsorted(self.positions, low + SAME * last, side="right")
         passed = np.flatnonzero(first < np.searchsorted(self.positions, high - SAME * last))
@@ -105,6 +113,23 @@ class Cut:
                 f"{history.times[step + 1]:g}"
             )
             raise CaseError(complaint(case.source, key, text))
+
+    def _require_no_gap(self, case: Case, times: Array, values: Array) -> None:
+        """Check that positions (T,) at times (T,) are not where numbers of steps are missing."""
+        steps, near = np.append(0.0, self.positions), SAME * self.positions[-1]
+        after = np.clip(np.searchsorted(steps, values - near), 1, len(steps) - 1)
+        between = (values > steps[after - 1] + near) & (values < steps[after] - near)
+        missing = np.flatnonzero(between & (np.diff(steps)[after - 1] > 1 + near))
+        if missing.size:
+            state = int(missing[0])
+            text = (
+                f"expected positions at steps that the run has, found {values[state]:g} at time "
+                f"{times[state]:g}, between {steps[after[state] - 1]:g} and "
+                f"{steps[after[state]]:g} (steps: {', '.join(f'{x:g}' for x in steps[1:11])}"
+                f"{', ...' if len(steps) > 11 else ''}); what lies between is not known, unless "
+                "the column 'step' has times and is called 'time'"
+            )
+            raise CaseError(complaint(case.source, ("loads", self.channel, "history"), text))
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,12 +159,11 @@ def read_cuts(path: Path, asked: Sequence[Asked]) -> dict[str, Cut]:
     Raises:
         FretfeError: if the field is not as expected, or does not reach the places.
     """
-    times, rounding, values = _read(path, "displacements", asked)
+    read, values = _read(path, "displacements", asked)
     cuts = {}
     for each, found in zip(asked, values, strict=True):
         moved = each.load.factor * found[:, :, : each.places.shape[1]]
-        steps = _counted(path, each.load.position, times, moved, "displacement")
-        cuts[each.channel] = reduce_in_time(each.channel, *steps, rounding)
+        cuts[each.channel] = _counted(path, each, read, moved, AT_REST)
     return cuts
 
 
@@ -159,7 +183,7 @@ def read_temperatures(
         FretfeError: if the field is not as expected, or does not reach the places.
     """
     asked = Asked(channel, load, "", np.concatenate(list(places.values())))
-    times, rounding, (found,) = _read(path, "temperatures", [asked])
+    read, (found,) = _read(path, "temperatures", [asked])
     coldest = float(found.min())
     if coldest < ABSOLUTE_ZERO:
         raise CaseError(
@@ -169,25 +193,29 @@ def read_temperatures(
     change = found - start[:, None]
     # Interpolation rounds: without this, bodies at their reference temperature would be heated.
     change[np.abs(change) < ROUND_OFF * np.abs(found).max()] = 0
-    steps = _counted(path, load.position, times, change, "change of temperature")
-    cut = reduce_in_time(channel, *steps, rounding)
+    cut = _counted(path, asked, read, change, UNCHANGED)
     return replace(cut, what="changes of temperature")
 
 
 def _read(
     path: Path, quantity: Quantity, asked: Sequence[Asked]
-) -> tuple[Array, float, list[Array]]:
-    """Times (T,) of steps, rounding of values, and these (T, m, c) at all that is asked for."""
+) -> tuple[Mapping[str, Array], list[Array]]:
+    """The steps as `_values_at` tells of them, and values (T, m, c) at all that is asked for."""
+    # Imported where it is needed: most cases have no fields, and HDF5 takes a while.
+    from fretfe.fields.field import field_file
+
+    path = field_file(path, quantity)
     found = arrays_of(partial(_values_at, path, quantity, tuple(asked)), path)
-    values = [found[each.channel] for each in asked]
-    return found[TIMES], float(found[ROUNDING]), values
+    return found, [found[each.channel] for each in asked]
 
 
 def _counted(
-    path: Path, position: str, times: Array, values: Array, what: str
-) -> tuple[Array, Array]:
-    """Positions (T,) of loaded steps and their values (T, m, c)."""
-    if position == "number":
+    path: Path, asked: Asked, read: Mapping[str, Array], values: Array, instead: tuple[str, str]
+) -> Cut:
+    """Values (T, m, c) of the loaded steps, reduced; what they are, and what to do without them."""
+    times, (what, advice) = read[TIMES], instead
+    numbers = asked.load.position == "number"
+    if numbers:
         times = np.arange(1.0, len(times) + 1)
     elif times[0] == 0:
         if np.abs(values[0]).max() > SAME * np.abs(values).max():
@@ -197,8 +225,9 @@ def _counted(
             )
         times, values = times[1:], values[1:]
     if not len(times) or not np.abs(values).max():
-        raise CaseError(f"{path}: expected a {what} in some step, found none but 0")
-    return times, values
+        raise CaseError(f"{path}: expected a {what} in some step, found none but 0: {advice}")
+    cut = reduce_in_time(asked.channel, times, values, float(read[ROUNDING]))
+    return replace(cut, numbered=bool(read[NUMBERED]) and not numbers)
 
 
 def reduce_in_time(channel: str, positions: Array, moved: Array, rounding: float = 0.0) -> Cut:
@@ -248,7 +277,6 @@ def _values_at(
 
     This is done in another process, which the file may crash.
     """
-    # Imported where it is needed: most cases have no fields, and HDF5 takes a while.
     from fretfe.fields.field import read_field
 
     field = read_field(path, quantity)
@@ -268,7 +296,8 @@ def _values_at(
                 f"{path}: expected finite {quantity}, found others near "
                 f"{place_text(each.places[wrong[0, 1]])} in step {wrong[0, 0] + 1}"
             )
-    return {TIMES: field.times, ROUNDING: np.array(field.rounding), **arrays}
+    told = {ROUNDING: np.array(field.rounding), NUMBERED: np.array(field.numbered)}
+    return {TIMES: field.times, **told, **arrays}
 
 
 def _interpolation(
@@ -335,6 +364,15 @@ def _between_points(
             break
     if fault:
         raise CaseError(f"{path}: expected points around all nodes, found {fault}")
+    # With points around those that were chosen, which may be the border of a hole only.
+    around = np.unique(tree.query(points[chosen], min(AROUND[dimension], len(points)))[1])
+    if hole := PointValues(points[around], np.zeros(len(around))).hole(local):
+        node, away, apart = hole
+        raise CaseError(
+            f"{path}: expected points near all nodes, found the node at {place_text(places[node])} "
+            f"in a hole: the nearest point is {away:.3g} away, where points are {apart:.3g} apart "
+            "(lengths as in the file)"
+        )
 
     def between(steps: Array) -> Array:
         """All steps at once: finding the triangles takes most of the time."""

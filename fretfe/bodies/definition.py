@@ -330,6 +330,7 @@ class Constraint:
         shape: displacement of each node of the boundary, if it is no rigid motion.
         at: (gdim,) place of the only node of the boundary that it holds; empty for all of them.
         within: distance up to which a node is at that place.
+        resultant: whether it is there to tell a force or moment, and holds what moves by a shape.
     """
 
     label: str
@@ -341,6 +342,7 @@ class Constraint:
     shape: NodalShape | None = None
     at: tuple[float, ...] = ()
     within: float = 0.0
+    resultant: bool = False
 
     def holds(self, points: Array) -> Bools:
         """(n,) which nodes of its boundary, at points (n, gdim), it constrains."""
@@ -642,14 +644,15 @@ def _resultant(name: str, boundary: str, places: Array) -> list[Driven]:
     centre = tuple(((places.min(axis=0) + places.max(axis=0)) / 2).tolist())
     axes = {axis: unit_vector(axis, 3) for axis in AXES}
     moves = [
-        Constraint(f"{name} force {axis}", boundary, unit_vector(axis, gdim))
+        Constraint(f"{name} force {axis}", boundary, unit_vector(axis, gdim), resultant=True)
         for axis in AXES[:gdim]
     ]
     turns = [
-        Constraint(f"{name} moment {axis}", boundary, (0.0,) * gdim, axis=vector, centre=centre)
+        Constraint(f"{name} moment {axis}", boundary, (0.0,) * gdim, axis=vector, centre=centre,
+                   resultant=True)
         for axis, vector in axes.items()
         if gdim == 3 or axis == "z"
-    ]
+    ]  # fmt: skip
     return [Driven(each) for each in (*moves, *turns)]
 
 

@@ -23,6 +23,9 @@ OUTSIDE = 0.02
 # Points that are nearer than this part of their extent are one, of which a triangulation takes one
 # value only.
 SAME = 1e-9
+# A place that is farther from all points than so many times their distance from one another lies in
+# a hole between them: nodes of a mesh have up to half of it, random points seldom more than twice.
+HOLE = 3.0
 # More points than these are moved by up to this part of their spacing before they are triangulated;
 # elements whose weights that changes by more are slivers.
 MANY, JOGGLE, SLIVER = 1000, 1e-6, 1e-2
@@ -94,6 +97,36 @@ class PointValues:
         away = np.linalg.norm(places - middle - local @ axes, axis=1)
         farthest = int(np.argmax(away))
         return farthest, float(away[farthest] / np.ptp(own, axis=0).max())
+
+    def hole(self, places: Array) -> tuple[int, float, float] | None:
+        """Place (m, d) deepest in a hole between points; its distance from them, and theirs there.
+
+        Points around a simplex are as far apart as the longest side of the smallest simplex at each
+        of its corners, so that long cells of a mesh are no holes. None without one.
+        """
+        axes, own, local = self._flattened(places)
+        if len(axes) < 2:
+            return None
+        tree = cKDTree(own)
+        away, nearest = tree.query(local)
+        far = np.flatnonzero(away > HOLE * tree.query(own, 2)[0][nearest, 1])
+        if not far.size:
+            return None
+        # Imported where it is needed: most points have no hole.
+        from scipy.spatial import Delaunay
+
+        mesh = Delaunay(own)
+        corners = own[mesh.simplices]
+        sides = np.linalg.norm(corners[:, :, None] - corners[:, None], axis=3).max(axis=(1, 2))
+        apart = np.full(len(own), np.inf)
+        np.minimum.at(apart, mesh.simplices, sides[:, None])
+        around = mesh.find_simplex(local[far])
+        spacing = np.where(around < 0, np.inf, apart[mesh.simplices[around]].max(axis=1))
+        deepest = int(np.argmax(away[far] / spacing))
+        place = int(far[deepest])
+        if away[place] <= HOLE * spacing[deepest]:
+            return None
+        return place, float(away[place]), float(spacing[deepest])
 
     def _flattened(self, places: Array) -> tuple[Array, Array, Array]:
         """Directions (r, d) in which the points differ; points and places along them from there.

@@ -323,6 +323,19 @@ class Crystal(Table):
     material: Material = None
     temperature: At = None
 
+    @model_validator(mode="before")
+    @classmethod
+    def _either(cls, value: Any) -> Any:
+        given = value if isinstance(value, dict) else {}
+        isotropic = [key for key in ("young", "poisson") if key in given]
+        if isotropic:
+            crystal = [key for key in ("elastic", "orientation") if key in given]
+            raise ValueError(
+                "expected either 'young' and 'poisson', or 'elastic' and perhaps an 'orientation' "
+                f"of a crystal, found {' and '.join(map(repr, isotropic + crystal))}"
+            )
+        return value
+
     @cached_property
     def stiffness(self) -> Array:
         """(6, 6) in Voigt's order, in the axes of the model."""

@@ -67,8 +67,9 @@ def _print(checked: Checked) -> None:
             console.print(f"Warning: {warning}", highlight=False, markup=False)
     for body in checked.definition.bodies:
         console.print(f"{body.name}: {body.material.text}")
-        for coordinate in body.coordinates:
-            console.print(f"  {coordinate.label}: {coordinate.control}", highlight=False)
+        for coordinate, constraint in zip(body.coordinates, body.constraints, strict=True):
+            what = "a result, of the whole boundary" if constraint.resultant else coordinate.control
+            console.print(f"  {coordinate.label}: {what}", highlight=False)
     for pair in checked.pairs:
         console.print(
             f"contact {pair.name}: {pair.body1} (1) on {pair.body2} (2), "

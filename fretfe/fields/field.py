@@ -67,6 +67,7 @@ class Field:
         values: (n, 3) displacements or (n, 1) temperatures in a step, by its number from 0.
         cells: elements between the points; None if the file has none.
         rounding: of the values, relative; 0 if it is not known.
+        numbered: whether the times are numbers of steps.
     """
 
     points: Array
@@ -74,6 +75,7 @@ class Field:
     values: Callable[[int], Array]
     cells: Cells | None = None
     rounding: float = 0.0
+    numbered: bool = False
 
 
 def rounding_of(values: Array) -> float:
@@ -95,6 +97,23 @@ def rounding_of(values: Array) -> float:
     return 0.0
 
 
+def field_file(path: Path, quantity: Quantity) -> Path:
+    """The file of a field, which is there; that in the results folder of a run.
+
+    Raises:
+        CaseError: if there is none that can be read.
+    """
+    if path.is_dir():
+        path = path / FIELDS
+    require_file(path, f"a file with {quantity}, or a results folder with fields", CaseError)
+    if path.suffix.lower() not in READERS:
+        raise CaseError(
+            f"{path}: expected a file of {quantity} whose name ends in one of "
+            f"{', '.join(READERS)}, or a results folder"
+        )
+    return path
+
+
 def read_field(path: Path, quantity: Quantity = "displacements") -> Field:
     """A field in a file, or in the results folder of a run.
 
@@ -102,17 +121,9 @@ def read_field(path: Path, quantity: Quantity = "displacements") -> Field:
         CaseError: if it is not as expected.
         DependencyError: if what reads it is not installed.
     """
-    if path.is_dir():
-        path = path / FIELDS
-    require_file(path, f"a file with {quantity}, or a results folder with fields", CaseError)
-    read = READERS.get(path.suffix.lower())
-    if read is None:
-        raise CaseError(
-            f"{path}: expected a file of {quantity} whose name ends in one of "
-            f"{', '.join(READERS)}, or a results folder"
-        )
+    path = field_file(path, quantity)
     require_sizes(path)
-    found = read(path, quantity)
+    found = READERS[path.suffix.lower()](path, quantity)
     _require_good(path, found)
     return found
 
@@ -183,8 +194,13 @@ def _read_csv(path: Path, quantity: Quantity) -> Field:
                 f"{path}: expected the same points in every step, found others at {time:g} than at "
                 f"{times[0]:g}"
             )
-    rounding = rounding_of(values)
-    return Field(places[rows[0]], times, lambda step: values[rows[step]], rounding=rounding)
+    return Field(
+        places[rows[0]],
+        times,
+        lambda step: values[rows[step]],
+        rounding=rounding_of(values),
+        numbered="step" in columns,
+    )
 
 
 def _sorted_rows(table: Table, places: Array, rows: Indices) -> Indices:
