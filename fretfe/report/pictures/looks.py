@@ -167,8 +167,8 @@ def _edge_places(run: Result) -> list[EdgePlace]:
     return places
 
 
-def open_edges(run: Result) -> list[str]:
-    """Titles of the edges that the last state has not."""
+def edges_left_out(run: Result) -> list[str]:
+    """Titles of the edges of contacts that have not both their edges in the last state."""
     shown = {edge.title for edge in _edge_places(run)}
     titles = [f"{each.name}, {edge_title(edge)}" for each in run.contacts for edge in each.stations]
     return [title for title in titles if title not in shown]

@@ -36,8 +36,8 @@ from fretfe.report.pictures.looks import (
     Wanted,
     colour_limit,
     edge_view,
+    edges_left_out,
     find_look,
-    open_edges,
     plan_pictures,
 )
 from fretfe.report.pictures.panels import (
@@ -166,8 +166,9 @@ def draw_edges(source: Fields, state: int, edges: Sequence[EdgePlace]) -> tuple[
         for body in moved.values():
             _draw_elements(panel, body, view)
     scene.close()
-    missing = open_edges(run)
-    left_out = f" Left out, since it is open there then: {'; '.join(missing)}." if missing else ""
+    missing = edges_left_out(run)
+    why = "contacts without both edges found then"
+    left_out = f" Left out ({why}): {'; '.join(missing)}." if missing else ""
     return figure, (
         f"Von Mises equivalent stress and elements around the contact edges at "
         f"{when(run, state)}, displacements in true size. Each panel is turned into the frame of "
