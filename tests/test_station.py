@@ -344,6 +344,20 @@ def test_verdict_compares_the_plane_problem_with_formula_and_nodes(solid: Result
     assert judge(station, wrong).word == "outside"
 
 
+def test_verdicts_take_the_error_bar_of_k_n_at_the_end_of_their_half_cycle(solid: Result) -> None:
+    """Formulas take K_N of that state: a bar of another one does not matter."""
+    station = stations(solid)[2]
+    found = replace(station.slip_zones[-1], local=np.nan, length=WIDTH, resolved=True, spread=0.03)
+    zone = replace(found, end=found.end - 1)
+    other, own = np.flatnonzero(np.arange(len(station.k_n)) != zone.end), [zone.end]
+    for states, unknown in ((other, False), (own, True)):
+        spread = 0.01 * station.k_n
+        spread[states] = 0.21 * station.k_n[states]
+        verdict = judge(replace(station, k_n_spread=spread), zone)
+        assert (verdict.word == "unknown") == unknown
+    assert "K_N at the end of the half cycle" in verdict.reason and "21%" in verdict.reason
+
+
 def test_loads_that_turn_have_a_length_without_a_formula(solid: Result) -> None:
     station = replace(stations(solid)[2], turning=0.4)
     alone = judge(station, replace(station.slip_zones[-1], resolved=False, spread=np.inf))

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -45,6 +45,8 @@ RUN_EXAMPLES = examples(
 )
 # The backend that needs a mesh.
 MESHES = "fem"
+# Variants of a sweep that a warning names.
+MOST_NAMED = 3
 NO_PICTURE = "it takes one or two keys that vary, and a case that was solved"
 
 SWEEP_EXAMPLES = examples(
@@ -272,17 +274,22 @@ def _print_sweep(sweep: Sweep, directory: Path, seconds: float, verbosity: Verbo
 
 def _sweep_warnings(sweep: Sweep) -> list[str]:
     """Each warning of the edges once with the number of cases, and each case that failed."""
-    counts: dict[str, int] = {}
+    found_in: dict[str, list[str]] = {}
     for each in sweep.variants:
         found = {(edge["contact"], edge["warnings"]) for edge in each.edges if edge["warnings"]}
         for contact, text in sorted(found):
-            counts[f"{contact}: {text}"] = counts.get(f"{contact}: {text}", 0) + 1
+            found_in.setdefault(f"{contact}: {text}", []).append(_variant(each.values))
     count = len(sweep.variants)
-    texts = [f"{text} ({number} of {count} variants)" for text, number in counts.items()]
-    for each in sweep.failures:
-        values = ", ".join(f"{key} = {value}" for key, value in each.values.items())
-        texts.append(f"{values}: {each.failure}")
-    return texts
+    texts = [
+        f"{text} ({len(names)} of {count} variants: {'; '.join(names[:MOST_NAMED])}"
+        f"{'; ...' if len(names) > MOST_NAMED else ''})"
+        for text, names in found_in.items()
+    ]
+    return [*texts, *(f"{_variant(each.values)}: {each.failure}" for each in sweep.failures)]
+
+
+def _variant(values: Mapping[str, Any]) -> str:
+    return ", ".join(f"{key} = {value}" for key, value in values.items())
 
 
 def _cost(sweep: Sweep, seconds: float) -> str:

@@ -279,10 +279,13 @@ def _excuse(station: Station, zone: SlipZone) -> tuple[str, str]:
         if not lost and math.isfinite(station.k_n[zone.end]):
             return NO_VERDICT, _no_formula(station, zone)
         return UNKNOWN, lost or "K_N is not known at the end of the half cycle"
-    k_n, spread = station.last_k_n
-    if not spread <= LARGEST_SPREAD * k_n and not local:
-        large = f"K_N has an error bar of {spread / k_n:.0%}, more than {LARGEST_SPREAD:.0%}"
-        return UNKNOWN, withheld(station) or large
+    # The formulas take K_N of the state in which the half cycle ends.
+    k_n, spread = float(station.k_n[zone.end]), float(station.k_n_spread[zone.end])
+    if spread > LARGEST_SPREAD * k_n and not local:
+        return UNKNOWN, (
+            f"K_N at the end of the half cycle, {k_n:.3g}, has an error bar of {spread / k_n:.0%}, "
+            f"more than {LARGEST_SPREAD:.0%}"
+        )
     # Without a cycle there is no range, but a prediction of first loading.
     ranges = math.isfinite(station.k_range)
     if ranges and not station.k_range_spread <= LOOSEST_RANGE * station.k_range:

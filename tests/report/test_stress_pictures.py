@@ -141,6 +141,15 @@ def test_small_elements_do_not_set_the_colours() -> None:
     assert colour_limit([(square(), None)], 99.8) == (1.0, 0.0)
 
 
+def test_panels_count_alike_for_the_last_colour() -> None:
+    """A panel a thousand times as wide as another one, which has ten times its stress."""
+    large = square(1.0, stress=np.full((6, 6), [100.0, 0, 0, 0, 0, 0]))
+    small = square(0.001, stress=np.full((6, 6), [1000.0, 0, 0, 0, 0, 0]))
+    views = [View(np.zeros(2), np.full(2, size), np.array([0.0, 1.0])) for size in (1.0, 0.001)]
+    limit, _ = colour_limit(list(zip([large, small], views, strict=True)), 98.0)
+    assert limit == pytest.approx(1000.0)
+
+
 def test_edges_are_at_the_origin_on_both_bodies() -> None:
     """Body 1 slid by 0.3 and both went down by 0.1: neither shows, the gap does."""
     bodies = {

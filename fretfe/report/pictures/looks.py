@@ -71,6 +71,7 @@ class EdgePlace:
         position: along the arc.
         slip: length of the longer one of its last two slip zones; 0 if there is none.
         half_width: of the contact.
+        gross: whether the whole contact slips in one of the two.
     """
 
     contact: str
@@ -78,6 +79,7 @@ class EdgePlace:
     position: float
     slip: float
     half_width: float
+    gross: bool = False
 
 
 @dataclass(frozen=True)
@@ -157,11 +159,19 @@ def _edge_places(run: Result) -> list[EdgePlace]:
         for edge in contact.stations:
             position, half_width = float(edge.position[-1]), float(contact.half_width[-1])
             if np.isfinite([position, half_width]).all():
-                lengths = [zone.length for zone in edge.slip_zones[-2:] if not zone.gross]
-                slip = float(max(lengths, default=0.0))
+                zones = edge.slip_zones[-2:]
+                slip = float(max((zone.length for zone in zones if not zone.gross), default=0.0))
+                gross = any(zone.gross for zone in zones)
                 title = f"{contact.name}, {edge_title(edge)}"
-                places.append(EdgePlace(contact.name, title, position, slip, half_width))
+                places.append(EdgePlace(contact.name, title, position, slip, half_width, gross))
     return places
+
+
+def edges_left_out(run: Result) -> list[str]:
+    """Titles of the edges of contacts that have not both their edges in the last state."""
+    shown = {edge.title for edge in _edge_places(run)}
+    titles = [f"{each.name}, {edge_title(edge)}" for each in run.contacts for edge in each.stations]
+    return [title for title in titles if title not in shown]
 
 
 @dataclass(frozen=True)
@@ -246,7 +256,7 @@ def colour_limit(
     """Stress of the last colour, and the largest stress in what is shown.
 
     What counts is the area that has a stress, not the number of elements, of which most are at the
-    contact edges, where stresses have no bounds.
+    contact edges, where stresses have no bounds. All views count alike, however large they are.
 
     Args:
         shown: bodies, and what is seen of them: elements that reach into the view, or all.
@@ -257,7 +267,8 @@ def colour_limit(
         corners = body.deformed(1.0)[body.grid.corners]
         seen = np.ones(len(corners), bool) if view is None else view.overlaps(corners)
         stresses.append(body.von_mises[body.grid.cells[seen]].max(axis=1))
-        areas.append(polygon_areas(corners[seen]))
+        scale = 1.0 if view is None else float(view.half_size.prod())
+        areas.append(polygon_areas(corners[seen]) / scale)
     return _limit(np.concatenate(stresses), np.concatenate(areas), percentage)
 
 

@@ -36,6 +36,7 @@ from fretfe.report.pictures.looks import (
     Wanted,
     colour_limit,
     edge_view,
+    edges_left_out,
     find_look,
     plan_pictures,
 )
@@ -155,6 +156,7 @@ def draw_edges(source: Fields, state: int, edges: Sequence[EdgePlace]) -> tuple[
         set_limits(panel, view)
         name_axes(panel, "distance from the edge along x", "along y", unit)
         slip = f"longest slip zone {rounded(edge.slip)} {unit}" if edge.slip > 0 else "no slip zone"
+        slip = "gross slip" if edge.gross else slip
         panel.set_title(f"{edge.title}\n{slip}")
     _add_bar(figure, axes, limit, run.case.units.stress)
     settle(figure, axes, EDGE_ASPECT, f"Von Mises stress at the contact edges, {when(run, state)}")
@@ -164,12 +166,16 @@ def draw_edges(source: Fields, state: int, edges: Sequence[EdgePlace]) -> tuple[
         for body in moved.values():
             _draw_elements(panel, body, view)
     scene.close()
+    missing = edges_left_out(run)
+    why = "contacts without both edges found then"
+    left_out = f" Left out ({why}): {'; '.join(missing)}." if missing else ""
     return figure, (
         f"Von Mises equivalent stress and elements around the contact edges at "
         f"{when(run, state)}, displacements in true size. Each panel is turned into the frame of "
         "its contact, with body 2 below; its origin is the edge, on both bodies, so sliding of a "
         "whole body along x is not visible. "
-        f"{_colour_text(source, limit, largest, EDGES_PERCENTAGE, 'area shown')}"
+        f"{_colour_text(source, limit, largest, EDGES_PERCENTAGE, 'area shown, panels alike')}"
+        f"{left_out}"
     )
 
 
