@@ -643,7 +643,7 @@ def reference_length(
             break
         shear = factors_at(factors, contact.dundurs, length)[:, Factor.K_T :]
         reach = float(np.ptp(shear[states] @ main_direction(shear, cycle)[0]))
-        found = share * reach / (friction * fit.at(length, WINDOW).k_n[states[-1]])
+        found = share * reach / (friction * fit.at(length, WINDOW, 1.0).k_n[states[-1]])
         if not SMALLEST_MOVE * half_width < found < half_width:
             break
         length = float(found)

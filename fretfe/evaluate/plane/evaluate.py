@@ -319,7 +319,7 @@ class _Edges:
         return replace(
             self,
             fits=tuple(
-                fit.at(length, zone / size)
+                fit.at(length, zone, size)
                 for fit, length, zone, size in zip(self.fits, lengths, zones, sizes, strict=True)
             ),
             histories=self.histories.at(self.contact.dundurs, lengths),

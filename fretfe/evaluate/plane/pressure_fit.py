@@ -145,18 +145,32 @@ class EdgeFit:
     spread_k_n: Array
     exponent: Array | float = 0.5
 
-    def at(self, length: float, zone: float) -> EdgeFit:
+    def at(self, length: float, zone: float, size: float) -> EdgeFit:
         """Return the fit with K_N = p(length)/sqrt(length) of the power law.
 
-        Its error bar holds what the fits, which reach beyond the slip zone, cannot see, the more
-        the fewer elements the zone has.
+        The error bars hold what the fits, which reach beyond the slip zone, cannot see, the more
+        the fewer elements the zone has. A square of the pressure that rises too fast by twice the
+        relative error of K_N, but is right at the end of the shortest window, has its zero there
+        by as much of that window too far inward or outward.
 
         Args:
             length: at which K_N is told.
-            zone: length of the slip zone in elements.
+            zone: length of the slip zone.
+            size: of an element at the edge.
         """
-        k_n, spread = k_n_at(self.k_n, self.spread_k_n, np.asarray(self.exponent), length, zone)
-        return replace(self, k_n=k_n, spread_k_n=spread)
+        exponent, beyond = np.asarray(self.exponent), beyond_slip(self.exponent, zone / size)
+        k_n, spread = k_n_at(self.k_n, self.spread_k_n, exponent, length, zone / size)
+        position = np.hypot(self.spread_position, 2 * beyond * SHORTEST * size)
+        return replace(self, k_n=k_n, spread_k_n=spread, spread_position=position)
+
+
+def beyond_slip(
+    exponent: Array | float, zone: Array | float, most: float = MOST_BEYOND
+) -> Array | float:
+    """Return the relative error of K_N that fits beyond the slip zone make, as of `k_n_at`."""
+    beyond = BEYOND_SLIP * np.clip(WINDOW / np.maximum(zone, WINDOW / most), 1.0, most)
+    # Just after a reversal the zone is too short to tell lambda, which is not known any better.
+    return beyond * np.fmax.reduce(np.atleast_1d(np.abs(np.asarray(exponent) - 0.5)))
 
 
 def k_n_at(
@@ -179,10 +193,7 @@ def k_n_at(
     """
     apart = exponent - 0.5
     told = length**apart * k_n
-    beyond = BEYOND_SLIP * np.clip(WINDOW / np.maximum(zone, WINDOW / most), 1.0, most)
-    # Just after a reversal the zone is too short to tell lambda, which is not known any better.
-    largest = np.fmax.reduce(np.atleast_1d(np.abs(apart)))
-    return told, np.hypot(length**apart * spread, beyond * largest * told)
+    return told, np.hypot(length**apart * spread, beyond_slip(exponent, zone, most) * told)
 
 
 def fit_edge(section: Section, *, solved: bool = False, exponent: Array | float = 0.5) -> EdgeFit:
