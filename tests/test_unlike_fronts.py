@@ -210,7 +210,7 @@ def coarse_slice(beta: float) -> Bools:
             assert np.asarray(edge.exponent)[state] == pytest.approx(slips, abs=1e-6)
             assert track.fit.exponent[state, station] == pytest.approx(slips, abs=1e-4)
         whole, zones = np.full(2 * station, ZONE), share[:, None] * np.full(2 * station, ZONE)
-        found, truth = track.fit.at(whole, zones / ELEMENT), edge.at(ZONE, ZONE, FINE)
+        found, truth = track.fit.at(whole, zones / ELEMENT), edge.at(ZONE, ZONE / FINE)
         # Sooner after a reversal the half-planes hardly know either.
         told = cycle[share[cycle] >= 0.5 - 1e-9]
         error = np.abs(found.k_n[told, station] - truth.k_n[told])

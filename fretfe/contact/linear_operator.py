@@ -495,7 +495,7 @@ class FactoredOperator:
         self._order: ContactOrder | None = None
         self._count = FEWEST
         self._met = np.zeros(interface.size, dtype=np.int64)  # how often a node was in contact
-        self._sliding, self._direct = SlidingContact(interface), SimilarSystems()
+        self._sliding = SlidingContact(interface)
 
     def area(self, closed: Bools, gap: Array) -> NestedArea:
         """Leading block that includes a contact area; the same object while it serves this one too.
@@ -513,11 +513,8 @@ class FactoredOperator:
             self._order = None  # its matrices make room for those of the next
             count = max(self._count, math.ceil(SPARE * int(closed.sum())))
             nodes = np.lexsort(keys)[:count]
-            self._order = self._ordered(nodes)
+            self._order = ContactOrder(self.interface, nodes, self._sliding)
         return self._order.area(closed)
-
-    def _ordered(self, nodes: Indices) -> ContactOrder:
-        return ContactOrder(self.interface, nodes, self._sliding, self._direct)
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """Numbers by name on which the next order, and so the round-off, depends; see `recall`."""
@@ -535,7 +532,7 @@ class FactoredOperator:
         self._count, self._met = int(memory["operator_count"]), memory["operator_met"]
         self._sliding.recall(memory)
         if "operator_order" in memory:
-            self._order = self._ordered(memory["operator_order"])
+            self._order = ContactOrder(self.interface, memory["operator_order"], self._sliding)
             self._order.cost, self._order.rent = memory["operator_cost"].tolist()
             if "operator_rows" in memory:
                 self._order.rows.recall(memory)
@@ -558,11 +555,10 @@ class ContactOrder:
         interface: the interface problem.
         nodes: (K,) these nodes; the others do not touch.
         sliding: solves the conditions of plane problems most of whose nodes slide.
-        direct: solves the systems of solids without the inverse.
 
     Attributes:
         interface: the interface problem.
-        sliding, direct: as given.
+        sliding: as given.
         nodes: (K,) these nodes.
         components: (K*d,) theirs.
         others: components of the other nodes.
@@ -574,15 +570,9 @@ class ContactOrder:
         rent: what direct solutions have cost so far beyond those with the factors.
     """
 
-    def __init__(
-        self,
-        interface: Interface,
-        nodes: Indices,
-        sliding: SlidingContact,
-        direct: SimilarSystems,
-    ) -> None:
+    def __init__(self, interface: Interface, nodes: Indices, sliding: SlidingContact) -> None:
         d = interface.components
-        self.interface, self.sliding, self.direct = interface, sliding, direct
+        self.interface, self.sliding = interface, sliding
         self.nodes = nodes
         self.components = (nodes[:, None] * d + np.arange(d)).ravel()
         self._rank = np.full(interface.size, len(nodes))
@@ -719,6 +709,8 @@ class StuckSolution:
         self._given = free, forces
         self._free = free.reshape(-1, free.shape[-1])
         self._forces = forces * order.scale[:, None] * order.level
+        # Not kept from one step to the next: a run that is continued has the same round-off.
+        self._direct = SimilarSystems()
 
     @cached_property
     def _missing(self) -> Array:
@@ -764,7 +756,7 @@ class StuckSolution:
         elif not conditions.floating:
             system = DirectSystem(order.interface, conditions)
             if order.direct_pays(system.count, area.size, released.all):
-                return system.solve(order.direct, *self._given)
+                return system.solve(self._direct, *self._given)
         # Tractions by unit displacements of the released components, less those by coordinates.
         units, vectors = order.rows.units(area.size, released.all), order.rows.vectors(area.size)
         motion = order.motion[: area.size]

@@ -32,7 +32,14 @@ from fretfe.analytic.edges import (
 from fretfe.evaluate.contacts import LARGEST_SPREAD, RangeSpread
 from fretfe.evaluate.numerics import count_up
 from fretfe.evaluate.plane.full_stick_fit import OVERHANG, effective_edges, full_stick_factors
-from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, RISEN, WINDOW, EdgeFit, fit_edge
+from fretfe.evaluate.plane.pressure_fit import (
+    FEWEST_NODES,
+    RISEN,
+    WINDOW,
+    EdgeFit,
+    MissingShear,
+    fit_edge,
+)
 from fretfe.evaluate.plane.section import (
     PLANE_FRONTS,
     PlaneFront,
@@ -43,6 +50,8 @@ from fretfe.evaluate.plane.section import (
 from fretfe.history.solution import ContactHistory, Factor, Solution
 from fretfe.history.state_array import MOST_STATES, blocks
 
+# Iterations for what missing shear does to the pressure, which hardly depends on where the edge is.
+MISSING_ITERATIONS = 2
 # Edges that move less than this fraction of the surface between two loads do not tell anything.
 SMALLEST_MOVE = 1e-6
 # Nodes in contact that factors and useful error bars need: as many as fits to full stick.
@@ -76,31 +85,78 @@ def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
         source: (T,) the state that each state is the same as.
     """
     states = np.unique(source)
+    couple = MissingShear(contact.arc, contact.dundurs) if contact.dundurs else None
     parts = np.full((len(PLANE_FRONTS), len(fields(EdgeFit)), len(states)), np.nan)
     for block in blocks(len(states), contact.traction[0].size):
         pressure, shear = np.moveaxis(contact.traction[states[block]], 2, 0)[:2]
         fitted = np.count_nonzero(pressure > 0, axis=1) >= FEWEST_NODES
         there = block.start + np.flatnonzero(fitted)
         sections = plane_sections(contact.arc, pressure[fitted])
-        exponents = _exponents(contact, pressure[fitted], shear[fitted], sections)
-        for front, section, exponent in zip(PLANE_FRONTS, sections, exponents, strict=True):
-            fit = fit_edge(section, solved=True, exponent=exponent)
+        for front, section in zip(PLANE_FRONTS, sections, strict=True):
+            if couple is not None:
+                fit = _unlike_fit(contact, couple, front, pressure[fitted], shear[fitted])
+            else:
+                fit = fit_edge(section, solved=True)
             parts[front.number][:, there] = astuple(fit)
     known = parts[..., np.searchsorted(states, source)]
     return tuple(EdgeFit(*front) for front in known)
 
 
-def _exponents(
-    contact: ContactHistory, pressure: Array, shear: Array, sections: Sequence[Section]
-) -> list[Array]:
-    """Exponents (T,) of the pressure at both edges, by the way they slip; 1/2 of similar bodies."""
-    if not contact.dundurs:
-        return [np.full(len(pressure), 0.5)] * len(sections)
-    across = plane_sections(contact.arc, pressure, shear)
-    return [
-        sliding_exponent(contact.dundurs, front.inward * _shear_over_pressure(section, sheared))
-        for front, section, sheared in zip(PLANE_FRONTS, sections, across, strict=True)
-    ]
+def _unlike_fit(
+    contact: ContactHistory,
+    couple: MissingShear,
+    front: PlaneFront,
+    pressure: Array,
+    shear: Array,
+) -> EdgeFit:
+    """Fit at an edge between unlike bodies, with the exponent by the way the edge slips.
+
+    Args:
+        contact: one contact.
+        couple: of its nodes.
+        front: of the edge.
+        pressure: (T, n) of T states.
+        shear: (T, n)
+    """
+    section, across = (
+        plane_sections(contact.arc, pressure, each)[front.number] for each in (pressure, shear)
+    )
+    ratio = _shear_over_pressure(section, across)
+    exponent = sliding_exponent(contact.dundurs, front.inward * ratio)
+    missing = front.inward * (shear - ratio[:, None] * pressure)
+    # The status of the outermost node means nothing.
+    missing[contact.arc == section.origin[:, None]] = 0.0
+    fit = fit_edge(section, solved=True, exponent=exponent)
+
+    def without(missing: Array) -> EdgeFit:
+        coupled = couple.pressure(missing, exponent, front, fit.position)
+        alone = np.where(pressure > 0, np.maximum(pressure - coupled, 0.0), 0.0)
+        section = plane_sections(contact.arc, pressure, alone)[front.number]
+        return fit_edge(section, solved=True, exponent=exponent)
+
+    for _ in range(MISSING_ITERATIONS):
+        fit = without(missing)
+    # What is between the nodes is as good as what they tell without every other one.
+    coarser = [without(_without_every_other(contact.arc, missing, first)) for first in (1, 2)]
+    position, k_n = (
+        np.fmax.reduce([np.abs(getattr(each, name) - getattr(fit, name)) for each in coarser])
+        for name in ("position", "k_n")
+    )
+    return replace(
+        fit,
+        spread_position=np.hypot(fit.spread_position, position),
+        spread_k_n=np.hypot(fit.spread_k_n, k_n),
+    )
+
+
+def _without_every_other(x: Array, values: Array, first: int) -> Array:
+    """(T, n) values at nodes x (n,), linear over every other inner one of them from the first."""
+    left = (x[first + 1 :: 2] - x[first:-1:2]) / (x[first + 1 :: 2] - x[first - 1 : -2 : 2])
+    found = values.copy()
+    found[:, first:-1:2] = (
+        left * values[:, first - 1 : -2 : 2] + (1 - left) * values[:, first + 1 :: 2]
+    )
+    return found
 
 
 def _shear_over_pressure(pressure: Section, shear: Section) -> Array:
@@ -643,7 +699,7 @@ def reference_length(
             break
         shear = factors_at(factors, contact.dundurs, length)[:, Factor.K_T :]
         reach = float(np.ptp(shear[states] @ main_direction(shear, cycle)[0]))
-        found = share * reach / (friction * fit.at(length, WINDOW, 1.0).k_n[states[-1]])
+        found = share * reach / (friction * fit.at(length, WINDOW).k_n[states[-1]])
         if not SMALLEST_MOVE * half_width < found < half_width:
             break
         length = float(found)

@@ -18,6 +18,7 @@ from fretfe.analytic.edges import oscillation, sliding_exponent
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import parse_case
 from fretfe.evaluate.factors import edge_fits, half_plane_units
+from fretfe.evaluate.plane.pressure_fit import WINDOW
 from fretfe.evaluate.verdicts import AGREES, last_verdict
 from fretfe.halfplane import solve_half_planes
 from fretfe.halfplane.solver import build_interface
@@ -245,3 +246,22 @@ def test_exponents_of_fits_are_lambda(beta: float, friction: float) -> None:
         terms = np.column_stack([np.ones(near.sum()), np.log(s[near]), s[near]])
         found = np.linalg.lstsq(terms, np.log(pressure[near]))[0][1]
         assert found == pytest.approx(sliding_exponent(beta, inward * friction), abs=0.01)
+
+
+def test_error_bars_of_edges_hold_with_few_elements_to_a_slip_zone() -> None:
+    """Where slip ends shear bends the pressure; fits that reach farther do not see it."""
+    zone, wave = 0.12, np.cos(loop(8, 2))
+    given = problem(LOAD, started(0.5 * LOAD * (0.2 + zone * wave)), friction=0.5, cycle=8)
+    held = []
+    for beta in (0.12, -0.2):
+        finer, *others = (solve(unlike(given, beta), count) for count in (160, 24, 32, 40, 60))
+        reversals = np.array([-5, -1]) + len(finer.traction)
+        known = [fit.at(zone, WINDOW) for fit in edge_fits(finer, reversals)]
+        for contact in others:
+            fits = [fit.at(zone, WINDOW) for fit in edge_fits(contact, reversals)]
+            for fit, exact in zip(fits, known, strict=True):
+                bar = np.hypot(fit.spread_position, exact.spread_position)
+                held.append(np.abs(fit.position - exact.position) < bar)
+                bar = np.hypot(fit.spread_k_n, exact.spread_k_n)
+                held.append(np.abs(fit.k_n - exact.k_n) < bar)
+    assert np.mean(held) > 0.95

@@ -44,6 +44,7 @@ from fretfe.evaluate.factors import (
     pressed_on,
     range_spreads,
     reference_length,
+    reversed_share,
     uneven_share,
     with_moved,
     within_known,
@@ -313,18 +314,14 @@ class _Edges:
     def at(self, lengths: Array, zones: Array) -> _Edges:
         """The same of unlike bodies at reference lengths (2,), with slip zones (2,)."""
         cycle = cycle_states(self.solution.cycle)
-        sizes = [
-            _element_size(self.contact.arc, last_known(fit.position, cycle)) for fit in self.fits
-        ]
-        return replace(
-            self,
-            fits=tuple(
-                fit.at(length, zone, size)
-                for fit, length, zone, size in zip(self.fits, lengths, zones, sizes, strict=True)
-            ),
-            histories=self.histories.at(self.contact.dundurs, lengths),
-            lengths=tuple(lengths.tolist()),
-        )
+        histories = self.histories.at(self.contact.dundurs, lengths)
+        fits, factors = [], histories.ways.mean(axis=0)
+        for number, (direction, _) in enumerate(histories.directions(cycle)):
+            fit = self.fits[number]
+            size = _element_size(self.contact.arc, last_known(fit.position, cycle))
+            share = reversed_share(along_line(factors[number], direction), cycle)
+            fits.append(fit.at(lengths[number], share * zones[number] / size))
+        return replace(self, fits=tuple(fits), histories=histories, lengths=tuple(lengths.tolist()))
 
     def stations(self) -> list[Station]:
         """The stations of both edges."""

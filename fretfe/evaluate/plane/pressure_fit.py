@@ -145,32 +145,17 @@ class EdgeFit:
     spread_k_n: Array
     exponent: Array | float = 0.5
 
-    def at(self, length: float, zone: float, size: float) -> EdgeFit:
+    def at(self, length: float, zone: Array | float) -> EdgeFit:
         """Return the fit with K_N = p(length)/sqrt(length) of the power law.
 
-        The error bars hold what the fits, which reach beyond the slip zone, cannot see, the more
-        the fewer elements the zone has. A square of the pressure that rises too fast by twice the
-        relative error of K_N, but is right at the end of the shortest window, has its zero there
-        by as much of that window too far inward or outward.
+        Its error bar holds what the fits cannot see, the more the fewer elements the zone has.
 
         Args:
             length: at which K_N is told.
-            zone: length of the slip zone.
-            size: of an element at the edge.
+            zone: (T,) length of the slip zone in elements, or one for all.
         """
-        exponent, beyond = np.asarray(self.exponent), beyond_slip(self.exponent, zone / size)
-        k_n, spread = k_n_at(self.k_n, self.spread_k_n, exponent, length, zone / size)
-        position = np.hypot(self.spread_position, 2 * beyond * SHORTEST * size)
-        return replace(self, k_n=k_n, spread_k_n=spread, spread_position=position)
-
-
-def beyond_slip(
-    exponent: Array | float, zone: Array | float, most: float = MOST_BEYOND
-) -> Array | float:
-    """Return the relative error of K_N that fits beyond the slip zone make, as of `k_n_at`."""
-    beyond = BEYOND_SLIP * np.clip(WINDOW / np.maximum(zone, WINDOW / most), 1.0, most)
-    # Just after a reversal the zone is too short to tell lambda, which is not known any better.
-    return beyond * np.fmax.reduce(np.atleast_1d(np.abs(np.asarray(exponent) - 0.5)))
+        k_n, spread = k_n_at(self.k_n, self.spread_k_n, np.asarray(self.exponent), length, zone)
+        return replace(self, k_n=k_n, spread_k_n=spread)
 
 
 def k_n_at(
@@ -193,7 +178,10 @@ def k_n_at(
     """
     apart = exponent - 0.5
     told = length**apart * k_n
-    return told, np.hypot(length**apart * spread, beyond_slip(exponent, zone, most) * told)
+    beyond = BEYOND_SLIP * np.clip(WINDOW / np.maximum(zone, WINDOW / most), 1.0, most)
+    # Just after a reversal the zone is too short to tell lambda, which is not known any better.
+    largest = np.fmax.reduce(np.atleast_1d(np.abs(apart)))
+    return told, np.hypot(length**apart * spread, beyond * largest * told)
 
 
 def fit_edge(section: Section, *, solved: bool = False, exponent: Array | float = 0.5) -> EdgeFit:
@@ -221,6 +209,59 @@ def fit_edge(section: Section, *, solved: bool = False, exponent: Array | float 
     results[3] = spread * double * root ** (double - 1)
     position, k_n, spread_position, spread_k_n = results
     return EdgeFit(position, k_n, spread_position, spread_k_n, double / 2)
+
+
+class MissingShear:
+    """Pressure by the shear that an edge misses to sliding, between unlike bodies.
+
+    Next to an edge the pressure and the inward shear q on body 2 obey T[p] + beta q = a smooth
+    function, T[p](s) = 1/pi PV int p(t)/(t - s) dt. With q = r p + m, cot(pi lambda) = beta r, and
+    F = int m t^-lambda/(t - s) dt over the contact
+
+        p = s^lambda (smooth + beta sin^2(pi lambda) F/pi) - beta sin(pi lambda) cos(pi lambda) m
+
+    m vanishes in the slip zone, where the whole is a power law with a series. At the end of the
+    zone F has a kink, and the series ends. Source: Carleman's singular integral equation (F. D.
+    Gakhov, Boundary Value Problems, section 21), bounded at the edge; other edges, and what bodies
+    do that are no half-planes, are smooth.
+
+    Args:
+        x: (n,) nodes along the arc, increasing.
+        dundurs: beta.
+    """
+
+    def __init__(self, x: Array, dundurs: float) -> None:
+        self._x, self._dundurs = x, dundurs
+        self._kernel = self._integrals(x)
+
+    def pressure(
+        self, missing: Array, exponent: Array, front: PlaneFront, position: Array
+    ) -> Array:
+        """(T, n) pressure by F - F(0) and by m; the rest of F belongs to K_N s^lambda.
+
+        Args:
+            missing: (T, n) m at the nodes, linear between them.
+            exponent: (T,) lambda.
+            front: of the edge.
+            position: (T,) of the edge; nothing is known where it is NaN.
+        """
+        s = np.fmax(front.inward * (self._x - position[:, None]), 0.0)
+        power = s ** exponent[:, None]
+        density = np.divide(missing, power, out=np.zeros_like(missing), where=power > 0)
+        far = density @ self._kernel.T
+        at_edge = np.einsum("tn,tn->t", density, self._integrals(position))
+        square, angle = np.sin(np.pi * exponent) ** 2, np.pi * exponent
+        series = power * front.inward * (far - at_edge[:, None]) / np.pi
+        parts = series - missing / np.tan(angle)[:, None]
+        return np.nan_to_num(self._dundurs * square[:, None] * parts)
+
+    def _integrals(self, places: Array) -> Array:
+        """(m, n) PV int of 1/(x - place) with the hat function of each node, at places (m,)."""
+        distance = self._x - places[:, None]
+        # u ln|u| - u, the second integral of 1/u.
+        second = distance * (np.log(np.where(distance, np.abs(distance), 1.0)) - 1)
+        slopes = np.diff(second, axis=1) / np.diff(self._x)
+        return np.asarray(np.diff(slopes, prepend=0.0, append=0.0))
 
 
 def _fit(section: Section, solved: bool) -> Array:
