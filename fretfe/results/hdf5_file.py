@@ -288,7 +288,10 @@ def _read(file: h5py.File, contact: str) -> StressHistory:
         [str(each) for each in group.attrs[n]]
         for n in ("edge_contacts", "edges", "edge_bodies", "edge_reasons")
     ]
-    edges = [group[name][:].T for name in ("edge_stress", "edge_spread", "edge_near")]
+    edges = [group[name][:].T for name in ("edge_stress", "edge_spread")]
+    # Files of earlier versions do not tell what is near the edges.
+    near = group["edge_near"][:].T if "edge_near" in group else np.full_like(edges[0], np.nan)
+    edges.append(near)
     size = TENSOR[group["frames"].shape[1]]
     shape = len(file["states"]), 2, len(file["depths"]), len(group["arc"]), size
     if stress.shape != shape:
