@@ -153,7 +153,10 @@ FILES: dict[str, tuple[dict[str, Any] | str, str]] = {
         {k: v for k, v in OWN.items() if k != "young"},
         "own.toml: young: expected a value",
     ),
-    "both": ({**OWN, "elastic": {"cubic": [3.0, 1.0, 1.0]}}, "own.toml: young: unknown key"),
+    "both": (
+        {**OWN, "elastic": {"cubic": [3.0, 1.0, 1.0]}},
+        "own.toml: expected either 'young' and 'poisson', or 'elastic'",
+    ),
     "not definite": (
         {"source": "x", "units": {"stress": "GPa"}, "elastic": {"cubic": [1.0, 2.0, 1.0]}},
         "own.toml: elastic: expected constants by which every strain takes energy",

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import blas
 
-from fretfe._core import _kernels
 from fretfe._typing import Array, Bools, Indices
 
 # Relative size below which a motion is resisted by nothing but round-off.
@@ -94,6 +93,9 @@ class DenseCompliance:
         self, rows: Directions, columns: Directions, found: NDArray[np.floating[Any]]
     ) -> None:
         """Write to (r, c) the displacements of nodes in directions by tractions in others."""
+        # Imported where it is needed: closed forms do without the extension.
+        from fretfe._core import _kernels
+
         _kernels.combine_blocks(self._matrix, *rows, *columns, found)
 
 

@@ -25,7 +25,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
 from fretfe.analytic.crystals import PAIRS
@@ -103,6 +102,8 @@ def _on_arc(contact: ContactHistory, places: Array) -> tuple[Array, Array]:
 
     And the tangents (m, d) there.
     """
+    from scipy.spatial import cKDTree
+
     nearest = cKDTree(contact.points).query(places)[1]
     tangents = contact.frames[nearest, 1, : places.shape[1]]
     ahead = np.sum((places - contact.points[nearest]) * tangents, axis=1)
