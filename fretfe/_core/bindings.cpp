@@ -139,7 +139,8 @@ auto fit_moments(Tables tables, double first, double step, Table shares, Table m
 template <class Number>
 void combine_blocks(Table matrix, Numbers row_nodes, Table tested, Numbers column_nodes,
                     Table trial, nb::ndarray<Number, nb::ndim<2>, nb::device::cpu> out) {
-  const std::size_t width = matrix.shape(1), count = row_nodes.shape(0), size = column_nodes.shape(0);
+  const std::size_t width = matrix.shape(1), count = row_nodes.shape(0),
+                    size = column_nodes.shape(0);
   if (tested.shape(1) != 3 || trial.shape(1) != 3 || tested.shape(0) != count ||
       trial.shape(0) != size || out.shape(0) != count || out.shape(1) != size)
     throw nb::value_error("the arrays do not fit one another");
