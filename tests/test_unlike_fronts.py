@@ -138,6 +138,8 @@ def test_part_of_a_reversal_since_its_beginning() -> None:
     along = np.array([9.0, 1.0, 1.0, 0.0, -1.0, -1.0, 0.5, 1.0])
     whole = reversed_share(along, np.arange(1, 8))
     np.testing.assert_allclose(whole, [1.0, 1.0, 1.0, 0.5, 1.0, 1.0, 0.75, 1.0])
+    along[[1, 2, -1]] = 1.0, 0.999, 0.998  # a cycle that does not quite close
+    np.testing.assert_array_equal(reversed_share(along, np.arange(1, 8))[[1, -1]], 1.0)
     for none in (reversed_share(along, np.arange(0)), reversed_share(0 * along, np.arange(8))):
         np.testing.assert_array_equal(none, np.ones(8))
 

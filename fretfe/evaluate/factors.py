@@ -722,6 +722,8 @@ def reversed_share(along: Array, cycle: Indices) -> Array:
         return shares
     far = np.array([values.max(), values.min()])
     near = np.isclose(values, far[:, None], rtol=0.0, atol=STRAIGHT * np.ptp(values))
+    # A cycle hardly ever closes to round-off: its last state ends what its first one ended.
+    near[:, [0, -1]] = near[:, [0, -1]].any(axis=1, keepdims=True)
     at = np.argmax(near, axis=1)
     since = (np.arange(len(cycle)) - at[:, None]) % steps
     passed = np.abs(values - far[np.argmin(since, axis=0)]) / np.ptp(values)
