@@ -18,7 +18,7 @@ from fretfe.bodies.definition import (
     side_notes,
 )
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
-from fretfe.case import Case, parse_case
+from fretfe.case import Case, case_notes, parse_case
 from fretfe.environment import rank_from_environment
 from fretfe.errors import FretfeError
 from fretfe.evaluate.resolution import proposed_sizes
@@ -60,7 +60,7 @@ class Checked:
         layers = layer_notes(self.case, self.definition, self.mesh)
         sides = side_notes(self.definition)
         return (
-            *self.case.material_notes,
+            *case_notes(self.case),
             *across_notes(self.case, self.mesh.dimension),
             *layers,
             *sides,

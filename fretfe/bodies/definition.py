@@ -943,7 +943,7 @@ def require_possible(case: Case, definition: ModelDefinition, history: History) 
 
 def cut_notes(definition: ModelDefinition) -> tuple[str, ...]:
     """Fate of the fields of other runs, in words."""
-    return tuple(cut.note for cut in definition.cuts)
+    return tuple(note for cut in definition.cuts for note in cut.notes)
 
 
 def _require_above_absolute_zero(case: Case, definition: ModelDefinition, history: History) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.continued import continued_nodes
 from fretfe.bodies.definition import Pair, require_possible
-from fretfe.case import Case, FieldLoad, Wave
+from fretfe.case import Case, FieldLoad, Wave, case_notes
 from fretfe.contact.interface import Place
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import extrapolate_slip, solve_history
@@ -204,7 +204,7 @@ class _Run:
             contacts=contacts,
             solution=solution,
             notes=(
-                *case.material_notes,
+                *case_notes(case),
                 *model.notes,
                 *_cut_notes(case, solution),
                 *self._prepared.mesh.notes,
