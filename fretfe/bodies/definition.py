@@ -18,7 +18,8 @@ from fretfe.analytic.crystals import isotropic as isotropic_stiffness
 from fretfe.analytic.crystals import plane_stress, tensor
 from fretfe.bodies.cut import Asked, Cut, read_cuts, read_temperatures
 from fretfe.bodies.cyclic import Tie, tie_sides
-from fretfe.bodies.point_values import OUTSIDE, NodalValues, PointValues, read_points
+from fretfe.bodies.load_files import STRAINS, values_at_points
+from fretfe.bodies.point_values import OUTSIDE, NodalValues, PointValues
 from fretfe.case import (
     AnyBody,
     Case,
@@ -31,7 +32,6 @@ from fretfe.case import (
 from fretfe.case.base import ABSOLUTE_ZERO, AXES
 from fretfe.case.loads import (
     AccelerationLoad,
-    ChannelAtPoints,
     DisplacementLoad,
     EigenstrainLoad,
     FieldLoad,
@@ -368,8 +368,6 @@ class Constraint:
         return np.cross(self.axis, arms)[:, : len(self.direction)]
 
 
-# Columns of a file of strains, of plane bodies the first four, and their components.
-STRAINS = {"exx": (0, 0), "eyy": (1, 1), "ezz": (2, 2), "exy": (0, 1), "eyz": (1, 2), "exz": (0, 2)}
 # Stiffnesses below this part of the largest one are not listed.
 SHOWN = 1e-6
 # A place is on a surface if it is nearer to it than this part of the extent of the body.
@@ -575,7 +573,7 @@ def _shapes(case: Case, body: BodyMesh) -> list[Driven]:
         if not isinstance(load, ShapeLoad) or load.boundary not in body.boundaries:
             continue
         gdim = body.points.shape[1]
-        given = _values(case, name, load, gdim, [f"u{axis}" for axis in AXES[:gdim]])
+        given = values_at_points(case, name, load, gdim)
         given = PointValues(load.factor * given.points, load.factor * given.values)
         places = _nodes(case, body, load.boundary)
         what = f"the boundary {load.boundary!r}"
@@ -706,7 +704,7 @@ def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
             loads.append(_eigenstrain(case, name, load, mesh))
         elif isinstance(load, TemperatureLoad):
             given = (
-                _values(case, name, load, gdim, ["T"], ABSOLUTE_ZERO)
+                values_at_points(case, name, load, gdim)
                 if load.value is None
                 else PointValues(np.zeros((1, gdim)), np.array([load.value]))
             )
@@ -732,7 +730,7 @@ def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
             kind, direction = "normal", ()
             if load.direction != "normal":
                 kind, direction = "traction", unit_vector(load.direction, size)
-            factors = _values(case, name, load, gdim, ["value"]) if load.at_points else None
+            factors = values_at_points(case, name, load, gdim) if load.at_points else None
             loads.append(DistributedLoad(name, kind, load.boundary, direction, at_points=factors))
     return tuple(loads)
 
@@ -760,8 +758,7 @@ def _temperatures(
 def _eigenstrain(case: Case, name: str, load: EigenstrainLoad, mesh: Mesh) -> DistributedLoad:
     if load.file is None:
         return DistributedLoad(name, "eigenstrain", layers=_layers(load, mesh))
-    columns = list(STRAINS)[: 4 if mesh.dimension == 2 else 6]
-    given = _read_values(case, name, load.file, mesh.dimension, columns)
+    given = values_at_points(case, name, load, mesh.dimension)
     return DistributedLoad(name, "eigenstrain", at_points=given, bodies=load.bodies or ())
 
 
@@ -830,31 +827,6 @@ def side_notes(definition: ModelDefinition) -> tuple[str, ...]:
                     "sector has the load of this one, turned"
                 )
     return tuple(notes)
-
-
-def _values(
-    case: Case,
-    name: str,
-    load: ChannelAtPoints,
-    gdim: int,
-    columns: Sequence[str],
-    least: float = -np.inf,
-) -> PointValues:
-    """Values that a load has at points, or in columns of a file; at least so large."""
-    if load.file is None:
-        assert load.points is not None and load.values is not None
-        return PointValues(np.array(load.points), np.array(load.values))
-    return _read_values(case, name, load.file, gdim, columns, least)
-
-
-def _read_values(
-    case: Case, name: str, file: str, gdim: int, columns: Sequence[str], least: float = -np.inf
-) -> PointValues:
-    """Values of a load in columns of a file."""
-    try:
-        return read_points(case.resolve(file), gdim, columns, least)
-    except CaseError as error:
-        raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
 
 
 def _require_part(case: Case, load: DistributedLoad, mesh: Mesh) -> None:

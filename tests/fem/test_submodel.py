@@ -16,6 +16,7 @@ from contact_runs import Run, run
 from fretfe._typing import Array
 from fretfe.backends.protocol import RunOptions
 from fretfe.case import parse_case
+from fretfe.errors import CaseError
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.mesh.mesh import BodyMesh, Mesh
@@ -161,6 +162,16 @@ def test_displacements_in_another_unit_than_coordinates(whole: Run, tmp_path: Pa
     assert len(doubts["m"]) == 2
     for note in doubts["m"]:
         assert re.search(r"of its size at most.* displacement_factor = 1000 would make it", note)
+
+
+@pytest.mark.mpi
+def test_a_bad_table_is_told_on_all_ranks(tmp_path: Path) -> None:
+    """Before there is a mesh: there is none."""
+    (tmp_path / "run.csv").write_text("x,y,ux,uy\n0,0,0,nan\n")
+    data = case({"upper": cut("upper", tmp_path / "run.csv")})
+    parsed = parse_case({"geometry": {"file": "none.msh"}, **data})
+    with pytest.raises(CaseError, match=r"loads\.upper\.file: .*line 2, column 'uy': expected"):
+        solve(MPI.COMM_WORLD, parsed)
 
 
 def result_of(folder: Path, data: dict[str, Any], meshes: tuple[BodyMesh, ...]) -> Result:
