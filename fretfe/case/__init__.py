@@ -35,7 +35,7 @@ from fretfe.case.loads import (
     TiltLoad,
     TractionLoad,
 )
-from fretfe.case.materials import case_notes
+from fretfe.case.materials import case_notes, stiffness_doubts
 from fretfe.case.messages import complaint
 from fretfe.case.model import Case, case_schema
 from fretfe.case.overrides import parse_assignments
@@ -121,5 +121,6 @@ __all__ = [
     "parse_case",
     "plane_modulus",
     "stiffness",
+    "stiffness_doubts",
     "unit_vector",
 ]

@@ -352,10 +352,10 @@ def _shown(body: Mapping[str, Any]) -> str:
 
 def case_notes(case: Case) -> tuple[str, ...]:
     """Things in a case that a reader of its results should know, in words."""
-    return (*_stiffness_doubts(case), *case.material_notes)
+    return (*stiffness_doubts(case), *case.material_notes)
 
 
-def _stiffness_doubts(case: Case) -> Iterator[str]:
+def stiffness_doubts(case: Case) -> Iterator[str]:
     """Bodies whose stiffness no material has in the unit of the case; one text for equal ones."""
     unit = STRESSES.get(case.units.stress)
     alike: dict[float, list[str]] = {}
