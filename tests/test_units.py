@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import fretfe
 from fretfe.bodies.change_of_shape import change_of_shape, doubt_of_unit
 from fretfe.case import case_notes, parse_case
 from fretfe.errors import CaseError
+from fretfe.evaluate.limits import CHECK_UNITS, PRESSURE, ModelLimit, with_limit_warnings
 
 # Labels of length and force with that of stress, which the case need not name.
 LABELS = [
@@ -94,6 +96,31 @@ def test_notes_of_a_run_without_finite_elements(backend: str) -> None:
     if backend == "halfplane":
         assert sum("check the units of Young's moduli, loads" in text for text in warnings) == 1
         assert sum("is 2.9e-06, where" in text for text in warnings) == 1
+
+
+@pytest.mark.parametrize(
+    ("found", "expected"),
+    [
+        (1e-6, ["pressure", "earlier", "sliding"]),
+        (1e-3, ["earlier", "slope", "sliding"]),
+        (0.05, ["earlier", "slope", "pressure", "sliding"]),
+        (3.0, ["pressure", "earlier", "sliding"]),
+    ],
+)
+def test_impossible_pressures_are_told_first(found: float, expected: list[str]) -> None:
+    """In place of what else would have units checked."""
+    contact = fretfe.run(parse_case(pad()), "analytic").contacts[0]
+    limits = [
+        ModelLimit("main", "slope", 0.3, 0.1, "angles of this size are not small; " + CHECK_UNITS),
+        ModelLimit("main", PRESSURE, found, 0.02, "strains are not small; " + CHECK_UNITS),
+        ModelLimit("main", "sliding", 0.3, 0.1, "points are paired before deformation"),
+        ModelLimit("other", "slope", 0.3, 0.1, "of another contact"),
+    ]
+    (warned,) = with_limit_warnings([replace(contact, warnings=("earlier",))], limits)
+    words = ("earlier", "slope", "pressure", "sliding")
+    assert [next(word for word in words if word in text) for text in warned.warnings] == expected
+    doubted = "the units of Young's moduli" in "".join(warned.warnings)
+    assert doubted == (expected[0] == "pressure")
 
 
 CIRCLE = np.stack([f(2 * np.pi * np.arange(40) / 40) for f in (np.cos, np.sin)], axis=1)
