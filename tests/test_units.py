@@ -87,6 +87,29 @@ def test_crystals_are_doubted_too() -> None:
     assert note.startswith("bodies.upper.elastic: 2.5e+11 is in MPa")
 
 
+DENSITIES = {
+    "kg/m³": ({}, 7850.0, "7850 is in N·s²/mm⁴, as [units] is not given, and no material is denser "
+              "than 2.5e-08 N·s²/mm⁴. In kg/m^3 it would be usual: that is 7.85e-09 N·s²/mm⁴"),
+    "g/cm³": ({}, 7.85, "In g/cm^3 it would be usual: that is 7.85e-09 N·s²/mm⁴"),
+    "t/mm³": ({"length": "m"}, 7.85e-9, "no material is lighter than 10 N·s²/m⁴. In t/mm^3 it would"
+              " be usual: that is 7850 N·s²/m⁴"),
+    "kg/mm³": ({}, 7.85e-6, "no material is denser than 2.5e-08 N·s²/mm⁴"),
+    "right": ({}, 7.85e-9, ""),
+    "metres": ({"length": "m"}, 2700.0, ""),
+    "minutes": ({"time": "min"}, 7.85e-9, "no material is denser than"),
+    "unknown": ({"length": "furlong"}, 7850.0, ""),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("labels", "density", "expected"), DENSITIES.values(), ids=DENSITIES)
+def test_density_in_another_unit(labels: dict[str, str], density: float, expected: str) -> None:
+    steel = {"young": 210e9 if "length" in labels else 210e3, "poisson": 0.3, "density": density}
+    notes = case_notes(parse_case(pad(units=labels, bodies={"upper": steel, "lower": steel})))
+    assert len(notes) == bool(expected)
+    for note in notes:
+        assert note.startswith("bodies.upper.density, bodies.lower.density: ") and expected in note
+
+
 @pytest.mark.parametrize("backend", ["halfplane", "analytic"])
 def test_notes_of_a_run_without_finite_elements(backend: str) -> None:
     """The pressure over the modulus falls with the root of the modulus, to 3e-6 here."""

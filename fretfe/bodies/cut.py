@@ -394,5 +394,5 @@ def _fault_of(points: Array, local: Array, places: Array) -> str:
 
 
 def _hint(excess: float) -> str:
-    """What may be wrong with a field that ends so far away, over its size, from a cut."""
+    """Likely reason if a field ends so far away from a cut, over its size."""
     return "; are its coordinates in another unit (factor)?" if excess > ELSEWHERE else ""

@@ -35,7 +35,7 @@ from fretfe.case.loads import (
     TiltLoad,
     TractionLoad,
 )
-from fretfe.case.materials import case_notes, stiffness_doubts
+from fretfe.case.materials import case_notes
 from fretfe.case.messages import complaint
 from fretfe.case.model import Case, case_schema
 from fretfe.case.overrides import parse_assignments
@@ -60,7 +60,7 @@ from fretfe.case.tables import (
     Support,
     Symmetry,
 )
-from fretfe.case.units import Units
+from fretfe.case.units import Units, stiffness_doubts
 
 __all__ = [
     "IS_CRYSTAL",
