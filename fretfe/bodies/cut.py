@@ -308,26 +308,28 @@ def _interpolation(
     own = np.pad(places / asked.load.factor, ((0, 0), (0, 3 - places.shape[1])))
     if field.cells is None:
         return _between_points(path, field.points[:, : places.shape[1]], own, places)
-    part = asked.load.part if isinstance(asked.load, FieldLoad) else None
-    elements = _of_part(path, field.cells, part, asked.body)
-    weights = _element_weights(path, field, elements, own, places)
+    weights = _element_weights(path, field, field.cells, asked, own)
     chosen, columns = np.unique(weights.indices, return_inverse=True)
     near = sparse.csr_matrix((weights.data, columns, weights.indptr))
     return chosen, lambda steps: np.stack([near @ values for values in steps])
 
 
 def _element_weights(
-    path: Path, field: Field, chosen: Indices, own: Array, places: Array
+    path: Path, field: Field, cells: Cells, asked: Asked, own: Array
 ) -> sparse.csr_matrix:
-    """(m, n) weights by the shape functions of some elements."""
-    from fretfe.fields.vtk import element_weights
+    """(m, n) weights by shape functions, at places by the lengths of the file (m, 3)."""
+    from fretfe.fields.vtk import body_weights, element_weights
 
-    weights, away = element_weights(field, chosen, own)
+    part = asked.load.part if isinstance(asked.load, FieldLoad) else None
+    if isinstance(asked.load, FieldLoad) and part is None and not cells.names:
+        weights, away = body_weights(field, own, OUTSIDE)
+    else:
+        weights, away = element_weights(field, _of_part(path, cells, part, asked.body), own)
     farthest = int(np.argmax(away))
     if away[farthest] > OUTSIDE:
         raise CaseError(
             f"{path}: expected elements at all nodes, found the node at "
-            f"{place_text(places[farthest])} away from the nearest of them by "
+            f"{place_text(asked.places[farthest])} away from the nearest of them by "
             f"{100 * away[farthest]:.3g} % of its size"
         )
     return weights
