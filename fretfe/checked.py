@@ -17,12 +17,13 @@ from fretfe.bodies.definition import (
     require_possible,
     side_notes,
 )
+from fretfe.bodies.load_files import checked_history
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
-from fretfe.case import Case, parse_case
+from fretfe.case import Case, case_notes, parse_case
 from fretfe.environment import rank_from_environment
 from fretfe.errors import FretfeError
 from fretfe.evaluate.resolution import proposed_sizes
-from fretfe.loads import History, build_history
+from fretfe.loads import History
 from fretfe.mesh.cost import Cost, estimate_cost
 from fretfe.mesh.load import size_key
 from fretfe.mesh.mesh import Mesh
@@ -60,7 +61,7 @@ class Checked:
         layers = layer_notes(self.case, self.definition, self.mesh)
         sides = side_notes(self.definition)
         return (
-            *self.case.material_notes,
+            *case_notes(self.case),
             *across_notes(self.case, self.mesh.dimension),
             *layers,
             *sides,
@@ -147,7 +148,7 @@ def check(case: Case) -> Checked | None:
     """
     if rank_from_environment() > 0:
         return None
-    history, mesh = build_history(case), _first_mesh(case)
+    history, mesh = checked_history(case), _first_mesh(case)
     definition = held_model(case, mesh)
     require_possible(case, definition, history)
     pairs = couple_contacts(case, contact_surfaces(definition, mesh), definition.components)

@@ -13,10 +13,10 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.bodies.cut import Asked, Cut, read_cuts
+from fretfe.bodies.load_files import values_at_points
 from fretfe.bodies.point_values import (
     FLAT,
     PointValues,
-    given_values,
     require_points_around,
     require_points_beside,
 )
@@ -170,7 +170,7 @@ def shape_constraints(case: Case, body: BodyMesh) -> list[Driven]:
         if not isinstance(load, ShapeLoad) or load.boundary not in body.boundaries:
             continue
         gdim = body.points.shape[1]
-        given = given_values(case, name, load, gdim, [f"u{axis}" for axis in AXES[:gdim]])
+        given = values_at_points(case, name, load, gdim)
         given = PointValues(load.factor * given.points, load.factor * given.values)
         places = _nodes(case, body, load.boundary)
         what = f"the boundary {load.boundary!r}"

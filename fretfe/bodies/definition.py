@@ -223,7 +223,7 @@ def side_notes(definition: ModelDefinition) -> tuple[str, ...]:
 
 def cut_notes(definition: ModelDefinition) -> tuple[str, ...]:
     """Fate of the fields of other runs, in words."""
-    return tuple(cut.note for cut in definition.cuts)
+    return tuple(note for cut in definition.cuts for note in cut.notes)
 
 
 def require_possible(case: Case, definition: ModelDefinition, history: History) -> None:

@@ -11,9 +11,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
-from fretfe.case import Case, complaint
+from fretfe.case import Case
 from fretfe.case.base import AXES
-from fretfe.case.loads import ChannelAtPoints
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_table
 from fretfe.mesh.mesh import place_text
@@ -249,35 +248,6 @@ def read_points(
             table.complain(int(low[0]), column, f"a number >= {least:g}")
     values = np.stack([table.columns[column] for column in columns], axis=1)
     return PointValues(points, values[:, 0] if len(columns) == 1 else values)
-
-
-def given_values(
-    case: Case,
-    name: str,
-    load: ChannelAtPoints,
-    gdim: int,
-    columns: Sequence[str],
-    least: float = -np.inf,
-) -> PointValues:
-    """Values that a load has at points, or in columns of a file; at least so large."""
-    if load.file is None:
-        assert load.points is not None and load.values is not None
-        return PointValues(np.array(load.points), np.array(load.values))
-    return read_values(case, name, load.file, gdim, columns, least)
-
-
-def read_values(
-    case: Case, name: str, file: str, gdim: int, columns: Sequence[str], least: float = -np.inf
-) -> PointValues:
-    """Values of a load in columns of a file, at least so large.
-
-    Raises:
-        CaseError: names the key of the load and what is wrong in the file.
-    """
-    try:
-        return read_points(case.resolve(file), gdim, columns, least)
-    except CaseError as error:
-        raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
 
 
 def require_points_around(

@@ -10,17 +10,15 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.bodies.cut import Cut, read_temperatures
+from fretfe.bodies.load_files import STRAINS, values_at_points
 from fretfe.bodies.material import Material
 from fretfe.bodies.point_values import (
     FLAT,
     NodalValues,
     PointValues,
-    given_values,
-    read_values,
     require_points_around,
 )
 from fretfe.case import Case, complaint, unit_vector
-from fretfe.case.base import ABSOLUTE_ZERO
 from fretfe.case.loads import (
     AccelerationLoad,
     EigenstrainLoad,
@@ -36,8 +34,6 @@ from fretfe.mesh.elements import CORNERS
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.surface import Surface, boundary_surface
 
-# Columns of a file of strains, of plane bodies the first four, and their components.
-STRAINS = {"exx": (0, 0), "eyy": (1, 1), "ezz": (2, 2), "exy": (0, 1), "eyz": (1, 2), "exz": (0, 2)}
 # Of a facet along each of its edges there are more samples than this.
 FEWEST_SAMPLES = 8
 # From a node to the nearest point of integration of a part of a boundary, over the extent of its
@@ -204,7 +200,7 @@ def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
             loads.append(_eigenstrain(case, name, load, mesh))
         elif isinstance(load, TemperatureLoad):
             given = (
-                given_values(case, name, load, gdim, ["T"], ABSOLUTE_ZERO)
+                values_at_points(case, name, load, gdim)
                 if load.value is None
                 else PointValues(np.zeros((1, gdim)), np.array([load.value]))
             )
@@ -230,7 +226,7 @@ def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:
             kind, direction = "normal", ()
             if load.direction != "normal":
                 kind, direction = "traction", unit_vector(load.direction, size)
-            factors = given_values(case, name, load, gdim, ["value"]) if load.at_points else None
+            factors = values_at_points(case, name, load, gdim) if load.at_points else None
             loads.append(DistributedLoad(name, kind, load.boundary, direction, at_points=factors))
     return tuple(loads)
 
@@ -258,8 +254,7 @@ def _temperatures(
 def _eigenstrain(case: Case, name: str, load: EigenstrainLoad, mesh: Mesh) -> DistributedLoad:
     if load.file is None:
         return DistributedLoad(name, "eigenstrain", layers=_layers(load, mesh))
-    columns = list(STRAINS)[: 4 if mesh.dimension == 2 else 6]
-    given = read_values(case, name, load.file, mesh.dimension, columns)
+    given = values_at_points(case, name, load, mesh.dimension)
     return DistributedLoad(name, "eigenstrain", at_points=given, bodies=load.bodies or ())
 
 

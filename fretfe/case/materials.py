@@ -11,27 +11,30 @@ from typing import Any, Self
 from pydantic import TypeAdapter, ValidationError, model_validator
 
 from fretfe.case.base import ABAQUS, Table, Text
-from fretfe.case.bodies import AnyBody, Given, OverTemperature
+from fretfe.case.bodies import AnyBody, Body, Given, OverTemperature
 from fretfe.case.messages import complaint, field_problems, found
-from fretfe.case.model import Key
-from fretfe.case.tables import MILLIMETRES
+from fretfe.case.model import Case, Key
 from fretfe.case.toml_file import read_tables
+from fretfe.case.units import (
+    DENSITIES,
+    FORCE,
+    FORCES,
+    LENGTH,
+    METRES,
+    STRESSES,
+    TIMES,
+    stress_label,
+)
 from fretfe.errors import CaseError, MeshError
 
-# Units by their labels, in SI.
-POUND, INCH = 0.45359237, 0.0254
-FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": POUND * 9.80665}
-PSI = FORCES["lbf"] / INCH**2
-STRESSES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "N/mm^2": 1e6, "N/mm²": 1e6, "GPa": 1e9}
-STRESSES |= {"psi": PSI, "ksi": 1e3 * PSI, "Msi": 1e6 * PSI}
-DENSITIES = {"kg/m^3": 1.0, "g/cm^3": 1e3, "t/mm^3": 1e12, "lb/in^3": POUND / INCH**3}
-TIMES = {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
-# Labels of units that belong together may differ by this part, as digits of conversions do.
-SAME_UNIT = 1e-6
 # Constants that are no stress.
 PURE = ("poisson", "expansion")
 CONSTANTS = ("young", "poisson", "elastic", "density", "expansion")
 ELASTIC = ("young", "poisson", "elastic")
+# Young's moduli of all materials, in Pa: from soft rubber to five times diamond.
+SOFTEST, STIFFEST = 1e6, 5e12
+# Those of most solids, in Pa, and the units in which they are written.
+USUAL, WRITTEN = (1e9, 1e12), ("Pa", "MPa", "GPa")
 # Bytes, and characters.
 LARGEST_FILE, LONGEST_NAME = 1_000_000, 1000
 
@@ -306,11 +309,10 @@ def _converted(
 ) -> dict[str, Any]:
     """Constants of a material in the units of a case."""
     units = data.get("units", {})
-    given = {"length": "mm", "force": "N", "stress": "MPa", "time": "s"}
-    given |= units if isinstance(units, Mapping) else {}
+    units = dict(units) if isinstance(units, Mapping) else {}
+    given = {"length": LENGTH, "force": FORCE, "stress": stress_label(units), "time": "s"} | units
     sizes = {}
-    metres = {label: size / 1e3 for label, size in MILLIMETRES.items()}
-    for key, known in zip(given, (metres, FORCES, STRESSES, TIMES), strict=False):
+    for key, known in zip(given, (METRES, FORCES, STRESSES, TIMES), strict=False):
         if not isinstance(given[key], str) or given[key] not in known:
             text = (
                 f"expected one of {', '.join(known)}, to which the constants of the material of "
@@ -318,14 +320,6 @@ def _converted(
             )
             raise CaseError(complaint(source, ("units", key), text))
         sizes[key] = known[given[key]]
-    expected = sizes["force"] / sizes["length"] ** 2
-    if abs(sizes["stress"] / expected - 1) > SAME_UNIT:
-        text = (
-            f"expected {given['force']}/{given['length']}², as constants of the material of "
-            f"bodies.{body} are converted, found {given['stress']!r}, which is "
-            f"{sizes['stress'] / expected:.6g} of it"
-        )
-        raise CaseError(complaint(source, ("units", "stress"), text))
     stress = STRESSES[material.units.stress] / sizes["stress"]
     mass = sizes["force"] * sizes["time"] ** 2 / sizes["length"]
     density = DENSITIES.get(material.units.density or "", 1.0) * sizes["length"] ** 3 / mass
@@ -354,3 +348,42 @@ def _shown(body: Mapping[str, Any]) -> str:
         if isinstance(body.get(key), int | float) and not isinstance(body[key], bool)
     ]
     return f": {', '.join(texts)}" if texts else ""
+
+
+def case_notes(case: Case) -> tuple[str, ...]:
+    """Things in a case that a reader of its results should know, in words."""
+    return (*_stiffness_doubts(case), *case.material_notes)
+
+
+def _stiffness_doubts(case: Case) -> Iterator[str]:
+    """Bodies whose stiffness no material has in the unit of the case; one text for equal ones."""
+    unit = STRESSES.get(case.units.stress)
+    alike: dict[float, list[str]] = {}
+    for name, body in case.bodies.items():
+        key, value = _stiffness(body)
+        if unit is not None and not SOFTEST <= value * unit <= STIFFEST:
+            alike.setdefault(value, []).append(f"bodies.{name}.{key}")
+    for value, keys in alike.items():
+        yield f"{', '.join(keys)}: {_stiffness_doubt(case, value)}"
+
+
+def _stiffness_doubt(case: Case, value: float) -> str:
+    label, unit = case.units.stress, STRESSES[case.units.stress]
+    origin = "by [units]" if case.units.model_fields_set else "as [units] is not given"
+    than, bound = ("stiffer", STIFFEST) if value * unit > STIFFEST else ("softer", SOFTEST)
+    text = f"{value:g} is in {label}, {origin}, and no material is {than} than {bound / unit:g} "
+    usual = (each for each in WRITTEN if USUAL[0] <= value * STRESSES[each] <= USUAL[1])
+    if (written := next(usual, None)) is None:
+        return text + label
+    return (
+        f"{text}{label}. In {written} it would be usual: that is "
+        f"{value * STRESSES[written] / unit:g} {label}; or all numbers of the case are in units "
+        f"with {written}, which [units] has to say"
+    )
+
+
+def _stiffness(body: AnyBody) -> tuple[str, float]:
+    """Young's modulus, or of a crystal its largest stiffness, with the key that gives it."""
+    if isinstance(body, Body):
+        return "young", body.young
+    return "elastic", float(body.elastic.stiffness.max())
