@@ -179,6 +179,29 @@ def test_elements_of_a_grid(tmp_path: Path, kind: str, ending: str) -> None:
         cut(path, outside[:, :dimension])
 
 
+SLIP = np.array([0.3, -0.2, 0.1])
+
+
+@pytest.mark.parametrize("halves", [False, True])
+def test_bodies_that_touch_keep_their_own_displacements(tmp_path: Path, *, halves: bool) -> None:
+    """The file does not say which elements are whose; the lower body may be in two pieces."""
+    lower = [grid_of("tetrahedra")]
+    if halves:
+        left = lower[0].cell_centers().points[:, 0] < 0.5
+        lower = [lower[0].extract_cells(np.flatnonzero(side)) for side in (left, ~left)]
+    upper = grid_of("tetrahedra").translate((0.0, 0.0, 1.0))
+    for grid, slip in ((upper, SLIP), *((each, 0 * SLIP) for each in lower)):
+        grid.point_data["U"] = linear(np.asarray(grid.points, dtype=float)) + slip
+    pyvista.merge([*lower, upper], merge_points=False).save(tmp_path / "run.vtu")
+    # nodes of the contact, the last of which is in the other body by a hundredth of an element
+    touching = [[0.0, 0.0, 0.0], [0.3, 0.4, 0.0], [1.0, 1.0, 0.0], [0.6, 0.2, -0.003]]
+    for side, slip in ((1.0, SLIP), (-1.0, 0 * SLIP)):
+        places = np.concatenate([INSIDE, touching]) * [1.0, 1.0, side] + [0.0, 0.0, 1.0]
+        off = displacement(cut(tmp_path / "run.vtu", places), 1.0) - linear(places) - slip
+        assert np.abs(off[:-1]).max() < 1e-6
+        assert np.abs(off[-1]).max() < 0.005
+
+
 @pytest.mark.parametrize("name", ["solids.frd", "solids_binary.frd"])
 def test_a_run_of_calculix(name: str) -> None:
     """The first element grows freely from its corner at the origin, by 1e-3 and then 2e-3."""

@@ -29,7 +29,7 @@ from fretfe.mesh.contained import arrays_of
 from fretfe.mesh.mesh import place_text
 
 if TYPE_CHECKING:
-    from fretfe.fields.field import Field, Quantity
+    from fretfe.fields.field import Cells, Field, Quantity
 
 # Names of arrays beside those of the loads, whose names have no blanks.
 TIMES, ROUNDING, NUMBERED = "times of steps", "rounding of values", "numbers of steps"
@@ -313,32 +313,34 @@ def _interpolation(
     path: Path, field: Field, asked: Asked
 ) -> tuple[Indices, Callable[[Array], Array]]:
     """Points (n,) of a field near places (m, d), and values there (T, m, c) by those (T, n, c)."""
-    from fretfe.fields.field import elements_of_part
-
     places = asked.places
     own = np.pad(places / asked.load.factor, ((0, 0), (0, 3 - places.shape[1])))
     if field.cells is None:
         return _between_points(path, field.points[:, : places.shape[1]], own, places)
-    part = asked.load.part if isinstance(asked.load, FieldLoad) else None
-    elements = elements_of_part(path, field.cells, part, asked.body)
-    weights = _element_weights(path, field, elements, own, places)
+    weights = _element_weights(path, field, field.cells, asked, own)
     chosen, columns = np.unique(weights.indices, return_inverse=True)
     near = sparse.csr_matrix((weights.data, columns, weights.indptr))
     return chosen, lambda steps: np.stack([near @ values for values in steps])
 
 
 def _element_weights(
-    path: Path, field: Field, chosen: Indices, own: Array, places: Array
+    path: Path, field: Field, cells: Cells, asked: Asked, own: Array
 ) -> sparse.csr_matrix:
-    """(m, n) weights by the shape functions of some elements."""
-    from fretfe.fields.vtk import element_weights
+    """(m, n) weights by shape functions, at places by the lengths of the file (m, 3)."""
+    from fretfe.fields.field import elements_of_part
+    from fretfe.fields.vtk import body_weights, element_weights
 
-    weights, away = element_weights(field, chosen, own)
+    part = asked.load.part if isinstance(asked.load, FieldLoad) else None
+    if isinstance(asked.load, FieldLoad) and part is None and not cells.names:
+        weights, away = body_weights(field, own, OUTSIDE)
+    else:
+        chosen = elements_of_part(path, cells, part, asked.body)
+        weights, away = element_weights(field, chosen, own)
     farthest = int(np.argmax(away))
     if away[farthest] > OUTSIDE:
         raise CaseError(
             f"{path}: expected elements at all nodes, found the node at "
-            f"{place_text(places[farthest])} away from the nearest of them by "
+            f"{place_text(asked.places[farthest])} away from the nearest of them by "
             f"{100 * away[farthest]:.3g} % of its size{_hint(away[farthest])}"
         )
     return weights
