@@ -119,6 +119,28 @@ def test_factors_of_stations_are_told_at_lengths() -> None:
     assert MEAN_LENGTH == pytest.approx(np.exp(2) / 4)
 
 
+@pytest.mark.parametrize("beta", [0.0, 0.2])
+def test_p_alone_has_the_slip_of_the_last_step_and_no_prediction(beta: float) -> None:
+    """As in the plane; a force along x brings the formulas back. K_T by P vanishes at a/2."""
+    solution, contact, track, _ = tracked(beta)
+    solution = replace(solution, cycle=None)
+    contact = with_integrals(track, contact, solution.driver_values.shape[1])
+    assert contact.integrals is not None
+    by_pressure = np.zeros_like(contact.integrals.factors)
+    turned = np.exp(-1j * oscillation(beta) * np.log(0.5))
+    by_pressure[..., 0, 0], by_pressure[..., 1, 0] = turned.real, turned.imag
+    last = len(solution.times) - 1
+    for factors, alone in ((by_pressure, True), (by_pressure + contact.integrals.factors, False)):
+        friction = np.where(np.arange(last + 1) > 0, FRICTION, 0.0)
+        integrals = replace(contact.integrals, factors=factors)
+        own = replace(contact, integrals=integrals, friction=friction)
+        (front,) = evaluate_fronts(solution, own, (track,))
+        # Where shear acts along the front only, its K_S counts like K_T.
+        for station in front.stations:
+            assert np.all(np.isnan([zone.prediction for zone in station.slip_zones])) == alone
+            assert ([zone.start for zone in station.slip_zones] == [last - 1]) == alone
+
+
 def test_no_beta_is_the_limit() -> None:
     numbers = []
     for beta in (0.0, 1e-10):

@@ -558,19 +558,23 @@ class FactorHistories:
         return replace(self, ways=turned(self.ways), fitted=fitted)
 
 
-def pressed_on(factors: Array, friction: Array, cycle: Indices) -> bool:
+def pressed_on(
+    factors: Array, dundurs: float, length: float, friction: Array, cycle: Indices
+) -> bool:
     """True if P alone drives an edge: there is no cycle, and K_T grows by less than f K_I.
 
     Args:
-        factors: (T, d) of the edge, between unlike bodies at a length of its own width, where P
-            adds nothing to K_T.
+        factors: (T, d) of the edge, between unlike bodies at the length 1.
+        dundurs: beta.
+        length: at which P adds nothing to K_T of unlike bodies, about the width of the contact.
         friction: (T,) coefficient in the step that ends at each state.
         cycle: states of the evaluated cycle.
     """
     if len(cycle) or not friction.any():
         return False
+    own = factors_at(factors, dundurs, length / K_T_LENGTH) if dundurs else factors
     begin = max(int(np.argmax(friction > 0)) - 1, 0)
-    known = factors[begin:][np.isfinite(factors[begin:]).all(axis=1)]
+    known = own[begin:][np.isfinite(own[begin:]).all(axis=1)]
     if not len(known):
         return False
     ranges = np.ptp(known, axis=0)

@@ -257,7 +257,7 @@ def test_error_bars_of_edges_hold_with_few_elements_to_a_slip_zone() -> None:
     for beta in (0.12, -0.2):
         finer, *others = (solve(unlike(given, beta), count) for count in (160, 24, 32, 40, 60))
         reversals = np.array([-5, -1]) + len(finer.traction)
-        sliding = abs(sliding_exponent(beta, 0.5) - 0.5)
+        sliding = float(abs(sliding_exponent(beta, 0.5) - 0.5))
         known = [fit.at(zone, WINDOW, sliding) for fit in edge_fits(finer, reversals)]
         for contact in others:
             fits = [fit.at(zone, WINDOW, sliding) for fit in edge_fits(contact, reversals)]

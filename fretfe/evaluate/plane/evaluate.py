@@ -96,7 +96,9 @@ def evaluate_plane(
     if contact.dundurs:
         whole = factors_at(whole, contact.dundurs, 2 * a / K_T_LENGTH)
         whole[..., : Factor.K_S] /= np.cosh(np.pi * oscillation(contact.dundurs))
-    pressed = tuple(pressed_on(each, contact.friction, cycle) for each in whole)
+    pressed = tuple(
+        pressed_on(each, contact.dundurs, 2 * a, contact.friction, cycle) for each in own
+    )
     edges = _Edges(solution, contact, centre, fits, histories, path, pressed)
     if contact.dundurs:
         zones = np.array(

@@ -31,6 +31,7 @@ from fretfe.evaluate.factors import (
     load_path,
     main_direction,
     one_sided_share,
+    pressed_on,
     reference_length,
     reversed_share,
     rotated,
@@ -61,6 +62,9 @@ NO_FRONT = "the front or K_I is not known at a neighbouring load"
 AWAY = "the front of the neighbouring loads is too far from the station"
 STANDS = "the front does not move outward with the loads"
 POOR = "the front moves too little for elements of this size"
+# P adds nothing to K_T between unlike bodies at the length of a strip's width, and at so much less
+# within a circle (Mossakovskii 1954: at half of the radius).
+WITHIN_CIRCLE = 4.0
 # Power of the width with which factors for a unit of a load fall: around a circle, and by whether
 # fronts are closed, where they are straight and long.
 GROWTH = {True: 1.5, False: 0.5}
@@ -190,12 +194,27 @@ def evaluate_fronts(
             moved_stations(contact, track.front, own),
             slip,
             path,
+            _pressed(solution, contact, track, histories),
         )
         frames = track.front.frames
         sums = half_space_ratios(solution, contact, track, alone=len(tracks) == 1)
         stations = front.stations_told(told)
         fronts.append(Front(front.name, stations, frames.closed, frames.length, sums))
     return tuple(fronts)
+
+
+def _pressed(
+    solution: Solution, contact: ContactHistory, track: FrontTrack, histories: FactorHistories
+) -> tuple[bool, ...]:
+    """(n,) whether P alone drives each station of a front."""
+    front, cycle = track.front, cycle_states(solution.cycle)
+    bent = np.clip(front.frames.curvature * front.depth, 0.0, 1.0)
+    lengths = 2 * front.depth * WITHIN_CIRCLE**-bent
+    stations = zip(histories.ways.mean(axis=0), lengths.tolist(), strict=True)
+    return tuple(
+        pressed_on(factors, contact.dundurs, length, contact.friction, cycle)
+        for factors, length in stations
+    )
 
 
 def _factor_histories(
@@ -278,6 +297,7 @@ class _Front:
     """One front, and what the numbers of its stations are made of.
 
     Attributes:
+        pressed: (n,) whether P alone drives each station.
         lengths: (n,) reference lengths between unlike bodies, at which K_N and factors are; None
             between similar ones, and where they are still at the length 1.
     """
@@ -290,6 +310,7 @@ class _Front:
     moved: Sequence[MovedStation]
     slip: SlipBetween
     path: LoadPath | None
+    pressed: tuple[bool, ...]
     lengths: Array | None = None
 
     def stations_told(self, told: float | None) -> tuple[Station, ...]:
@@ -316,10 +337,11 @@ class _Front:
     def _reference_lengths(self) -> Array:
         """(n,) lengths of the slip zones that the stations predict."""
         mean, cycle = self.factors.ways.mean(axis=0), cycle_states(self.solution.cycle)
+        stations = zip(mean, self.track.front.depth.tolist(), self.pressed, strict=True)
         return np.array(
             [
-                reference_length(self.contact, self.track.fit.of(number), mean[number], a, cycle)
-                for number, a in enumerate(self.track.front.depth.tolist())
+                reference_length(self.contact, self.track.fit.of(number), *each[:2], cycle, each[2])
+                for number, each in enumerate(stations)
             ]
         )
 
@@ -427,6 +449,7 @@ class _Front:
             self.path,
             lambda position, border: position + border,
             worst,
+            self.pressed[number],
         )
 
     def _with_shear(
