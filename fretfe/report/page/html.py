@@ -27,6 +27,7 @@ from fretfe.files import disk_reason, replace_text
 from fretfe.history.solution import Solution
 from fretfe.quality.rows import own_rows
 from fretfe.report.figures import edges, history, solver, tractions
+from fretfe.report.page.bodies import body_table, pair_table
 from fretfe.report.page.tables import (
     contact_table,
     cycle_table,
@@ -281,6 +282,8 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         certificate=_certificate_rows(run),
         checks=tuple(own_rows(run)) if _solved(run.solution) else (),
         meshes=refinement_tables(run.refinement),
+        bodies=body_table(run),
+        pairs=pair_table(run),
         timings=timing_table(run.seconds),
         # The case as it was understood.
         case_text=tomli_w.dumps(
