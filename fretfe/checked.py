@@ -17,12 +17,13 @@ from fretfe.bodies.definition import (
     require_possible,
     side_notes,
 )
+from fretfe.bodies.load_files import checked_history
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
-from fretfe.case import Case, parse_case
+from fretfe.case import Case, case_notes, parse_case, stiffness_doubts
 from fretfe.environment import rank_from_environment
 from fretfe.errors import FretfeError
 from fretfe.evaluate.resolution import proposed_sizes
-from fretfe.loads import History, build_history
+from fretfe.loads import History
 from fretfe.mesh.cost import Cost, estimate_cost
 from fretfe.mesh.load import size_key
 from fretfe.mesh.mesh import Mesh
@@ -30,6 +31,8 @@ from fretfe.surface.checks import load_mesh
 
 # Accuracy for which an element size is proposed; sizes up to this factor larger are as good.
 PROPOSED, LIKE = 0.03, 1.05
+# Elements that are so many times as large are not meshed to see what they take: that may be hours.
+MOST_FINER = 10
 # Extremes of the loads in a cycle, and the last state.
 EXTREMES = 3
 
@@ -60,7 +63,7 @@ class Checked:
         layers = layer_notes(self.case, self.definition, self.mesh)
         sides = side_notes(self.definition)
         return (
-            *self.case.material_notes,
+            *case_notes(self.case),
             *across_notes(self.case, self.mesh.dimension),
             *layers,
             *sides,
@@ -93,10 +96,11 @@ def _field_states(case: Case, steps: int) -> int:
 def propose(checked: Checked) -> Iterator[str]:
     """The element size for an accuracy of K_N and |ΔK| at stations of solids, and its memory.
 
-    The accuracy is the tolerance of the case, 3 % without one. Nothing is said in the plane.
+    The accuracy is the tolerance of the case, 3 % without one. Nothing is said in the plane, nor of
+    bodies whose stiffness is doubted.
     """
     case, mesh = checked.case, checked.mesh
-    if mesh.dimension == 2:
+    if mesh.dimension == 2 or any(stiffness_doubts(case)):
         return
     tolerance = case.edges.tolerance or PROPOSED
     sizes = []
@@ -119,6 +123,11 @@ def propose(checked: Checked) -> Iterator[str]:
         yield f"make the elements {least.size:g} {unit} long at the fronts, {why}"
     elif now <= LIKE * least.size:
         yield f"{key} = {now:g} is likely to be small enough {why}"
+    elif now > MOST_FINER * least.size:
+        yield (
+            f"set {key} = {least.size:g} {why}: what that takes was not looked at, as {key} is "
+            f"{now / least.size:.2g} times as large; check the units of lengths and loads, too"
+        )
     else:
         yield f"set {key} = {least.size:g} {why}: {_taken(case, key, least.size)}"
 
@@ -147,7 +156,7 @@ def check(case: Case) -> Checked | None:
     """
     if rank_from_environment() > 0:
         return None
-    history, mesh = build_history(case), _first_mesh(case)
+    history, mesh = checked_history(case), _first_mesh(case)
     definition = held_model(case, mesh)
     require_possible(case, definition, history)
     pairs = couple_contacts(case, contact_surfaces(definition, mesh), definition.components)

@@ -200,6 +200,16 @@ def test_solids_agree_with_themselves_and_with_a_finer_mesh(bend: float) -> None
         assert max(found.values()) < max(most, 1e-12)
 
 
+def test_solids_pressed_up_to_their_ends() -> None:
+    """Ends of the other mesh lie within those of the first one by a small part of an element."""
+    whole = surface(half=0.5)
+    within = replace(whole, points=(1 - 1e-5) * whole.points)
+    comparison = fretfe.compare(solid_result({"main": whole}), solid_result({"main": within}))
+    assert len(comparison.tractions) == 2
+    for pair in comparison.tractions:
+        assert max(pair.pressure_difference, pair.shear_difference) < 1e-4
+
+
 def test_solids_whose_tractions_cannot_be_subtracted() -> None:
     first = solid_result({"main": surface()})
     away = fretfe.compare(first, solid_result({"main": moved(surface(), 5.0)}))
@@ -225,6 +235,25 @@ def test_histories_of_the_worst_stations_of_solids() -> None:
     unknown = with_stations(first, lambda each: replace(each, k_range_spread=math.nan))
     for comparison in (fretfe.compare(first, far), fretfe.compare(unknown, second)):
         assert {each.quantity for each in comparison.histories} == {"P", "Q", "area"}
+
+
+def test_factors_that_are_known_from_other_times_on_are_counted_alike() -> None:
+    """A sum of increments that starts later differs by what it was then."""
+    result = stationed_sphere()
+    load = SHEAR * np.sin(result.loads.times)
+    start = len(load) // 3
+    late = np.where(np.arange(len(load)) < start, math.nan, load - load[start])
+    first = with_stations(result, lambda each: exact_station(each, load, 0.0))
+    second = with_stations(result, lambda each: exact_station(each, late, 0.0))
+    second = with_stations(second, lambda each: replace(each, k_range_spread=0.1))
+    comparison = fretfe.compare(first, second)
+    (pair,) = (each for each in comparison.histories if each.quantity == "K")
+    assert pair.common == len(load) - start
+    assert pair.difference < 1e-12
+    time = f"{result.loads.times[start]:g}"
+    assert f"main front 1: K over time is compared from t = {time} on, since when both know it" in (
+        comparison.notes
+    )
 
 
 def test_histories_without_contact_at_first_are_printed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -96,8 +96,10 @@ def test_other_units(tmp_path: Path) -> None:
     places = INSIDE * [1, 1, 0]
     found = cut(tmp_path / "run.csv", 1000 * places[:, :2], factor=1000.0)
     np.testing.assert_allclose(displacement(found, 1.0), 1000 * linear(places)[:, :2], rtol=1e-9)
-    with pytest.raises(CaseError, match=r"run\.csv: expected points around all nodes"):
-        cut(tmp_path / "run.csv", 1000 * places[:, :2])
+    for far, told in ((1000 * places, True), (2 * places, False)):
+        with pytest.raises(CaseError, match=r"run\.csv: expected points around all no") as caught:
+            cut(tmp_path / "run.csv", far[:, :2])
+        assert str(caught.value).endswith("; are its coordinates in another unit (factor)?") == told
 
 
 def test_anisotropic_points_are_found_far_away(tmp_path: Path) -> None:
@@ -175,6 +177,29 @@ def test_elements_of_a_grid(tmp_path: Path, kind: str, ending: str) -> None:
     outside[3, 0] = 1.1
     with pytest.raises(CaseError, match=r"expected elements at all nodes, found the no"):
         cut(path, outside[:, :dimension])
+
+
+SLIP = np.array([0.3, -0.2, 0.1])
+
+
+@pytest.mark.parametrize("halves", [False, True])
+def test_bodies_that_touch_keep_their_own_displacements(tmp_path: Path, *, halves: bool) -> None:
+    """The file does not say which elements are whose; the lower body may be in two pieces."""
+    lower = [grid_of("tetrahedra")]
+    if halves:
+        left = lower[0].cell_centers().points[:, 0] < 0.5
+        lower = [lower[0].extract_cells(np.flatnonzero(side)) for side in (left, ~left)]
+    upper = grid_of("tetrahedra").translate((0.0, 0.0, 1.0))
+    for grid, slip in ((upper, SLIP), *((each, 0 * SLIP) for each in lower)):
+        grid.point_data["U"] = linear(np.asarray(grid.points, dtype=float)) + slip
+    pyvista.merge([*lower, upper], merge_points=False).save(tmp_path / "run.vtu")
+    # nodes of the contact, the last of which is in the other body by a hundredth of an element
+    touching = [[0.0, 0.0, 0.0], [0.3, 0.4, 0.0], [1.0, 1.0, 0.0], [0.6, 0.2, -0.003]]
+    for side, slip in ((1.0, SLIP), (-1.0, 0 * SLIP)):
+        places = np.concatenate([INSIDE, touching]) * [1.0, 1.0, side] + [0.0, 0.0, 1.0]
+        off = displacement(cut(tmp_path / "run.vtu", places), 1.0) - linear(places) - slip
+        assert np.abs(off[:-1]).max() < 1e-6
+        assert np.abs(off[-1]).max() < 0.005
 
 
 @pytest.mark.parametrize("name", ["solids.frd", "solids_binary.frd"])
@@ -383,7 +408,8 @@ HISTORIES: dict[str, tuple[list[dict[str, Any]], str]] = {
 def test_histories(tmp_path: Path, history: list[dict[str, Any]], expected: str) -> None:
     case = driven(tmp_path, history)
     definition = define_model(case, mesh())
-    (note,) = cut_notes(definition)
+    note, doubt = cut_notes(definition)
+    assert doubt.startswith("loads.cut: the displacements change the shape of the cut by 1.")
     assert note.startswith("loads.cut: 3 steps of the run, up to 2.5, as 1 shape; ")
     if not expected:
         require_possible(case, definition, build_history(case))
@@ -505,7 +531,8 @@ def write_temperatures(path: Path, times: tuple[float, ...] = TIMES) -> None:
 def test_temperatures(tmp_path: Path, name: str) -> None:
     write_temperatures(tmp_path / name)
     found = heated(tmp_path / name, INSIDE)
-    assert len(found.shapes) == 1 and "of the changes of temperature is left out" in found.note
+    (note,) = found.notes
+    assert len(found.shapes) == 1 and "of the changes of temperature is left out" in note
     for time in (0.0, 0.3, 2.5):
         expected = heat(INSIDE, time)[:, None] - 20
         np.testing.assert_allclose(displacement(found, time), expected, atol=1e-9 * 200)

@@ -13,7 +13,9 @@ import pytest
 from pad_cases import pad, press
 
 from fretfe._typing import Array
-from fretfe.bodies.definition import Layer, Material, define_model, layer_notes
+from fretfe.bodies.definition import define_model, layer_notes
+from fretfe.bodies.material import Material
+from fretfe.bodies.spread_loads import Layer
 from fretfe.case import parse_case
 from fretfe.errors import CaseError, MeshError
 from fretfe.idealise import obstacles

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import launch
 import pytest
+from drawn import write_folder
 from pad_cases import HERTZ
 from small_files import small_files
 from stored_runs import write_run
@@ -15,6 +16,9 @@ from typer.testing import CliRunner
 from fretfe.cli.app import app
 from fretfe.cli.run import run as run_case
 from fretfe.report.page import html
+from fretfe.report.pictures.folder import lacks_pictures
+from fretfe.results.field_files import FIELDS
+from fretfe.results.writer import PICTURE_LIST, PICTURES
 
 
 @pytest.fixture
@@ -66,6 +70,36 @@ def test_report_that_fails_is_a_warning(
     printed = capsys.readouterr().out
     assert "Warning: no report: ZeroDivisionError: no [red]plot[/red]" in printed
     assert (tmp_path / "out" / "results.json").exists()
+
+
+def test_pictures_that_were_deleted_are_drawn_again(tmp_path: Path) -> None:
+    """If the list is missing, or one of them."""
+    out = write_folder(tmp_path / "out", (2.25, 2.75, 3.0))
+    (out / FIELDS).unlink()  # without these there is one picture, which takes a second
+    status = out / PICTURES / "status.png"
+    again = "Drawing the pictures, of which some are missing"
+    assert again in launch.fretfe("report", out).stdout
+    page = (out / "report.html").read_bytes()
+    assert status.exists() and b"data:image/png" in page
+    assert not lacks_pictures(out)
+    status.unlink()
+    assert again in launch.fretfe("report", out).stdout
+    assert status.exists() and (out / "report.html").read_bytes() == page
+
+
+def test_pictures_are_not_drawn_into_another_folder(tmp_path: Path) -> None:
+    """Those there would be removed."""
+    out, elsewhere = write_folder(tmp_path / "out", (3.0,)), tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (elsewhere / "mine.png").write_bytes(b"mine")
+    (out / PICTURES).symlink_to(elsewhere)
+    done = launch.fretfe("report", out)
+    assert (
+        done.returncode == 6 and f"{out / PICTURES}: expected a folder, found a link" in done.stderr
+    )
+    assert [path.name for path in elsewhere.iterdir()] == ["mine.png"]
+    (elsewhere / PICTURE_LIST).write_text("{")
+    assert "expected a list of pictures" in launch.fretfe("report", out).stderr
 
 
 @pytest.mark.parametrize("damage", ["empty", "arrays missing"])

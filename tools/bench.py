@@ -298,10 +298,9 @@ def run_alone(name: str) -> Run:
     return run(name)
 
 
-@cache
-def measured(name: str) -> dict[str, Any]:
-    """`measure` in a process of its own with one thread, once for all tables."""
-    command = [sys.executable, __file__, MEASURE, str(case_file(name)), str(count_of(name))]
+def in_a_process(path: Path, count: int) -> dict[str, Any]:
+    """`measure` in a process of its own with one thread."""
+    command = [sys.executable, __file__, MEASURE, str(path), str(count)]
     environment = {**os.environ, **ONE_THREAD}
     done = subprocess.run(
         command, capture_output=True, text=True, env=environment, timeout=LONGEST, check=False
@@ -310,6 +309,12 @@ def measured(name: str) -> dict[str, Any]:
         raise RuntimeError(f"exit code {done.returncode}: {done.stderr.strip()[-300:]}")
     found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
     return found
+
+
+@cache
+def measured(name: str) -> dict[str, Any]:
+    """`in_a_process` for a case, once for all tables."""
+    return in_a_process(case_file(name), count_of(name))
 
 
 def rows_of_run(name: str) -> Iterator[Row]:

@@ -7,7 +7,7 @@ phi_r(x) a_r(t), by a singular value decomposition.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -18,6 +18,7 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
+from fretfe.bodies.change_of_shape import doubt_of_unit
 from fretfe.bodies.point_values import OUTSIDE, PointValues
 from fretfe.case import Case, FieldLoad, TemperatureFieldLoad, complaint
 from fretfe.case.base import ABSOLUTE_ZERO
@@ -48,6 +49,8 @@ ROUND_OFF = 1e-13
 # Points of a field without elements that are looked at around each place, by dimension; if those do
 # not surround all places, as in long elements.
 AROUND, FAR_AROUND = {2: 12, 3: 32}, 256
+# Parts of its size that a field may miss a cut by as a part does; farther away it is another unit.
+ELSEWHERE = 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +65,8 @@ class Cut:
         courses: of their amplitudes.
         rest: root of the sum of squares of what is left out over that of everything.
         what: is left out, in words.
-        numbered: whether the positions are numbers of steps, of which none may be missing where a
-            history passes.
+        numbered: whether the positions are numbers of steps, where none may be missing.
+        doubt: of the unit of displacements, in words; empty if there is none.
     """
 
     channel: str
@@ -73,16 +76,19 @@ class Cut:
     rest: float
     what: str = "displacements of the cut"
     numbered: bool = False
+    doubt: str = ""
 
     @property
-    def note(self) -> str:
-        """Fate of the field, in words."""
+    def notes(self) -> Iterator[str]:
+        """Fate of the field, and what is doubtful about it, in words."""
         count, steps = len(self.shapes), len(self.positions)
-        return (
+        yield (
             f"loads.{self.channel}: {steps} step{'s' if steps > 1 else ''} of the run, up to "
             f"{self.positions[-1]:g}, as {count} shape{'s' if count > 1 else ''}; "
             f"{self.rest:.1e} of the {self.what} is left out"
         )
+        if self.doubt:
+            yield f"loads.{self.channel}: {self.doubt}"
 
     def require_steps(self, case: Case, history: History) -> None:
         """Check that a history stays within the run and leaves none of its steps out.
@@ -162,8 +168,11 @@ def read_cuts(path: Path, asked: Sequence[Asked]) -> dict[str, Cut]:
     read, values = _read(path, "displacements", asked)
     cuts = {}
     for each, found in zip(asked, values, strict=True):
-        moved = each.load.factor * found[:, :, : each.places.shape[1]]
-        cuts[each.channel] = _counted(path, each, read, moved, AT_REST)
+        assert isinstance(each.load, FieldLoad)
+        scale = each.load.displacement_scale
+        moved = scale * found[:, :, : each.places.shape[1]]
+        doubt = doubt_of_unit(each.places, moved, scale, float(read[ROUNDING]))
+        cuts[each.channel] = replace(_counted(path, each, read, moved, AT_REST), doubt=doubt)
     return cuts
 
 
@@ -308,42 +317,33 @@ def _interpolation(
     own = np.pad(places / asked.load.factor, ((0, 0), (0, 3 - places.shape[1])))
     if field.cells is None:
         return _between_points(path, field.points[:, : places.shape[1]], own, places)
-    part = asked.load.part if isinstance(asked.load, FieldLoad) else None
-    elements = _of_part(path, field.cells, part, asked.body)
-    weights = _element_weights(path, field, elements, own, places)
+    weights = _element_weights(path, field, field.cells, asked, own)
     chosen, columns = np.unique(weights.indices, return_inverse=True)
     near = sparse.csr_matrix((weights.data, columns, weights.indptr))
     return chosen, lambda steps: np.stack([near @ values for values in steps])
 
 
 def _element_weights(
-    path: Path, field: Field, chosen: Indices, own: Array, places: Array
+    path: Path, field: Field, cells: Cells, asked: Asked, own: Array
 ) -> sparse.csr_matrix:
-    """(m, n) weights by the shape functions of some elements."""
-    from fretfe.fields.vtk import element_weights
+    """(m, n) weights by shape functions, at places by the lengths of the file (m, 3)."""
+    from fretfe.fields.field import elements_of_part
+    from fretfe.fields.vtk import body_weights, element_weights
 
-    weights, away = element_weights(field, chosen, own)
+    part = asked.load.part if isinstance(asked.load, FieldLoad) else None
+    if isinstance(asked.load, FieldLoad) and part is None and not cells.names:
+        weights, away = body_weights(field, own, OUTSIDE)
+    else:
+        chosen = elements_of_part(path, cells, part, asked.body)
+        weights, away = element_weights(field, chosen, own)
     farthest = int(np.argmax(away))
     if away[farthest] > OUTSIDE:
         raise CaseError(
             f"{path}: expected elements at all nodes, found the node at "
-            f"{place_text(places[farthest])} away from the nearest of them by "
-            f"{100 * away[farthest]:.3g} % of its size"
+            f"{place_text(asked.places[farthest])} away from the nearest of them by "
+            f"{100 * away[farthest]:.3g} % of its size{_hint(away[farthest])}"
         )
     return weights
-
-
-def _of_part(path: Path, cells: Cells, part: str | None, body: str) -> Indices:
-    """Numbers of the elements of a part, or of that with the name of a body; all without parts."""
-    chosen = body if part is None else part
-    if chosen in cells.names:
-        return np.flatnonzero(cells.parts == cells.names.index(chosen))
-    if part is not None or cells.names:
-        raise CaseError(
-            f"{path}: expected one of its parts {', '.join(map(repr, cells.names)) or '(none)'}, "
-            f"found {chosen!r}"
-        )
-    return np.arange(len(cells.shapes))
 
 
 def _between_points(
@@ -390,6 +390,11 @@ def _fault_of(points: Array, local: Array, places: Array) -> str:
         if excess > OUTSIDE:
             return (
                 f"the node at {place_text(places[farthest])} {where} them by "
-                f"{100 * excess:.3g} % of their extent"
+                f"{100 * excess:.3g} % of their extent{_hint(excess)}"
             )
     return ""
+
+
+def _hint(excess: float) -> str:
+    """Likely reason if a field ends so far away from a cut, over its size."""
+    return "; are its coordinates in another unit (factor)?" if excess > ELSEWHERE else ""

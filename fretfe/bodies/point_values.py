@@ -11,11 +11,14 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
+from fretfe.case import Case
 from fretfe.case.base import AXES
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_table
+from fretfe.mesh.mesh import place_text
 
-# Points whose extent across a line or plane is below this fraction of their extent lie on it.
+# Points whose extent across a line or plane is below this fraction of their extent lie on it, and a
+# place that is nearer to a surface than this fraction of the extent of the body is on that.
 FLAT = 1e-6
 # How much farther from the middle of the points than their hull a place may be, over the distance
 # of the hull: edges of other meshes cut corners off curved surfaces.
@@ -245,3 +248,43 @@ def read_points(
             table.complain(int(low[0]), column, f"a number >= {least:g}")
     values = np.stack([table.columns[column] for column in columns], axis=1)
     return PointValues(points, values[:, 0] if len(columns) == 1 else values)
+
+
+def require_points_around(
+    case: Case, channel: str, given: PointValues, places: Array, what: str
+) -> None:
+    """Check that points are all different and reach as far as places (m, d).
+
+    Raises:
+        CaseError: names the point that is there twice, or the place that is farthest outside.
+    """
+    if pair := given.same():
+        one, other = (place_text(given.points[each]) for each in sorted(pair))
+        raise CaseError(
+            f"{case.source}: loads.{channel}: expected points of their own, found "
+            f"{one if one == other else f'{one} and {other}'} twice, up to round-off"
+        )
+    farthest, excess = given.outside(places)
+    if excess > OUTSIDE:
+        raise CaseError(
+            f"{case.source}: loads.{channel}: expected points that reach as far as {what}, whose "
+            f"node at {place_text(places[farthest])} is farther from their middle by "
+            f"{100 * excess:.3g} % than their outermost ones"
+        )
+
+
+def require_points_beside(
+    case: Case, channel: str, given: PointValues, places: Array, what: str
+) -> None:
+    """Check that places (m, d) lie on the line or plane of points that are all on one.
+
+    Raises:
+        CaseError: names the place that is farthest away from it.
+    """
+    farthest, distance = given.beside(places)
+    if distance > OUTSIDE:
+        raise CaseError(
+            f"{case.source}: loads.{channel}: expected points on both sides of {what}, or on it, "
+            f"found all of them on one line or plane, from which its node at "
+            f"{place_text(places[farthest])} is away by {100 * distance:.3g} % of their extent"
+        )

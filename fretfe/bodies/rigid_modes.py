@@ -10,8 +10,9 @@ import numpy as np
 from scipy import linalg
 
 from fretfe._typing import Array, Bools
+from fretfe.bodies.constraints import Constraint
 from fretfe.bodies.cyclic import SAME, Tie
-from fretfe.bodies.definition import BodyDefinition, Constraint, ModelDefinition, define_model
+from fretfe.bodies.definition import BodyDefinition, ModelDefinition, define_model
 from fretfe.case import Case
 from fretfe.contact.interface import Coordinate
 from fretfe.errors import CaseError, ModelError

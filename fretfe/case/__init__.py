@@ -21,26 +21,21 @@ from fretfe.case.bodies import (
 )
 from fretfe.case.loads import (
     AccelerationLoad,
-    CsvPoints,
     DisplacementLoad,
     EigenstrainLoad,
     FieldLoad,
     ForceLoad,
-    Hold,
     InterferenceLoad,
     Load,
     PlatenLoad,
-    Points,
-    Ramp,
     RotationLoad,
-    Segment,
     ShapeLoad,
     TemperatureFieldLoad,
     TemperatureLoad,
     TiltLoad,
     TractionLoad,
-    Wave,
 )
+from fretfe.case.materials import case_notes
 from fretfe.case.messages import complaint
 from fretfe.case.model import Case, case_schema
 from fretfe.case.overrides import parse_assignments
@@ -52,6 +47,7 @@ from fretfe.case.reading import (
     load_case,
     parse_case,
 )
+from fretfe.case.segments import CsvPoints, Hold, Points, Ramp, Segment, Wave
 from fretfe.case.tables import (
     Contact,
     Cycle,
@@ -63,8 +59,8 @@ from fretfe.case.tables import (
     Solid,
     Support,
     Symmetry,
-    Units,
 )
+from fretfe.case.units import Units, stiffness_doubts
 
 __all__ = [
     "IS_CRYSTAL",
@@ -106,6 +102,7 @@ __all__ = [
     "Units",
     "Wave",
     "as_written",
+    "case_notes",
     "case_schema",
     "case_text",
     "changed",
@@ -124,5 +121,6 @@ __all__ = [
     "parse_case",
     "plane_modulus",
     "stiffness",
+    "stiffness_doubts",
     "unit_vector",
 ]

@@ -23,8 +23,9 @@ from fretfe.case.bodies import (
     Orientation,
     Orthotropic,
 )
-from fretfe.case.loads import KINDS, LOADS
+from fretfe.case.loads import LOADS
 from fretfe.case.model import Case, Contradiction, Key, Problem
+from fretfe.case.segments import KINDS
 from fretfe.case.tables import (
     Contact,
     Cycle,
@@ -35,8 +36,8 @@ from fretfe.case.tables import (
     Solid,
     Support,
     Symmetry,
-    Units,
 )
+from fretfe.case.units import Units
 
 SECTIONS: dict[str, type[Table]] = {
     "units": Units,

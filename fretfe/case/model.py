@@ -37,8 +37,8 @@ from fretfe.case.tables import (
     Output,
     Support,
     Symmetry,
-    Units,
 )
+from fretfe.case.units import Units
 
 Key = tuple[str | int, ...]
 

@@ -16,8 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from fretfe.case.base import TAG
-from fretfe.case.loads import KINDS, LOADS, segment_kind
+from fretfe.case.loads import LOADS
 from fretfe.case.model import Case
+from fretfe.case.segments import KINDS, segment_kind
 from fretfe.errors import CaseError
 
 EVERY = "*"

@@ -28,34 +28,6 @@ from fretfe.case.base import (
 Plane = Literal["strain", "stress"]
 
 
-# Millimetres in the units of length that have these labels.
-MILLIMETRES = {
-    "um": 1e-3,
-    "µm": 1e-3,  # micro sign
-    "μm": 1e-3,  # Greek letter
-    "mm": 1.0,
-    "cm": 10.0,
-    "m": 1e3,
-    "km": 1e6,
-    "in": 25.4,
-    "inch": 25.4,
-    "ft": 304.8,
-}
-
-
-class Units(Table):
-    """Labels for the output; numbers are never converted, so use one consistent set.
-
-    Only what states its unit is converted to that of the labels: lengths of STEP files, defaults
-    and ranges of templates, and constants of material files.
-    """
-
-    length: Text = Field(default="mm", description="Label of the unit of length.")
-    force: Text = Field(default="N", description="Label of the unit of force.")
-    stress: Text = Field(default="MPa", description="Label of the unit of stress: force/length^2.")
-    time: Text = Field(default="s", description="Label of the unit of the clock of the histories.")
-
-
 class Model(Table):
     """Kinematic assumption and discretisation."""
 

@@ -204,8 +204,12 @@ def schema() -> None:
 
 
 def report(directory: Results) -> None:
-    """Make report.html again from the results in a folder."""
+    """Make report.html again from the results in a folder.
+
+    Pictures are drawn again if some of them are missing.
+    """
     from fretfe.report.page.html import write_report
+    from fretfe.report.pictures.folder import lacks_pictures, make_pictures
     from fretfe.results.reader import read_numbers
     from fretfe.results.run_folder import locked
 
@@ -213,6 +217,9 @@ def report(directory: Results) -> None:
         return
     read_numbers(directory)
     with locked(directory):
+        if lacks_pictures(directory):
+            print("Drawing the pictures, of which some are missing ...", flush=True)
+            make_pictures(directory)
         path = write_report(directory)
     print(f"Report in {path}")
 

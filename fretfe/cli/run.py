@@ -6,7 +6,6 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -98,11 +97,18 @@ def run(
 
 
 def _reader(path: Path, overrides: list[str] | None, *, trust_geo: bool) -> Callable[[], Case]:
-    """Reader of a case file, with values in place of its own."""
+    """Reader of a case file, with values in place of its own, and of the files of its loads."""
+    from fretfe.bodies.load_files import checked_history
     from fretfe.case import load_case, parse_assignments
 
     assigned = parse_assignments(overrides or ())
-    return partial(load_case, path, assigned, trust_geo=trust_geo)
+
+    def read() -> Case:
+        case = load_case(path, assigned, trust_geo=trust_geo)
+        checked_history(case)
+        return case
+
+    return read
 
 
 def _begun(read: Callable[[], Case]) -> CaseAhead | None:

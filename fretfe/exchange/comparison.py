@@ -225,13 +225,14 @@ def compare(first: Result, second: Result) -> Comparison:
     _require_comparable(first, second)
     pairs, notes = _partners(first, second)
     tractions, traction_notes = traction_pairs(first, second, pairs)
+    histories = tuple(history_pairs(first, second, pairs))
     return Comparison(
         labels=_labels(first, second),
         results=(first, second),
         contacts=tuple((one.name, two.name) for one, two in pairs),
         quantities=tuple(quantity_pairs(first, second, pairs)),
         tractions=tractions,
-        histories=tuple(history_pairs(first, second, pairs)),
+        histories=histories,
         notes=tuple(
             [
                 *_incomplete(first, second),
@@ -239,9 +240,19 @@ def compare(first: Result, second: Result) -> Comparison:
                 *notes,
                 *zone_notes(first, second, pairs),
                 *traction_notes,
+                *_counted_notes(histories),
             ]
         ),
     )
+
+
+def _counted_notes(histories: Sequence[HistoryPair]) -> Iterator[str]:
+    for each in histories:
+        if each.counted_from is not None:
+            yield (
+                f"{each.contact} {each.edge}: {each.quantity} over time is compared from "
+                f"t = {each.counted_from:g} on, since when both know it"
+            )
 
 
 def _labels(first: Result, second: Result) -> tuple[str, str]:

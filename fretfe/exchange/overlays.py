@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.integrate import trapezoid
-from scipy.interpolate import LinearNDInterpolator
+from scipy.spatial import Delaunay
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import ModelError, OutputError
@@ -27,6 +27,9 @@ SAME_TIME = 1e-9
 LAST = "last state"
 # Points of a line through a contact of solids, and how far it goes on beside it, over its width.
 POINTS, BEYOND = 401, 0.1
+# Ends of two meshes of a surface lie beside each other by round-off, and bent ones by their chords:
+# so far beyond a triangle, over its height, values are linear as in it.
+BESIDE = 1e-3
 # Share of Q that lies in the plane of the surface, if there is any.
 IN_PLANE = 0.1
 Results = tuple[Result, Result]
@@ -86,6 +89,8 @@ class HistoryPair:
         contact, edge, quantity, unit: as of a pair of numbers.
         first_times, second_times: (T,) of each result.
         first, second: (T,) of each result.
+        counted_from: time at which the second value is set to the first one; None if it is as it
+            was found.
     """
 
     contact: str
@@ -96,6 +101,7 @@ class HistoryPair:
     second_times: Array
     first: Array
     second: Array
+    counted_from: float | None = None
 
     @property
     def common(self) -> int:
@@ -111,6 +117,25 @@ class HistoryPair:
         first, second = self._at_equal_times
         size = float(np.abs(first).max(initial=0.0))
         return float(np.abs(second - first).max(initial=0.0)) / size if size > 0 else math.nan
+
+    def counted_alike(self) -> HistoryPair:
+        """The same with both values counted from one time.
+
+        Sums of increments start where the first of these is known. If the two know other ones,
+        they differ by a constant that means nothing.
+        """
+        starts = [
+            float(times[known][0]) if (known := np.isfinite(values)).any() else math.nan
+            for times, values in (
+                (self.first_times, self.first),
+                (self.second_times, self.second),
+            )
+        ]
+        first, second = self._at_equal_times
+        if abs(starts[1] - starts[0]) <= SAME_TIME * self.first_times[-1] or not len(first):
+            return self
+        shifted = self.second + (first[0] - second[0])
+        return replace(self, second=shifted, counted_from=max(starts))
 
     @cached_property
     def _at_equal_times(self) -> tuple[Array, Array]:
@@ -254,11 +279,16 @@ class _Field:
         self.time = float(result.loads.times[state])
         self.friction = float(contact.friction[state])
         self.pressed = places[mean[:, 0] > 0]
-        self._between = LinearNDInterpolator(places, self.values, fill_value=0.0)
+        self._triangles = Delaunay(places)
 
     def at(self, places: Array) -> Array:
         """(n, 4) p and q, zero beyond the ends of the surface."""
-        return np.asarray(self._between(places))
+        cell = self._triangles.find_simplex(places, tol=BESIDE)
+        linear = self._triangles.transform[cell]
+        first_two = np.einsum("nij,nj->ni", linear[:, :2], places - linear[:, 2])
+        weights = np.column_stack([first_two, 1 - first_two.sum(axis=1)])
+        values = np.einsum("nk,nkc->nc", weights, self.values[self._triangles.simplices[cell]])
+        return np.where(cell[:, None] >= 0, values, 0.0)
 
     def along(self, x: Array, places: Array, direction: Array) -> Curve:
         """The curve at places (n, 2), with the shear along a direction (3,)."""
@@ -342,7 +372,8 @@ def history_pairs(first: Result, second: Result, pairs: Pairs) -> Iterator[Histo
         for station, partner in _station_pairs(one, two):
             along = station.k_along, replace(partner, k_angle=station.k_angle).k_along
             label = "K" if one.solid else "K_T"
-            yield HistoryPair(name, station.front, label, factor, *times, *along)
+            pair = HistoryPair(name, station.front, label, factor, *times, *along)
+            yield pair.counted_alike()
 
 
 def _station_pairs(one: Contact, two: Contact) -> Iterator[tuple[Station, Station]]:

@@ -28,9 +28,10 @@ from scipy import sparse
 from scipy.linalg import qr
 
 from fretfe._typing import Array, Indices
+from fretfe.bodies.constraints import Constraint
 from fretfe.bodies.cyclic import Tie
-from fretfe.bodies.definition import Constraint, DistributedLoad
 from fretfe.bodies.rigid_modes import rigid_motions
+from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.fem._compat import MPI, PETSc
 from fretfe.fem.bordered import BorderedFactor, unsymmetric_because
 from fretfe.fem.elasticity import ElasticBody, PlacedNodes

@@ -23,8 +23,9 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
 from fretfe.analytic.crystals import PAIRS, VOIGT
-from fretfe.bodies.definition import DistributedLoad, Material
+from fretfe.bodies.material import Material
 from fretfe.bodies.point_values import PointValues
+from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.fem._compat import (
     MPI,
     PETSc,

@@ -12,7 +12,8 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.bodies.definition import BodyDefinition, DistributedLoad, Pair
+from fretfe.bodies.definition import BodyDefinition, Pair
+from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.case import Case, isotropic
 from fretfe.case.bodies import OverTemperature
 from fretfe.case.loads import InterferenceLoad

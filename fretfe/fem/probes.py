@@ -13,7 +13,8 @@ from dolfinx import fem
 
 from fretfe._typing import Array, Bools
 from fretfe.analytic.edges import oscillation
-from fretfe.bodies.definition import Material, Pair
+from fretfe.bodies.definition import Pair
+from fretfe.bodies.material import Material
 from fretfe.case import Case, half_plane
 from fretfe.contact.full_stick import FRACTION, Increments
 from fretfe.contact.recorder import Recorder

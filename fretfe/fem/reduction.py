@@ -10,7 +10,8 @@ from scipy import sparse
 from scipy.linalg.lapack import dpstrf
 
 from fretfe._typing import Array, Indices
-from fretfe.bodies.definition import DistributedLoad, Pair
+from fretfe.bodies.definition import Pair
+from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.contact.interface import Coordinate, DenseCompliance, Interface, coordinate_range
 from fretfe.fem.condensation import CondensedBody
 

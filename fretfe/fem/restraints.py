@@ -16,8 +16,8 @@ from dolfinx import fem
 from scipy import sparse
 
 from fretfe._typing import Array, Indices
+from fretfe.bodies.constraints import Constraint
 from fretfe.bodies.cyclic import Tie
-from fretfe.bodies.definition import Constraint
 from fretfe.fem._compat import PETSc
 from fretfe.fem.elasticity import ElasticBody, PlacedNodes
 

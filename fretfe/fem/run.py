@@ -15,7 +15,8 @@ import numpy as np
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.continued import continued_nodes
 from fretfe.bodies.definition import Pair, require_possible
-from fretfe.case import Case, FieldLoad, Wave
+from fretfe.bodies.load_files import checked_history
+from fretfe.case import Case, FieldLoad, Wave, case_notes
 from fretfe.contact.interface import Place
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import extrapolate_slip, solve_history
@@ -45,7 +46,7 @@ from fretfe.fem.stress_output import refuse_solids, write_stress
 from fretfe.fem.timing import Clock
 from fretfe.history.solution import Solution
 from fretfe.idealise.bodies import coupled_beta
-from fretfe.loads import History, build_history, most_added
+from fretfe.loads import History, most_added
 from fretfe.results.model import Result
 
 # Added cycles from one extrapolation of slip to the next: it takes two changes without one between.
@@ -84,7 +85,7 @@ def _solve(
 
 def load_history(comm: MPI.Comm, case: Case, options: RunOptions) -> History:
     """Load history of a run, that of the case unless there is another one. Collective."""
-    return on_root(comm, lambda: options.history or build_history(case))
+    return on_root(comm, lambda: options.history or checked_history(case))
 
 
 def solve_prepared(
@@ -204,7 +205,7 @@ class _Run:
             contacts=contacts,
             solution=solution,
             notes=(
-                *case.material_notes,
+                *case_notes(case),
                 *model.notes,
                 *_cut_notes(case, solution),
                 *self._prepared.mesh.notes,

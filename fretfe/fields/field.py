@@ -164,6 +164,23 @@ def _require_elements(path: Path, cells: Cells, count: int) -> None:
         raise CaseError(f"{path}: expected {len(cells.nodes)} nodes of elements, found {ends[-1]}")
 
 
+def elements_of_part(path: Path, cells: Cells, part: str | None, body: str) -> Indices:
+    """Numbers of the elements of a part, or of that with the name of a body; all without parts.
+
+    Raises:
+        CaseError: if the field has no such part.
+    """
+    chosen = body if part is None else part
+    if chosen in cells.names:
+        return np.flatnonzero(cells.parts == cells.names.index(chosen))
+    if part is not None or cells.names:
+        raise CaseError(
+            f"{path}: expected one of its parts {', '.join(map(repr, cells.names)) or '(none)'}, "
+            f"found {chosen!r}"
+        )
+    return np.arange(len(cells.shapes))
+
+
 def _read_csv(path: Path, quantity: Quantity) -> Field:
     """Columns x, y (z), ux, uy (uz) or T, and time or step, the same in all rows of a step."""
     heated = quantity == "temperatures"

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import CaseError
@@ -30,6 +31,8 @@ INSIDE = 1e-9
 NEWTON_STEPS = 2
 # Nodes of the largest elements that VTK knows, and more.
 MOST_NODES = 512
+# Of more pieces around a cut, each element may be one: the file has nodes for each of them.
+MOST_PIECES = 16
 
 # Points, elements and values in a step.
 Grid = tuple[Array, Cells, Array]
@@ -149,6 +152,44 @@ def element_weights(
     shape = len(places), len(field.points)
     away = np.array([distance for _, _, distance in found])
     return sparse.csr_matrix((entries, columns, row_ends), shape=shape), away
+
+
+def body_weights(field: Field, places: Array, outside: float) -> tuple[sparse.csr_matrix, Array]:
+    """Weights of the points of a field at places of one body, from elements that hang together.
+
+    Where two bodies touch, elements of both are at one place, with the slip of the contact between
+    their displacements. The elements are those of the fewest pieces of the mesh that reach all
+    places: one, unless the body itself is made of several. Pieces are taken in the order of how
+    many places are nearest to them.
+
+    Args:
+        field: with elements, of any number of bodies.
+        places: (m, 3) of one body.
+        outside: distance, as of `element_weights`, from which a place is in no element.
+
+    Returns:
+        (m, n) weights and (m,) distances, as of `element_weights`.
+
+    Raises:
+        DependencyError: if PyVista is not installed.
+    """
+    assert field.cells is not None
+    starts, nodes = field.cells.offsets[:-1], field.cells.nodes
+    first = np.repeat(nodes[starts], np.diff(field.cells.offsets))
+    shape = len(field.points), len(field.points)
+    links = sparse.csr_matrix((np.ones(len(nodes)), (first, nodes)), shape=shape)
+    pieces = connected_components(links, directed=False)[1]
+    weights, away = element_weights(field, np.arange(len(starts)), places)
+    nearest = pieces[weights.indices[weights.indptr[:-1]]]
+    if len(set(nearest)) > MOST_PIECES:
+        return weights, away
+    kept = np.zeros(len(starts), dtype=bool)
+    left = np.flatnonzero(away <= outside)
+    while len(left):
+        own = pieces[nodes[starts]] == np.bincount(nearest[left]).argmax()
+        kept |= own
+        left = left[element_weights(field, np.flatnonzero(own), places[left])[1] > outside]
+    return element_weights(field, np.flatnonzero(kept), places) if kept.any() else (weights, away)
 
 
 def _locate(locator: Any, place: Array, near: float) -> tuple[Indices, Array, float]:

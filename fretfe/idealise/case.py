@@ -9,7 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.case import Case, PlatenLoad, TractionLoad, plane_modulus, unit_vector
+from fretfe.case import (
+    Case,
+    PlatenLoad,
+    TractionLoad,
+    case_notes,
+    plane_modulus,
+    unit_vector,
+)
 from fretfe.errors import ModelError
 from fretfe.idealise.bodies import (
     LOWER,
@@ -233,6 +240,9 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
         dundurs=coupled_beta(case, name, UPPER, LOWER),
         guided=guided(case) and coupled_beta(case, name, UPPER, LOWER) != 0,
         between=_between(case, history, block),
+        stretch=block.stretch(
+            *(plane_modulus(case.bodies[each], case.model.plane) for each in (UPPER, LOWER))
+        ),
         notes=(),
     )
     problem.require_partial_slip()
@@ -283,7 +293,7 @@ def _too_small(block: Block, reach: float) -> str:
 
 
 def _notes(case: Case, block: Block, reach: float) -> Iterator[str]:
-    yield from case.material_notes
+    yield from case_notes(case)
     yield f"half-planes in place of {case.geometry.template!r}, {_size(block, reach)}"
     if guided(case):
         yield (

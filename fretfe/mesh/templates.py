@@ -59,7 +59,7 @@ class Parameter:
     def in_unit(self, length: str) -> Parameter:
         """The same parameter in another unit of length, if it is a length."""
         # Not loaded by a process that only reads a file.
-        from fretfe.case.tables import MILLIMETRES
+        from fretfe.case.units import MILLIMETRES
 
         if self.unit != "mm" or length not in MILLIMETRES:
             return self

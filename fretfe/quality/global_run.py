@@ -103,7 +103,7 @@ def _carried(result: Result, run: Result, name: str, load: FieldLoad, pair: str)
     one, other = (_patches(each.solution, pair) for each in (result, run))
     if not other:
         return _unknown(name, pair, f"the run has no contact {pair!r}")
-    if load.factor != 1:
+    if not _same_units(load):
         return _unknown(name, pair, "the run has another unit of length")
     assert result.solution is not None and run.solution is not None
     if result.solution.kept is not None or run.solution.kept is not None:
@@ -132,6 +132,11 @@ def _carried(result: Result, run: Result, name: str, load: FieldLoad, pair: str)
         np.stack([moments[0], by_run[1]]),
         arm or math.nan,
     )
+
+
+def _same_units(load: FieldLoad) -> bool:
+    """True if lengths of the run are in the unit of the case."""
+    return load.factor == load.displacement_scale == 1
 
 
 def _patches(solution: Solution | None, pair: str) -> list[ContactHistory]:
@@ -215,7 +220,7 @@ def cut_tractions(result: Result) -> Iterator[CutTractions]:
         return
     own = result.directory / FIELDS
     for name, load in case.loads.items():
-        if not isinstance(load, FieldLoad) or load.position != "time" or load.factor != 1:
+        if not isinstance(load, FieldLoad) or load.position != "time" or not _same_units(load):
             continue
         path = case.resolve(load.file) / FIELDS
         owners = [each for each in result.bodies.values() if load.boundary in each.boundaries]

@@ -18,11 +18,11 @@ import numpy as np
 
 from fretfe.backends import Backend, Observer, RunOptions
 from fretfe.backends.protocol import CopiedSession, Session, session_of
+from fretfe.bodies.load_files import checked_history
 from fretfe.case import Case, Units, changed, parse_assignments
 from fretfe.case.overrides import parse_value, plain_value, split_assignment, with_overrides
 from fretfe.case.toml_file import read_tables
 from fretfe.errors import CaseError, FretfeError, StoppedError
-from fretfe.loads import build_history
 from fretfe.sweeps.copies import in_copies
 
 MOST_VARIANTS = 10_000
@@ -131,7 +131,7 @@ def make_variants(case: Case, ranges: Mapping[str, Sequence[Any]]) -> tuple[Vari
     for combination in itertools.product(*values.values()):
         chosen = dict(zip(values, combination, strict=True))
         variant = Variant(chosen, changed(case, chosen))
-        build_history(variant.case)
+        checked_history(variant.case)
         variants.append(variant)
     return tuple(variants)
 

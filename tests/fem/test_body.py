@@ -13,8 +13,10 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
-from fretfe.bodies.definition import Constraint, DistributedLoad, Material
+from fretfe.bodies.constraints import Constraint
+from fretfe.bodies.material import Material
 from fretfe.bodies.rigid_modes import rigid_motions
+from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.fem._compat import MPI
 from fretfe.fem.condensation import Body, CondensedBody
 from fretfe.fem.elasticity import ElasticBody

@@ -24,7 +24,7 @@ from fretfe.analytic.crystals import (
     turned,
 )
 from fretfe.analytic.crystals import isotropic as isotropic_stiffness
-from fretfe.bodies.definition import Material
+from fretfe.bodies.material import Material
 from fretfe.case import IS_CRYSTAL, Crystal, Solid, parse_case
 from fretfe.case.bodies import Elastic, Orientation
 from fretfe.errors import CaseError

@@ -12,8 +12,9 @@ import pytest
 from contact_runs import Run, run
 
 from fretfe._typing import Array
-from fretfe.bodies.definition import DistributedLoad, Layer, Material
+from fretfe.bodies.material import Material
 from fretfe.bodies.point_values import PointValues
+from fretfe.bodies.spread_loads import DistributedLoad, Layer
 from fretfe.case import Solid
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody

@@ -17,7 +17,7 @@ from pad_cases import cylinder, pad, pad_text, press, shear
 
 from fretfe._typing import Array
 from fretfe.backends import RunOptions
-from fretfe.bodies.definition import Material
+from fretfe.bodies.material import Material
 from fretfe.case import parse_case
 from fretfe.errors import OutputError
 from fretfe.fem._compat import MPI

@@ -16,7 +16,7 @@ from contact_runs import ramp
 
 from fretfe._typing import Array, Bools
 from fretfe.analytic.crystals import isotropic
-from fretfe.bodies.definition import Material
+from fretfe.bodies.material import Material
 from fretfe.case import Solid, parse_case
 from fretfe.evaluate.space.fronts import AREAS, OUTSIDE
 from fretfe.fem._compat import MPI

@@ -17,7 +17,7 @@ from pad_cases import BASE, pad, press
 from tiny_meshes import TinyMesh
 
 from fretfe._typing import Array
-from fretfe.bodies.definition import Material
+from fretfe.bodies.material import Material
 from fretfe.case import Solid, parse_case
 from fretfe.errors import CaseError, MeshError
 from fretfe.fem._compat import MPI

@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools
 from fretfe.analytic.crystals import HalfPlane, bunge_rotation, cubic, tensor, turned
-from fretfe.bodies.definition import Material
+from fretfe.bodies.material import Material
 from fretfe.case import Body, Crystal, Solid, parse_case
 from fretfe.errors import CaseError, ModelError
 from fretfe.evaluate.plane.slip import slip_border

@@ -18,14 +18,11 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
+from fretfe.bodies.constraints import Constraint
 from fretfe.bodies.cyclic import Tie, tie_sides
-from fretfe.bodies.definition import (
-    Constraint,
-    DistributedLoad,
-    Material,
-    ModelDefinition,
-    define_model,
-)
+from fretfe.bodies.definition import ModelDefinition, define_model
+from fretfe.bodies.material import Material
+from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.case import Case, Solid, Symmetry
 from fretfe.contact.interface import Coordinate
 from fretfe.fem import model as fem_model

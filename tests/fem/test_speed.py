@@ -29,7 +29,7 @@ def test_cost_in_factorisations(tmp_path: Path, h: float, growth: float, limit: 
     case = bench["write_cylinder"](h, growth, tmp_path)
 
     def ratio() -> float:
-        found = bench["in_a_process"](case)
+        found = bench["in_a_process"](case, bench["ROUNDS"])
         run, factorisation = found["run"], found["factorisation"]
         print(f"run {run:.2f} s, factorisation {factorisation:.2f} s: {run / factorisation:.2f}")
         return float(run / factorisation)

@@ -13,8 +13,9 @@ from contact_runs import run
 from petsc_garbage import replace_meshes
 
 from fretfe._typing import Array
-from fretfe.bodies.definition import DistributedLoad, Material
+from fretfe.bodies.material import Material
 from fretfe.bodies.point_values import PointValues
+from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.case import Solid
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody

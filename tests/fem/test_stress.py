@@ -17,7 +17,7 @@ from told import Told
 import fretfe
 from fretfe._typing import Array
 from fretfe.analytic.partial_slip import elliptical_stress
-from fretfe.bodies.definition import Material
+from fretfe.bodies.material import Material
 from fretfe.case import changed, parse_case
 from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.evaluate.stress import StressHistory, worst_states

@@ -16,6 +16,7 @@ from contact_runs import Run, run
 from fretfe._typing import Array
 from fretfe.backends.protocol import RunOptions
 from fretfe.case import parse_case
+from fretfe.errors import CaseError
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.mesh.mesh import BodyMesh, Mesh
@@ -91,11 +92,12 @@ def nodes(found: Run, step: int, body: str) -> tuple[Array, Array]:
     return places, field.x.array.reshape(-1, 2)
 
 
-def write_csv(found: Run, path: Path, body: str) -> None:
+def write_csv(found: Run, path: Path, body: str, unit: float = 1.0) -> None:
+    """A table with displacements in a unit."""
     rows = []
     for step, loads in enumerate(found.results):
         rows += [
-            f"{step + 1},{x:.17g},{y:.17g},{u:.17g},{v:.17g}\n"
+            f"{step + 1},{x:.17g},{y:.17g},{u / unit:.17g},{v / unit:.17g}\n"
             for (x, y), (u, v) in zip(*nodes(found, step, body), strict=True)
         ]
         assert loads is not None
@@ -135,6 +137,41 @@ def test_the_same_mesh_inside_gives_the_same_tractions(whole: Run, tmp_path: Pat
         np.testing.assert_allclose(force[1:], -sign * 900.0, rtol=1e-7)
     notes = [note for note in part.model.notes if note.startswith("loads.upper_moves: 5 steps")]
     assert len(notes) == 1 and notes[0].endswith("of the displacements of the cut is left out")
+
+
+def test_displacements_in_another_unit_than_coordinates(whole: Run, tmp_path: Path) -> None:
+    """Metres at millimetres: a note has the factor with which the tractions are those of mm."""
+    found = {}
+    for name, unit, keys in (
+        ("mm", 1.0, {}), ("m", 1e3, {}), ("told", 1e3, {"displacement_factor": 1e3}),
+    ):  # fmt: skip
+        for body in ("upper", "lower"):
+            write_csv(whole, tmp_path / f"{name}-{body}.csv", body, unit)
+        loads = {
+            body: cut(body, tmp_path / f"{name}-{body}.csv", **keys) for body in ("upper", "lower")
+        }
+        found[name] = run(case(loads), *parts(WIDE[KEPT], DEEP[:ROWS]))
+    scale = np.abs(found["mm"].tractions).max()
+    np.testing.assert_allclose(found["told"].tractions, found["mm"].tractions, atol=1e-9 * scale)
+    assert np.abs(found["m"].tractions).max() < 0.05 * scale
+    doubts = {
+        name: [note for note in each.model.notes if "displacement_factor" in note]
+        for name, each in found.items()
+    }
+    assert doubts["mm"] == doubts["told"] == []
+    assert len(doubts["m"]) == 2
+    for note in doubts["m"]:
+        assert re.search(r"of its size at most.* displacement_factor = 1000 would make it", note)
+
+
+@pytest.mark.mpi
+def test_a_bad_table_is_told_on_all_ranks(tmp_path: Path) -> None:
+    """Before there is a mesh: there is none."""
+    (tmp_path / "run.csv").write_text("x,y,ux,uy\n0,0,0,nan\n")
+    data = case({"upper": cut("upper", tmp_path / "run.csv")})
+    parsed = parse_case({"geometry": {"file": "none.msh"}, **data})
+    with pytest.raises(CaseError, match=r"loads\.upper\.file: .*line 2, column 'uy': expected"):
+        solve(MPI.COMM_WORLD, parsed)
 
 
 def result_of(folder: Path, data: dict[str, Any], meshes: tuple[BodyMesh, ...]) -> Result:

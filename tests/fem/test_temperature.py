@@ -22,8 +22,10 @@ from scipy import sparse
 from fretfe._typing import Array
 from fretfe.analytic._numerics import Side
 from fretfe.analytic.edges import tangential_factor
-from fretfe.bodies.definition import Constraint, DistributedLoad, Material
+from fretfe.bodies.constraints import Constraint
+from fretfe.bodies.material import Material
 from fretfe.bodies.point_values import NodalValues, PointValues
+from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.case import Solid, parse_case
 from fretfe.contact.march import March
 from fretfe.fem._compat import MPI

@@ -16,7 +16,7 @@ import fretfe
 from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
-from fretfe.bodies.definition import Material
+from fretfe.bodies.material import Material
 from fretfe.case import parse_case
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.step_ends import at_step_ends

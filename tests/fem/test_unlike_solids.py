@@ -14,7 +14,7 @@ from scipy.special import gamma
 
 from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation
-from fretfe.bodies.definition import Material
+from fretfe.bodies.material import Material
 from fretfe.case import Solid
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody

@@ -44,6 +44,8 @@ NOT_KEPT = (
     "[output] of the case keeps them"
 )
 
+# Errors of reading a list that is not as it was written.
+DAMAGED = (OSError, AttributeError, KeyError, TypeError, ValueError, RecursionError)
 # Kinds that need fields and are drawn by another process; kinds of files to open.
 BY_CHILD, FILES = ("bodies", "edges", "scene"), ("cycle", "scene")
 # Seconds for all files of a call.
@@ -71,9 +73,13 @@ def make_pictures(directory: Path, meanwhile: Callable[[Result], None] = lambda 
         meanwhile: other work with the results, done while other processes draw if cores are idle.
 
     Raises:
-        OutputError: if the results cannot be read or the folder cannot be written to.
+        OutputError: if the results cannot be read or the folder cannot be written to, or is a
+            link.
     """
     run = load_result(directory)
+    # Pictures of that folder would be removed, and others written there.
+    if (directory / PICTURES).is_symlink():
+        raise OutputError(f"{directory / PICTURES}: expected a folder, found a link")
     remove_pictures(directory)
     wanted = plan_pictures(run)
     reports = {each.file: {"reason": reason} for each in wanted if (reason := _lacks(run, each))}
@@ -160,6 +166,22 @@ def _write_list(
     (directory / PICTURES / PICTURE_LIST).write_text(text + "\n", encoding="utf-8")
 
 
+def lacks_pictures(directory: Path) -> bool:
+    """True if a results folder has no list of pictures, or not all that are listed.
+
+    A list that cannot be read is for `read_pictures` to complain about.
+    """
+    folder = directory / PICTURES
+    if not (folder / PICTURE_LIST).exists():
+        return True
+    try:
+        listed = json.loads((folder / PICTURE_LIST).read_text(encoding="utf-8"))
+        files = [each["file"] for each in (*listed["pictures"], *listed.get("files", ()))]
+        return not all((folder / Path(file).name).exists() for file in files)
+    except DAMAGED:
+        return False
+
+
 @dataclass(frozen=True)
 class Picture:
     """A picture, its bytes in the page itself.
@@ -241,9 +263,7 @@ def read_pictures(directory: Path) -> Pictures:
         for each in listed["missing"]:
             reasons.setdefault(each["reason"], []).append(each["title"])
         missing = tuple(Missing(tuple(titles), reason) for reason, titles in reasons.items())
-    except (
-        OSError, AttributeError, KeyError, TypeError, ValueError, RecursionError
-    ) as error:  # fmt: skip
+    except DAMAGED as error:
         found = f"no key {error}" if isinstance(error, KeyError) else str(error)
         raise OutputError(f"{path}: expected a list of pictures, found: {found}") from error
     return Pictures(shown, files, missing)
