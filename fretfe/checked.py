@@ -19,7 +19,7 @@ from fretfe.bodies.definition import (
 )
 from fretfe.bodies.load_files import checked_history
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
-from fretfe.case import Case, case_notes, parse_case
+from fretfe.case import Case, case_notes, parse_case, stiffness_doubts
 from fretfe.environment import rank_from_environment
 from fretfe.errors import FretfeError
 from fretfe.evaluate.resolution import proposed_sizes
@@ -31,6 +31,8 @@ from fretfe.surface.checks import load_mesh
 
 # Accuracy for which an element size is proposed; sizes up to this factor larger are as good.
 PROPOSED, LIKE = 0.03, 1.05
+# Elements that are so many times as large are not meshed to see what they take: that may be hours.
+MOST_FINER = 10
 # Extremes of the loads in a cycle, and the last state.
 EXTREMES = 3
 
@@ -94,10 +96,11 @@ def _field_states(case: Case, steps: int) -> int:
 def propose(checked: Checked) -> Iterator[str]:
     """The element size for an accuracy of K_N and |ΔK| at stations of solids, and its memory.
 
-    The accuracy is the tolerance of the case, 3 % without one. Nothing is said in the plane.
+    The accuracy is the tolerance of the case, 3 % without one. Nothing is said in the plane, nor of
+    bodies whose stiffness is doubted.
     """
     case, mesh = checked.case, checked.mesh
-    if mesh.dimension == 2:
+    if mesh.dimension == 2 or any(stiffness_doubts(case)):
         return
     tolerance = case.edges.tolerance or PROPOSED
     sizes = []
@@ -120,6 +123,11 @@ def propose(checked: Checked) -> Iterator[str]:
         yield f"make the elements {least.size:g} {unit} long at the fronts, {why}"
     elif now <= LIKE * least.size:
         yield f"{key} = {now:g} is likely to be small enough {why}"
+    elif now > MOST_FINER * least.size:
+        yield (
+            f"set {key} = {least.size:g} {why}: what that takes was not looked at, as {key} is "
+            f"{now / least.size:.2g} times as large; check the units of lengths and loads, too"
+        )
     else:
         yield f"set {key} = {least.size:g} {why}: {_taken(case, key, least.size)}"
 

@@ -243,9 +243,8 @@ def test_factors_that_are_known_from_other_times_on_are_counted_alike() -> None:
     load = SHEAR * np.sin(result.loads.times)
     start = len(load) // 3
     late = np.where(np.arange(len(load)) < start, math.nan, load - load[start])
-    first, second = (
-        with_stations(result, lambda each, k=k: exact_station(each, k, 0.0)) for k in (load, late)
-    )
+    first = with_stations(result, lambda each: exact_station(each, load, 0.0))
+    second = with_stations(result, lambda each: exact_station(each, late, 0.0))
     second = with_stations(second, lambda each: replace(each, k_range_spread=0.1))
     comparison = fretfe.compare(first, second)
     (pair,) = (each for each in comparison.histories if each.quantity == "K")

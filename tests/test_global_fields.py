@@ -96,8 +96,10 @@ def test_other_units(tmp_path: Path) -> None:
     places = INSIDE * [1, 1, 0]
     found = cut(tmp_path / "run.csv", 1000 * places[:, :2], factor=1000.0)
     np.testing.assert_allclose(displacement(found, 1.0), 1000 * linear(places)[:, :2], rtol=1e-9)
-    with pytest.raises(CaseError, match=r"run\.csv: expected points around all nodes"):
-        cut(tmp_path / "run.csv", 1000 * places[:, :2])
+    for far, told in ((1000 * places, True), (2 * places, False)):
+        with pytest.raises(CaseError, match=r"run\.csv: expected points around all no") as caught:
+            cut(tmp_path / "run.csv", far[:, :2])
+        assert str(caught.value).endswith("; are its coordinates in another unit (factor)?") == told
 
 
 def test_anisotropic_points_are_found_far_away(tmp_path: Path) -> None:

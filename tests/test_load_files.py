@@ -104,7 +104,12 @@ def test_a_table_of_several_loads_is_read_once(
 ) -> None:
     """And again if it has changed."""
     read, original = [], field.read_field
-    monkeypatch.setattr(field, "read_field", lambda *args: read.append(args) or original(*args))
+
+    def noted(path: Path, quantity: field.Quantity) -> field.Field:
+        read.append(path)
+        return original(path, quantity)
+
+    monkeypatch.setattr(field, "read_field", noted)
     other = {**FIELD, "boundary": "lower_bottom"}
     tables = pad(loads={"one": FIELD, "other": other}, supports={})
     case_file(tmp_path, FIELD, GOOD)

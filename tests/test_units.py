@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import fretfe
 from fretfe.bodies.change_of_shape import change_of_shape, doubt_of_unit
 from fretfe.case import case_notes, parse_case
 from fretfe.errors import CaseError
+from fretfe.evaluate.limits import CHECK_UNITS, PRESSURE, ModelLimit, with_limit_warnings
 
 # Labels of length and force with that of stress, which the case need not name.
 LABELS = [
@@ -85,6 +87,29 @@ def test_crystals_are_doubted_too() -> None:
     assert note.startswith("bodies.upper.elastic: 2.5e+11 is in MPa")
 
 
+DENSITIES = {
+    "kg/m³": ({}, 7850.0, "7850 is in N·s²/mm⁴, as [units] is not given, and no material is denser "
+              "than 2.5e-08 N·s²/mm⁴. In kg/m^3 it would be usual: that is 7.85e-09 N·s²/mm⁴"),
+    "g/cm³": ({}, 7.85, "In g/cm^3 it would be usual: that is 7.85e-09 N·s²/mm⁴"),
+    "t/mm³": ({"length": "m"}, 7.85e-9, "no material is lighter than 10 N·s²/m⁴. In t/mm^3 it would"
+              " be usual: that is 7850 N·s²/m⁴"),
+    "kg/mm³": ({}, 7.85e-6, "no material is denser than 2.5e-08 N·s²/mm⁴"),
+    "right": ({}, 7.85e-9, ""),
+    "metres": ({"length": "m"}, 2700.0, ""),
+    "minutes": ({"time": "min"}, 7.85e-9, "no material is denser than"),
+    "unknown": ({"length": "furlong"}, 7850.0, ""),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("labels", "density", "expected"), DENSITIES.values(), ids=DENSITIES)
+def test_density_in_another_unit(labels: dict[str, str], density: float, expected: str) -> None:
+    steel = {"young": 210e9 if "length" in labels else 210e3, "poisson": 0.3, "density": density}
+    notes = case_notes(parse_case(pad(units=labels, bodies={"upper": steel, "lower": steel})))
+    assert len(notes) == bool(expected)
+    for note in notes:
+        assert note.startswith("bodies.upper.density, bodies.lower.density: ") and expected in note
+
+
 @pytest.mark.parametrize("backend", ["halfplane", "analytic"])
 def test_notes_of_a_run_without_finite_elements(backend: str) -> None:
     """The pressure over the modulus falls with the root of the modulus, to 3e-6 here."""
@@ -94,6 +119,31 @@ def test_notes_of_a_run_without_finite_elements(backend: str) -> None:
     if backend == "halfplane":
         assert sum("check the units of Young's moduli, loads" in text for text in warnings) == 1
         assert sum("is 2.9e-06, where" in text for text in warnings) == 1
+
+
+@pytest.mark.parametrize(
+    ("found", "expected"),
+    [
+        (1e-6, ["pressure", "earlier", "sliding"]),
+        (1e-3, ["earlier", "slope", "sliding"]),
+        (0.05, ["earlier", "slope", "pressure", "sliding"]),
+        (3.0, ["pressure", "earlier", "sliding"]),
+    ],
+)
+def test_impossible_pressures_are_told_first(found: float, expected: list[str]) -> None:
+    """In place of what else would have units checked."""
+    contact = fretfe.run(parse_case(pad()), "analytic").contacts[0]
+    limits = [
+        ModelLimit("main", "slope", 0.3, 0.1, "angles of this size are not small; " + CHECK_UNITS),
+        ModelLimit("main", PRESSURE, found, 0.02, "strains are not small; " + CHECK_UNITS),
+        ModelLimit("main", "sliding", 0.3, 0.1, "points are paired before deformation"),
+        ModelLimit("other", "slope", 0.3, 0.1, "of another contact"),
+    ]
+    (warned,) = with_limit_warnings([replace(contact, warnings=("earlier",))], limits)
+    words = ("earlier", "slope", "pressure", "sliding")
+    assert [next(word for word in words if word in text) for text in warned.warnings] == expected
+    doubted = "the units of Young's moduli" in "".join(warned.warnings)
+    assert doubted == (expected[0] == "pressure")
 
 
 CIRCLE = np.stack([f(2 * np.pi * np.arange(40) / 40) for f in (np.cos, np.sin)], axis=1)

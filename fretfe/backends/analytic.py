@@ -15,7 +15,7 @@ from fretfe.analytic.partial_slip import PartialSlip, stick_zone_moderate_tensio
 from fretfe.analytic.paths import PolygonPath, permanent_stick_load
 from fretfe.analytic.profiles import Hertz
 from fretfe.analytic.rocking import TiltedContact
-from fretfe.backends.halfplane import size_limit, with_size_errors
+from fretfe.backends.halfplane import size_limits, with_size_errors
 from fretfe.backends.protocol import DEFAULTS, RunOptions, field_obstacles
 from fretfe.case import Case
 from fretfe.contact.march import LARGEST_MOVE, TOLERATED
@@ -233,7 +233,7 @@ class AnalyticBackend:
         options.progress(
             len(problem.history.times) - 1, len(problem.history.times) - 1, "closed form"
         )
-        limits = (size_limit(problem.contact, problem),)
+        limits = tuple(size_limits(summary, problem))
         notes = (*problem.notes, *division_notes(ends), *unlike_notes(case, [summary]))
         if problem.dundurs:
             beta = f"Dundurs' beta = {problem.dundurs:.3g}"

@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import chain
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions, field_obstacles
 from fretfe.case import Case
@@ -20,38 +22,60 @@ from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.step_ends import at_step_ends, division_notes
 from fretfe.halfplane.solver import solve_half_planes
 from fretfe.idealise import HalfPlaneProblem, idealise, obstacles
+from fretfe.idealise.problem import left_out_by_stretch
 from fretfe.results.model import Result
 
-# Error of K_N or K_T from which the factors of half-planes are not those of the bodies.
-LARGEST_SIZE_ERROR = 0.01
+# Error of K_N or K_T from which the factors of half-planes are not those of the bodies, and of the
+# longest slip zone, by what P stretches different bodies, from which its length is not.
+LARGEST_SIZE_ERROR, LARGEST_STRETCH = 0.01, 0.05
 
 
 def with_size_errors(summary: Contact, problem: HalfPlaneProblem) -> Contact:
     """The same contact with error bars that hold the factors of the finite bodies as well."""
-    stations = (_wider(station, problem) for station in summary.stations)
+    stretch = left_out_by_stretch(problem)
+    stations = (_wider(station, problem, *stretch) for station in summary.stations)
     return replace(summary, fronts=fronts_of(stations))
 
 
-def _wider(station: Station, problem: HalfPlaneProblem) -> Station:
+def _wider(station: Station, problem: HalfPlaneProblem, k_t: float, length: float) -> Station:
+    """A station with what the size of the bodies does, and what their stretch does to both."""
     parts = station.k_range_parts
-    size = problem.k_t_error * station.k_t_range
+    size = problem.k_t_error * station.k_t_range + k_t
     parts = replace(parts, discretisation=parts.discretisation + size)
     return replace(
         station,
         k_n_spread=station.k_n_spread + problem.k_n_error * station.k_n,
         k_range_spread=parts.total,
         k_range_parts=parts,
+        slip_zones=tuple(replace(zone, spread=zone.spread + length) for zone in station.slip_zones),
     )
 
 
-def size_limit(contact: str, problem: HalfPlaneProblem) -> ModelLimit:
-    """The larger of the errors of K_N and K_T of a contact that the size of the bodies makes."""
-    return ModelLimit(
-        contact,
+def size_limits(contact: Contact, problem: HalfPlaneProblem) -> Iterator[ModelLimit]:
+    """Errors of a contact that the size of the bodies makes.
+
+    The larger one of K_N and K_T, and between different bodies that of the longest slip zone, or of
+    the half-width without any, by their stretch under P.
+    """
+    yield ModelLimit(
+        contact.name,
         "error of K_N or ΔK_T because the bodies are not half-planes",
         max(problem.k_n_error, problem.k_t_error),
         LARGEST_SIZE_ERROR,
         "the bodies are too low or too narrow for the width of the contact; use the backend 'fem'",
+    )
+    _, change = left_out_by_stretch(problem)
+    if not change:
+        return
+    lengths = [zone.length for each in contact.stations for zone in each.slip_zones]
+    longest = max((each for each in lengths if each > 0), default=contact.half_width[-1])
+    yield ModelLimit(
+        contact.name,
+        "error of the slip zones because P stretches different bodies by different amounts",
+        change / float(longest),
+        LARGEST_STRETCH,
+        "half-planes know nothing of the shear by it, which falls with the size of the bodies; use "
+        "the backend 'fem'",
     )
 
 
@@ -90,7 +114,7 @@ class HalfPlaneBackend:
             beta = f"Dundurs' beta = {problem.dundurs:.3g}"
             notes = (*notes, f"pressure and shear depend on each other ({beta})")
         notes = (*notes, *unlike_notes(case, contacts))
-        limits = (*judged, *(size_limit(each.name, problem) for each in contacts))
+        limits = (*judged, *chain.from_iterable(size_limits(each, problem) for each in contacts))
         solution, contacts = at_step_ends(solution, contacts)
         return Result(
             case=case,

@@ -49,6 +49,8 @@ ROUND_OFF = 1e-13
 # Points of a field without elements that are looked at around each place, by dimension; if those do
 # not surround all places, as in long elements.
 AROUND, FAR_AROUND = {2: 12, 3: 32}, 256
+# Parts of its size that a field may miss a cut by as a part does; farther away it is another unit.
+ELSEWHERE = 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -339,7 +341,7 @@ def _element_weights(
         raise CaseError(
             f"{path}: expected elements at all nodes, found the node at "
             f"{place_text(asked.places[farthest])} away from the nearest of them by "
-            f"{100 * away[farthest]:.3g} % of its size"
+            f"{100 * away[farthest]:.3g} % of its size{_hint(away[farthest])}"
         )
     return weights
 
@@ -388,6 +390,11 @@ def _fault_of(points: Array, local: Array, places: Array) -> str:
         if excess > OUTSIDE:
             return (
                 f"the node at {place_text(places[farthest])} {where} them by "
-                f"{100 * excess:.3g} % of their extent"
+                f"{100 * excess:.3g} % of their extent{_hint(excess)}"
             )
     return ""
+
+
+def _hint(excess: float) -> str:
+    """Likely reason if a field ends so far away from a cut, over its size."""
+    return "; are its coordinates in another unit (factor)?" if excess > ELSEWHERE else ""

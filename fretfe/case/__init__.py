@@ -60,7 +60,7 @@ from fretfe.case.tables import (
     Support,
     Symmetry,
 )
-from fretfe.case.units import Units
+from fretfe.case.units import Units, stiffness_doubts
 
 __all__ = [
     "IS_CRYSTAL",
@@ -121,5 +121,6 @@ __all__ = [
     "parse_case",
     "plane_modulus",
     "stiffness",
+    "stiffness_doubts",
     "unit_vector",
 ]

@@ -11,7 +11,7 @@ from typing import Any, Self
 from pydantic import TypeAdapter, ValidationError, model_validator
 
 from fretfe.case.base import ABAQUS, Table, Text
-from fretfe.case.bodies import AnyBody, Body, Given, OverTemperature
+from fretfe.case.bodies import AnyBody, Given, OverTemperature
 from fretfe.case.messages import complaint, field_problems, found
 from fretfe.case.model import Case, Key
 from fretfe.case.toml_file import read_tables
@@ -24,6 +24,7 @@ from fretfe.case.units import (
     STRESSES,
     TIMES,
     stress_label,
+    unit_doubts,
 )
 from fretfe.errors import CaseError, MeshError
 
@@ -31,10 +32,6 @@ from fretfe.errors import CaseError, MeshError
 PURE = ("poisson", "expansion")
 CONSTANTS = ("young", "poisson", "elastic", "density", "expansion")
 ELASTIC = ("young", "poisson", "elastic")
-# Young's moduli of all materials, in Pa: from soft rubber to five times diamond.
-SOFTEST, STIFFEST = 1e6, 5e12
-# Those of most solids, in Pa, and the units in which they are written.
-USUAL, WRITTEN = (1e9, 1e12), ("Pa", "MPa", "GPa")
 # Bytes, and characters.
 LARGEST_FILE, LONGEST_NAME = 1_000_000, 1000
 
@@ -352,38 +349,4 @@ def _shown(body: Mapping[str, Any]) -> str:
 
 def case_notes(case: Case) -> tuple[str, ...]:
     """Things in a case that a reader of its results should know, in words."""
-    return (*_stiffness_doubts(case), *case.material_notes)
-
-
-def _stiffness_doubts(case: Case) -> Iterator[str]:
-    """Bodies whose stiffness no material has in the unit of the case; one text for equal ones."""
-    unit = STRESSES.get(case.units.stress)
-    alike: dict[float, list[str]] = {}
-    for name, body in case.bodies.items():
-        key, value = _stiffness(body)
-        if unit is not None and not SOFTEST <= value * unit <= STIFFEST:
-            alike.setdefault(value, []).append(f"bodies.{name}.{key}")
-    for value, keys in alike.items():
-        yield f"{', '.join(keys)}: {_stiffness_doubt(case, value)}"
-
-
-def _stiffness_doubt(case: Case, value: float) -> str:
-    label, unit = case.units.stress, STRESSES[case.units.stress]
-    origin = "by [units]" if case.units.model_fields_set else "as [units] is not given"
-    than, bound = ("stiffer", STIFFEST) if value * unit > STIFFEST else ("softer", SOFTEST)
-    text = f"{value:g} is in {label}, {origin}, and no material is {than} than {bound / unit:g} "
-    usual = (each for each in WRITTEN if USUAL[0] <= value * STRESSES[each] <= USUAL[1])
-    if (written := next(usual, None)) is None:
-        return text + label
-    return (
-        f"{text}{label}. In {written} it would be usual: that is "
-        f"{value * STRESSES[written] / unit:g} {label}; or all numbers of the case are in units "
-        f"with {written}, which [units] has to say"
-    )
-
-
-def _stiffness(body: AnyBody) -> tuple[str, float]:
-    """Young's modulus, or of a crystal its largest stiffness, with the key that gives it."""
-    if isinstance(body, Body):
-        return "young", body.young
-    return "elastic", float(body.elastic.stiffness.max())
+    return (*unit_doubts(case), *case.material_notes)

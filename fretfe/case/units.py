@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The table `[units]`, and units of which the labels are known."""
+"""The table `[units]`, units of which the labels are known, and numbers that hardly fit them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Self
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
 from fretfe.case.base import Table, Text
+
+if TYPE_CHECKING:
+    from fretfe.case.bodies import AnyBody
+    from fretfe.case.model import Case
 
 # Millimetres in the units of length that have these labels.
 MILLIMETRES = {
@@ -90,3 +94,90 @@ class Units(Table):
                 f"{found / expected:.6g} of it"
             )
         return self
+
+
+class _Materials(NamedTuple):
+    """A constant of all materials, in SI.
+
+    Attributes:
+        lowest: of it.
+        highest: of it.
+        words: for what is below and above.
+        usual: least and largest of most solids.
+        written: units in which it is found in tables, by their labels.
+    """
+
+    lowest: float
+    highest: float
+    words: tuple[str, str]
+    usual: tuple[float, float]
+    written: Mapping[str, float]
+
+
+# From soft rubber to five times diamond; from foam to osmium.
+STIFFNESS = _Materials(
+    1e6, 5e12, ("softer", "stiffer"), (1e9, 1e12), {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9}
+)
+DENSITY = _Materials(10.0, 25e3, ("lighter", "denser"), (500.0, 25e3), DENSITIES)
+
+
+def stiffness_doubts(case: Case) -> Iterator[str]:
+    """Bodies whose stiffness no material has in the unit of the case, in words."""
+    stiffnesses = {name: _stiffness(body) for name, body in case.bodies.items()}
+    values = {f"bodies.{name}.{key}": value for name, (key, value) in stiffnesses.items()}
+    unit = STRESSES.get(case.units.stress) or _stress(case.units.length, case.units.force)
+    return _doubts(case, values, case.units.stress, unit, STIFFNESS)
+
+
+def unit_doubts(case: Case) -> Iterator[str]:
+    """Constants of bodies that no material has in the units of the case, in words."""
+    yield from stiffness_doubts(case)
+    units = case.units
+    values = {
+        f"bodies.{name}.density": body.density
+        for name, body in case.bodies.items()
+        if body.density is not None
+    }
+    label = f"{units.force}·{units.time}²/{units.length}⁴"
+    unit = None
+    if units.force in FORCES and units.time in TIMES and units.length in METRES:
+        unit = FORCES[units.force] * TIMES[units.time] ** 2 / METRES[units.length] ** 4
+    yield from _doubts(case, values, label, unit, DENSITY)
+
+
+def _stiffness(body: AnyBody) -> tuple[str, float]:
+    """Young's modulus, or of a crystal its largest stiffness, with the key that gives it."""
+    # Imported here: the case, which has bodies, imports this module.
+    from fretfe.case.bodies import Crystal
+
+    if isinstance(body, Crystal):
+        return "elastic", float(body.elastic.stiffness.max())
+    return "young", body.young
+
+
+def _doubts(
+    case: Case, values: Mapping[str, float], label: str, unit: float | None, known: _Materials
+) -> Iterator[str]:
+    """Values by their keys that no material has; one text for equal ones."""
+    alike: dict[float, list[str]] = {}
+    for key, value in values.items():
+        if unit is not None and not known.lowest <= value * unit <= known.highest:
+            alike.setdefault(value, []).append(key)
+    origin = "by [units]" if case.units.model_fields_set else "as [units] is not given"
+    for value, keys in alike.items():
+        assert unit is not None
+        high = value * unit > known.highest
+        bound = (known.highest if high else known.lowest) / unit
+        text = (
+            f"{', '.join(keys)}: {value:g} is in {label}, {origin}, and no material is "
+            f"{known.words[high]} than {bound:g} {label}"
+        )
+        low, most = known.usual
+        fits = (each for each, size in known.written.items() if low <= value * size <= most)
+        if written := next(fits, None):
+            text += (
+                f". In {written} it would be usual: that is "
+                f"{value * known.written[written] / unit:g} {label}; or all numbers of the case "
+                "are in other units, which [units] has to say"
+            )
+        yield text

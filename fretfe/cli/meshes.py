@@ -54,6 +54,7 @@ def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = Fal
 def _print(checked: Checked) -> None:
     from rich.console import Console
 
+    from fretfe.case import stiffness_doubts
     from fretfe.checked import propose
     from fretfe.evaluate.resolution import coarse_contacts
     from fretfe.loads import most_added
@@ -62,7 +63,8 @@ def _print(checked: Checked) -> None:
     case, history = checked.case, checked.history
     console = Console()
     _print_mesh(console, case, checked.mesh)
-    if case.edges.tolerance is None:
+    # Of bodies in another unit, which a note tells, nothing can be expected.
+    if case.edges.tolerance is None and not any(stiffness_doubts(case)):
         for warning in coarse_contacts(case, checked.mesh, history):
             console.print(f"Warning: {warning}", highlight=False, markup=False)
     for body in checked.definition.bodies:

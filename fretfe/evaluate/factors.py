@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import astuple, dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -35,29 +35,22 @@ from fretfe.evaluate.plane.full_stick_fit import OVERHANG, effective_edges, full
 from fretfe.evaluate.plane.pressure_fit import (
     FEWEST_NODES,
     RISEN,
-    WINDOW,
     EdgeFit,
-    MissingShear,
     fit_edge,
 )
 from fretfe.evaluate.plane.section import (
     PLANE_FRONTS,
     PlaneFront,
-    Section,
     main_patch,
     plane_sections,
 )
 from fretfe.history.solution import ContactHistory, Factor, Solution
-from fretfe.history.state_array import MOST_STATES, blocks
+from fretfe.history.state_array import MOST_STATES
 
-# Iterations for what missing shear does to the pressure, which hardly depends on where the edge is.
-MISSING_ITERATIONS = 2
 # Edges that move less than this fraction of the surface between two loads do not tell anything.
 SMALLEST_MOVE = 1e-6
 # Nodes in contact that factors and useful error bars need: as many as fits to full stick.
 WANTED_NODES = 16
-# Nodes whose shear over pressure tells which way an edge slips.
-NEXT_TO_EDGE = 3
 # Between unlike bodies K_T and K_I are those at these parts of the reference length: with K_N at
 # the length of the slip zone (11) then holds to first order in f beta. K_N(d) exceeds that of the
 # mean of both ends of the cycle by (2 - 2 ln 2) f beta/pi, and that has f d K_N = dK_T + f dK_I(d)
@@ -75,94 +68,6 @@ ROUND_OFF = 1e-9
 # The edge of a discrete contact area may lie anywhere in an element, half of it to either side with
 # equal chance: nineteen of twenty are nearer than this.
 WITHIN_ELEMENT = 0.475
-
-
-def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
-    """Position and K_N with their spreads at each front; NaN where they cannot be fitted.
-
-    Args:
-        contact: one contact.
-        source: (T,) the state that each state is the same as.
-    """
-    states = np.unique(source)
-    couple = MissingShear(contact.arc, contact.dundurs) if contact.dundurs else None
-    parts = np.full((len(PLANE_FRONTS), len(fields(EdgeFit)), len(states)), np.nan)
-    for block in blocks(len(states), contact.traction[0].size):
-        pressure, shear = np.moveaxis(contact.traction[states[block]], 2, 0)[:2]
-        fitted = np.count_nonzero(pressure > 0, axis=1) >= FEWEST_NODES
-        there = block.start + np.flatnonzero(fitted)
-        sections = plane_sections(contact.arc, pressure[fitted])
-        for front, section in zip(PLANE_FRONTS, sections, strict=True):
-            if couple is not None:
-                fit = _unlike_fit(contact, couple, front, pressure[fitted], shear[fitted])
-            else:
-                fit = fit_edge(section, solved=True)
-            parts[front.number][:, there] = astuple(fit)
-    known = parts[..., np.searchsorted(states, source)]
-    return tuple(EdgeFit(*front) for front in known)
-
-
-def _unlike_fit(
-    contact: ContactHistory,
-    couple: MissingShear,
-    front: PlaneFront,
-    pressure: Array,
-    shear: Array,
-) -> EdgeFit:
-    """Fit at an edge between unlike bodies, with the exponent by the way the edge slips.
-
-    Args:
-        contact: one contact.
-        couple: of its nodes.
-        front: of the edge.
-        pressure: (T, n) of T states.
-        shear: (T, n)
-    """
-    section, across = (
-        plane_sections(contact.arc, pressure, each)[front.number] for each in (pressure, shear)
-    )
-    ratio = _shear_over_pressure(section, across)
-    exponent = sliding_exponent(contact.dundurs, front.inward * ratio)
-    missing = front.inward * (shear - ratio[:, None] * pressure)
-    # The status of the outermost node means nothing.
-    missing[contact.arc == section.origin[:, None]] = 0.0
-    fit = fit_edge(section, solved=True, exponent=exponent)
-
-    def without(missing: Array) -> EdgeFit:
-        coupled = couple.pressure(missing, exponent, front, fit.position)
-        alone = np.where(pressure > 0, np.maximum(pressure - coupled, 0.0), 0.0)
-        section = plane_sections(contact.arc, pressure, alone)[front.number]
-        return fit_edge(section, solved=True, exponent=exponent)
-
-    for _ in range(MISSING_ITERATIONS):
-        fit = without(missing)
-    # What is between the nodes is as good as what they tell without every other one.
-    coarser = [without(_without_every_other(contact.arc, missing, first)) for first in (1, 2)]
-    position, k_n = (
-        np.fmax.reduce([np.abs(getattr(each, name) - getattr(fit, name)) for each in coarser])
-        for name in ("position", "k_n")
-    )
-    return replace(
-        fit,
-        spread_position=np.hypot(fit.spread_position, position),
-        spread_k_n=np.hypot(fit.spread_k_n, k_n),
-    )
-
-
-def _without_every_other(x: Array, values: Array, first: int) -> Array:
-    """(T, n) values at nodes x (n,), linear over every other inner one of them from the first."""
-    left = (x[first + 1 :: 2] - x[first:-1:2]) / (x[first + 1 :: 2] - x[first - 1 : -2 : 2])
-    found = values.copy()
-    found[:, first:-1:2] = (
-        left * values[:, first - 1 : -2 : 2] + (1 - left) * values[:, first + 1 :: 2]
-    )
-    return found
-
-
-def _shear_over_pressure(pressure: Section, shear: Section) -> Array:
-    """(T,) mean ratio of shear to pressure next to the edge, without the outermost node."""
-    near = slice(1, NEXT_TO_EDGE + 1)
-    return np.asarray(shear.values[:, near].sum(axis=1) / pressure.values[:, near].sum(axis=1))
 
 
 def add_up(
@@ -653,19 +558,23 @@ class FactorHistories:
         return replace(self, ways=turned(self.ways), fitted=fitted)
 
 
-def pressed_on(factors: Array, friction: Array, cycle: Indices) -> bool:
+def pressed_on(
+    factors: Array, dundurs: float, length: float, friction: Array, cycle: Indices
+) -> bool:
     """True if P alone drives an edge: there is no cycle, and K_T grows by less than f K_I.
 
     Args:
-        factors: (T, d) of the edge, between unlike bodies at a length of its own width, where P
-            adds nothing to K_T.
+        factors: (T, d) of the edge, between unlike bodies at the length 1.
+        dundurs: beta.
+        length: at which P adds nothing to K_T of unlike bodies, about the width of the contact.
         friction: (T,) coefficient in the step that ends at each state.
         cycle: states of the evaluated cycle.
     """
     if len(cycle) or not friction.any():
         return False
+    own = factors_at(factors, dundurs, length / K_T_LENGTH) if dundurs else factors
     begin = max(int(np.argmax(friction > 0)) - 1, 0)
-    known = factors[begin:][np.isfinite(factors[begin:]).all(axis=1)]
+    known = own[begin:][np.isfinite(own[begin:]).all(axis=1)]
     if not len(known):
         return False
     ranges = np.ptp(known, axis=0)
@@ -699,11 +608,22 @@ def reference_length(
             break
         shear = factors_at(factors, contact.dundurs, length)[:, Factor.K_T :]
         reach = float(np.ptp(shear[states] @ main_direction(shear, cycle)[0]))
-        found = share * reach / (friction * fit.at(length, WINDOW).k_n[states[-1]])
+        found = share * reach / (friction * fit.told(length)[states[-1]])
         if not SMALLEST_MOVE * half_width < found < half_width:
             break
         length = float(found)
     return length
+
+
+def sliding_apart(contact: ContactHistory, direction: Array) -> float:
+    """|lambda - 1/2| where an edge between unlike bodies slides.
+
+    Args:
+        contact: whose edge it is.
+        direction: (2,) of the slip, as of `main_direction`: its inward part meets the pressure.
+    """
+    slope = float(contact.friction.max() * direction[0])
+    return float(abs(sliding_exponent(contact.dundurs, slope) - 0.5))
 
 
 def reversed_share(along: Array, cycle: Indices) -> Array:

@@ -31,9 +31,11 @@ LARGEST_SLIDING = 0.1
 # Linear elasticity leaves out terms of the order of the strain; 2 % is beyond the yield strain of
 # nearly all metals.
 LARGEST_STRAIN = 0.02
-# What is measured of that. Below 1e-5, 2 MPa between steels, units are doubted: fretting contacts
-# have a hundred times as much.
-PRESSURE, SMALLEST_STRAIN = "largest pressure over the plane modulus", 1e-5
+# What is measured of that. Below 1e-5, 2 MPa between steels, and above a tenth units are doubted:
+# fretting contacts have 1e-4 to 1e-2.
+PRESSURE, DOUBTED = "largest pressure over the plane modulus", (1e-5, 0.1)
+# How limits end beyond which units may be wrong.
+CHECK_UNITS = "check units and loads"
 # What `fem` calls the limit of how far bodies turn.
 ROTATION = "rotation of a body at the contact"
 # Gap that sliding along turned surfaces opens, over the approach of the bodies.
@@ -71,8 +73,9 @@ class ModelLimit:
 
     @property
     def doubtful(self) -> bool:
-        """True if the quantity is so small that a unit is likely to be wrong."""
-        return self.quantity == PRESSURE and 0 < self.found < SMALLEST_STRAIN
+        """True if the quantity is so small or large that a unit is likely to be wrong."""
+        least, most = DOUBTED
+        return self.quantity == PRESSURE and (0 < self.found < least or self.found > most)
 
     @property
     def verdict(self) -> str:
@@ -87,7 +90,7 @@ class ModelLimit:
         if self.doubtful:
             return (
                 f"the {self.quantity} is {self.found:.2g}, where fretting contacts have 1e-4 to "
-                "1e-2: check the units of Young's moduli, loads and lengths"
+                "1e-2: check the units of Young's moduli, loads and lengths before anything else"
             )
         return (
             f"outside the model: {self.quantity} is {self.found:.2g}, expected at most "
@@ -98,12 +101,21 @@ class ModelLimit:
 def with_limit_warnings(
     contacts: Iterable[Contact], limits: Iterable[ModelLimit]
 ) -> tuple[Contact, ...]:
-    """The contacts with a warning for each of their limits that is exceeded, or a unit in doubt."""
+    """The contacts with a warning for each of their limits that is exceeded.
+
+    A unit that is doubted is told first, in place of those that say so as well.
+    """
     told = [limit for limit in limits if limit.exceeded or limit.doubtful]
 
     def warned(contact: Contact) -> Contact:
-        own = tuple(limit.warning for limit in told if limit.contact == contact.name)
-        return replace(contact, warnings=contact.warnings + own)
+        own = [limit for limit in told if limit.contact == contact.name]
+        doubtful = tuple(limit.warning for limit in own if limit.doubtful)
+        others = tuple(
+            limit.warning
+            for limit in own
+            if not (doubtful and (limit.doubtful or CHECK_UNITS in limit.consequence))
+        )
+        return replace(contact, warnings=(*doubtful, *contact.warnings, *others))
 
     return tuple(warned(each) for each in contacts)
 
@@ -130,7 +142,7 @@ def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:
         PRESSURE,
         extent.pressure / modulus,
         LARGEST_STRAIN,
-        "strains of this size are not small; check units and loads",
+        f"strains of this size are not small; {CHECK_UNITS}",
     )
 
 

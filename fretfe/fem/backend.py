@@ -12,7 +12,7 @@ import numpy as np
 import scipy.linalg
 
 from fretfe.backends.protocol import DEFAULTS, Processes, RunOptions, Session
-from fretfe.case import Case
+from fretfe.case import Case, stiffness_doubts
 from fretfe.environment import (
     address_room,
     idle_cores,
@@ -159,7 +159,9 @@ def _load(case: Case, options: RunOptions) -> Mesh:
     mesh = (options.mesh or load_mesh)(case)
     unknowns = count_unknowns(mesh, case.model.degree, case.components(mesh.dimension))
     options.announce(f"mesh: {unknowns} unknowns; the bodies are condensed before the first step")
-    for warning in coarse_contacts(case, mesh, options.history or build_history(case)):
+    expected = coarse_contacts(case, mesh, options.history or build_history(case))
+    # Of bodies in another unit nothing can be expected.
+    for warning in tuple(stiffness_doubts(case)) or expected:
         options.announce(f"Warning: {warning}")
     return mesh
 

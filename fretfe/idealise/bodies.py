@@ -42,6 +42,13 @@ K_N_BY_HEIGHT, K_N_BY_WIDTH = 0.25, 0.14
 K_T_BY_HEIGHT, K_T_BY_WIDTH = 0.1, 0.7
 
 
+# Tension along the surface of a body under the contact that a half-plane does not have, over P by
+# its height or half-width, the larger one. Finite elements of blocks on a smooth or rough base: .48
+# and .40 of the former where they are half and as high as half of their width, .29 to .33 of the
+# latter where they are higher; a disc 1/pi.
+STRETCH_BY_HEIGHT, STRETCH_BY_WIDTH = 0.5, 0.3
+
+
 @dataclass(frozen=True)
 class Block:
     """A template as far as half-planes know it: its profile and the size of its bodies.
@@ -77,6 +84,19 @@ class Block:
             K_N_BY_HEIGHT * low + K_N_BY_WIDTH * narrow,
             K_T_BY_HEIGHT * low + K_T_BY_WIDTH * narrow,
         )
+
+    def stretch(self, *moduli: float) -> float:
+        """Bulk tension by a unit of P, as P stretches the lower body by more than the upper one.
+
+        Args:
+            moduli: plane moduli of the upper and the lower body.
+        """
+        sizes = zip(self.heights, self.half_widths, moduli, strict=True)
+        upper, lower = (
+            max(STRETCH_BY_HEIGHT / height, STRETCH_BY_WIDTH / half_width) / modulus
+            for height, half_width, modulus in sizes
+        )
+        return 2 * self.profile.e_star * (lower - upper)
 
 
 def _cylinder(values: Mapping[str, float], e_star: float) -> Profile:

@@ -240,6 +240,9 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
         dundurs=coupled_beta(case, name, UPPER, LOWER),
         guided=guided(case) and coupled_beta(case, name, UPPER, LOWER) != 0,
         between=_between(case, history, block),
+        stretch=block.stretch(
+            *(plane_modulus(case.bodies[each], case.model.plane) for each in (UPPER, LOWER))
+        ),
         notes=(),
     )
     problem.require_partial_slip()

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields, replace
 
@@ -40,6 +41,8 @@ class HalfPlaneProblem:
             does: the moment is then a reaction.
         between: (T-1, S, 4) P, Q, M and sigma0 within the steps, as `History.between`; None if they
             are straight lines there.
+        stretch: bulk tension by a unit of P, as finite bodies stretch by different amounts under
+            it; it is left out.
         k_n_error, k_t_error: relative errors of K_N and K_T to expect because the bodies of the
             case are finite.
         notes: what was assumed, in words.
@@ -59,6 +62,7 @@ class HalfPlaneProblem:
     dundurs: float = 0.0
     guided: bool = False
     between: Array | None = None
+    stretch: float = 0.0
     k_n_error: float = 0.0
     k_t_error: float = 0.0
     notes: tuple[str, ...] = ()
@@ -135,6 +139,23 @@ class HalfPlaneProblem:
     def _sheared(self) -> Bools:
         """(T,) whether a shear force acts that is not round-off."""
         return np.abs(self.shear_force) > 1e-12 * self.normal_force.max()
+
+
+def left_out_by_stretch(problem: HalfPlaneProblem) -> tuple[float, float]:
+    """Range of K_T by `HalfPlaneProblem.stretch`, and by how much slip zones change with it.
+
+    P matters as far as it varies while there is friction: in the cycle, or until the end without
+    one. The lengths are those of (8') or (9) of the theory guide, with K_N of the last state.
+    """
+    cycle, friction = problem.history.cycle, problem.friction
+    if not friction.any():
+        return 0.0, 0.0
+    begin, last = cycle or (max(int(np.argmax(friction > 0)) - 1, 0), len(friction) - 1)
+    edges = contact_edges(problem)
+    a = float(edges.right[last] - edges.left[last]) / 2
+    change = abs(problem.stretch) * float(np.ptp(problem.normal_force[begin : last + 1]))
+    k_t, k_n = change / 4 * math.sqrt(a / 2), min(edges.k_n_left[last], edges.k_n_right[last])
+    return k_t, (1 if cycle else 2) * k_t / float(friction[last] * k_n)
 
 
 def contact_edges(problem: HalfPlaneProblem) -> TiltedContact:

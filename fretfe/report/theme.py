@@ -220,6 +220,20 @@ def plain_axis(axes: Axes, which: str) -> None:
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
 
 
+def say(axes: Axes, text: str) -> None:
+    """A text in the middle of axes that show nothing else."""
+    style: Any = {"ha": "center", "va": "center", "bbox": {"fc": "white", "ec": "none"}}
+    axes.text(0.5, 0.5, text, transform=axes.transAxes, **style)
+
+
+def say_if_unknown(axes: Axes, least: int = 1) -> None:
+    """Say so in axes none of whose lines has so many known values; their numbers mean nothing."""
+    values = (np.asarray(line.get_ydata(), dtype=float) for line in axes.lines)
+    if max((np.count_nonzero(np.isfinite(each)) for each in values), default=0) < least:
+        say(axes, "unknown: the warnings say why")
+        axes.set_yticks([])
+
+
 def finish_edge_column(
     column: Sequence[Axes], title: str, limits: tuple[float, float], length: str
 ) -> None:

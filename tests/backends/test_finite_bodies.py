@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import pytest
-from pad_cases import cylinder, pad
+from pad_cases import STEEL, cylinder, pad, press
 
 from fretfe.backends import find_backend
 from fretfe.case import parse_case
@@ -12,6 +12,7 @@ from fretfe.quality.validation import summary, validate
 
 HALF_WIDTH = 0.5749
 QUANTITY = "error of K_N or ΔK_T because the bodies are not half-planes"
+STRETCH = "error of the slip zones because P stretches different bodies by different amounts"
 # K_N of finite elements with the lower body so many half-widths high, over that of one 42 high.
 K_N_BY_HEIGHT = {3.0: 1.0256}
 
@@ -37,3 +38,47 @@ def test_large_bodies_pass(backend: str) -> None:
     limit = result.limits[-1]
     assert limit.quantity == QUANTITY and limit.found < 0.004
     assert not any("outside the model" in text for text in result.contacts[0].warnings)
+
+
+# Slip zones over the half-width of bodies so many half-widths wide and twice as high that are
+# pressed on against f = .05: titanium on steel by finite elements, and by half-planes.
+BY_WIDTH = {18: 0.123, 75: 0.169}
+OF_HALF_PLANES = 0.190
+
+
+@pytest.mark.parametrize("widths", BY_WIDTH)
+def test_unlike_bodies_stretch_under_p(widths: int) -> None:
+    """The change is told, warned of, and in the error bars of the slip zones."""
+    half_width = 0.68
+    sizes = {
+        f"{body}_{side}": times * widths * half_width
+        for body in ("upper", "lower")
+        for side, times in (("width", 1), ("height", 2))
+    }
+    tables = pad(
+        geometry=cylinder(**sizes),
+        bodies={"upper": {"young": 114e3, "poisson": 0.34}, "lower": STEEL},
+        loads={"press": press(steps=10)},
+    )
+    tables["contacts"]["main"] = {**tables["contacts"]["main"], "friction": 0.05}
+    del tables["contacts"]["main"]["friction_from"]
+    result = find_backend("halfplane").solve(parse_case(tables))
+    (contact,), limit = result.contacts, result.limits[-1]
+    longest = max(station.slip_zones[-1].length for station in contact.stations)
+    change = limit.found * longest / contact.half_width[-1]
+    assert limit.quantity == STRETCH
+    assert change == pytest.approx(OF_HALF_PLANES - BY_WIDTH[widths], rel=0.25)
+    warned = any(STRETCH in text for text in contact.warnings)
+    assert limit.exceeded == warned == (widths == 18)
+    for station in contact.stations:
+        assert station.slip_zones[-1].spread > change * contact.half_width[-1]
+
+
+def test_stretch_matters_as_far_as_p_varies_with_friction() -> None:
+    """Not where P is constant in the cycle, nor between bodies that stretch alike."""
+    unlike = pad(bodies={"upper": {"young": 114e3, "poisson": 0.34}, "lower": STEEL})
+    alike = pad()
+    del alike["contacts"]["main"]["friction_from"]
+    for tables in (unlike, alike):
+        result = find_backend("halfplane").solve(parse_case(tables))
+        assert STRETCH not in [each.quantity for each in result.limits]

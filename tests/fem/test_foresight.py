@@ -13,9 +13,11 @@ import tomli_w
 from pad_cases import STEEL, TOP, cylinder, pad, pad_text, press, shear
 from typer.testing import CliRunner
 
+from fretfe import checked
 from fretfe.analytic.profiles import FlatRounded
 from fretfe.backends.protocol import Observer, RunOptions
 from fretfe.case import load_case, parse_case
+from fretfe.checked import check, propose
 from fretfe.cli.app import app
 from fretfe.evaluate.resolution import (
     BAR_TIMES_ELEMENTS,
@@ -161,6 +163,23 @@ def test_check_proposes_a_size_with_its_memory(tmp_path: Path) -> None:
     assert "geometry.parameters.size = 0.08 is likely to be small enough" in out
 
 
+def test_much_finer_elements_are_not_meshed_to_see_what_they_take(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Meshing them may take hours, as with a load or a stiffness in another unit."""
+    geometry = {"template": "sphere", "parameters": {"size": 0.3, "growth": 0.7}}
+    light = {**SOLIDS, "geometry": geometry, "loads": {"press": press(0.29)}}
+    case = check(parse_case(light))
+    pascals = {name: {**STEEL, "young": 210e9} for name in ("upper", "lower")}
+    doubted = check(parse_case({**SOLIDS, "geometry": geometry, "bodies": pascals}))
+    assert case is not None and doubted is not None
+    monkeypatch.setattr(checked, "check", None)
+    (text,) = propose(case)
+    assert re.search(r"what that takes was not looked at, as .*size is \d\d times as large", text)
+    assert list(propose(doubted)) == []
+    assert any("In Pa it would be usual" in note for note in doubted.notes)
+
+
 def test_a_fine_sphere_and_the_dovetail_of_solids_are_quiet() -> None:
     assert (
         foreseen({**SOLIDS, "geometry": {"template": "sphere", "parameters": {"size": 0.1}}}) == []
@@ -198,3 +217,18 @@ def test_check_and_run_say_it_first(tmp_path: Path) -> None:
     BACKEND.solve(load_case(path), RunOptions(observer=observer))
     said = ["Warning: contact main: about 5 nodes" in text for text in observer.texts]
     assert said.count(True) == 1 and observer.before_steps == len(observer.texts)
+
+
+def test_a_doubtful_stiffness_is_said_in_place_of_what_follows_from_it(tmp_path: Path) -> None:
+    path = tmp_path / "pad.toml"
+    pascals = {**STEEL, "young": 210e9}
+    geometry = cylinder(size=0.25)
+    path.write_text(pad_text(geometry=geometry, bodies={"upper": pascals, "lower": pascals}))
+    shown = " ".join(CliRunner().invoke(app, ["check", str(path)]).stdout.split())
+    assert "nodes in contact expected" not in shown
+    assert shown.count("bodies.upper.young, bodies.lower.young: 2.1e+11 is in MPa") == 1
+    observer = Announced()
+    result = BACKEND.solve(load_case(path), RunOptions(observer=observer))
+    for texts in (observer.texts, result.notes):
+        assert sum("2.1e+11 is in MPa" in text for text in texts) == 1
+    assert not any("nodes in contact expected" in text for text in observer.texts)

@@ -183,6 +183,10 @@ def test_unlike_spheres_slip_from_the_edge_inward() -> None:
     contact, _ = pressed_sphere(size, friction, 10)
     found = np.sqrt(contact.stick_area[-1] / contact.contact_area[-1])
     assert found == pytest.approx(exact, abs=size / 2)
+    for station in contact.fronts[0].stations:
+        (zone,) = station.slip_zones  # of the last step, which formulas of shear do not predict
+        assert np.isnan(zone.prediction)
+        assert abs(zone.length - (1 - exact)) < zone.spread
 
 
 @cache
@@ -207,12 +211,15 @@ def test_a_slice_has_the_factors_of_the_plane() -> None:
         assert not deep.end
         for name in ("k_range", "k_i_range"):
             assert getattr(deep, name) == pytest.approx(getattr(flat, name), rel=0.01)
-        for one, other in zip(flat.slip_zones[-2:], deep.slip_zones[-2:], strict=True):
-            # Off by 3 |lambda - 1/2| of either sign: fits reach beyond four elements.
-            difference = deep.k_n[other.end] - flat.k_n[one.end]
-            assert abs(difference) < deep.k_n_spread[other.end] < 0.06 * flat.k_n[one.end]
     # By elements of a/160, in the steady cycle; the middle of both directions is .2254.
     lengths = [[zone.local for zone in each.slip_zones[-2:]] for each in solid]
     bars = [[zone.local_spread for zone in each.slip_zones[-2:]] for each in solid]
     fine = np.array([[0.2155, 0.2354], [0.2354, 0.2155]])
     assert np.all(np.abs(lengths - fine) < bars)
+    # Likewise, in two cycles. Beta makes 2.4 % of difference.
+    ends = [[zone.end for zone in each.slip_zones[-2:]] for each in solid]
+    k_n = np.array([each.k_n[end] for each, end in zip(solid, ends, strict=True)])
+    widths = np.array([each.k_n_spread[end] for each, end in zip(solid, ends, strict=True)])
+    exact = np.array([[2885.8, 2955.2], [2955.2, 2885.8]])
+    np.testing.assert_allclose(k_n, exact, rtol=0.006)
+    assert np.all(np.abs(k_n - exact) < widths) and np.all(widths < 0.025 * exact)

@@ -17,7 +17,8 @@ from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation, sliding_exponent
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import parse_case
-from fretfe.evaluate.factors import edge_fits, half_plane_units
+from fretfe.evaluate.factors import half_plane_units
+from fretfe.evaluate.plane.edge_fits import edge_fits
 from fretfe.evaluate.plane.pressure_fit import WINDOW
 from fretfe.evaluate.verdicts import AGREES, last_verdict
 from fretfe.halfplane import solve_half_planes
@@ -256,9 +257,10 @@ def test_error_bars_of_edges_hold_with_few_elements_to_a_slip_zone() -> None:
     for beta in (0.12, -0.2):
         finer, *others = (solve(unlike(given, beta), count) for count in (160, 24, 32, 40, 60))
         reversals = np.array([-5, -1]) + len(finer.traction)
-        known = [fit.at(zone, WINDOW) for fit in edge_fits(finer, reversals)]
+        sliding = float(abs(sliding_exponent(beta, 0.5) - 0.5))
+        known = [fit.at(zone, WINDOW, sliding) for fit in edge_fits(finer, reversals)]
         for contact in others:
-            fits = [fit.at(zone, WINDOW) for fit in edge_fits(contact, reversals)]
+            fits = [fit.at(zone, WINDOW, sliding) for fit in edge_fits(contact, reversals)]
             for fit, exact in zip(fits, known, strict=True):
                 bar = np.hypot(fit.spread_position, exact.spread_position)
                 held.append(np.abs(fit.position - exact.position) < bar)

@@ -11,13 +11,15 @@ import sys
 from dataclasses import dataclass, field, replace
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
-from pad_cases import pad
+from pad_cases import STEEL, pad
 from plots import whole_plots
 from stored_runs import REASON, RUNS, edit_numbers, solved, write_many_contacts, write_run
 
-from fretfe.case import parse_case
+from fretfe.case import contact_modulus, parse_case
 from fretfe.errors import OutputError
 from fretfe.evaluate.refinement import Pass, Refinement, StationValues, edge_changes
 from fretfe.report.page.html import (
@@ -26,6 +28,7 @@ from fretfe.report.page.html import (
     SOLID_TERMS,
     TERMS,
     Glossary,
+    Plots,
     render,
     write_report,
 )
@@ -110,6 +113,44 @@ def test_page_is_one_file_that_loads_nothing(pages: dict[str, str], name: str) -
     assert page.tags.count("table") >= 5
     assert ("gives no tractions along the contact" in pages[name]) == (not arrays)
     assert ("Not all load steps were solved" in pages[name]) == (name == "incomplete")
+
+
+@pytest.mark.parametrize(
+    ("upper", "row", "beta"),
+    [
+        (
+            {
+                "elastic": {"cubic": [252e3, 161e3, 131e3]},
+                "orientation": {"z": [0, 0, 1], "x": [2, 1, 0]},
+            },
+            [
+                *("cubic crystal", "c11 = 2.52e5, c12 = 1.61e5, c44 = 1.31e5"),
+                *("[1 0.5 0]", "[-0.5 1 0]", "[0 0 1]"),
+            ],
+            "±",
+        ),
+        (
+            {"young": 114e3, "poisson": 0.34},
+            ["isotropic", "E = 1.14e5, ν = 0.34"],
+            "-0.0531",
+        ),
+    ],
+    ids=["crystal", "titanium"],
+)
+def test_bodies_and_pairs(tmp_path: Path, upper: dict[str, Any], row: list[str], beta: str) -> None:
+    tables = pad(bodies={"upper": upper, "lower": STEEL})
+    write_run(tmp_path, "halfplane", parse_case(tables))
+    page = Page(render(tmp_path, Plots((), ())))
+    first, second = page.rows("Bodies")
+    assert first == ["upper", *row]
+    # Axes are those of crystals.
+    assert second == ["lower", "isotropic", "E = 2.1e5, ν = 0.3", *["-"] * (len(row) - 2)]
+    ((*names, modulus, found),) = page.rows("Pairs")
+    assert names == ["main", "upper on lower", "0.4"]
+    assert found.startswith(beta)
+    pair = parse_case(tables).bodies
+    expected = contact_modulus(pair["upper"], pair["lower"], "strain", np.array([0.0, 1.0]))
+    assert float(modulus) == pytest.approx(expected, rel=1e-3)
 
 
 def test_terms_of_the_tables_are_explained_below(pages: dict[str, str]) -> None:
@@ -351,6 +392,7 @@ class Block:
             raise ImportError(f"{name} is blocked in this test")
 sys.meta_path.insert(0, Block())
 from pathlib import Path
+from typing import Any
 from fretfe.report.page.html import write_report
 print(write_report(Path(sys.argv[1])))
 """

@@ -5,19 +5,31 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from plots import whole_plots
 from stored_runs import write_run
 
 from fretfe.analytic.partial_slip import hertz_dissipation
 from fretfe.analytic.profiles import Hertz, composite_modulus
+from fretfe.history.solution import OPEN, STICK
+from fretfe.report import theme
 from fretfe.report.figures.edges import _near, _stuck_change
-from fretfe.report.figures.history import _tension_varies, loop_area, without_slope, work_loop_plots
-from fretfe.report.figures.tractions import slip_plot
+from fretfe.report.figures.history import (
+    _middle,
+    _tension_varies,
+    draw_factors,
+    draw_loads,
+    loop_area,
+    without_slope,
+    work_loop_plots,
+)
+from fretfe.report.figures.tractions import _limits, slip_plot
 from fretfe.report.source import Shown, shown_contacts
 from fretfe.report.texts import number, percent, with_error
 from fretfe.report.theme import make_plot
@@ -111,6 +123,38 @@ def test_loop_of_the_boundary_has_the_area_of_the_friction_work(run: Result) -> 
     assert "equal up to the size of the load steps" in plot.caption
 
 
+@pytest.mark.parametrize(
+    ("values", "middle"),
+    [([-0.0192966, -0.0192964], -0.0193), ([0.0, 1e-3], 0.0), ([2.0, 2.1], 0.0), ([0.0, 0.0], 0.0)],
+)
+def test_middle_of_values_that_hardly_differ(values: list[float], middle: float) -> None:
+    assert _middle(np.array(values)) == middle
+
+
+def test_ticks_of_a_boundary_whose_force_is_held(
+    run: Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They differ, although its displacement hardly does."""
+    solution, figures = run.solution, []
+    assert solution is not None
+    forces, amplitudes = np.array(solution.forces), np.array(solution.amplitudes)
+    forces[:, 0] = -2900.0
+    amplitudes[:, 0] = -0.01929655 + 1e-7 * np.sin(2 * np.pi * run.loads.times)
+
+    def keep(figure: Figure, key: str) -> str:
+        figures.append(figure)
+        return "<svg></svg>"
+
+    monkeypatch.setattr(theme, "_svg", keep)
+    work_loop_plots(replace(run, solution=replace(solution, forces=forces, amplitudes=amplitudes)))
+    left, _ = figures[0].axes
+    figures[0].draw_without_rendering()
+    ticks = [each.get_text() for each in left.get_xticklabels()]
+    assert len(set(ticks)) == len(ticks) > 2
+    assert left.get_xlabel() == "displacement plus 0.0193 [mm]"
+    assert [each.get_text() for each in left.get_yticklabels()] == ["-2900"]
+
+
 def test_tension_of_round_off_is_not_shown(run: Result) -> None:
     contact = run.contacts[0]
     assert not _tension_varies(run, contact)
@@ -121,6 +165,57 @@ def test_map_has_pixels_and_both_directions_of_slip(shown: Shown) -> None:
     assert plot.svg.count("data:image/png;base64,") == 3
     # Their colours stand in the legend as paths.
     assert all(colour in plot.svg for colour in ("#56b4e9", "#d55e00"))
+
+
+def texts(axes: Axes) -> list[str]:
+    return [each.get_text() for each in axes.texts]
+
+
+def test_names_of_loads_stand_above_their_panels_and_ticks_are_plain_numbers(run: Result) -> None:
+    """A load that is held has no ticks but 0; no factor stands aside."""
+    values = np.stack([0 * run.loads.times, 2.5e5 * run.loads.times], axis=1)
+    loads = {f"{key}_of_a_long_name": run.case.loads["press"] for key in ("held", "ramp")}
+    case = run.case.model_copy(update={"loads": loads})
+    figure = draw_loads(case, replace(run.loads, channels=tuple(loads), values=values))
+    held, ramp = figure.axes
+    assert [each.get_title(loc="left") for each in figure.axes] == [*loads]
+    assert [each.get_ylabel() for each in figure.axes] == ["[N]", "[N]"]
+    assert held.get_yticks().tolist() == [0.0]
+    figure.draw_without_rendering()
+    assert ramp.yaxis.get_offset_text().get_text() == ""
+    assert "200000" in [each.get_text() for each in ramp.get_yticklabels()]
+
+
+@pytest.mark.parametrize("known", [{"left", "right"}, {"left"}, set()], ids=str)
+def test_factors_that_are_unknown_are_said_to_be(run: Result, known: set[str]) -> None:
+    """The state from which they are counted has 0 in any case."""
+    (contact,) = run.contacts
+    lost = np.where(np.arange(len(run.loads.times)) == 5, 0.0, np.nan)
+    fronts = tuple(
+        front
+        if front.name in known
+        else replace(
+            front, stations=tuple(replace(each, k_t=lost, k_n=lost) for each in front.stations)
+        )
+        for front in contact.fronts
+    )
+    figure = draw_factors(run.case, run.loads, (replace(contact, fronts=fronts),))
+    labels = figure.axes[0].get_legend_handles_labels()[1]
+    assert [label.endswith(", unknown") for label in labels] == [
+        side not in known for side in ("left", "right")
+    ]
+    for axes in figure.axes:
+        assert texts(axes) == ([] if known else ["unknown: the warnings say why"])
+        assert bool(len(axes.get_yticks())) == bool(known)
+
+
+def test_a_contact_of_one_node_has_room_around_it(shown: Shown) -> None:
+    status = np.full(shown.tractions.status.shape, OPEN)
+    status[:, 7] = STICK
+    alone = replace(shown, tractions=replace(shown.tractions, status=status))
+    low, high = _limits(alone, np.array([np.nan]))
+    place, arc = shown.tractions.arc[7], shown.tractions.arc
+    assert low < place < high and high - low == pytest.approx(0.08 * np.ptp(arc), rel=0.5)
 
 
 def draw(figure: Figure) -> None:

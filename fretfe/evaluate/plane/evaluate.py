@@ -36,7 +36,6 @@ from fretfe.evaluate.factors import (
     add_up,
     along_line,
     cycle_range,
-    edge_fits,
     edge_movement,
     factors_at,
     load_path,
@@ -45,11 +44,13 @@ from fretfe.evaluate.factors import (
     range_spreads,
     reference_length,
     reversed_share,
+    sliding_apart,
     uneven_share,
     with_moved,
     within_known,
 )
 from fretfe.evaluate.numerics import count_up, last_known
+from fretfe.evaluate.plane.edge_fits import edge_fits
 from fretfe.evaluate.plane.pressure_fit import EdgeFit
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, nearest_front
 from fretfe.evaluate.plane.slip import slip_border_of
@@ -95,7 +96,9 @@ def evaluate_plane(
     if contact.dundurs:
         whole = factors_at(whole, contact.dundurs, 2 * a / K_T_LENGTH)
         whole[..., : Factor.K_S] /= np.cosh(np.pi * oscillation(contact.dundurs))
-    pressed = tuple(pressed_on(each, contact.friction, cycle) for each in whole)
+    pressed = tuple(
+        pressed_on(each, contact.dundurs, 2 * a, contact.friction, cycle) for each in own
+    )
     edges = _Edges(solution, contact, centre, fits, histories, path, pressed)
     if contact.dundurs:
         zones = np.array(
@@ -320,7 +323,8 @@ class _Edges:
             fit = self.fits[number]
             size = _element_size(self.contact.arc, last_known(fit.position, cycle))
             share = reversed_share(along_line(factors[number], direction), cycle)
-            fits.append(fit.at(lengths[number], share * zones[number] / size))
+            sliding = sliding_apart(self.contact, direction)
+            fits.append(fit.at(lengths[number], share * zones[number] / size, sliding))
         return replace(self, fits=tuple(fits), histories=histories, lengths=tuple(lengths.tolist()))
 
     def stations(self) -> list[Station]:

@@ -59,10 +59,11 @@ INTERVALS = np.array([[1.33], [1.72]])
 # windows and orders, whose scatter counts in full, largely cancel in the mean, unless the longest
 # window is far off.
 OFF, SOLVED = (0.05, 0.25), (0.5, 1.25)
-# The pressure falls like s^lambda in the slip zone only: relative error of K_N, over lambda - 1/2.
-# By half-planes and finite elements with slip zones of 5 to 50 elements, .25 to .7; on grids that
-# are coarse behind a short zone up to 2, as windows reach far beyond it.
-BEYOND_SLIP, WINDOW, MOST_BEYOND = 0.75, 30.0, 8 / 3
+# Error of K_N between unlike bodies, over |lambda - 1/2| of an edge that slides: with slip zones of
+# some elements at least, and how much larger with fewer, up to so many times. Coarse half-planes
+# beside fine ones, and solids with their pressures, are off by up to 2.8 with less than an element
+# to a zone, 2.7 with one, 2.2 with two and .7 with more than four.
+BEYOND_SLIP, WINDOW, MOST_BEYOND = 0.75, 6.0, 4.0
 # Nodes from the edge to the largest pressure that a fit needs to tell a root from something else:
 # half of those that are wanted over a contact.
 WANTED_OVER_RISE = 8
@@ -145,16 +146,22 @@ class EdgeFit:
     spread_k_n: Array
     exponent: Array | float = 0.5
 
-    def at(self, length: float, zone: Array | float) -> EdgeFit:
-        """Return the fit with K_N = p(length)/sqrt(length) of the power law.
+    def told(self, length: float) -> Array:
+        """Return K_N = p(length)/sqrt(length) of the power law."""
+        return np.asarray(length ** (np.asarray(self.exponent) - 0.5) * self.k_n)
+
+    def at(self, length: float, zone: Array | float, sliding: float) -> EdgeFit:
+        """Return the fit with K_N as told at a length.
 
         Its error bar holds what the fits cannot see, the more the fewer elements the zone has.
 
         Args:
             length: at which K_N is told.
             zone: (T,) length of the slip zone in elements, or one for all.
+            sliding: |lambda - 1/2| where the edge slides.
         """
-        k_n, spread = k_n_at(self.k_n, self.spread_k_n, np.asarray(self.exponent), length, zone)
+        exponent = np.asarray(self.exponent)
+        k_n, spread = k_n_at(self.k_n, self.spread_k_n, exponent, length, zone, sliding)
         return replace(self, k_n=k_n, spread_k_n=spread)
 
 
@@ -164,7 +171,7 @@ def k_n_at(
     exponent: Array,
     length: Array | float,
     zone: Array | float,
-    most: float = MOST_BEYOND,
+    sliding: Array | float,
 ) -> tuple[Array, Array]:
     """Return K_N and its error bar at a length from those at the length 1, as of `EdgeFit.at`.
 
@@ -174,13 +181,13 @@ def k_n_at(
         exponent: (T, ...) lambda.
         length: at which K_N is told.
         zone: length of the slip zone in elements.
-        most: how much larger the error may be than with a zone of many elements.
+        sliding: |lambda - 1/2| where the edge slides. Just after a reversal, and in zones shorter
+            than an element, lambda is not known any better.
     """
     apart = exponent - 0.5
     told = length**apart * k_n
-    beyond = BEYOND_SLIP * np.clip(WINDOW / np.maximum(zone, WINDOW / most), 1.0, most)
-    # Just after a reversal the zone is too short to tell lambda, which is not known any better.
-    largest = np.fmax.reduce(np.atleast_1d(np.abs(apart)))
+    beyond = BEYOND_SLIP * np.clip(WINDOW / np.maximum(zone, WINDOW / MOST_BEYOND), 1.0, None)
+    largest = np.maximum(sliding, np.fmax.reduce(np.atleast_1d(np.abs(apart))))
     return told, np.hypot(length**apart * spread, beyond * largest * told)
 
 
@@ -209,59 +216,6 @@ def fit_edge(section: Section, *, solved: bool = False, exponent: Array | float 
     results[3] = spread * double * root ** (double - 1)
     position, k_n, spread_position, spread_k_n = results
     return EdgeFit(position, k_n, spread_position, spread_k_n, double / 2)
-
-
-class MissingShear:
-    """Pressure by the shear that an edge misses to sliding, between unlike bodies.
-
-    Next to an edge the pressure and the inward shear q on body 2 obey T[p] + beta q = a smooth
-    function, T[p](s) = 1/pi PV int p(t)/(t - s) dt. With q = r p + m, cot(pi lambda) = beta r, and
-    F = int m t^-lambda/(t - s) dt over the contact
-
-        p = s^lambda (smooth + beta sin^2(pi lambda) F/pi) - beta sin(pi lambda) cos(pi lambda) m
-
-    m vanishes in the slip zone, where the whole is a power law with a series. At the end of the
-    zone F has a kink, and the series ends. Source: Carleman's singular integral equation (F. D.
-    Gakhov, Boundary Value Problems, section 21), bounded at the edge; other edges, and what bodies
-    do that are no half-planes, are smooth.
-
-    Args:
-        x: (n,) nodes along the arc, increasing.
-        dundurs: beta.
-    """
-
-    def __init__(self, x: Array, dundurs: float) -> None:
-        self._x, self._dundurs = x, dundurs
-        self._kernel = self._integrals(x)
-
-    def pressure(
-        self, missing: Array, exponent: Array, front: PlaneFront, position: Array
-    ) -> Array:
-        """(T, n) pressure by F - F(0) and by m; the rest of F belongs to K_N s^lambda.
-
-        Args:
-            missing: (T, n) m at the nodes, linear between them.
-            exponent: (T,) lambda.
-            front: of the edge.
-            position: (T,) of the edge; nothing is known where it is NaN.
-        """
-        s = np.fmax(front.inward * (self._x - position[:, None]), 0.0)
-        power = s ** exponent[:, None]
-        density = np.divide(missing, power, out=np.zeros_like(missing), where=power > 0)
-        far = density @ self._kernel.T
-        at_edge = np.einsum("tn,tn->t", density, self._integrals(position))
-        square, angle = np.sin(np.pi * exponent) ** 2, np.pi * exponent
-        series = power * front.inward * (far - at_edge[:, None]) / np.pi
-        parts = series - missing / np.tan(angle)[:, None]
-        return np.nan_to_num(self._dundurs * square[:, None] * parts)
-
-    def _integrals(self, places: Array) -> Array:
-        """(m, n) PV int of 1/(x - place) with the hat function of each node, at places (m,)."""
-        distance = self._x - places[:, None]
-        # u ln|u| - u, the second integral of 1/u.
-        second = distance * (np.log(np.where(distance, np.abs(distance), 1.0)) - 1)
-        slopes = np.diff(second, axis=1) / np.diff(self._x)
-        return np.asarray(np.diff(slopes, prepend=0.0, append=0.0))
 
 
 def _fit(section: Section, solved: bool) -> Array:

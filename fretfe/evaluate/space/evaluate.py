@@ -10,14 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation
 from fretfe.evaluate.contacts import (
     NO_NUMBER,
     CountedCycles,
     Frame,
     Front,
-    RangeSpread,
     SlipZone,
     Station,
     StationHistory,
@@ -29,13 +28,14 @@ from fretfe.evaluate.factors import (
     add_up,
     along_line,
     cycle_range,
-    excess,
     load_path,
     main_direction,
     one_sided_share,
+    pressed_on,
     reference_length,
     reversed_share,
     rotated,
+    sliding_apart,
     uneven_share,
     with_moved,
     within_known,
@@ -46,7 +46,8 @@ from fretfe.evaluate.slip import cycle_states, last_state, slip_zones
 from fretfe.evaluate.space.fronts import NEAR, FrontTrack, SpaceFront
 from fretfe.evaluate.space.half_spaces import half_space_ratios
 from fretfe.evaluate.space.patches import follow_patches
-from fretfe.evaluate.space.pressure_fit import FrontFit, load_growth
+from fretfe.evaluate.space.pressure_fit import load_growth
+from fretfe.evaluate.space.range_spread import range_spread
 from fretfe.evaluate.space.sectors import Frames
 from fretfe.evaluate.space.slip import SlipBetween, shear_share
 from fretfe.evaluate.verdicts import FLANK
@@ -61,9 +62,9 @@ NO_FRONT = "the front or K_I is not known at a neighbouring load"
 AWAY = "the front of the neighbouring loads is too far from the station"
 STANDS = "the front does not move outward with the loads"
 POOR = "the front moves too little for elements of this size"
-# How far the border of an averaged area may be from the front, in elements: bonded spheres with
-# elements of a/12 and a/20 are off by 2.8 and 1.6 % at most, .8 and .5 % rms.
-WITHIN_ELEMENT = 0.35
+# P adds nothing to K_T between unlike bodies at the length of a strip's width, and at so much less
+# within a circle (Mossakovskii 1954: at half of the radius).
+WITHIN_CIRCLE = 4.0
 # Power of the width with which factors for a unit of a load fall: around a circle, and by whether
 # fronts are closed, where they are straight and long.
 GROWTH = {True: 1.5, False: 0.5}
@@ -101,7 +102,7 @@ def moved_stations(
     outward, spread = fit.place[0] - fit.place[1], np.linalg.norm(fit.place_spread, axis=0)
     near = np.abs(fit.place).max(axis=0) <= NEAR * front.sizes
     k_i = neighbours.k_i[:, stations]
-    # The border of the nodes in contact is ragged at both loads; see `_spread`.
+    # The border of the nodes in contact is ragged at both loads; see `range_spread`.
     ragged = RAGGED * front.sizes / front.depth
     return tuple(_moved(*each) for each in zip(near, outward, spread, k_i.T, ragged, strict=True))
 
@@ -183,21 +184,37 @@ def evaluate_fronts(
         count = len(track.front.sectors)
         own = slice(first, first + count)
         first += count
+        histories = _factor_histories(solution, contact, track, own)
         front = _Front(
             f"front {number + 1}",
             solution,
             contact,
             track,
-            _factor_histories(solution, contact, track, own),
+            histories,
             moved_stations(contact, track.front, own),
             slip,
             path,
+            _pressed(solution, contact, track, histories),
         )
         frames = track.front.frames
         sums = half_space_ratios(solution, contact, track, alone=len(tracks) == 1)
         stations = front.stations_told(told)
         fronts.append(Front(front.name, stations, frames.closed, frames.length, sums))
     return tuple(fronts)
+
+
+def _pressed(
+    solution: Solution, contact: ContactHistory, track: FrontTrack, histories: FactorHistories
+) -> tuple[bool, ...]:
+    """(n,) whether P alone drives each station of a front."""
+    front, cycle = track.front, cycle_states(solution.cycle)
+    bent = np.clip(front.frames.curvature * front.depth, 0.0, 1.0)
+    lengths = 2 * front.depth * WITHIN_CIRCLE**-bent
+    stations = zip(histories.ways.mean(axis=0), lengths.tolist(), strict=True)
+    return tuple(
+        pressed_on(factors, contact.dundurs, length, contact.friction, cycle)
+        for factors, length in stations
+    )
 
 
 def _factor_histories(
@@ -280,6 +297,7 @@ class _Front:
     """One front, and what the numbers of its stations are made of.
 
     Attributes:
+        pressed: (n,) whether P alone drives each station.
         lengths: (n,) reference lengths between unlike bodies, at which K_N and factors are; None
             between similar ones, and where they are still at the length 1.
     """
@@ -292,6 +310,7 @@ class _Front:
     moved: Sequence[MovedStation]
     slip: SlipBetween
     path: LoadPath | None
+    pressed: tuple[bool, ...]
     lengths: Array | None = None
 
     def stations_told(self, told: float | None) -> tuple[Station, ...]:
@@ -318,27 +337,23 @@ class _Front:
     def _reference_lengths(self) -> Array:
         """(n,) lengths of the slip zones that the stations predict."""
         mean, cycle = self.factors.ways.mean(axis=0), cycle_states(self.solution.cycle)
+        stations = zip(mean, self.track.front.depth.tolist(), self.pressed, strict=True)
         return np.array(
             [
-                reference_length(self.contact, self.track.fit.of(number), mean[number], a, cycle)
-                for number, a in enumerate(self.track.front.depth.tolist())
+                reference_length(self.contact, self.track.fit.of(number), *each[:2], cycle, each[2])
+                for number, each in enumerate(stations)
             ]
         )
 
     def _at(self, lengths: Array, zones: Array) -> _Front:
         """The same of unlike bodies at reference lengths (n,), with slip zones (n,)."""
-        factors, cycle = (
-            self.factors.at(self.contact.dundurs, lengths),
-            cycle_states(self.solution.cycle),
-        )
-        along = [
-            along_line(own, direction)
-            for own, (direction, _) in zip(
-                factors.ways.mean(axis=0), factors.directions(cycle), strict=True
-            )
-        ]
+        factors = self.factors.at(self.contact.dundurs, lengths)
+        cycle = cycle_states(self.solution.cycle)
+        directions = [direction for direction, _ in factors.directions(cycle)]
+        along = map(along_line, factors.ways.mean(axis=0), directions)
         shares = np.column_stack([reversed_share(each, cycle) for each in along])
-        fit = self.track.fit.at(lengths, shares * zones / self.track.front.sizes)
+        sliding = np.array([sliding_apart(self.contact, each) for each in directions])
+        fit = self.track.fit.at(lengths, shares * zones / self.track.front.sizes, sliding)
         return replace(
             self,
             track=replace(self.track, fit=fit),
@@ -356,7 +371,7 @@ class _Front:
         vectors = np.column_stack([history.k_t, history.k_s])
         direction, turning = main_direction(vectors, cycle)
         along = replace(history, k_t=vectors @ direction)
-        spread = _spread(self.factors, front, fit, number, direction, cycle, self.path)
+        spread = range_spread(self.factors, front, fit, number, direction, cycle, self.path)
         cycles = count_cycles(cycle, self.contact.friction, along)
         length = float(last_known(fit.length[:, number], cycle))
         depth, to_end = float(front.depth[number]), float(frames.to_free_end[number])
@@ -434,6 +449,7 @@ class _Front:
             self.path,
             lambda position, border: position + border,
             worst,
+            self.pressed[number],
         )
 
     def _with_shear(
@@ -465,105 +481,3 @@ def _stiffening(frames: Frames, station: int, length: float, depth: float) -> fl
     growth, curvature = load_growth(length, depth), float(frames.curvature[station])
     round_front = frames.closed and curvature > 0
     return growth + (1 / depth if round_front else max(curvature, -growth / 2))
-
-
-def _spread(
-    factors: FactorHistories,
-    front: SpaceFront,
-    fit: FrontFit,
-    station: int,
-    direction: Array,
-    cycle: Indices,
-    path: LoadPath | None,
-) -> RangeSpread:
-    """Error bar of the range of (K_T, K_S) along a direction.
-
-    The parts are those of the plane: what the ways to integrate differ by; that a discrete contact
-    area ends somewhere within an element, by the largest range along the front, since that of one
-    station may be a small difference; extremes between steps. And one more: elements that are long
-    along the front cannot follow how factors vary there, and next to its end the factors are those
-    of a place beside the station.
-    """
-    histories = factors.ways[..., Factor.K_T :]
-    own = histories[:, station] @ direction
-    swing = _swing(histories.mean(axis=0), station, direction, cycle)
-    bent = _bent(swing, front, station)
-    beside = _beside(swing, front, station)
-    ranges = [cycle_range(way, cycle) for way in own]
-    # At the ends of an open front factors grow out of all proportion.
-    inner = front.frames.to_free_end > front.depth
-    mean = histories.mean(axis=0)[inner if inner.any() else slice(None)]
-    known = [size for each in mean if np.isfinite(size := _largest(each, cycle))]
-    largest = max(known, default=np.nan)
-    place = fit.place_spread[cycle, station] if len(cycle) else np.array([np.nan])
-    error = np.hypot(WITHIN_ELEMENT * front.sectors[station].size, place).max()
-    # Where a contact is long the rest of its border counts too; elements are coarse at sharp ends.
-    radius = 1 / max(abs(float(front.frames.curvature[station])), 1e-300)
-    misplaced = error / min(front.depth[station], np.median(front.depth), radius) * largest
-    return RangeSpread(
-        extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else np.nan,
-        discretisation=float(np.linalg.norm([misplaced, factors.one_sided[station], bent, beside])),
-        steps=excess(own.mean(axis=0), cycle, path) + float(factors.uneven[station]),
-    )
-
-
-def _swing(histories: Array, station: int, direction: Array, cycle: Indices) -> Array:
-    """(n,) by how much factors of all stations change while those of one go through their range.
-
-    NaN where they are not known; of all where they are not known at that station.
-
-    Args:
-        histories: (n, T, 2) K_T and K_S of all stations.
-        station: the one.
-        direction: (2,) unit vector of its range.
-        cycle: states of the cycle.
-    """
-    if not len(cycle) or not np.isfinite(own := histories[station, cycle] @ direction).all():
-        return np.full(len(histories), np.nan)
-    ends = cycle[np.argmax(own)], cycle[np.argmin(own)]
-    return np.asarray((histories[:, ends[0]] - histories[:, ends[1]]) @ direction)
-
-
-def _bent(swing: Array, front: SpaceFront, station: int) -> float:
-    """Largest difference of the range from a straight line over one element along the front.
-
-    Half of its second difference over the element, from the stations: h^2 / 8 times the second
-    derivative. Next to stations that are not known it is taken from those that are.
-
-    Args:
-        swing: (n,) of all stations, as of `_swing`.
-        front: with the length of the elements along it.
-        station: one of the stations.
-    """
-    known = np.isfinite(swing)
-    if not known.any():
-        return 0.0
-    size, frames = front.sectors[station].along_size, front.frames
-    step = max(size / 2, frames.length / len(frames.arc))
-    at = frames.arc[station] + step * np.array([-1.0, 0.0, 1.0])
-    period = frames.length if frames.closed else None
-    if not frames.closed:
-        first, last = frames.arc[known][[0, -1]]
-        at += max(first - at[0], 0.0) - max(at[-1] - last, 0.0)
-    values = np.interp(at, frames.arc[known], swing[known], period=period)
-    return float(abs(np.diff(values, 2)[0]) / 2 * (size / 2 / step) ** 2)
-
-
-def _beside(swing: Array, front: SpaceFront, station: int) -> float:
-    """Change of the range between a station next to an end and where its factors are integrated.
-
-    By the slope of the range behind that place; arguments as of `_bent`.
-    """
-    aside, frames = float(front.aside[station]), front.frames
-    known = np.isfinite(swing)
-    if not aside or not known.any():
-        return 0.0
-    step = math.copysign(max(abs(aside), frames.length / len(frames.arc)), aside)
-    at = frames.arc[station] + aside + np.array([0.0, step])
-    return float(abs(aside / step * np.diff(np.interp(at, frames.arc[known], swing[known]))[0]))
-
-
-def _largest(history: Array, cycle: Indices) -> float:
-    """Size of the range of a vector (T, 2) over the cycle."""
-    direction = main_direction(history, cycle)[0]
-    return cycle_range(history @ direction, cycle)

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.analytic.edges import sliding_exponent
+from fretfe.evaluate.space.front_fits import fit_states
 from fretfe.evaluate.space.pressure_fit import FrontFit, FrontFitter
 from fretfe.evaluate.space.sectors import (
     Frames,
@@ -29,7 +29,6 @@ from fretfe.evaluate.space.sectors import (
     outlines,
 )
 from fretfe.history.solution import ContactHistory, Solution
-from fretfe.history.state_array import blocks
 
 # Edges between nodes in contact and nodes outside that an outline has at least: a closed one might
 # go round a node that happens to be open.
@@ -66,8 +65,6 @@ FINER = 8
 FEWEST = 4
 # Attributes of a fit that there is none of.
 UNKNOWN = np.array([np.nan, np.inf, np.nan, np.inf, np.nan, 0.5])
-# Elements from the front whose shear over pressure tells which way it slips.
-NEXT_TO_FRONT = 2.5
 # Curves found anew, at most, for a front that moves far.
 MOST_CURVES = 12
 AREAS = 6
@@ -295,7 +292,7 @@ def _follow(
     values = np.tile(UNKNOWN[:, None, None], shape)
     todo, own, curve = np.arange(len(states)), -1, front
     for _ in range(MOST_CURVES):
-        fits = _fit(contact, curve, states[todo])
+        fits = fit_states(contact, curve, states[todo])
         off = np.abs(fits[0]) / curve.sizes
         known = np.isfinite(off)
         near = np.where(known, off, 0.0).max(axis=1) <= NEAR
@@ -311,38 +308,6 @@ def _follow(
             break
         curve = other
     return FrontFit(*values)
-
-
-def _fit(contact: ContactHistory, curve: SpaceFront, states: Indices) -> Array:
-    """(k, n, stations) the attributes of fits in some states."""
-    parts = []
-    for block in blocks(len(states), contact.traction[0].size):
-        traction = np.asarray(contact.mean_traction[states[block]])
-        fits = curve.fits.fit(traction[..., 0], _exponents(contact, curve, traction))
-        parts.append(np.array([*vars(fits).values()]))
-    return np.concatenate(parts, axis=1)
-
-
-def _exponents(contact: ContactHistory, curve: SpaceFront, traction: Array) -> Array | float:
-    """(T, n) exponents of the pressure by the part of the slip that is inward; 1/2 if similar.
-
-    Args:
-        contact: whose fronts these are.
-        curve: with n stations.
-        traction: (T, N, 3) means around the nodes.
-    """
-    if not contact.dundurs:
-        return 0.5
-    ratios = np.zeros((len(traction), len(curve.sectors)))
-    for station, sector in enumerate(curve.sectors):
-        near = sector.s < NEXT_TO_FRONT * sector.size
-        nodes, area = sector.nodes[near], contact.weights[sector.nodes] * sector.fade
-        own = traction[:, nodes] * area[near, None]
-        inward = contact.frames[nodes, 1:] @ curve.frames.inward[station]
-        pressure, shear = own[..., 0].sum(axis=1), np.einsum("tnd,nd->t", own[..., 1:], inward)
-        np.divide(shear, pressure, where=pressure > 0, out=ratios[:, station])
-    limit = contact.friction.max()
-    return sliding_exponent(contact.dundurs, np.clip(ratios, -limit, limit))
 
 
 def _same(front: SpaceFront, others: tuple[SpaceFront, ...]) -> SpaceFront | None:

@@ -608,6 +608,8 @@ def _unposed(station: Station, friction: float) -> str:
         return "K_N is not known, or has an error bar of more than half of it"
     if not station.slip_zones:
         return "K_T and K_S are unknown, or do not vary"
+    if not station.k_range > 0 and all(math.isnan(zone.prediction) for zone in station.slip_zones):
+        return "P alone drives the edge, without a cycle: slip follows it as it moves"
     if not station.depth > 0 or not station.length > 0:
         return "the width of the contact is not known"
     return ""

@@ -48,12 +48,6 @@ INTERVALS = np.array([1.5, 1.7])
 # them, all end at the same place within an element, and no mean along the front tells: cylinders
 # with 5 to 13 elements are off by .7 to 1.0 of that, of either sign.
 COARSE = 1.0
-# Between unlike bodies the pressure has its power law in the slip zone only, but bumps reach over
-# six elements at least: how much larger the error of K_N may be than with a zone of many elements,
-# as of `k_n_at`. Of slices by the pressures of plane runs with zones of 1 to 17 elements, against
-# runs of five to twenty times smaller elements, K_N was off by up to 3.6 |lambda - 1/2|, and by 6.6
-# where half of a reversal has passed.
-MOST_BEYOND = 22 / 3
 # Places of the front that are looked at, in spacings from the reference front, and for which
 # moments are tabulated.
 FARTHEST = 1.5
@@ -89,9 +83,15 @@ class FrontFit:
     length: Array
     exponent: Array
 
-    def at(self, lengths: Array, zones: Array) -> FrontFit:
-        """The same of unlike bodies at lengths (n,), with slip zones of some elements (T, n)."""
-        k_n, spread = k_n_at(self.k_n, self.k_n_spread, self.exponent, lengths, zones, MOST_BEYOND)
+    def at(self, lengths: Array, zones: Array, sliding: Array) -> FrontFit:
+        """The same of unlike bodies at lengths, as of `EdgeFit.at`.
+
+        Args:
+            lengths: (n,) at which K_N is told.
+            zones: (T, n) lengths of the slip zones in elements.
+            sliding: (n,) |lambda - 1/2| where the front slides.
+        """
+        k_n, spread = k_n_at(self.k_n, self.k_n_spread, self.exponent, lengths, zones, sliding)
         return replace(self, k_n=k_n, k_n_spread=spread)
 
     def of(self, station: int) -> EdgeFit:
@@ -142,12 +142,16 @@ class FrontFitter:
                 _window(sectors, bumps, len(weights), deepest, distances, count) for count in COUNTS
             ]
 
-    def fit(self, pressure: Array, exponent: Array | float = 0.5) -> FrontFit:
+    def fit(
+        self, pressure: Array, exponent: Array | float = 0.5, coupled: Sequence[Array] = ()
+    ) -> FrontFit:
         """Fronts and K_N, (T, n) each, in T states.
 
         Args:
             pressure: (T, N) means around the nodes.
             exponent: (T, n) lambda, or one for all.
+            coupled: (T, m) pressures around each station, at the nodes of its sector, that are
+                taken off before.
         """
         shape = len(pressure), self._count
         exponent = np.broadcast_to(exponent, shape)
@@ -157,6 +161,9 @@ class FrontFitter:
         for number, (stations, matrix) in enumerate(self._windows):
             spacing, count = WINDOWS[number]
             moments = (matrix @ pressure.T).T.reshape(len(pressure), -1, count)
+            for row, station in enumerate(stations if len(coupled) else ()):
+                own = slice(*matrix.indptr[[row * count, (row + 1) * count]])
+                moments[:, row] -= coupled[station] @ matrix.data[own].reshape(count, -1).T
             states, rows = np.nonzero((moments > 0).all(axis=2))
             if not len(rows):
                 continue

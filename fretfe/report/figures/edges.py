@@ -47,6 +47,7 @@ from fretfe.report.theme import (
     log_axis,
     make_plot,
     plain_axis,
+    say_if_unknown,
 )
 from fretfe.results.model import Result
 
@@ -267,12 +268,11 @@ def cycle_plot(shown: Shown, edge: Station) -> Plot | None:
     """Histogram and from-to matrix of an edge; None if its loads are regular."""
     if not edge.cycles.irregular:
         return None
-    count = float(edge.cycles.count.sum())
     where = "each repetition" if edge.cycles.closed else "the history"
     return make_plot(
         f"{shown.key}-{edge.front}-cycles",
         f"Contact {shown.summary.name}, {edge_title(edge)}",
-        f"{number(count)} cycles in {where}.",
+        f"{number(float(edge.cycles.count.sum()))} cycles in {where}.",
         DOUBLE,
         lambda figure: _draw_cycles(figure, shown, edge),
     )
@@ -386,10 +386,9 @@ def front_plot(run: Result, area: Contact, front: Front, key: str) -> Plot:
     def draw(figure: Figure) -> None:
         count = 1 + has_ranges + has_zones
         panels = list(np.atleast_1d(figure.subplots(count, 1, sharex=True)))
-        arc = front.along("arc")
         k_n = np.array([station.reported_k_n for station in front.stations])
         spread = np.array([station.last_k_n[1] for station in front.stations])
-        _bars(panels[0], arc, k_n, spread, "K_N", BLUE)
+        _bars(panels[0], front.along("arc"), k_n, spread, "K_N", BLUE)
         panels[0].set_ylabel(f"K_N [{units.stress}/√{units.length}]")
         panels[0].set_ylim(bottom=0.0)
         if has_ranges:
@@ -405,6 +404,7 @@ def front_plot(run: Result, area: Contact, front: Front, key: str) -> Plot:
                     low, high = station.arc - half, station.arc + half
                     axes.axvspan(low, high, color=GREY, alpha=0.2, lw=0)
             plain_axis(axes, "y")
+            say_if_unknown(axes)
         panels[-1].set_xlabel(f"distance along {front.name} [{units.length}]")
         figure.align_ylabels()
 

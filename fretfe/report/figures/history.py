@@ -1,17 +1,15 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Over time: loads, load paths, edge factors, loops, iterations; and changes from mesh to mesh."""
+"""Over time: loads, load paths, edge factors and loops."""
 
 from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case
 from fretfe.evaluate.contacts import Contact
-from fretfe.evaluate.refinement import KINDS, Refinement
 from fretfe.evaluate.resultants import shear_direction, shear_line
 from fretfe.history.solution import OPEN, Solution
 from fretfe.history.state_array import blocks
@@ -31,22 +29,20 @@ from fretfe.report.theme import (
     BLUE,
     CYCLE,
     DOUBLE,
-    GREEN,
     GREY,
     LOAD,
-    LOW,
     ORANGE,
     PALE,
     SINGLE,
-    VERMILLION,
+    SMALL,
     WIDTH,
     Plot,
     envelope,
     legend_above,
-    log_axis,
     make_figure,
     make_plot,
     plain_axis,
+    say_if_unknown,
 )
 from fretfe.results.model import Result
 
@@ -77,6 +73,8 @@ WORST = "Only the worst counted cycle is shown, without the smaller cycles withi
 # A boundary whose force times displacement is below this fraction of the largest does no work.
 NO_WORK = 1e-6
 ROUND_OFF = 1e-9
+# Values that change by less than this part of themselves are shown without their middle.
+SMALL_CHANGE = 1e-3
 
 
 def load_plot(run: Result) -> Plot | None:
@@ -102,7 +100,12 @@ def _draw_loads(figure: Figure, case: Case, history: History) -> None:
         shown = envelope(values)
         mark = ".-" if len(shown) == len(values) else "-"
         panel.plot(history.times[shown], values[shown], mark, ms=4, color=BLUE)
-        panel.set_ylabel(f"{name} [{load_unit(case, name)}]")
+        # Beside the axis, names longer than a panel is high would lie on one another.
+        panel.set_title(name, loc="left", fontsize=SMALL)
+        panel.set_ylabel(f"[{load_unit(case, name)}]")
+        plain_axis(panel, "y")
+        if not values.any():
+            panel.set_yticks([0.0])
 
 
 def factor_plot(run: Result, contact: Contact, key: str) -> Plot:
@@ -145,6 +148,7 @@ def _draw_factors(
             values = getattr(edge, name)
             states = envelope(values)
             marks = ("x--", ".-") if len(states) == len(values) else ("--", "-")
+            known = np.count_nonzero(np.isfinite(values)) > 1
             panel.plot(
                 history.times[states],
                 values[states],
@@ -152,8 +156,9 @@ def _draw_factors(
                 ms=3,
                 lw=1.0,
                 color=CYCLE[place % len(CYCLE)],
-                label=f"{owner}{edge_title(edge)}",
+                label=f"{owner}{edge_title(edge)}{'' if known else ', unknown'}",
             )
+        say_if_unknown(panel, least=2)
         panel.axhline(0, color=GREY, lw=0.6)
         panel.set_ylabel(f"{label} [{stress}{'/' if name == 'k_n' else '·'}{root}]")
     legend_above(panels[0], columns=2)
@@ -339,6 +344,16 @@ def _balance(run: Result, solution: Solution, total: float) -> str:
     return f"{text} In a steady cycle they are equal up to the size of the load steps."
 
 
+def _middle(values: Array) -> float:
+    """Middle of values that differ by a small part of themselves, to three digits; else 0.
+
+    Ticks with six digits would be the same number.
+    """
+    if np.ptp(values) > SMALL_CHANGE * np.abs(values).max():
+        return 0.0
+    return float(f"{(values.min() + values.max()) / 2:.3g}")
+
+
 def _work_loop(
     run: Result, label: str, index: int, area: float, balance: str, path: Indices
 ) -> Plot:
@@ -360,124 +375,20 @@ def _work_loop(
 
     def draw(figure: Figure) -> None:
         panels = figure.subplots(1, 2, sharey=True)
+        middle = _middle(displacement)
         reduced = without_slope(force, displacement)
-        for axes, values in zip(panels, (displacement, reduced), strict=True):
+        for axes, values in zip(panels, (displacement - middle, reduced), strict=True):
             seen = np.union1d(envelope(values), envelope(force))
             axes.plot(values[seen], force[seen], ".-", ms=4, lw=1.2, color=BLUE)
             plain_axis(axes, "x")
-            axes.set_xlabel(f"{moved} [{moved_unit}]")
+            less = f" {'less' if middle > 0 else 'plus'} {abs(middle):g}" if middle else ""
+            axes.set_xlabel(f"{moved}{less} [{moved_unit}]")
             axes.tick_params(axis="x", labelrotation=30)
+        if np.ptp(force) <= ROUND_OFF * np.abs(force).max():
+            panels[0].set_yticks([force[0]], [number(float(force[0]))])
         panels[1].set_xlabel(f"the same less its slope [{moved_unit}]")
         panels[0].set_ylabel(f"{force_label} [{unit}]")
 
     return make_plot(
         f"work{index}", f"{force_label.capitalize()} and {moved}: {label}", caption, SINGLE, draw
-    )
-
-
-def iteration_plot(solution: Solution) -> Plot:
-    """Newton iterations, parts and fallbacks of each step."""
-    cut = int(np.count_nonzero(solution.parts > 1))
-    slow = int(solution.fallbacks.sum())
-    text = "once" if slow == 1 else f"{slow} times" if slow else "nowhere"
-    caption = (
-        f"{int(solution.iterations.sum())} iterations in {len(solution.times) - 1} steps. "
-        f"{cut or 'No'} step{'' if cut == 1 else 's'} had to be divided; the slow method "
-        f"was needed {text}."
-    )
-    return make_plot(
-        "iterations", "Iterations", caption, LOW, lambda figure: _iterations(figure, solution)
-    )
-
-
-def _iterations(figure: Figure, solution: Solution) -> None:
-    axes = figure.subplots()
-    steps = np.arange(1, len(solution.times))
-    shown = envelope(solution.iterations[1:])
-    iterations, label = solution.iterations[1:][shown], "Newton iterations"
-    if len(shown) == len(steps):
-        axes.stairs(iterations, np.arange(len(steps) + 1) + 0.5, fill=True, color=BLUE, label=label)
-    else:
-        axes.plot(steps[shown], iterations, lw=0.8, color=BLUE, label=label)
-    for values, mark, colour, label in (
-        (np.where(solution.parts > 1, solution.parts, 0), "s", ORANGE, "parts of a divided step"),
-        (solution.fallbacks, "x", VERMILLION, "fallbacks"),
-    ):
-        there = np.flatnonzero(values[1:] > 0)
-        if len(there):
-            axes.plot(steps[there], values[1:][there], mark, color=colour, ms=5, label=label)
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set_xlabel("load step")
-    axes.set_ylabel("number")
-    legend_above(axes, columns=3)
-
-
-def certificate_plot(solution: Solution) -> Plot | None:
-    """Violations of the contact conditions and of equilibrium; None if there is nothing but 0."""
-    worst = solution.certificates["worst"][1:]
-    imbalance = solution.imbalance("force")[1:]
-    if not np.any(worst > 0) and not np.any(imbalance > 0):
-        return None
-
-    def draw(figure: Figure) -> None:
-        axes = figure.subplots()
-        steps = np.arange(1.0, len(solution.times))
-        _dots(axes, steps, worst, ".", BLUE, "contact conditions")
-        _dots(axes, steps, imbalance, "x", VERMILLION, "sum of forces on a body")
-        log_axis(axes, "y")
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-        axes.set_xlabel("load step")
-        axes.set_ylabel("relative violation [-]")
-        legend_above(axes, columns=2)
-
-    return make_plot(
-        "certificate",
-        "Certificate of each step",
-        "The largest violation of a contact condition over its scale, and the largest sum of all "
-        "forces on a body over the largest force. Zeros are not drawn. They show that the discrete "
-        "equations are solved, not that the mesh is fine enough.",
-        LOW,
-        draw,
-    )
-
-
-def _dots(axes: Axes, x: Array, y: Array, mark: str, colour: str, label: str) -> None:
-    seen = envelope(y)
-    axes.plot(x[seen], np.where(y > 0, y, np.nan)[seen], mark, ms=4, color=colour, label=label)
-
-
-def refinement_plot(refinement: Refinement) -> Plot | None:
-    """Changes of the results from mesh to mesh; None with a single mesh."""
-    passes = refinement.passes
-    if len(passes) < 2:
-        return None
-    changes = np.array([[done.of_kind(kind) for kind in KINDS] for done in passes[1:]])
-    unknowns = [done.unknowns for done in passes[1:]]
-    if not np.any(np.isfinite(changes) & (changes > 0)):
-        return None
-
-    def draw(figure: Figure) -> None:
-        axes = figure.subplots()
-        for values, mark, colour, label in zip(
-            changes.T,
-            ("o-", "s--", "^:"),
-            (BLUE, VERMILLION, GREEN),
-            KINDS,
-            strict=True,
-        ):
-            shown = np.where(np.isfinite(values) & (values > 0), values, np.nan)
-            axes.plot(unknowns, shown, mark, ms=5, lw=1.0, color=colour, label=label)
-        axes.axhline(refinement.tolerance, color=GREY, lw=0.8, ls="-.", label="tolerance")
-        log_axis(axes, "y")
-        axes.set_xlabel("unknowns [-]")
-        axes.set_ylabel("relative change [-]")
-        legend_above(axes, columns=4)
-
-    return make_plot(
-        "refinement",
-        "Changes from mesh to mesh",
-        "Largest change at any edge from the mesh before. Zeros are not drawn.",
-        LOW,
-        draw,
     )

@@ -46,6 +46,7 @@ from fretfe.report.theme import (
     make_figure,
     make_plot,
     plain_axis,
+    say,
 )
 
 INTRO = (
@@ -353,7 +354,7 @@ def draw_envelope(
     solution = shown.run.solution
     assert solution is not None
     if not solution.keeps(*states):
-        axes.text(0.5, 0.5, NOT_KEPT, ha="center", va="center", transform=axes.transAxes)
+        say(axes, NOT_KEPT)
         return
     arc = shown.tractions.arc
     slip, closed = _slip_range(shown, states)
@@ -399,8 +400,7 @@ def _draw_slip(figure: Figure, shown: Shown) -> None:
     times, units = shown.run.loads.times, shown.run.case.units
     first, last = shown.run.loads.evaluated
     positions = np.concatenate([edge.position for edge in shown.summary.stations])
-    low, high = _limits(shown, positions)
-    _status_map(panels["whole"], shown, low, high, (0, len(times) - 1))
+    _status_map(panels["whole"], shown, *_limits(shown, positions), (0, len(times) - 1))
     panels["whole"].set_ylim(times[0], times[-1])
     if shown.run.loads.cycle is not None:
         for time in times[[first, last]]:
@@ -443,7 +443,7 @@ def _limits(shown: Shown, positions: Array) -> tuple[float, float]:
         touched |= np.any(shown.tractions.status[kept[part]] != OPEN, axis=0)
     closed = arc[touched]
     places = np.concatenate([known, closed]) if len(closed) else arc
-    margin = 0.04 * float(np.ptp(places))
+    margin = 0.04 * float(np.ptp(places) or np.ptp(arc))
     return max(places.min() - margin, arc[0]), min(places.max() + margin, arc[-1])
 
 
@@ -469,7 +469,7 @@ def _status_map(axes: Axes, shown: Shown, low: float, high: float, states: tuple
     assert solution is not None
     axes.set_xlim(low, high)
     if not solution.keeps(states[0] + 1, states[1]):
-        axes.text(0.5, 0.5, NOT_KEPT, ha="center", va="center", transform=axes.transAxes)
+        say(axes, NOT_KEPT)
         return
     # Of a long history some steps, evenly spread: each row reaches from the one below.
     rows = np.unique(np.linspace(*states, min(states[1] - states[0], MOST_ROWS) + 1).astype(int))

@@ -26,7 +26,8 @@ from fretfe.evaluate.contacts import Contact
 from fretfe.files import disk_reason, replace_text
 from fretfe.history.solution import Solution
 from fretfe.quality.rows import own_rows
-from fretfe.report.figures import edges, history, tractions
+from fretfe.report.figures import edges, history, solver, tractions
+from fretfe.report.page.bodies import body_table, pair_table
 from fretfe.report.page.tables import (
     contact_table,
     cycle_table,
@@ -213,9 +214,9 @@ def _keyed(run: Result) -> list[tuple[str, Contact]]:
 def _solver_plots(run: Result) -> tuple[Plot, ...]:
     plots: list[Plot | None] = []
     if run.solution is not None and len(run.loads.times) > 1:
-        plots += [history.iteration_plot(run.solution), history.certificate_plot(run.solution)]
+        plots += [solver.iteration_plot(run.solution), solver.certificate_plot(run.solution)]
     if run.refinement is not None:
-        plots.append(history.refinement_plot(run.refinement))
+        plots.append(solver.refinement_plot(run.refinement))
     return tuple(plot for plot in plots if plot is not None)
 
 
@@ -281,6 +282,8 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         certificate=_certificate_rows(run),
         checks=tuple(own_rows(run)) if _solved(run.solution) else (),
         meshes=refinement_tables(run.refinement),
+        bodies=body_table(run),
+        pairs=pair_table(run),
         timings=timing_table(run.seconds),
         # The case as it was understood.
         case_text=tomli_w.dumps(

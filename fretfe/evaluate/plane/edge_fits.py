@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Edges and K_N of a plane contact through its history, between similar and unlike bodies."""
+
+from __future__ import annotations
+
+from dataclasses import astuple, fields, replace
+
+import numpy as np
+
+from fretfe._typing import Array, Indices
+from fretfe.analytic.edges import sliding_exponent
+from fretfe.evaluate.missing_shear import (
+    MissingShear,
+    widened,
+    without_every_other,
+    without_missing,
+)
+from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, EdgeFit, fit_edge
+from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, Section, plane_sections
+from fretfe.history.solution import ContactHistory
+from fretfe.history.state_array import blocks
+
+# Nodes whose shear over pressure tells which way an edge slips.
+NEXT_TO_EDGE = 3
+
+
+def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
+    """Position and K_N with their spreads at each front; NaN where they cannot be fitted.
+
+    Args:
+        contact: one contact.
+        source: (T,) the state that each state is the same as.
+    """
+    states = np.unique(source)
+    couple = MissingShear(contact.arc, contact.dundurs) if contact.dundurs else None
+    parts = np.full((len(PLANE_FRONTS), len(fields(EdgeFit)), len(states)), np.nan)
+    for block in blocks(len(states), contact.traction[0].size):
+        pressure, shear = np.moveaxis(contact.traction[states[block]], 2, 0)[:2]
+        fitted = np.count_nonzero(pressure > 0, axis=1) >= FEWEST_NODES
+        there = block.start + np.flatnonzero(fitted)
+        sections = plane_sections(contact.arc, pressure[fitted])
+        for front, section in zip(PLANE_FRONTS, sections, strict=True):
+            if couple is not None:
+                fit = _unlike_fit(contact, couple, front, pressure[fitted], shear[fitted])
+            else:
+                fit = fit_edge(section, solved=True)
+            parts[front.number][:, there] = astuple(fit)
+    known = parts[..., np.searchsorted(states, source)]
+    return tuple(EdgeFit(*front) for front in known)
+
+
+def _unlike_fit(
+    contact: ContactHistory,
+    couple: MissingShear,
+    front: PlaneFront,
+    pressure: Array,
+    shear: Array,
+) -> EdgeFit:
+    """Fit at an edge between unlike bodies, with the exponent by the way the edge slips.
+
+    Args:
+        contact: one contact.
+        couple: of its nodes.
+        front: of the edge.
+        pressure: (T, n) of T states.
+        shear: (T, n)
+    """
+    section, across = (
+        plane_sections(contact.arc, pressure, each)[front.number] for each in (pressure, shear)
+    )
+    ratio = _shear_over_pressure(section, across)
+    exponent = sliding_exponent(contact.dundurs, front.inward * ratio)
+    missing = front.inward * (shear - ratio[:, None] * pressure)
+    # The status of the outermost node means nothing.
+    missing[contact.arc == section.origin[:, None]] = 0.0
+    fit = fit_edge(section, solved=True, exponent=exponent)
+
+    def refit(known: EdgeFit, missing: Array) -> EdgeFit:
+        coupled = couple.pressure(missing, exponent, front.inward, known.position)
+        alone = np.where(pressure > 0, np.maximum(pressure - coupled, 0.0), 0.0)
+        section = plane_sections(contact.arc, pressure, alone)[front.number]
+        return fit_edge(section, solved=True, exponent=exponent)
+
+    coarser = without_every_other(contact.arc, missing)
+    fit, others = without_missing(fit, missing, coarser, refit)
+    position = widened(fit.spread_position, fit.position, [each.position for each in others])
+    k_n = widened(fit.spread_k_n, fit.k_n, [each.k_n for each in others])
+    return replace(fit, spread_position=position, spread_k_n=k_n)
+
+
+def _shear_over_pressure(pressure: Section, shear: Section) -> Array:
+    """(T,) mean ratio of shear to pressure next to the edge, without the outermost node."""
+    near = slice(1, NEXT_TO_EDGE + 1)
+    return np.asarray(shear.values[:, near].sum(axis=1) / pressure.values[:, near].sum(axis=1))
