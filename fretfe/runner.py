@@ -403,9 +403,9 @@ class Runner:
             return result
 
         def notes() -> tuple[str, ...]:
-            from fretfe.quality.global_run import carried_notes, traction_notes
+            from fretfe.quality.global_run import carried_notes, followed_notes, traction_notes
 
-            return (*carried_notes(result), *traction_notes(result))
+            return (*carried_notes(result), *traction_notes(result), *followed_notes(result))
 
         return replace(result, notes=(*result.notes, *self.processes.on_root(notes)))
 

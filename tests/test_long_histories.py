@@ -57,6 +57,21 @@ def test_an_array_on_disk_is_that_in_memory(tmp_path: Path) -> None:
     assert stream.rows("b", order, slice(None)).shape == (1000, 0)
 
 
+def test_the_last_state_is_there_before_it_is_written(tmp_path: Path) -> None:
+    """And a change of what was read does not change it."""
+    rows = RNG.normal(size=(40, 7, 2))
+    stream = StateStream(tmp_path)
+    for number, row in enumerate(rows):
+        stream.append({"a": row})
+        for part_of_row in (slice(None), slice(2, 5)):
+            found = stream.read("a", np.array([number]), part_of_row)
+            np.testing.assert_array_equal(found, rows[number : number + 1, part_of_row])
+            found[:] = 0.0
+    assert not next(tmp_path.iterdir()).stat().st_size
+    np.testing.assert_array_equal(stream.read("a", np.arange(40)), rows)
+    np.testing.assert_array_equal(stream.read("a", np.arange(30, 38)), rows[30:38])
+
+
 def test_the_files_are_seen_in_a_folder_only(tmp_path: Path) -> None:
     stream = StateStream(tmp_path / "states")
     stream.append({"a": np.arange(3.0)})

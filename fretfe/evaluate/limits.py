@@ -36,6 +36,14 @@ LARGEST_STRAIN = 0.02
 PRESSURE, DOUBTED = "largest pressure over the plane modulus", (1e-5, 0.1)
 # How limits end beyond which units may be wrong.
 CHECK_UNITS = "check units and loads"
+# What `fem` calls the limit of how far bodies turn.
+ROTATION = "rotation of a body at the contact"
+# Gap that sliding along turned surfaces opens, over the approach of the bodies.
+LARGEST_GAP = 0.01
+FOLLOWED = (
+    "; P is wrong by up to twice that and K_N by several times, unless that program kept the "
+    "contact as it was before deformation (small sliding)"
+)
 # Part of a contact, on either side of a station, in which tractions tell what its K_T is.
 NEAR = 0.15
 
@@ -191,6 +199,42 @@ def _difference_near(points: Array, place: Array, first: Array, second: Array) -
     shear = first[near, 1:]
     square = np.sum(shear**2)
     return float(abs(np.sum(shear * (second - first)[near, 1:]) / square)) if square else 0.0
+
+
+def surface_notes(
+    case: Case,
+    histories: Iterable[ContactHistory],
+    contacts: Collection[Contact],
+    limits: Iterable[ModelLimit],
+) -> Iterator[str]:
+    """Difference that following the deformed surfaces makes in a run that moves cuts, in words.
+
+    Sliding s along surfaces that have turned by θ opens or closes a gap s θ, of second order, which
+    is left out here. It is compared with P/(E* w), w the width of the contact, of solids for P per
+    length: about the displacement by which P presses the bodies together.
+
+    Args:
+        case: whose cuts another program moves.
+        histories: of the contacts.
+        contacts: their evaluation.
+        limits: of the model.
+    """
+    forces = {each.name: float(each.normal_force.max()) for each in contacts}
+    turns = {each.contact: each.found for each in limits if each.quantity == ROTATION}
+    for history in histories:
+        extent, turn = contact_extent(history), turns.get(history.name, math.nan)
+        bodies = (case.bodies[name] for name in (history.body1, history.body2))
+        soft = sum(1 / normal_modulus(each, case.model.plane, history.mean_normal)
+                   for each in bodies)  # fmt: skip
+        length = extent.width if history.points.shape[1] == 3 else 1.0
+        gap, pressed = extent.sliding * turn, forces[history.name] * soft / length
+        if gap > 0 and pressed > 0:
+            yield (
+                f"{history.name}: the contact slides by up to {extent.sliding:.2g} and turns by up "
+                f"to {turn:.2g}. A program that follows the deformed surfaces has them {gap:.2g} "
+                f"nearer or farther than here, {gap / pressed:.2g} of what P presses them together "
+                f"by{FOLLOWED if gap > LARGEST_GAP * pressed else ''}"
+            )
 
 
 def unlike_notes(case: Case, contacts: Collection[Contact]) -> Iterator[str]:

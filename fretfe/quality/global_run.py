@@ -18,6 +18,7 @@ from fretfe._typing import Array, Indices
 from fretfe.case import Case, parse_case
 from fretfe.case.loads import FieldLoad
 from fretfe.errors import FretfeError
+from fretfe.evaluate.limits import surface_notes
 from fretfe.fields.field import Field, run_field
 from fretfe.fields.vtk import element_weights
 from fretfe.history.solution import ContactHistory, Solution
@@ -311,6 +312,14 @@ def carried_notes(result: Result) -> Iterator[str]:
                 "are not those of bodies in equilibrium with these materials, loads and friction"
             )
         yield text
+
+
+def followed_notes(result: Result) -> Iterator[str]:
+    """Difference that another program makes where it follows the deformed surfaces, in words."""
+    case, histories = result.case, result.solution.contacts if result.solution else ()
+    fields = [each for each in case.loads.values() if isinstance(each, FieldLoad)]
+    if not all(case.resolve(each.file).is_dir() for each in fields):
+        yield from surface_notes(case, histories, result.contacts, result.limits)
 
 
 def carried_rows(result: Result) -> Iterator[Row]:

@@ -31,6 +31,7 @@ from fretfe.quality.global_run import (
     carried_notes,
     carried_rows,
     cut_tractions,
+    followed_notes,
     second_cut,
 )
 from fretfe.results.model import Result
@@ -257,6 +258,26 @@ def test_bodies_that_are_not_in_equilibrium_are_told(
     assert "The part does not carry what the run carries" in note
     for cut in cut_tractions(softer):
         np.testing.assert_allclose(cut.differences, (1 - 180 / 210) * cut.sizes, rtol=0.05)
+
+
+def test_what_another_program_makes_of_deformed_surfaces_is_told(part: Result) -> None:
+    """Sliding times rotation, over P/E*; nothing of runs that keep their surfaces, as these do."""
+    assert list(followed_notes(part)) == []
+    loads = {
+        name: each.model_copy(update={"file": "run.frd"}) for name, each in part.case.loads.items()
+    }
+    foreign = replace(part, case=part.case.model_copy(update={"loads": loads}))
+    (note,) = followed_notes(foreign)
+    slides, turns, gap, share = (
+        float(re.findall(rf"{before} ([\d.e-]+\d)", note)[0])
+        for before in ("slides by up to", "turns by up to", "has them", "than here,")
+    )
+    assert slides * turns == pytest.approx(gap, rel=0.05)
+    assert gap / (2 * 600.0 * (1 - 0.3**2) / 210e3) == pytest.approx(share, rel=0.05)
+    assert "P is wrong" not in note
+    turned = tuple(replace(each, found=1e4 * each.found) for each in part.limits)
+    (note,) = followed_notes(replace(foreign, limits=turned))
+    assert "P is wrong by up to twice that" in note
 
 
 def test_no_room_for_a_second_cut(part: Result) -> None:

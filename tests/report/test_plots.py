@@ -18,8 +18,10 @@ from stored_runs import write_run
 from fretfe.analytic.partial_slip import hertz_dissipation
 from fretfe.analytic.profiles import Hertz, composite_modulus
 from fretfe.history.solution import OPEN, STICK
+from fretfe.report import theme
 from fretfe.report.figures.edges import _near, _stuck_change
 from fretfe.report.figures.history import (
+    _middle,
     _tension_varies,
     draw_factors,
     draw_loads,
@@ -119,6 +121,38 @@ def test_loop_of_the_boundary_has_the_area_of_the_friction_work(run: Result) -> 
     assert found == pytest.approx([exact] * 3, rel=0.15)
     assert found[0] == found[1]
     assert "equal up to the size of the load steps" in plot.caption
+
+
+@pytest.mark.parametrize(
+    ("values", "middle"),
+    [([-0.0192966, -0.0192964], -0.0193), ([0.0, 1e-3], 0.0), ([2.0, 2.1], 0.0), ([0.0, 0.0], 0.0)],
+)
+def test_middle_of_values_that_hardly_differ(values: list[float], middle: float) -> None:
+    assert _middle(np.array(values)) == middle
+
+
+def test_ticks_of_a_boundary_whose_force_is_held(
+    run: Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They differ, although its displacement hardly does."""
+    solution, figures = run.solution, []
+    assert solution is not None
+    forces, amplitudes = np.array(solution.forces), np.array(solution.amplitudes)
+    forces[:, 0] = -2900.0
+    amplitudes[:, 0] = -0.01929655 + 1e-7 * np.sin(2 * np.pi * run.loads.times)
+
+    def keep(figure: Figure, key: str) -> str:
+        figures.append(figure)
+        return "<svg></svg>"
+
+    monkeypatch.setattr(theme, "_svg", keep)
+    work_loop_plots(replace(run, solution=replace(solution, forces=forces, amplitudes=amplitudes)))
+    left, _ = figures[0].axes
+    figures[0].draw_without_rendering()
+    ticks = [each.get_text() for each in left.get_xticklabels()]
+    assert len(set(ticks)) == len(ticks) > 2
+    assert left.get_xlabel() == "displacement plus 0.0193 [mm]"
+    assert [each.get_text() for each in left.get_yticklabels()] == ["-2900"]
 
 
 def test_tension_of_round_off_is_not_shown(run: Result) -> None:

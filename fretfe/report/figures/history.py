@@ -73,6 +73,8 @@ WORST = "Only the worst counted cycle is shown, without the smaller cycles withi
 # A boundary whose force times displacement is below this fraction of the largest does no work.
 NO_WORK = 1e-6
 ROUND_OFF = 1e-9
+# Values that change by less than this part of themselves are shown without their middle.
+SMALL_CHANGE = 1e-3
 
 
 def load_plot(run: Result) -> Plot | None:
@@ -342,6 +344,16 @@ def _balance(run: Result, solution: Solution, total: float) -> str:
     return f"{text} In a steady cycle they are equal up to the size of the load steps."
 
 
+def _middle(values: Array) -> float:
+    """Middle of values that differ by a small part of themselves, to three digits; else 0.
+
+    Ticks with six digits would be the same number.
+    """
+    if np.ptp(values) > SMALL_CHANGE * np.abs(values).max():
+        return 0.0
+    return float(f"{(values.min() + values.max()) / 2:.3g}")
+
+
 def _work_loop(
     run: Result, label: str, index: int, area: float, balance: str, path: Indices
 ) -> Plot:
@@ -363,13 +375,17 @@ def _work_loop(
 
     def draw(figure: Figure) -> None:
         panels = figure.subplots(1, 2, sharey=True)
+        middle = _middle(displacement)
         reduced = without_slope(force, displacement)
-        for axes, values in zip(panels, (displacement, reduced), strict=True):
+        for axes, values in zip(panels, (displacement - middle, reduced), strict=True):
             seen = np.union1d(envelope(values), envelope(force))
             axes.plot(values[seen], force[seen], ".-", ms=4, lw=1.2, color=BLUE)
             plain_axis(axes, "x")
-            axes.set_xlabel(f"{moved} [{moved_unit}]")
+            less = f" {'less' if middle > 0 else 'plus'} {abs(middle):g}" if middle else ""
+            axes.set_xlabel(f"{moved}{less} [{moved_unit}]")
             axes.tick_params(axis="x", labelrotation=30)
+        if np.ptp(force) <= ROUND_OFF * np.abs(force).max():
+            panels[0].set_yticks([force[0]], [number(float(force[0]))])
         panels[1].set_xlabel(f"the same less its slope [{moved_unit}]")
         panels[0].set_ylabel(f"{force_label} [{unit}]")
 
