@@ -142,8 +142,8 @@ def test_loads_have_the_units_of_their_histories(pad: Path) -> None:
     }
     result = fretfe.run(fretfe.load_case(pad, overrides), "analytic")
     figure = fretfe.plot_loads(result)
-    labels = [panel.get_ylabel() for panel in figure.axes]
-    assert labels == ["press [kN]", "shear [kN]", "pull [MPa]"]
+    labels = [f"{panel.get_title(loc='left')} {panel.get_ylabel()}" for panel in figure.axes]
+    assert labels == ["press [kN]", "shear [kN]", "pull [GPa]"]
 
 
 def test_no_figure_without_tractions(pad: Path) -> None:

@@ -68,7 +68,9 @@ def _no_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("_no_mesh")
-@pytest.mark.parametrize("command", ["check", "run", "sweep"])
+@pytest.mark.parametrize(
+    "command", ["check", *(pytest.param(each, marks=pytest.mark.fem) for each in ("run", "sweep"))]
+)
 @pytest.mark.parametrize(("load", "text", "expected"), TABLES.values(), ids=TABLES)
 def test_bad_files_are_told_before_a_mesh_is_made(
     tmp_path: Path, load: dict[str, Any], text: str, expected: str, command: str

@@ -371,7 +371,7 @@ def test_other_mistakes(tests: Path) -> None:
     pad = solved("analytic")
     with pytest.raises(CaseError, match="life: expected a finite number of cycles > 0, found -1"):
         fretfe.strength_map(tests, [pad], -1)
-    other = replace(pad, case=pad.case.model_copy(update={"units": Units(stress="ksi")}))
+    other = replace(pad, case=pad.case.model_copy(update={"units": Units(length="m")}))
     with pytest.raises(CaseError, match="expected results in the same units"):
         fretfe.strength_map(tests, [pad, other], LIFE)
     with pytest.raises(CaseError, match="expected results with contact edges, found none"):
