@@ -73,7 +73,9 @@ def test_tractions_are_those_of_the_resultants(tables: dict[str, pd.DataFrame]) 
 def test_what_does_not_exist_is_empty(tables: dict[str, pd.DataFrame], run: Path) -> None:
     result = fretfe.load_result(run)
     left = tables["factors.csv"].query("front == 'left'")
-    np.testing.assert_array_equal(left["k_n [MPa/mm^0.5]"], result.contacts[0].stations[0].k_n)
+    k_n = result.contacts[0].stations[0].k_n
+    # The reader of some versions of pandas is off by one in the last place.
+    np.testing.assert_allclose(left["k_n [MPa/mm^0.5]"], k_n, rtol=1e-15)
     assert np.isnan(left["k_n [MPa/mm^0.5]"].iloc[0])
 
 
