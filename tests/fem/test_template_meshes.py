@@ -14,6 +14,7 @@ from typing import Any
 import gmsh
 import numpy as np
 import pytest
+from campaign.extent import by_extent
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from template_parameters import checked
@@ -299,7 +300,7 @@ def random_parameters(
 
 SEEDS = [
     *range(5),
-    *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(5, 50)),
+    *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(5, by_extent(8, 50))),
 ]
 
 
