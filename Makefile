@@ -31,7 +31,7 @@ PYTEST := $(ONE_THREAD) $(BIN)/pytest
 SHARED_OUT := --numprocesses=auto --maxprocesses=4 --dist=loadfile
 # Further conditions on the markers of the tests in the first stage, as "and not formula".
 WITHOUT ?=
-SLOW_LIMITS := --timeout=1800 -o faulthandler_timeout=1860
+SLOW_LIMITS := --timeout=1800 -o faulthandler_timeout=1860 --durations=20
 
 # The Debian of `make test-debian` and `make deb`; FRESH=1 does without the system of the last time.
 SUITE ?= trixie
