@@ -4,16 +4,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.contacts import Contact, fronts_of, histories, unknown_station
 from fretfe.evaluate.cycles import STEADY_CHANGE, cycle_changes
 from fretfe.evaluate.factors import integral_units
 from fretfe.evaluate.plane.evaluate import FindUnits, evaluate_plane
+from fretfe.evaluate.plane.section import PLANE_FRONTS
+from fretfe.evaluate.resultants import plane_resultants, solid_resultants
 from fretfe.evaluate.warnings import plane_warnings, solid_warnings
+from fretfe.faults import Fault, guarded
 from fretfe.history.solution import ContactHistory, Solution
 
 # Not loaded by whoever loads this module: SciPy's interpolation takes a second.
@@ -40,9 +44,46 @@ def evaluate(
         reference_length: at which factors between unlike bodies are told; None for that of the slip
             zone that they predict.
     """
-    return tuple(
-        _evaluate_contact(solution, contact, find_units, tracks, reference_length)
-        for contact in solution.contacts
+
+    def evaluated(contact: ContactHistory) -> Contact:
+        return guarded(
+            f"contact {contact.name}",
+            lambda: _evaluate_contact(solution, contact, find_units, tracks, reference_length),
+            partial(_unknown_contact, contact),
+        )
+
+    return tuple(evaluated(contact) for contact in solution.contacts)
+
+
+def _unknown_contact(contact: ContactHistory, fault: Fault) -> Contact:
+    """A contact whose evaluation failed, with its resultants if these can be told."""
+    solid, lost = contact.facets is not None, np.full(len(contact.traction), np.nan)
+
+    def resultants() -> dict[str, Array]:
+        return solid_resultants(contact) if solid else plane_resultants(contact, lost)
+
+    def none(_: Fault) -> dict[str, Array]:
+        force = np.full((len(lost), contact.points.shape[1]), np.nan)
+        vectors = ("shear_force", "centre", "moment")
+        return {
+            **dict.fromkeys(histories(Contact), lost),
+            **dict.fromkeys(vectors, force if solid else lost),
+            "force": force,
+        }
+
+    found = guarded(f"forces of contact {contact.name}", resultants, none)
+    of_plane = {} if solid else {"half_width": lost, "effective_tension": lost}
+    sides = () if solid else PLANE_FRONTS
+    return Contact(
+        name=contact.name,
+        pair=contact.pair,
+        fronts=fronts_of(unknown_station(each.name, 0, len(lost), fault.reason) for each in sides),
+        **{**found, **of_plane},
+        cycle_change=np.nan,
+        steady=False,
+        dissipation=np.nan,
+        dissipation_change=np.nan,
+        warnings=(fault.text,),
     )
 
 
@@ -60,7 +101,7 @@ def _evaluate_contact(
     if solid:
         from fretfe.evaluate.space.evaluate import evaluate_solids
 
-        own = tracks[contact.name] if tracks is not None else None
+        own = tracks.get(contact.name) if tracks is not None else None
         found = evaluate_solids(solution, contact, own, reference_length)
         warnings = solid_warnings(solution, contact, found, changes, own is not None)
     else:

@@ -72,6 +72,8 @@ def last_verdict(station: Station) -> Verdict:
 
 def withheld(station: Station) -> str:
     """Reason why K_N or the range of (K_T, K_S) of a station is not told; empty if both are."""
+    if station.unknown:
+        return station.unknown
     return "; ".join(filter(None, (_no_k_n(station), _no_range(station))))
 
 
@@ -129,6 +131,8 @@ def judge(station: Station, zone: SlipZone) -> Verdict:
     word, reason = _excuse(station, zone)
     if word:
         return Verdict(word, reason)
+    if _still(zone):
+        return _judge_still(station, zone)
     if math.isfinite(zone.reported_local):
         return _judge_local(station, zone)
     # An edge that moves is described over the longer of the two zones, which ends where it was.
@@ -162,6 +166,38 @@ def judge(station: Station, zone: SlipZone) -> Verdict:
     if unlike:
         reason += f"; unlike bodies, {unlike:.1%}"
     return _beside_formula(zone.length, zone.prediction, error, within, reason)
+
+
+def _still(zone: SlipZone) -> bool:
+    """True if no slip is found: by the plane problem, or by nodes that would show it."""
+    if math.isfinite(zone.reported_local):
+        return zone.local == 0
+    return zone.resolved and zone.length == 0
+
+
+def _judge_still(station: Station, zone: SlipZone) -> Verdict:
+    """Compare no slip with its prediction: none either, or so little that nobody could tell."""
+    local, unseen = math.isfinite(zone.reported_local), zone.told[1]
+    if local and (nodes := beside_nodes(station, zone)).word == DIFFERS:
+        return nodes
+    most = zone.prediction + _range_bar(station, zone)
+    if not math.isfinite(most):
+        return Verdict(UNKNOWN, f"nothing slips; {withheld(station) or 'nothing is predicted'}")
+    found = f"nothing slips, or over less than {unseen:.2g}"
+    within = math.hypot(unseen, BORDER_ELEMENTS * station.size)
+    if zone.prediction > within:
+        return Verdict(DIFFERS, f"{found}, though {zone.prediction:.2g} is predicted", within)
+    if most > within or zone.prediction > BORDER_FRACTION * within:
+        return Verdict(UNKNOWN, f"{found}; up to {most:.2g} may be predicted: nothing to check")
+    return Verdict(AGREES, f"{found}, and at most {most:.2g} is predicted", within)
+
+
+def _range_bar(station: Station, zone: SlipZone) -> float:
+    """Length of a slip zone that the error bar of the range stands for."""
+    # Without a cycle there is no range, but a prediction of first loading.
+    if math.isnan(station.k_range) or station.k_range_spread == 0:
+        return 0.0
+    return zone.predicted * station.k_range_spread / (station.k_range or math.nan)
 
 
 def _beside_formula(
@@ -288,9 +324,10 @@ def _excuse(station: Station, zone: SlipZone) -> tuple[str, str]:
         )
     # Without a cycle there is no range, but a prediction of first loading.
     ranges = math.isfinite(station.k_range)
-    if ranges and not station.k_range_spread <= LOOSEST_RANGE * station.k_range:
+    still = _still(zone)
+    if ranges and not still and not station.k_range_spread <= LOOSEST_RANGE * station.k_range:
         return UNKNOWN, withheld(station)
-    if local and zone.local_spread > LOOSE * zone.local:
+    if local and not still and zone.local_spread > LOOSE * zone.local:
         return (
             UNKNOWN,
             f"the plane problem next to the front gives {zone.local:.3g} ± "
