@@ -8,6 +8,7 @@ unknown, the rest goes on, and the traceback is kept in the folder of the run.
 from __future__ import annotations
 
 import os
+import sys
 import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
@@ -17,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
-from fretfe.environment import memory_shortage, missing_package
+from fretfe.environment import memory_shortage, missing_package, rank_from_environment
 from fretfe.errors import FaultError, FretfeError
 
 T = TypeVar("T")
@@ -64,14 +65,11 @@ class Collected:
     directory: Path | None
     faults: list[Fault] = field(default_factory=list)
 
-    def add(self, place: str, error: BaseException) -> Fault:
-        """Keep an error with its traceback."""
-        text = " ".join(str(error).split())
-        fault = Fault(place, f"{type(error).__name__}: {text}" if text else type(error).__name__)
+    def add(self, fault: Fault, trace: str) -> None:
+        """Keep a fault with its traceback, once."""
         if fault not in self.faults:
             self.faults.append(fault)
-            write_traceback(self.directory, place, error)
-        return fault
+            write_traceback(self.directory, fault.place, trace)
 
 
 _COLLECTED: ContextVar[Collected | None] = ContextVar("collected", default=None)
@@ -117,28 +115,48 @@ def guarded(place: str, work: Callable[[], T], otherwise: Callable[[Fault], T]) 
         found = _COLLECTED.get()
         if found is None or memory_shortage(error) or missing_package(error):
             raise
-        return otherwise(found.add(place, error))
+        return otherwise(note_fault(place, said(error), trace_of(error)))
 
 
-def write_traceback(directory: Path | None, place: str, error: BaseException) -> None:
-    """Add the traceback of an error to those in a folder; print it without one, or if that fails.
+def said(error: BaseException) -> str:
+    """Type and text of an error, in one line."""
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__
+
+
+def trace_of(error: BaseException) -> str:
+    """Traceback of an error, in lines."""
+    return "".join(traceback.format_exception(error))
+
+
+def note_fault(place: str, error: str, trace: str) -> Fault:
+    """Keep an error of fretfe that another process has told, if anybody is `collecting`."""
+    fault, found = Fault(place, error), _COLLECTED.get()
+    if found is not None:
+        found.add(fault, trace)
+    return fault
+
+
+def write_traceback(directory: Path | None, place: str, trace: str) -> None:
+    """Add a traceback to those in a folder, on process 0; print it without one, or if that fails.
 
     Args:
         directory: results folder, or None.
         place: what failed, in words.
-        error: with its traceback.
+        trace: the traceback.
     """
-    text = "".join(traceback.format_exception(error))
+    if rank_from_environment() > 0:
+        return
     if directory is not None:
         line = f"{time.strftime('%Y-%m-%d %H:%M:%S')} {place}\n"
         flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW
         try:
             with open(os.open(directory / FAULTS, flags, 0o666), "a", encoding="utf-8") as file:
-                file.write(f"{line}{text}\n")
+                file.write(f"{line}{trace}\n")
             return
         except OSError:  # a full disk, or a folder that is gone
             pass
-    print(text, flush=True, end="")
+    print(trace, file=sys.stderr, flush=True, end="")
 
 
 def require_none(faults: Sequence[Fault], directory: Path | None = None) -> None:

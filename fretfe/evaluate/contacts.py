@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Annotated, get_origin, get_type_hints
+from typing import Annotated, Any, get_origin, get_type_hints
 
 import numpy as np
 
@@ -450,10 +450,11 @@ def unknown_station(front: str, number: int, states: int, reason: str) -> Statio
         reason: why, in words.
     """
     lost, nowhere = np.full(states, math.nan), np.full(3, math.nan)
+    unknown: dict[str, Any] = dict.fromkeys(histories(StationHistory), lost)
     return Station(
         front=front,
         number=number,
-        **dict.fromkeys(histories(StationHistory), lost),
+        **unknown,
         frame=Frame(nowhere, nowhere, nowhere),
         k_n_moved=math.nan,
         k_n_moved_spread=math.nan,

@@ -14,6 +14,7 @@ from fretfe.evaluate.contacts import Contact, fronts_of, histories, unknown_stat
 from fretfe.evaluate.cycles import STEADY_CHANGE, cycle_changes
 from fretfe.evaluate.factors import integral_units
 from fretfe.evaluate.plane.evaluate import FindUnits, evaluate_plane
+from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.plane.section import PLANE_FRONTS
 from fretfe.evaluate.resultants import plane_resultants, solid_resultants
 from fretfe.evaluate.warnings import plane_warnings, solid_warnings
@@ -53,6 +54,23 @@ def evaluate(
         )
 
     return tuple(evaluated(contact) for contact in solution.contacts)
+
+
+def with_patches(solution: Solution) -> tuple[Solution, Fault | None]:
+    """The solution with a contact for each patch; as it was, and why, where fretfe fails in that.
+
+    The contacts of the latter cannot be evaluated: their edges are those of several patches.
+    """
+
+    def separated() -> tuple[Solution, Fault | None]:
+        return separate_patches(solution), None
+
+    return guarded("patches of the contacts", separated, lambda fault: (solution, fault))
+
+
+def unknown_contacts(solution: Solution, fault: Fault) -> tuple[Contact, ...]:
+    """All contacts of a solution, where fretfe failed in what their numbers rest on."""
+    return tuple(_unknown_contact(contact, fault) for contact in solution.contacts)
 
 
 def _unknown_contact(contact: ContactHistory, fault: Fault) -> Contact:
@@ -101,6 +119,7 @@ def _evaluate_contact(
     if solid:
         from fretfe.evaluate.space.evaluate import evaluate_solids
 
+        # One of those that fretfe has failed to follow is not among them.
         own = tracks.get(contact.name) if tracks is not None else None
         found = evaluate_solids(solution, contact, own, reference_length)
         warnings = solid_warnings(solution, contact, found, changes, own is not None)

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from fretfe.evaluate.contacts import LARGEST_SPREAD, SlipZone, Station
+from fretfe.faults import guarded
 
 # The expected error of the formulas is a first-order estimate: trusted within this factor, and not
 # at all where it is large.
@@ -126,8 +127,17 @@ def judge(station: Station, zone: SlipZone) -> Verdict:
     K_N, of the range and of the length, as if they were independent, and of what an element hides.
 
     At a station of solids whose plane problem is solved the length is that of the plane problem;
-    the slip of the solids' elements, where they resolve it, must be the same.
+    the slip of the solids' elements, where they resolve it, must be the same. Where fretfe fails
+    in that the verdict is unknown.
     """
+    return guarded(
+        f"verdict at {station.front}, station {station.number}",
+        lambda: _judge(station, zone),
+        lambda fault: Verdict(UNKNOWN, fault.reason),
+    )
+
+
+def _judge(station: Station, zone: SlipZone) -> Verdict:
     word, reason = _excuse(station, zone)
     if word:
         return Verdict(word, reason)

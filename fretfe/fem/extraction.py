@@ -295,7 +295,7 @@ class _SolidDraft(_Draft["_Plan"]):
         self._fields_of: dict[int, tuple[int, ...]] = {}
 
     def _plan(self, contact: ContactHistory) -> _Plan | None:
-        return _plan(self._common.solution, contact, self._tracks[contact.name])
+        return _plan(self._common.solution, contact, self._tracks.get(contact.name, ()))
 
     def _of_state(self, state: int) -> tuple[int, ...]:
         """Numbers of the mean fields of areas around that of a state, one for each driver."""
@@ -307,7 +307,8 @@ class _SolidDraft(_Draft["_Plan"]):
             closed = recorder.state(state).closed
             areas = np.tile(closed, (AREAS, 1))
             for contact in self._common.solution.contacts:
-                nodes, tracks = recorder.nodes_of(contact.pair), self._tracks[contact.name]
+                nodes = recorder.nodes_of(contact.pair)
+                tracks = self._tracks.get(contact.name, ())
                 places = [track.fit.place[state] for track in tracks]
                 areas[:, nodes] = nested_areas(contact.points, closed[nodes], tracks, places)
             self._fields_of[state] = self.fields.of_areas(state, list(areas))
