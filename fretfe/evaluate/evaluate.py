@@ -5,17 +5,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import Contact, fronts_of, histories, unknown_station
+from fretfe.evaluate.contacts import Contact, Front, fronts_of, histories, unknown_station
 from fretfe.evaluate.cycles import STEADY_CHANGE, cycle_changes
 from fretfe.evaluate.factors import integral_units
 from fretfe.evaluate.plane.evaluate import FindUnits, evaluate_plane
 from fretfe.evaluate.plane.patches_in_time import separate_patches
-from fretfe.evaluate.plane.section import PLANE_FRONTS
+from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
+from fretfe.evaluate.plane.symmetry import GOES_ON, whole_contact
 from fretfe.evaluate.resultants import plane_resultants, solid_resultants
 from fretfe.evaluate.warnings import plane_warnings, solid_warnings
 from fretfe.faults import Fault, guarded
@@ -124,8 +125,11 @@ def _evaluate_contact(
         found = evaluate_solids(solution, contact, own, reference_length)
         warnings = solid_warnings(solution, contact, found, changes, own is not None)
     else:
-        found = evaluate_plane(solution, contact, find_units, reference_length)
-        warnings = plane_warnings(solution, contact, found["fronts"], changes)
+        whole = whole_contact(contact)
+        found = evaluate_plane(solution, whole.contact, find_units, reference_length)
+        if whole.image is not None:
+            found = _of_half(solution, contact, whole.image, found)
+        warnings = plane_warnings(solution, whole.contact, found["fronts"], changes)
     return Contact(
         name=contact.name,
         pair=contact.pair,
@@ -135,6 +139,23 @@ def _evaluate_contact(
         dissipation_change=_dissipation_change(solution, contact, found["work"]),
         warnings=tuple(warnings),
     )
+
+
+def _of_half(
+    solution: Solution, contact: ContactHistory, image: PlaneFront, found: dict[str, Any]
+) -> dict[str, Any]:
+    """What was found of a whole contact for the half that the model has: without its image."""
+    states = len(solution.times)
+    fronts = [
+        Front(front.name, (unknown_station(front.name, 0, states, GOES_ON),))
+        if front.name == image.name
+        else front
+        for front in found["fronts"]
+    ]
+    first, last = solution.cycle or (0, states - 1)
+    resultants = plane_resultants(contact, found["centre"])
+    work = float(resultants["work"][first + 1 : last + 1].sum())
+    return {**found, **resultants, "fronts": tuple(fronts), "dissipation": work}
 
 
 def _dissipation_change(solution: Solution, contact: ContactHistory, work: Array) -> float:

@@ -190,7 +190,8 @@ def _judge_still(station: Station, zone: SlipZone) -> Verdict:
     local, unseen = math.isfinite(zone.reported_local), zone.told[1]
     if local and (nodes := beside_nodes(station, zone)).word == DIFFERS:
         return nodes
-    most = zone.prediction + _range_bar(station, zone)
+    k_n, k_n_bar = float(station.k_n[zone.end]), float(station.k_n_spread[zone.end])
+    most = (zone.prediction + _range_bar(station, zone)) * (1 + k_n_bar / k_n)
     if not math.isfinite(most):
         return Verdict(UNKNOWN, f"nothing slips; {withheld(station) or 'nothing is predicted'}")
     found = f"nothing slips, or over less than {unseen:.2g}"
@@ -327,7 +328,7 @@ def _excuse(station: Station, zone: SlipZone) -> tuple[str, str]:
         return UNKNOWN, lost or "K_N is not known at the end of the half cycle"
     # The formulas take K_N of the state in which the half cycle ends.
     k_n, spread = float(station.k_n[zone.end]), float(station.k_n_spread[zone.end])
-    if spread > LARGEST_SPREAD * k_n and not local:
+    if spread > LARGEST_SPREAD * k_n and not local and not _still(zone):
         return UNKNOWN, (
             f"K_N at the end of the half cycle, {k_n:.3g}, has an error bar of {spread / k_n:.0%}, "
             f"more than {LARGEST_SPREAD:.0%}"

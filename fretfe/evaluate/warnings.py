@@ -18,6 +18,7 @@ from fretfe.evaluate.factors import WANTED_NODES
 from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
 from fretfe.evaluate.plane.pressure_fit import why_no_root
 from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches, main_patch, plane_front
+from fretfe.evaluate.plane.symmetry import reaches_image
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.verdicts import withheld
 from fretfe.history.solution import OPEN, ContactHistory, Solution
@@ -326,7 +327,14 @@ def _surfaces(contact: ContactHistory) -> Iterator[str]:
     if not closed.any():
         yield _never_touch(smallest)
     for front in PLANE_FRONTS:
-        if front.from_front(closed)[0]:
+        if not front.from_front(closed)[0]:
+            continue
+        if reaches_image(contact, front):
+            yield (
+                f"the contact reaches the {front.name} end of its surface, behind which both "
+                "bodies go on: the edge found there is not a true contact edge"
+            )
+        else:
             yield (
                 f"the contact reaches the {front.name} end of its surface: extend the physical "
                 "group; the edge found there is not a true contact edge"

@@ -20,6 +20,7 @@ from fretfe.evaluate.evaluate import Tracks
 from fretfe.evaluate.plane.patches_in_time import own_part
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, fit_edge
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_sections
+from fretfe.evaluate.plane.symmetry import whole_contact
 from fretfe.evaluate.slip import cycle_states
 from fretfe.fem.fields import FieldSource
 from fretfe.fem.interaction_integral import Tip, Tube
@@ -139,10 +140,11 @@ class _PlaneDraft(_Draft["_Areas"]):
     """A probe for each edge in all chosen states, the difference of the neighbours last."""
 
     def _plan(self, contact: ContactHistory) -> _Areas | None:
-        return _choose_areas(self._common.solution, contact)
+        return _choose_areas(self._common.solution, whole_contact(contact).contact)
 
     def _probes(self, contact: ContactHistory, plan: _Areas) -> list[Probe]:
-        return [self._probe(self._common.pairs[contact.pair], plan, each) for each in PLANE_FRONTS]
+        image, pair = whole_contact(contact).image, self._common.pairs[contact.pair]
+        return [self._probe(pair, plan, each) for each in PLANE_FRONTS if each is not image]
 
     def _probe(self, pair: Pair, areas: _Areas, front: PlaneFront) -> Probe:
         model, difference = self._common.model, self._common.difference
@@ -167,6 +169,8 @@ class _PlaneDraft(_Draft["_Areas"]):
     def _factors(
         self, contact: ContactHistory, plan: _Areas, values: list[list[Array]]
     ) -> tuple[StationIntegrals, NearbyLoads | None]:
+        # The image of an edge has its factors.
+        values = values * (len(PLANE_FRONTS) // len(values))
         of_areas = [station[: len(plan.numbers)] for station in values]
         # (stations, S, R, d, J) to (S, R, stations, d, J)
         factors = np.array(of_areas).transpose(1, 2, 0, 3, 4)

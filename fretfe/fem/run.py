@@ -501,9 +501,10 @@ def _steady(recorder: Recorder, cycles: _Cycles, options: RunOptions) -> bool:
 def _place(prepared: Prepared, pair: Pair) -> Place:
     model, coupling, names = prepared.model, pair.coupling, (pair.name, pair.body1, pair.body2)
     beta = coupled_beta(model.case, *names)
-    if model.dimension == 2:
-        return Place(*names, coupling, dundurs=beta)
     continued = continued_nodes(model.case, model.reduction.definition, prepared.mesh, pair)
+    if model.dimension == 2:
+        known = continued if np.isfinite(continued).any() else None
+        return Place(*names, coupling, continued=known, dundurs=beta)
     return Place(*names, coupling, coupling.facets, coupling.free, continued, dundurs=beta)
 
 
