@@ -88,14 +88,19 @@ def run(
     Raises:
         FretfeError: if the case cannot be solved; what was solved is written before. Its message
             is that of the command line.
+
+    Returns:
+        The result; its `faults` say what is unknown because of an error of fretfe itself.
     """
     runner = Runner.find(backend)
     result = runner.run(case, _folder(output), observer, resume=resume)
     directory = result.directory
     if directory is not None:
         drawn = runner.write(lambda: draw_report(directory))
-        for problem in drawn.problems if drawn is not None and not runner.processes.rank else ():
-            warnings.warn(problem, stacklevel=2)
+        if drawn is not None and runner.processes.rank == 0:
+            failed = (f"no report: {drawn.failure}",) if drawn.failure else ()
+            for problem in (*drawn.problems, *failed):
+                warnings.warn(problem, stacklevel=2)
     if result.failure is not None:
         raise result.failure
     return result

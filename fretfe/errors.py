@@ -71,6 +71,12 @@ class MemoryShortError(FretfeError):
     exit_code = 8
 
 
+class FaultError(FretfeError):
+    """Something is unknown because of an error of fretfe itself; all else is there."""
+
+    exit_code = 9
+
+
 class DependencyError(FretfeError):
     """A library that the chosen operation needs is not installed or does not load."""
 

@@ -33,8 +33,18 @@ from fretfe.backends.protocol import DEFAULTS, SILENT, StopOnly
 from fretfe.case import Case, as_written, case_text
 from fretfe.case.loads import FieldLoad
 from fretfe.case.overrides import by_key
-from fretfe.environment import versions
-from fretfe.errors import FretfeError, ModelError, OutputError, StoppedError
+from fretfe.environment import memory_shortage, missing_package, versions
+from fretfe.errors import FretfeError, MemoryShortError, ModelError, OutputError, StoppedError
+from fretfe.faults import (
+    Collected,
+    Fault,
+    collecting,
+    faults_so_far,
+    guarded,
+    said,
+    trace_of,
+    write_traceback,
+)
 from fretfe.files import disk_reason, replace_text, sync_path
 from fretfe.history.stream import STATES
 from fretfe.results.field_files import FIELDS
@@ -183,7 +193,7 @@ class Work:
 
     def numbers(self, result: Result) -> None:
         """Write the numbers of a result in place of those before, if they are not there."""
-        this = result.notes, result.failure, result.refinement
+        this = result.notes, result.failure, result.refinement, result.faults
         if self._written == this:
             return
         self._note("writing results", step=len(result.loads.times) - 1)
@@ -372,11 +382,25 @@ class Runner:
             mesh: gives the mesh of the case on the first process, if it is there already.
 
         Returns:
-            The result with its `failure`, if there is one, and the wall time of writing.
+            The result with its `failure`, if there is one, its `faults`, and the wall time of
+            writing.
 
         Raises:
             FretfeError: for whatever keeps the history from being started.
         """
+        with collecting(output) as collected:
+            result = self._run(case, output, observer, resume, mesh)
+            return replace(result, faults=self._all_faults(result, collected))
+
+    def _run(
+        self,
+        case: Case,
+        output: Path | None,
+        observer: Observer,
+        resume: bool,
+        mesh: Callable[[Case], Mesh] | None,
+    ) -> Result:
+        """As `run`; the faults are those of the result so far."""
         self.require_support(case)
         options = RunOptions(observer=self._shown(observer), mesh=mesh)
         if output is None:
@@ -393,9 +417,15 @@ class Runner:
             result = self.backend.solve(case, options)
             begin = time.perf_counter()
             result = self._with_run(replace(result, backend=self.name, directory=output))
+            result = replace(result, faults=faults_so_far())
             self.write(lambda: work.close(result))
         writing = time.perf_counter() - begin
         return replace(result, seconds={**result.seconds, "writing": writing})
+
+    def _all_faults(self, result: Result, collected: Collected) -> tuple[Fault, ...]:
+        """The faults of a result that was read or made, the same on all processes. Collective."""
+        known = (*result.faults, *collected.faults)
+        return self.processes.on_root(lambda: tuple(dict.fromkeys(known)))
 
     def _with_run(self, result: Result) -> Result:
         """A result with notes that compare it with another run, whose displacements move cuts."""
@@ -407,7 +437,10 @@ class Runner:
 
             return (*carried_notes(result), *traction_notes(result), *followed_notes(result))
 
-        return replace(result, notes=(*result.notes, *self.processes.on_root(notes)))
+        def attempted() -> tuple[str, ...]:
+            return guarded("comparison with the other run", notes, lambda fault: (fault.text,))
+
+        return replace(result, notes=(*result.notes, *self.processes.on_root(attempted)))
 
     def sweep(
         self,
@@ -436,9 +469,10 @@ class Runner:
         variants = self.processes.on_root(lambda: make_variants(case, vary))
         options = RunOptions(observer=self._shown(observer))
         if output is None:
-            return run_sweep(variants, self.backend, options)
+            with collecting():
+                return run_sweep(variants, self.backend, options)
         work = Work(output, "sweep", self.name, case, vary)
-        with self._at_work(work, options.observer):
+        with self._at_work(work, options.observer), collecting(output):
             self.write(lambda: work.begin(resume=resume))
             options = replace(self._stored(options, work, resume=resume), keep=DEFAULTS.keep)
             file = SolvedFile(output)
@@ -448,7 +482,8 @@ class Runner:
                 self.write(lambda: file.add(number, solved))
 
             sweep = run_sweep(variants, self.backend, options, known, note)
-            self.write(lambda: write_files(sweep, output))
+            drawn = self.write(lambda: (write_files(sweep, output), faults_so_far())) or (False, ())
+            sweep = replace(sweep, late_faults=drawn[1])
             stopped = sweep.stopped is not None
             self.write(lambda: work.finish(complete=not stopped, resumable=stopped))
         return sweep
@@ -472,6 +507,15 @@ class Runner:
         Raises:
             FretfeError: if the case itself cannot be solved.
         """
+        with collecting(output) as collected:
+            found = self._validate(case, output, observer, resume)
+            faults = self._all_faults(found.result, collected)
+            return replace(found, result=replace(found.result, faults=faults))
+
+    def _validate(
+        self, case: Case, output: Path | None, observer: Observer, resume: bool
+    ) -> Validation:
+        """As `validate`; the faults are those of the result so far."""
         from fretfe.quality.validation import validate
 
         self.require_support(case)
@@ -482,7 +526,8 @@ class Runner:
         with self._at_work(Work(output, "validate", self.name, case), options.observer) as work:
             self.write(lambda: work.begin(resume=resume))
             found = validate(case, self.backend, self._stored(options, work, resume=resume))
-            result = replace(found.result, backend=self.name, directory=output)
+            faults = faults_so_far()
+            result = replace(found.result, backend=self.name, directory=output, faults=faults)
             validation = replace(found, result=result)
             self.write(lambda: _write_rows(output, validation))
             self.write(lambda: work.close(result))
@@ -509,12 +554,19 @@ class Runner:
                 if self.processes.rank == 0:
                     work.fail(str(error))
                 raise
+            except Exception as error:
+                if self.processes.rank == 0:
+                    work.fail(f"fretfe itself failed ({said(error)})")
+                    write_traceback(work.directory, "run", trace_of(error))
+                raise
 
     def _stored(self, options: RunOptions, work: Work, *, resume: bool) -> RunOptions:
         """Options with which a run keeps what it has solved in its folder."""
 
         def keep(result: Result) -> None:
-            found = replace(result, backend=self.name, directory=work.directory)
+            found = replace(
+                result, backend=self.name, directory=work.directory, faults=faults_so_far()
+            )
             self.write(lambda: work.numbers(found))
 
         first = self.processes.rank == 0
@@ -567,10 +619,14 @@ class Drawn:
     Attributes:
         seconds: wall time of each phase.
         problems: what is missing and why, in words.
+        faults: errors of fretfe itself among the reasons.
+        failure: the first reason that lies with files or memory, which is none of the problems.
     """
 
     seconds: dict[str, float]
-    problems: tuple[str, ...]
+    problems: tuple[str, ...] = ()
+    faults: tuple[Fault, ...] = ()
+    failure: FretfeError | None = None
 
 
 def draw_report(directory: Path) -> Drawn:
@@ -584,14 +640,20 @@ def draw_report(directory: Path) -> Drawn:
 
     seconds: dict[str, float] = {}
     problems: list[str] = []
+    failures: list[FretfeError] = []
     plots: list[Plots] = []
 
     def attempt(phase: str, make: Callable[[], object]) -> None:
         begin = time.perf_counter()
         try:
-            make()
+            guarded(phase, make, lambda fault: problems.append(fault.text))
+        except FretfeError as error:
+            failures.append(error)
         except Exception as error:
-            problems.append(f"no {phase}: {type(error).__name__}: {error}")
+            if reason := memory_shortage(error):
+                failures.append(MemoryShortError(reason))
+            else:
+                problems.append(f"no {phase}: {missing_package(error)}")
         seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - begin
 
     def draw(run: Result) -> None:
@@ -603,17 +665,18 @@ def draw_report(directory: Path) -> Drawn:
     def draw_ahead(run: Result) -> None:
         attempt("report", partial(draw, run))
 
-    try:
-        with locked(directory):
-            attempt("pictures", lambda: make_pictures(directory, draw_ahead))
-            if "report" not in seconds:
-                attempt("report", lambda: draw(load_result(directory)))
-            else:
-                seconds["pictures"] -= seconds["report"]
-            if plots:
-                from fretfe.report.page.html import write_report
+    with collecting(directory) as collected:
+        try:
+            with locked(directory):
+                attempt("pictures", lambda: make_pictures(directory, draw_ahead))
+                if "report" not in seconds:
+                    attempt("report", lambda: draw(load_result(directory)))
+                else:
+                    seconds["pictures"] -= seconds["report"]
+                if plots:
+                    from fretfe.report.page.html import write_report
 
-                attempt("report", lambda: write_report(directory, plots[0]))
-    except OutputError as error:
-        problems.append(f"no report: {error}")
-    return Drawn(seconds, tuple(problems))
+                    attempt("report", lambda: write_report(directory, plots[0]))
+        except OutputError as error:
+            failures.append(error)
+    return Drawn(seconds, tuple(problems), tuple(collected.faults), next(iter(failures), None))

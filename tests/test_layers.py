@@ -23,6 +23,7 @@ LAYERS = (
     "fretfe.files",
     "fretfe.results.run_folder",
     "fretfe.environment",
+    "fretfe.faults",
     "fretfe._core",
     "fretfe._typing",
     "fretfe.analytic.*",

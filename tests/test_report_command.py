@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 
 from fretfe.cli.app import app
 from fretfe.cli.run import run as run_case
+from fretfe.errors import FaultError
 from fretfe.report.page import html
 from fretfe.report.pictures.folder import lacks_pictures
 from fretfe.results.field_files import FIELDS
@@ -66,9 +67,10 @@ def test_report_that_fails_is_a_warning(
         raise ZeroDivisionError("no [red]plot[/red]")
 
     monkeypatch.setattr(html, "write_report", fail)
-    run_case(case, tmp_path / "out", "analytic")
+    with pytest.raises(FaultError, match="unknown for that reason: report"):
+        run_case(case, tmp_path / "out", "analytic")
     printed = capsys.readouterr().out
-    assert "Warning: no report: ZeroDivisionError: no [red]plot[/red]" in printed
+    assert "report: unknown, because fretfe itself failed (ZeroDivisionError: no [red]pl" in printed
     assert (tmp_path / "out" / "results.json").exists()
 
 

@@ -4,23 +4,25 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions, field_obstacles
 from fretfe.case import Case
 from fretfe.evaluate.contacts import Contact, Station, fronts_of
-from fretfe.evaluate.evaluate import evaluate
+from fretfe.evaluate.evaluate import evaluate, unknown_contacts, with_patches
 from fretfe.evaluate.limits import (
     ModelLimit,
     contact_limits,
     unlike_notes,
     with_limit_warnings,
 )
-from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.step_ends import at_step_ends, division_notes
+from fretfe.faults import guarded
 from fretfe.halfplane.solver import solve_half_planes
+from fretfe.history.solution import Solution
 from fretfe.idealise import HalfPlaneProblem, idealise, obstacles
 from fretfe.idealise.problem import left_out_by_stretch
 from fretfe.results.model import Result
@@ -79,6 +81,14 @@ def size_limits(contact: Contact, problem: HalfPlaneProblem) -> Iterator[ModelLi
     )
 
 
+def _limits(
+    case: Case, solution: Solution, contacts: Iterable[Contact], problem: HalfPlaneProblem
+) -> tuple[ModelLimit, ...]:
+    """Limits of the model, of the contacts and of the size of the bodies."""
+    own = (limit for each in solution.contacts for limit in contact_limits(case, each))
+    return (*own, *chain.from_iterable(size_limits(each, problem) for each in contacts))
+
+
 class HalfPlaneBackend:
     """Half-planes with any symmetric profile under any history of P, Q, M and sigma0."""
 
@@ -104,24 +114,35 @@ class HalfPlaneBackend:
             storage=options.storage({}),
         )
         solved = time.perf_counter()
-        solution = separate_patches(outcome.solution)
+        solution, lost = with_patches(outcome.solution)
         told = case.edges.reference_length
-        contacts = evaluate(solution, outcome.unit_factors, reference_length=told)
+        contacts = (
+            unknown_contacts(solution, lost)
+            if lost
+            else evaluate(solution, outcome.unit_factors, reference_length=told)
+        )
         divided = division_notes(solution.ends)
-        judged = (limit for each in solution.contacts for limit in contact_limits(case, each))
         notes = (*problem.notes, *divided, *(each.text for each in solution.repeats))
         if problem.dundurs:
             beta = f"Dundurs' beta = {problem.dundurs:.3g}"
             notes = (*notes, f"pressure and shear depend on each other ({beta})")
-        notes = (*notes, *unlike_notes(case, contacts))
-        limits = (*judged, *chain.from_iterable(size_limits(each, problem) for each in contacts))
+        found = guarded("notes", lambda: tuple(unlike_notes(case, contacts)), lambda _: ())
+        notes = (*notes, *found)
+        limits = guarded(
+            "limits of the model", lambda: _limits(case, solution, contacts, problem), lambda _: ()
+        )
+        # Without what the size of the bodies does to them the error bars are too small.
+        contacts = guarded(
+            "error bars by the size of the bodies",
+            lambda: tuple(with_size_errors(each, problem) for each in contacts),
+            partial(unknown_contacts, solution),
+        )
+        contacts = with_limit_warnings(contacts, limits)
         solution, contacts = at_step_ends(solution, contacts)
         return Result(
             case=case,
             loads=solution.loads,
-            contacts=with_limit_warnings(
-                [with_size_errors(each, problem) for each in contacts], limits
-            ),
+            contacts=contacts,
             limits=limits,
             notes=notes,
             failure=outcome.failure,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Ends of contacts of solids in the model, behind which the bodies that it stands for go on.
+"""Ends of contacts in the model, behind which the bodies that it stands for go on.
 
 At a plane of symmetry the mirror image continues both bodies, at the side of a sector the next
 sector does: a front that ends there has no free end.
@@ -37,7 +37,7 @@ class _Side:
 
     Attributes:
         surface: the boundary.
-        normal: (3,) of a plane of symmetry; zero for the side of a sector.
+        normal: (d,) of a plane of symmetry; zero for the side of a sector.
     """
 
     surface: Surface
@@ -48,8 +48,8 @@ class _Side:
 
         Args:
             other: side of the other body.
-            points: (n, 3) of the nodes.
-            across: (n, 3) unit normals of the contact.
+            points: (n, d) of the nodes.
+            across: (n, d) unit normals of the contact.
             sizes: (n,) of elements.
         """
         found = np.full(len(points), abs(self.normal @ other.normal) > 1 - FLAT)
@@ -64,15 +64,18 @@ class _Side:
 
 
 def continued_nodes(case: Case, model: ModelDefinition, mesh: Mesh, pair: Pair) -> Array:
-    """Normals of planes behind which both bodies of a contact of solids go on.
+    """Normals of planes behind which both bodies of a contact go on.
 
     Returns:
-        (N, 3) at nodes on the rim unit normals of planes of symmetry, zero where the next sector
-        continues the bodies; NaN elsewhere.
+        (N, d) at nodes on the rim, in the plane at both ends, unit normals of planes of symmetry,
+        zero where the next sector continues the bodies; NaN elsewhere.
     """
     coupling = pair.coupling
     found, rows = np.full(coupling.points.shape, np.nan), np.flatnonzero(coupling.free)
-    nodes = coupling.points[rows], coupling.frames[rows, 0], np.sqrt(coupling.weights[rows])
+    sizes, size = np.sqrt(coupling.weights), found.shape[1]
+    if size == 2:  # an end node has half of the element next to it
+        rows, sizes = np.array([0, len(found) - 1]), 2 * coupling.weights
+    nodes = coupling.points[rows], coupling.frames[rows, 0, :size], sizes[rows]
     own = (
         list(_sides(case, model, body, mesh.bodies[body.name]))
         for name in (pair.body1, pair.body2)
@@ -90,9 +93,10 @@ def _sides(
     """Sides of a body behind which it goes on."""
     for sector in case.symmetry.values():
         for name in {sector.boundary1, sector.boundary2} & mesh.boundaries.keys():
-            yield _Side(boundary_surface(mesh, name), np.zeros(3))
+            yield _Side(boundary_surface(mesh, name), np.zeros(mesh.points.shape[1]))
     for number, held in enumerate(body.constraints):
-        normal, surface = np.array(held.direction), boundary_surface(mesh, held.boundary)
+        normal = np.array(held.direction)[: mesh.points.shape[1]]
+        surface = boundary_surface(mesh, held.boundary)
         if body.coordinates[number].control != "fixed" or not normal.any() or held.at:
             continue
         flat = np.abs(np.abs(surface.normals @ normal) - 1) < FLAT

@@ -34,6 +34,7 @@ Exit codes:
   6  results cannot be written or read
   7  a library is missing
   8  there is not enough memory
+  9  an error of fretfe (a bug) left something unknown; all else is written
   130, 143  Ctrl-C, SIGTERM
 """
 app = typer.Typer(

@@ -12,6 +12,7 @@ import typer
 
 from fretfe.cli.options import Results, examples
 from fretfe.environment import rank_from_environment
+from fretfe.faults import Fault, collecting, guarded, require_none, write_traceback
 from fretfe.report.texts import plain_table
 
 if TYPE_CHECKING:
@@ -216,12 +217,13 @@ def report(directory: Results) -> None:
     if rank_from_environment() > 0:
         return
     read_numbers(directory)
-    with locked(directory):
+    with collecting(directory) as collected, locked(directory):
         if lacks_pictures(directory):
             print("Drawing the pictures, of which some are missing ...", flush=True)
-            make_pictures(directory)
+            guarded("pictures", lambda: make_pictures(directory), lambda _: None)
         path = write_report(directory)
     print(f"Report in {path}")
+    require_none(collected.faults, directory)
 
 
 ANIMATE_EXAMPLES = examples("fretfe animate pad -o cycle.gif")
@@ -267,6 +269,9 @@ def _make(task: str, directory: Path, output: Path, suffix: str) -> dict[str, fl
         backend = numbers["backend"]
         raise OutputError(f"{directory}: expected bodies, found none: the backend was {backend!r}")
     (report,) = draw_in_child(task, directory, [str(output)]).values()
+    if "error" in report:
+        write_traceback(None, task, report["trace"])
+        require_none([Fault(task, report["error"])])
     if "reason" in report:
         raise OutputError(f"{directory}: {report['reason']}")
     return report

@@ -6,8 +6,9 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
@@ -25,6 +26,7 @@ from fretfe.cli.options import (
     verbosity_of,
 )
 from fretfe.environment import rank_from_environment
+from fretfe.faults import Fault, guarded, require_none
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -33,8 +35,11 @@ if TYPE_CHECKING:
     from fretfe.history.solution import Solution
     from fretfe.quality.validation import Validation
     from fretfe.results.model import Result
+    from fretfe.runner import Drawn
     from fretfe.surface.ahead import CaseAhead
     from fretfe.sweeps import Sweep
+
+T = TypeVar("T")
 
 RUN_EXAMPLES = examples(
     "fretfe run pad.toml -o pad",
@@ -91,9 +96,11 @@ def run(
     with StepReport(runner.processes.rank, verbosity) as shown:
         result = runner.run(read, output, shown, resume=resume, mesh=mesh)
     timed = timings or verbosity is Verbosity.VERBOSE
-    runner.write(lambda: _finish_run(result, output, start, verbosity, timed, report))
-    if result.failure is not None:
-        raise result.failure
+    ended = runner.write(lambda: _finish_run(result, output, start, verbosity, timed, report))
+    failure = result.failure or (ended and ended.failure)
+    if failure is not None:
+        raise failure
+    require_none((*result.faults, *(ended.faults if ended else ())), output)
 
 
 def _reader(path: Path, overrides: list[str] | None, *, trust_geo: bool) -> Callable[[], Case]:
@@ -122,33 +129,36 @@ def _begun(read: Callable[[], Case]) -> CaseAhead | None:
 
 def _finish_run(
     result: Result, directory: Path, start: float, verbosity: Verbosity, timed: bool, report: bool
-) -> None:
-    """Print, the numbers before anything is drawn; on the first process."""
+) -> Drawn:
+    """Print, the numbers before anything is drawn, and say what failed; on the first process."""
     from rich.console import Console
 
+    from fretfe.faults import collecting
     from fretfe.report.page.tables import timing_table
-    from fretfe.runner import draw_report
+    from fretfe.runner import Drawn, draw_report
 
-    seconds = dict(result.seconds)
     quiet = verbosity is Verbosity.QUIET
     console = Console(stderr=quiet)
-    if not quiet:
-        _print_numbers(console, result)
-    _print_warnings(console, result)
+    with collecting(directory) as collected:
+        if not quiet:
+            _print_numbers(console, result)
+        _print_warnings(console, result)
+    drawn = Drawn({})
     if report:
         if not quiet:
             print("Drawing the pictures and the report ...", flush=True)
         drawn = draw_report(directory)
-        seconds |= drawn.seconds
         for problem in drawn.problems:
             console.print(f"Warning: {problem}", highlight=False, markup=False, soft_wrap=True)
+    drawn = replace(drawn, faults=(*collected.faults, *drawn.faults))
     if quiet:
-        return
+        return drawn
     if timed:
-        console.print(timing_table(seconds))
+        console.print(timing_table({**result.seconds, **drawn.seconds}))
     steps = _step_text(result.solution)
     print(f"{len(result.loads.times) - 1} steps{steps}, {time.perf_counter() - start:.1f} s")
     print(f"Results in {directory}")
+    return drawn
 
 
 def _print_numbers(console: Console, result: Result) -> None:
@@ -161,10 +171,20 @@ def _print_numbers(console: Console, result: Result) -> None:
     )
     from fretfe.report.texts import print_whole
 
-    for text in front_texts(result) if result.solid else ():
+    def shown(name: str, make: Callable[[], T]) -> T | None:
+        def failed(fault: Fault) -> None:
+            console.print(fault.text, highlight=False, markup=False)
+
+        return guarded(name, make, failed)
+
+    for text in (result.solid and shown("worst stations", lambda: front_texts(result))) or ():
         console.print(text, highlight=False, markup=False)
-    tables = [contact_table(result), station_table(result), cycle_table(result)]
-    tables += refinement_tables(result.refinement)
+    tables = [
+        shown("table of contacts", lambda: contact_table(result)),
+        shown("table of edges", lambda: station_table(result)),
+        shown("table of counted cycles", lambda: cycle_table(result)),
+        *(shown("table of meshes", lambda: refinement_tables(result.refinement)) or ()),
+    ]
     for table in tables:
         if table is not None:
             print_whole(table)
@@ -232,6 +252,7 @@ def sweep(
     if runner.processes.rank == 0:
         _print_sweep(found, output, time.perf_counter() - start, verbosity)
     _raise_failure(found)
+    require_none(found.faults, output)
 
 
 def _raise_failure(sweep: Sweep) -> None:
@@ -337,6 +358,7 @@ def validate(
     silent = verbosity is Verbosity.QUIET and found.passed
     if runner.processes.rank == 0 and (as_json or not silent):
         _print_validation(found, as_json)
+    require_none(found.result.faults, output)
     if not found.passed:
         raise typer.Exit(1)
 

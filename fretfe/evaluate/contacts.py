@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Annotated, get_origin, get_type_hints
+from typing import Annotated, Any, get_origin, get_type_hints
 
 import numpy as np
 
@@ -206,6 +206,12 @@ class CountedCycles:
         return np.asarray((self.count < 1) & ends)
 
 
+def no_cycles(reason: str) -> CountedCycles:
+    """No counted cycles, and why."""
+    none, states = np.zeros(0), np.zeros(0, dtype=np.int64)
+    return CountedCycles(states, states, none, none, none, none, none, False, reason)
+
+
 @dataclass(frozen=True)
 class StationHistory:
     """Position and factors of a station in every state.
@@ -329,6 +335,8 @@ class Station(StationHistory):
         slip_zones: one for each half cycle, in time order; if the counted cycles are irregular,
             only those of the worst one.
         dissipation: on this side of the contact, per unit thickness; NaN of solids.
+        unknown: reason why nothing is known here, in words: it is no edge, as the bodies go on
+            behind it, or fretfe failed; empty where numbers may be known.
     """
 
     frame: Frame
@@ -390,6 +398,7 @@ class Station(StationHistory):
         math.nan
     )
     local: LocalProblem = field(default_factory=lambda: no_local_problem("it was not solved"))
+    unknown: str = ""
 
     @property
     def k_along(self) -> Array:
@@ -429,6 +438,37 @@ class Station(StationHistory):
         if not math.isfinite(self.k_range):
             return False
         return not self.k_range_spread <= LARGEST_SPREAD * self.k_range
+
+
+def unknown_station(front: str, number: int, states: int, reason: str) -> Station:
+    """A station of which nothing is known.
+
+    Args:
+        front: name of its front.
+        number: of it along the front.
+        states: T.
+        reason: why, in words.
+    """
+    lost, nowhere = np.full(states, math.nan), np.full(3, math.nan)
+    unknown: dict[str, Any] = dict.fromkeys(histories(StationHistory), lost)
+    return Station(
+        front=front,
+        number=number,
+        **unknown,
+        frame=Frame(nowhere, nowhere, nowhere),
+        k_n_moved=math.nan,
+        k_n_moved_spread=math.nan,
+        k_n_moved_reason=reason,
+        k_t_range=math.nan,
+        k_s_range=math.nan,
+        k_range=math.nan,
+        k_range_spread=math.nan,
+        k_range_parts=RangeSpread(math.nan, math.nan, math.nan),
+        k_i_range=math.nan,
+        cycles=no_cycles(reason),
+        slip_zones=(),
+        unknown=reason,
+    )
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic._numerics import check_positive
 from fretfe.analytic.paths import rainflow
-from fretfe.evaluate.contacts import CountedCycles, StationHistory
+from fretfe.evaluate.contacts import CountedCycles, StationHistory, no_cycles
 from fretfe.history.solution import Solution
 from fretfe.history.state_array import StateArray
 
@@ -128,21 +128,21 @@ def count_cycles(cycle: Indices, friction: Array, station: StationHistory) -> Co
     """
     known = np.isfinite(station.k_t) & np.isfinite(station.k_i)
     if not friction.any():
-        return _nothing("there is no friction")
+        return no_cycles("there is no friction")
     first = max(int(np.argmax(friction > 0)) - 1, 0)
     states = cycle if len(cycle) else np.arange(max(first, int(np.argmax(known))), len(known))
     unknown = states[~known[states]]
     if len(unknown):
-        return _nothing(f"K_T is unknown in {len(unknown)} of {len(states)} states")
+        return no_cycles(f"K_T is unknown in {len(unknown)} of {len(states)} states")
     if len(states) < 2:
-        return _nothing("nothing varies")
+        return no_cycles("nothing varies")
     if friction[states[1:]].min(initial=np.inf) == 0:
-        return _nothing("there is no friction in a part of the cycle")
+        return no_cycles("there is no friction in a part of the cycle")
     slip = _slip(states, friction, station)
     order, closed = _order(states, slip) if len(cycle) else (states, False)
     ends, directions = slip_phases(slip.forward[order], slip.backward[order])
     if not len(ends):
-        return _nothing("nothing varies")
+        return no_cycles("nothing varies")
     turns = order[np.append(0, ends)]
     upward = np.append(-directions[0], directions) > 0
     values = np.where(upward, slip.forward[turns], slip.backward[turns])
@@ -164,11 +164,6 @@ def count_cycles(cycle: Indices, friction: Array, station: StationHistory) -> Co
         closed=closed,
         reason="",
     )
-
-
-def _nothing(reason: str) -> CountedCycles:
-    none, states = np.zeros(0), np.zeros(0, dtype=np.int64)
-    return CountedCycles(states, states, none, none, none, none, none, False, reason)
 
 
 def _slip(states: Indices, friction: Array, station: StationHistory) -> _Slip:

@@ -4,16 +4,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.contacts import Contact, Front, fronts_of, histories, unknown_station
 from fretfe.evaluate.cycles import STEADY_CHANGE, cycle_changes
 from fretfe.evaluate.factors import integral_units
 from fretfe.evaluate.plane.evaluate import FindUnits, evaluate_plane
+from fretfe.evaluate.plane.patches_in_time import separate_patches
+from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
+from fretfe.evaluate.plane.symmetry import GOES_ON, whole_contact
+from fretfe.evaluate.resultants import plane_resultants, solid_resultants
 from fretfe.evaluate.warnings import plane_warnings, solid_warnings
+from fretfe.faults import Fault, guarded
 from fretfe.history.solution import ContactHistory, Solution
 
 # Not loaded by whoever loads this module: SciPy's interpolation takes a second.
@@ -40,9 +46,63 @@ def evaluate(
         reference_length: at which factors between unlike bodies are told; None for that of the slip
             zone that they predict.
     """
-    return tuple(
-        _evaluate_contact(solution, contact, find_units, tracks, reference_length)
-        for contact in solution.contacts
+
+    def evaluated(contact: ContactHistory) -> Contact:
+        return guarded(
+            f"contact {contact.name}",
+            lambda: _evaluate_contact(solution, contact, find_units, tracks, reference_length),
+            partial(_unknown_contact, contact),
+        )
+
+    return tuple(evaluated(contact) for contact in solution.contacts)
+
+
+def with_patches(solution: Solution) -> tuple[Solution, Fault | None]:
+    """The solution with a contact for each patch; as it was, and why, where fretfe fails in that.
+
+    The contacts of the latter cannot be evaluated: their edges are those of several patches.
+    """
+
+    def separated() -> tuple[Solution, Fault | None]:
+        return separate_patches(solution), None
+
+    return guarded("patches of the contacts", separated, lambda fault: (solution, fault))
+
+
+def unknown_contacts(solution: Solution, fault: Fault) -> tuple[Contact, ...]:
+    """All contacts of a solution, where fretfe failed in what their numbers rest on."""
+    return tuple(_unknown_contact(contact, fault) for contact in solution.contacts)
+
+
+def _unknown_contact(contact: ContactHistory, fault: Fault) -> Contact:
+    """A contact whose evaluation failed, with its resultants if these can be told."""
+    solid, lost = contact.facets is not None, np.full(len(contact.traction), np.nan)
+
+    def resultants() -> dict[str, Array]:
+        return solid_resultants(contact) if solid else plane_resultants(contact, lost)
+
+    def none(_: Fault) -> dict[str, Array]:
+        force = np.full((len(lost), contact.points.shape[1]), np.nan)
+        vectors = ("shear_force", "centre", "moment")
+        return {
+            **dict.fromkeys(histories(Contact), lost),
+            **dict.fromkeys(vectors, force if solid else lost),
+            "force": force,
+        }
+
+    found = guarded(f"forces of contact {contact.name}", resultants, none)
+    of_plane = {} if solid else {"half_width": lost, "effective_tension": lost}
+    sides = () if solid else PLANE_FRONTS
+    return Contact(
+        name=contact.name,
+        pair=contact.pair,
+        fronts=fronts_of(unknown_station(each.name, 0, len(lost), fault.reason) for each in sides),
+        **{**found, **of_plane},
+        cycle_change=np.nan,
+        steady=False,
+        dissipation=np.nan,
+        dissipation_change=np.nan,
+        warnings=(fault.text,),
     )
 
 
@@ -60,12 +120,16 @@ def _evaluate_contact(
     if solid:
         from fretfe.evaluate.space.evaluate import evaluate_solids
 
-        own = tracks[contact.name] if tracks is not None else None
+        # One of those that fretfe has failed to follow is not among them.
+        own = tracks.get(contact.name) if tracks is not None else None
         found = evaluate_solids(solution, contact, own, reference_length)
         warnings = solid_warnings(solution, contact, found, changes, own is not None)
     else:
-        found = evaluate_plane(solution, contact, find_units, reference_length)
-        warnings = plane_warnings(solution, contact, found["fronts"], changes)
+        whole = whole_contact(contact)
+        found = evaluate_plane(solution, whole.contact, find_units, reference_length)
+        if whole.image is not None:
+            found = _of_half(solution, contact, whole.image, found)
+        warnings = plane_warnings(solution, whole.contact, found["fronts"], changes)
     return Contact(
         name=contact.name,
         pair=contact.pair,
@@ -75,6 +139,23 @@ def _evaluate_contact(
         dissipation_change=_dissipation_change(solution, contact, found["work"]),
         warnings=tuple(warnings),
     )
+
+
+def _of_half(
+    solution: Solution, contact: ContactHistory, image: PlaneFront, found: dict[str, Any]
+) -> dict[str, Any]:
+    """What was found of a whole contact for the half that the model has: without its image."""
+    states = len(solution.times)
+    fronts = [
+        Front(front.name, (unknown_station(front.name, 0, states, GOES_ON),))
+        if front.name == image.name
+        else front
+        for front in found["fronts"]
+    ]
+    first, last = solution.cycle or (0, states - 1)
+    resultants = plane_resultants(contact, found["centre"])
+    work = float(resultants["work"][first + 1 : last + 1].sum())
+    return {**found, **resultants, "fronts": tuple(fronts), "dissipation": work}
 
 
 def _dissipation_change(solution: Solution, contact: ContactHistory, work: Array) -> float:

@@ -579,6 +579,9 @@ def pressed_on(
         return False
     ranges = np.ptp(known, axis=0)
     shear = float(np.linalg.norm(ranges[Factor.K_T :]))
+    # Loads that stay as they are drive nothing: what K_I then varies by is round-off.
+    if ranges[Factor.K_I] <= 1e-9 * np.abs(known[:, Factor.K_I]).max():
+        return False
     return shear < float(friction.max() * ranges[Factor.K_I])
 
 

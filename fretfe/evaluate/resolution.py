@@ -405,6 +405,8 @@ def _warning(
     solid = len(normal) == 3
     expected = _across_ellipse if solid else _across_strip
     width, count = expected(initial, carrier, normal, load)
+    if not math.isfinite(width):
+        return
     if count < MARGIN * WANTED_NODES:
         unit = case.units.length
         size = 2 * width / WANTED_NODES
@@ -581,6 +583,8 @@ def half_width(along: Array, gap: Array, force: float) -> tuple[float, float]:
     x, g = along[order], gap[order] - gap.min()
     centre = float(x[g <= SAME_GAP * g.max()].mean()) if g.max() > 0 else float(x.mean())
     widest = min(centre - x[0], x[-1] - centre)
+    if widest <= 0:  # lowest at an end, behind which nothing is known
+        return np.inf, centre
     widths = np.linspace(0.0, widest, WIDTHS + 1)[1:]
     even = (np.interp(centre + widths, x, g) + np.interp(centre - widths, x, g)) / 2
     if even.min() < np.interp(centre, x, g) - SAME_GAP * g.max():

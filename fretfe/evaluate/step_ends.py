@@ -15,6 +15,7 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.contact.march import LARGEST_MOVE, MOST_PARTS
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
+from fretfe.faults import guarded
 from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.history.state_array import picked, summed
 
@@ -36,11 +37,18 @@ def step_ends(solution: Solution) -> StepEnds | None:
 def at_step_ends(
     solution: Solution, contacts: tuple[Contact, ...]
 ) -> tuple[Solution, tuple[Contact, ...]]:
-    """A solved history and its evaluated contacts without the states within steps."""
+    """A solved history and its evaluated contacts without the states within steps.
+
+    With these where fretfe fails in that.
+    """
     ends = step_ends(solution)
     if ends is None:
         return solution, contacts
-    return ends.solution(solution), ends.contacts(solution, contacts)
+    return guarded(
+        "ends of divided steps",
+        lambda: (ends.solution(solution), ends.contacts(solution, contacts)),
+        lambda _: (solution, contacts),
+    )
 
 
 def division_notes(ends: Indices) -> tuple[str, ...]:

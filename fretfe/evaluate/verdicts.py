@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from fretfe.evaluate.contacts import LARGEST_SPREAD, SlipZone, Station
+from fretfe.faults import guarded
 
 # The expected error of the formulas is a first-order estimate: trusted within this factor, and not
 # at all where it is large.
@@ -72,6 +73,8 @@ def last_verdict(station: Station) -> Verdict:
 
 def withheld(station: Station) -> str:
     """Reason why K_N or the range of (K_T, K_S) of a station is not told; empty if both are."""
+    if station.unknown:
+        return station.unknown
     return "; ".join(filter(None, (_no_k_n(station), _no_range(station))))
 
 
@@ -124,11 +127,22 @@ def judge(station: Station, zone: SlipZone) -> Verdict:
     K_N, of the range and of the length, as if they were independent, and of what an element hides.
 
     At a station of solids whose plane problem is solved the length is that of the plane problem;
-    the slip of the solids' elements, where they resolve it, must be the same.
+    the slip of the solids' elements, where they resolve it, must be the same. Where fretfe fails
+    in that the verdict is unknown.
     """
+    return guarded(
+        f"verdict at {station.front}, station {station.number}",
+        lambda: _judge(station, zone),
+        lambda fault: Verdict(UNKNOWN, fault.reason),
+    )
+
+
+def _judge(station: Station, zone: SlipZone) -> Verdict:
     word, reason = _excuse(station, zone)
     if word:
         return Verdict(word, reason)
+    if _still(zone):
+        return _judge_still(station, zone)
     if math.isfinite(zone.reported_local):
         return _judge_local(station, zone)
     # An edge that moves is described over the longer of the two zones, which ends where it was.
@@ -162,6 +176,39 @@ def judge(station: Station, zone: SlipZone) -> Verdict:
     if unlike:
         reason += f"; unlike bodies, {unlike:.1%}"
     return _beside_formula(zone.length, zone.prediction, error, within, reason)
+
+
+def _still(zone: SlipZone) -> bool:
+    """True if no slip is found: by the plane problem, or by nodes that would show it."""
+    if math.isfinite(zone.reported_local):
+        return zone.local == 0
+    return zone.resolved and zone.length == 0
+
+
+def _judge_still(station: Station, zone: SlipZone) -> Verdict:
+    """Compare no slip with its prediction: none either, or so little that nobody could tell."""
+    local, unseen = math.isfinite(zone.reported_local), zone.told[1]
+    if local and (nodes := beside_nodes(station, zone)).word == DIFFERS:
+        return nodes
+    k_n, k_n_bar = float(station.k_n[zone.end]), float(station.k_n_spread[zone.end])
+    most = (zone.prediction + _range_bar(station, zone)) * (1 + k_n_bar / k_n)
+    if not math.isfinite(most):
+        return Verdict(UNKNOWN, f"nothing slips; {withheld(station) or 'nothing is predicted'}")
+    found = f"nothing slips, or over less than {unseen:.2g}"
+    within = math.hypot(unseen, BORDER_ELEMENTS * station.size)
+    if zone.prediction > within:
+        return Verdict(DIFFERS, f"{found}, though {zone.prediction:.2g} is predicted", within)
+    if most > within or zone.prediction > BORDER_FRACTION * within:
+        return Verdict(UNKNOWN, f"{found}; up to {most:.2g} may be predicted: nothing to check")
+    return Verdict(AGREES, f"{found}, and at most {most:.2g} is predicted", within)
+
+
+def _range_bar(station: Station, zone: SlipZone) -> float:
+    """Length of a slip zone that the error bar of the range stands for."""
+    # Without a cycle there is no range, but a prediction of first loading.
+    if math.isnan(station.k_range) or station.k_range_spread == 0:
+        return 0.0
+    return zone.predicted * station.k_range_spread / (station.k_range or math.nan)
 
 
 def _beside_formula(
@@ -281,16 +328,17 @@ def _excuse(station: Station, zone: SlipZone) -> tuple[str, str]:
         return UNKNOWN, lost or "K_N is not known at the end of the half cycle"
     # The formulas take K_N of the state in which the half cycle ends.
     k_n, spread = float(station.k_n[zone.end]), float(station.k_n_spread[zone.end])
-    if spread > LARGEST_SPREAD * k_n and not local:
+    if spread > LARGEST_SPREAD * k_n and not local and not _still(zone):
         return UNKNOWN, (
             f"K_N at the end of the half cycle, {k_n:.3g}, has an error bar of {spread / k_n:.0%}, "
             f"more than {LARGEST_SPREAD:.0%}"
         )
     # Without a cycle there is no range, but a prediction of first loading.
     ranges = math.isfinite(station.k_range)
-    if ranges and not station.k_range_spread <= LOOSEST_RANGE * station.k_range:
+    still = _still(zone)
+    if ranges and not still and not station.k_range_spread <= LOOSEST_RANGE * station.k_range:
         return UNKNOWN, withheld(station)
-    if local and zone.local_spread > LOOSE * zone.local:
+    if local and not still and zone.local_spread > LOOSE * zone.local:
         return (
             UNKNOWN,
             f"the plane problem next to the front gives {zone.local:.3g} ± "

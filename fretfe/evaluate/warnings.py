@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -17,6 +18,7 @@ from fretfe.evaluate.factors import WANTED_NODES
 from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
 from fretfe.evaluate.plane.pressure_fit import why_no_root
 from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches, main_patch, plane_front
+from fretfe.evaluate.plane.symmetry import reaches_image
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.verdicts import withheld
 from fretfe.history.solution import OPEN, ContactHistory, Solution
@@ -34,6 +36,8 @@ FEWEST_NODES = 80
 BESIDE, FINE = 2.5, 1.5
 # Part of the area in contact that sticks, below which the contact nearly slides.
 NEARLY_SLIDES = 0.1
+# Fronts of plane contacts.
+SIDES = tuple(front.name for front in PLANE_FRONTS)
 
 
 def plane_warnings(
@@ -50,6 +54,7 @@ def plane_warnings(
         fronts: left and right, of one station each.
         changes: of the shear over cycles, as of `cycle_changes`.
     """
+    yield from _nothing_known(fronts)
     stations = tuple(station for front in fronts for station in front.stations)
     yield from _unknown(solution, contact, stations)
     yield from _uncounted(solution, stations)
@@ -111,6 +116,7 @@ def solid_warnings(
     yield from (f"patch {each.name}: {each.reason}" for each in found["patches"] if each.reason)
     if unsteady := unsteady_text(changes):
         yield unsteady
+    yield from _nothing_known(found["fronts"])
     yield from _withheld(solution, found)
     edges = edges_once(contact.facets)
     for front in found["fronts"]:
@@ -190,6 +196,17 @@ def _withheld(solution: Solution, found: Mapping[str, Any]) -> Iterator[str]:
         yield text
 
 
+def _nothing_known(fronts: Sequence[Front]) -> Iterator[str]:
+    """Edges, or numbers of stations of a front of solids, of which nothing is known, and why."""
+    for front in fronts:
+        for reason, count in Counter(each.unknown for each in front.stations).items():
+            if reason and front.name in SIDES:
+                yield f"{front.name} edge: unknown, because {reason}"
+            elif reason:
+                stations = f"{count} of {len(front.stations)} stations"
+                yield f"{front.name}: {stations} unknown, because {reason}"
+
+
 def _unknown(
     solution: Solution, contact: ContactHistory, stations: tuple[Station, ...]
 ) -> Iterator[str]:
@@ -211,6 +228,8 @@ def _unknown(
         else ""
     )
     for station in stations:
+        if station.unknown:
+            continue
         unknown = contact.exists[station.last] and not math.isfinite(station.last_k_n[0])
         missing = ["K_N"] if unknown else []
         # A range without a bar is not told either, if the edge is not known in some state.
@@ -308,7 +327,14 @@ def _surfaces(contact: ContactHistory) -> Iterator[str]:
     if not closed.any():
         yield _never_touch(smallest)
     for front in PLANE_FRONTS:
-        if front.from_front(closed)[0]:
+        if not front.from_front(closed)[0]:
+            continue
+        if reaches_image(contact, front):
+            yield (
+                f"the contact reaches the {front.name} end of its surface, behind which both "
+                "bodies go on: the edge found there is not a true contact edge"
+            )
+        else:
             yield (
                 f"the contact reaches the {front.name} end of its surface: extend the physical "
                 "group; the edge found there is not a true contact edge"

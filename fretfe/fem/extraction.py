@@ -20,6 +20,7 @@ from fretfe.evaluate.evaluate import Tracks
 from fretfe.evaluate.plane.patches_in_time import own_part
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, fit_edge
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_sections
+from fretfe.evaluate.plane.symmetry import whole_contact
 from fretfe.evaluate.slip import cycle_states
 from fretfe.fem.fields import FieldSource
 from fretfe.fem.interaction_integral import Tip, Tube
@@ -139,10 +140,11 @@ class _PlaneDraft(_Draft["_Areas"]):
     """A probe for each edge in all chosen states, the difference of the neighbours last."""
 
     def _plan(self, contact: ContactHistory) -> _Areas | None:
-        return _choose_areas(self._common.solution, contact)
+        return _choose_areas(self._common.solution, whole_contact(contact).contact)
 
     def _probes(self, contact: ContactHistory, plan: _Areas) -> list[Probe]:
-        return [self._probe(self._common.pairs[contact.pair], plan, each) for each in PLANE_FRONTS]
+        image, pair = whole_contact(contact).image, self._common.pairs[contact.pair]
+        return [self._probe(pair, plan, each) for each in PLANE_FRONTS if each is not image]
 
     def _probe(self, pair: Pair, areas: _Areas, front: PlaneFront) -> Probe:
         model, difference = self._common.model, self._common.difference
@@ -167,6 +169,8 @@ class _PlaneDraft(_Draft["_Areas"]):
     def _factors(
         self, contact: ContactHistory, plan: _Areas, values: list[list[Array]]
     ) -> tuple[StationIntegrals, NearbyLoads | None]:
+        # The image of an edge has its factors.
+        values = values * (len(PLANE_FRONTS) // len(values))
         of_areas = [station[: len(plan.numbers)] for station in values]
         # (stations, S, R, d, J) to (S, R, stations, d, J)
         factors = np.array(of_areas).transpose(1, 2, 0, 3, 4)
@@ -295,7 +299,7 @@ class _SolidDraft(_Draft["_Plan"]):
         self._fields_of: dict[int, tuple[int, ...]] = {}
 
     def _plan(self, contact: ContactHistory) -> _Plan | None:
-        return _plan(self._common.solution, contact, self._tracks[contact.name])
+        return _plan(self._common.solution, contact, self._tracks.get(contact.name, ()))
 
     def _of_state(self, state: int) -> tuple[int, ...]:
         """Numbers of the mean fields of areas around that of a state, one for each driver."""
@@ -307,7 +311,8 @@ class _SolidDraft(_Draft["_Plan"]):
             closed = recorder.state(state).closed
             areas = np.tile(closed, (AREAS, 1))
             for contact in self._common.solution.contacts:
-                nodes, tracks = recorder.nodes_of(contact.pair), self._tracks[contact.name]
+                nodes = recorder.nodes_of(contact.pair)
+                tracks = self._tracks.get(contact.name, ())
                 places = [track.fit.place[state] for track in tracks]
                 areas[:, nodes] = nested_areas(contact.points, closed[nodes], tracks, places)
             self._fields_of[state] = self.fields.of_areas(state, list(areas))

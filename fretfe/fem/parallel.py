@@ -17,6 +17,7 @@ import numpy as np
 
 from fretfe.backends import Observer
 from fretfe.errors import FretfeError
+from fretfe.faults import CollectiveError
 from fretfe.fem._compat import MPI, PETSc
 
 T = TypeVar("T")
@@ -109,7 +110,15 @@ class Lead(Generic[Subject]):
             own: further arguments, on rank 0 only.
         """
         self._tell(question)
-        return question(self._subject, **own)
+        try:
+            return question(self._subject, **own)
+        except FretfeError:
+            raise
+        except Exception as error:
+            # Others may wait in the middle of the question: none may go on as if it had an answer.
+            if self._comm.size > 1:
+                raise CollectiveError(f"rank 0: {type(error).__name__}: {error}") from error
+            raise
 
     def _tell(self, message: object) -> None:
         _wait_for_all(self._comm, _nothing)

@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -23,11 +24,16 @@ from fretfe.contact.solve import extrapolate_slip, solve_history
 from fretfe.errors import ConvergenceError, ModelError, OutputError, StoppedError
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.cycles import cycle_changes, may_become_steady
-from fretfe.evaluate.evaluate import Tracks, evaluate
-from fretfe.evaluate.limits import unlike_notes, with_cut_spreads, with_limit_warnings
-from fretfe.evaluate.plane.patches_in_time import separate_patches
+from fretfe.evaluate.evaluate import Tracks, evaluate, unknown_contacts, with_patches
+from fretfe.evaluate.limits import (
+    ModelLimit,
+    unlike_notes,
+    with_cut_spreads,
+    with_limit_warnings,
+)
 from fretfe.evaluate.resultants import load_extremes
-from fretfe.evaluate.step_ends import division_notes, step_ends
+from fretfe.evaluate.step_ends import at_step_ends, division_notes
+from fretfe.faults import Fault, guarded
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
 from fretfe.fem.extraction import add_integrals
@@ -178,25 +184,25 @@ class _Run:
             recorder = self._recorder = marched.recorder
             added = _added_note(case, self._history, marched.history)
             self._history = marched.history
-            solution = _solution(model, self._history, recorder)
+            solution, lost = _solution(model, self._history, recorder)
         with clock("edge integrals"):
-            tracks, say = _fronts(case, solution), self._options.doing
-            march = self._prepared.march
-            solution = add_integrals(model, self._fields, recorder, march, solution, tracks, say)
+            tracks = _fronts(case, solution)
+            if not lost:
+                solution = self._with_integrals(solution, tracks)
         with clock("evaluation"):
-            depths = self._penetration()
-            told = case.edges.reference_length
-            contacts = evaluate(solution, tracks=tracks, reference_length=told)
-            limits = model_limits(model, recorder, solution, contacts, depths)
-            contacts = with_limit_warnings(contacts, limits)
-            contacts = with_cut_spreads(contacts, recorder, solution.cycle)
-            failure = marched.failure or imbalance(solution)
+            contacts, limits = (
+                (unknown_contacts(solution, lost), ())
+                if lost
+                else self._evaluated(solution, tracks)
+            )
+            failure = marched.failure or guarded(
+                "balance of forces", lambda: imbalance(solution), lambda _: None
+            )
         if tracks is not None and case.edges.local:
             with clock("local problems"):
                 contacts = self._local_problems(solution, contacts)
         divided = division_notes(solution.ends)
-        if ends := step_ends(solution):
-            contacts, solution = ends.contacts(solution, contacts), ends.solution(solution)
+        solution, contacts = at_step_ends(solution, contacts)
         self._solution, self._contacts = solution, contacts
         repeats = (each.text for each in solution.repeats)
         return Result(
@@ -212,7 +218,7 @@ class _Run:
                 *divided,
                 *repeats,
                 *added,
-                *unlike_notes(case, contacts),
+                *guarded("notes", lambda: tuple(unlike_notes(case, contacts)), lambda _: ()),
             ),
             failure=failure,
             limits=limits,
@@ -222,6 +228,34 @@ class _Run:
             ranks=model.comm.size,
         )
 
+    def _with_integrals(self, solution: Solution, tracks: Tracks | None) -> Solution:
+        """The solution with its interaction integrals; K_T has no error bar without them."""
+        say, march = self._options.doing, self._prepared.march
+        arguments = self._fields, self._recorder, march, solution, tracks, say
+        return guarded(
+            "edge integrals", lambda: add_integrals(self._model, *arguments), lambda _: solution
+        )
+
+    def _evaluated(
+        self, solution: Solution, tracks: Tracks | None
+    ) -> tuple[tuple[Contact, ...], tuple[ModelLimit, ...]]:
+        """The contacts, and the limits of the model."""
+        recorder, told = self._recorder, self._case.edges.reference_length
+        contacts = evaluate(solution, tracks=tracks, reference_length=told)
+
+        def measured() -> tuple[ModelLimit, ...]:
+            depths = self._penetration()
+            return tuple(model_limits(self._model, recorder, solution, contacts, depths))
+
+        limits = guarded("limits of the model", measured, lambda _: ())
+        warned = with_limit_warnings(contacts, limits)
+        # Without the error bars of the cuts nothing is known.
+        return guarded(
+            "error bars by cuts",
+            lambda: with_cut_spreads(warned, recorder, solution.cycle),
+            partial(unknown_contacts, solution),
+        ), limits
+
     def _local_problems(
         self, solution: Solution, contacts: tuple[Contact, ...]
     ) -> tuple[Contact, ...]:
@@ -229,7 +263,12 @@ class _Run:
         # Imported where it is needed: SciPy's interpolation takes a second.
         from fretfe.evaluate.space.local import add_local_problems
 
-        return add_local_problems(solution, contacts, self._case.bodies, self._fields.edge_slip)
+        bodies, share = self._case.bodies, self._fields.edge_slip
+        return guarded(
+            "plane problems next to the fronts",
+            lambda: add_local_problems(solution, contacts, bodies, share),
+            lambda _: contacts,
+        )
 
     def write(self) -> tuple[str, ...]:
         """Write what the case asks for of the fields.
@@ -239,12 +278,16 @@ class _Run:
         """
         notes: tuple[str, ...] = ()
         if self._options.stress is not None and self._case.output.stress_depths:
-            with self._clock("stress near the contacts"):
-                notes += self._write_stress(self._options.stress)
+            notes += self._attempt(
+                "stress near the contacts", partial(self._write_stress, self._options.stress)
+            )
         if self._options.fields is not None:
-            with self._clock("fields"):
-                notes += self._write_fields(self._options.fields)
+            notes += self._attempt("fields", partial(self._write_fields, self._options.fields))
         return notes
+
+    def _attempt(self, phase: str, write: Callable[[], tuple[str, ...]]) -> tuple[str, ...]:
+        with self._clock(phase):
+            return guarded(phase, write, lambda fault: (fault.text,))
 
     def _penetration(self) -> dict[str, float]:
         """Unpaired penetration of each contact."""
@@ -306,14 +349,21 @@ def _fronts(case: Case, solution: Solution) -> Tracks | None:
     # Imported where it is needed: SciPy's interpolation takes a second.
     from fretfe.evaluate.space.fronts import follow_fronts
 
-    return {
-        each.name: follow_fronts(solution, each, case.edges.stations) for each in solution.contacts
+    found = {
+        each.name: guarded(
+            f"fronts of contact {each.name}",
+            partial(follow_fronts, solution, each, case.edges.stations),
+            lambda _: None,
+        )
+        for each in solution.contacts
     }
+    return {name: tracks for name, tracks in found.items() if tracks is not None}
 
 
-def _solution(model: Model, history: History, recorder: Recorder) -> Solution:
+def _solution(model: Model, history: History, recorder: Recorder) -> tuple[Solution, Fault | None]:
+    """The solution, in the plane with its patches; why these are not told, where fretfe fails."""
     solution = recorder.solution(history, balance(model.reduction, recorder.blocks()))
-    return separate_patches(solution) if model.dimension == 2 else solution
+    return with_patches(solution) if model.dimension == 2 else (solution, None)
 
 
 @dataclass(frozen=True)
@@ -451,9 +501,10 @@ def _steady(recorder: Recorder, cycles: _Cycles, options: RunOptions) -> bool:
 def _place(prepared: Prepared, pair: Pair) -> Place:
     model, coupling, names = prepared.model, pair.coupling, (pair.name, pair.body1, pair.body2)
     beta = coupled_beta(model.case, *names)
-    if model.dimension == 2:
-        return Place(*names, coupling, dundurs=beta)
     continued = continued_nodes(model.case, model.reduction.definition, prepared.mesh, pair)
+    if model.dimension == 2:
+        known = continued if np.isfinite(continued).any() else None
+        return Place(*names, coupling, continued=known, dundurs=beta)
     return Place(*names, coupling, coupling.facets, coupling.free, continued, dundurs=beta)
 
 

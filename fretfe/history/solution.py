@@ -150,9 +150,9 @@ class ContactHistory:
         facets: (F, 3 or 4) nodes of the facets of the surface, counter-clockwise seen from outside
             body 2; None in the plane.
         free: (N,) nodes on the rim of the surface at which both bodies end; None in the plane.
-        continued: (N, 3) unit normals of planes of symmetry behind which both of them go on, at
-            nodes on that rim; zero where the next sector continues them, NaN elsewhere. None in the
-            plane.
+        continued: (N, d) unit normals of planes of symmetry behind which both of them go on, at
+            nodes on that rim, in the plane at both ends; zero where the next sector continues
+            them, NaN elsewhere. None in the plane if they end at both ends.
         dundurs: Dundurs' beta, body 1 above, of solids in plane strain; zero of similar bodies, and
             where it has no part in the evaluation: without friction, and of crystals.
     """

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from typing import Any
 
 from rich import box
@@ -18,6 +19,7 @@ from fretfe.backends.protocol import DEFAULTS, Session, session_of
 from fretfe.case import Case
 from fretfe.environment import peak_memory
 from fretfe.errors import FretfeError, StoppedError
+from fretfe.faults import Fault, guarded
 from fretfe.files import json_value
 from fretfe.quality.companions import (
     FINE,
@@ -37,6 +39,13 @@ REPEATED = ("steps", "edge integrals", "evaluation")
 POWERS = {False: 2, True: 4}
 # The same of the memory of solids.
 GROWING = 3
+# Rows that a run has without companions.
+OWN_ROWS = {
+    "this run": own_rows,
+    "Hertz": hertz_rows,
+    "limits": limit_rows,
+    "the other run": carried_rows,
+}
 
 
 def plan(variants: Sequence[Variant], result: Result) -> str:
@@ -103,8 +112,9 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
         if result.failure is not None:
             raise result.failure
         options.keep(result)
-        rows = [*own_rows(result), *hertz_rows(result), *limit_rows(result)]
-        rows += carried_rows(result)
+        rows: list[Row] = []
+        for name, find in OWN_ROWS.items():
+            rows += _attempted(name, partial(find, result))
         variants, reasons = make_variants(case, result)
         rows += [EVERYWHERE.missing(name, reason) for name, reason in reasons.items()]
         options.observer.phase(plan(variants, result))
@@ -138,7 +148,16 @@ def _companion(
         raise other.failure
     if other.failure is not None:
         return [EVERYWHERE.missing(variant.name, f"no solution: {other.failure}")]
-    return list(companion_rows(variant.name, result, other))
+    return _attempted(variant.name, partial(companion_rows, variant.name, result, other))
+
+
+def _attempted(name: str, find: Callable[[], Iterable[Row]]) -> list[Row]:
+    """Some rows, or the one that says why fretfe has not found them."""
+
+    def failed(fault: Fault) -> list[Row]:
+        return [EVERYWHERE.missing(name, fault.reason, "unknown")]
+
+    return guarded(f"rows of {name}", lambda: list(find()), failed)
 
 
 def print_validation(console: Console, validation: Validation) -> None:

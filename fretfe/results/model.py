@@ -26,6 +26,7 @@ from fretfe.evaluate.stress import (
     local_parameters,
     stress_parameters,
 )
+from fretfe.faults import Fault
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
 from fretfe.mesh.mesh import BodyMesh
@@ -58,6 +59,7 @@ class Result:
         refinement: how the mesh refined itself, or None.
         limits: quantities that must be small for the model to hold, with what was found.
         directory: folder with the files of the run; None if nothing was written.
+        faults: errors of fretfe itself, for which something is unknown.
     """
 
     case: Case
@@ -74,6 +76,7 @@ class Result:
     refinement: Refinement | None = None
     limits: tuple[ModelLimit, ...] = ()
     directory: Path | None = None
+    faults: tuple[Fault, ...] = ()
 
     @property
     def solid(self) -> bool:

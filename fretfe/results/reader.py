@@ -21,6 +21,7 @@ from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.evaluate.refinement import Refinement
+from fretfe.faults import Fault
 from fretfe.files import file_fault
 from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.history.state_array import StateArray
@@ -209,6 +210,7 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         limits=tuple(restored(ModelLimit, each) for each in numbers["limits"]),
         refinement=restored_refinement(refinement) if refinement else None,
         directory=directory,
+        faults=tuple(restored(Fault, each) for each in numbers["faults"]),
     )
 
 

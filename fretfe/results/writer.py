@@ -31,6 +31,7 @@ from fretfe.evaluate.contacts import Contact, SlipZone
 from fretfe.evaluate.refinement import Refinement
 from fretfe.evaluate.resultants import load_extremes, station_extremes
 from fretfe.evaluate.slip import cycle_states
+from fretfe.faults import FAULTS, guarded
 from fretfe.files import disk_reason, make_folder, replace_text, replacing
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.history.state_array import StateArray, states_in_block
@@ -41,7 +42,7 @@ from fretfe.results.model import Result
 from fretfe.results.run_folder import MARK, with_digest
 from fretfe.results.tables import CYCLES_FILE, NODAL, STATIONS_FILE, write_cycles, write_stations
 
-SCHEMA = {"name": "fretfe-results", "version": 7}
+SCHEMA = {"name": "fretfe-results", "version": 8}
 NUMBERS, ARRAYS, REPORT = "results.json", "results.h5", "report.html"
 # Of a sweep: table, picture, and the variants as they are solved.
 TABLE, FIGURE, VARIANTS = SWEEP_FILES = "sweep.csv", "sweep.png", "variants.jsonl"
@@ -97,7 +98,8 @@ def remove_results(directory: Path) -> None:
     Raises:
         OSError: if that fails.
     """
-    for name in (NUMBERS, ARRAYS, SURFACES, STATIONS_FILE, CYCLES_FILE, FIELDS, STRESSES, REPORT):
+    names = (NUMBERS, ARRAYS, SURFACES, STATIONS_FILE, CYCLES_FILE, FIELDS, STRESSES, REPORT)
+    for name in (*names, FAULTS):
         (directory / name).unlink(missing_ok=True)
 
 
@@ -127,15 +129,17 @@ def write_results(directory: Path, result: Result) -> None:
         (directory / REPORT).unlink(missing_ok=True)
         # The result may have been read from the file that is replaced: surfaces come before it.
         # What keeps them from being written must not keep the numbers from it.
-        late = _failure(partial(_write_surfaces, directory / SURFACES, result))
+        surfaces = partial(_write_surfaces, result=result)
+        late = _failure(partial(_attempt, directory / SURFACES, surfaces))
         if result.solution is not None or lists:
             with replacing(directory / ARRAYS) as new:
                 _write_arrays(new, result, lists)
         else:
             (directory / ARRAYS).unlink(missing_ok=True)
         replace_text(directory / NUMBERS, text + "\n")
-        write_stations(directory / STATIONS_FILE, result.contacts)
-        write_cycles(directory / CYCLES_FILE, result.contacts, result.loads.times)
+        _attempt(directory / STATIONS_FILE, lambda path: write_stations(path, result.contacts))
+        times = result.loads.times
+        _attempt(directory / CYCLES_FILE, lambda path: write_cycles(path, result.contacts, times))
         if late is not None:
             raise late
     except OSError as error:
@@ -158,6 +162,16 @@ def json_text(value: Any, line: str = "\n") -> str:
     if isinstance(value, list) and any(isinstance(each, dict) for each in value):
         return f"[{inner}{f',{inner}'.join(json_text(each, inner) for each in value)}{line}]"
     return ENCODER.encode(value)
+
+
+def _attempt(path: Path, write: Callable[[Path], None]) -> None:
+    """Write a file that others do without: an error of fretfe in it costs none of them."""
+
+    def make() -> OSError | None:
+        return _failure(partial(write, path))
+
+    if (failed := guarded(path.name, make, lambda _: path.unlink(missing_ok=True))) is not None:
+        raise failed
 
 
 def _failure(write: Callable[[], None]) -> OSError | None:
@@ -211,6 +225,7 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
             "notes": result.notes,
             "complete": result.failure is None and refined,
             "failure": str(result.failure or ("" if refined else REFINING)),
+            "faults": result.faults,
             "versions": {**versions(), **result.versions},
             "ranks": result.ranks,
             "seconds": result.seconds,

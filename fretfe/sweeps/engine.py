@@ -23,6 +23,8 @@ from fretfe.case import Case, Units, changed, parse_assignments
 from fretfe.case.overrides import parse_value, plain_value, split_assignment, with_overrides
 from fretfe.case.toml_file import read_tables
 from fretfe.errors import CaseError, FretfeError, StoppedError
+from fretfe.faults import Fault, faults_so_far, guarded
+from fretfe.results.model import Result
 from fretfe.sweeps.copies import in_copies
 
 MOST_VARIANTS = 10_000
@@ -151,6 +153,7 @@ class Solved:
         failure: why it could not be solved; empty if it was.
         notes: what the backend assumed.
         seconds: wall time.
+        faults: errors of fretfe itself that left something unknown, and are in no other case.
     """
 
     values: Mapping[str, Any]
@@ -158,6 +161,7 @@ class Solved:
     failure: str
     notes: tuple[str, ...]
     seconds: float
+    faults: tuple[Fault, ...] = ()
 
     def records(self) -> list[dict[str, Any]]:
         """A flat record for each edge; one without numbers if it failed."""
@@ -174,17 +178,25 @@ class Sweep:
         units: labels, from the case.
         variants: the cases.
         stopped: the signal that ended it before all cases were solved, or None.
+        late_faults: errors of fretfe itself in what is made of all cases.
     """
 
     keys: tuple[str, ...]
     units: Units
     variants: tuple[Solved, ...]
     stopped: StoppedError | None = None
+    late_faults: tuple[Fault, ...] = ()
 
     @property
     def failures(self) -> tuple[Solved, ...]:
         """Cases that could not be solved."""
         return tuple(each for each in self.variants if each.failure)
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """Errors of fretfe itself that left something unknown, each once."""
+        own = (fault for each in self.variants for fault in each.faults)
+        return tuple(dict.fromkeys((*own, *self.late_faults)))
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -274,7 +286,7 @@ def _solve_group(
 
 
 def _solve(variant: Variant, backend: Backend, session: Session, options: RunOptions) -> Solved:
-    start = time.perf_counter()
+    start, before = time.perf_counter(), len(faults_so_far())
     edges: tuple[Mapping[str, Any], ...] = ()
     notes: tuple[str, ...] = ()
     try:
@@ -284,12 +296,23 @@ def _solve(variant: Variant, backend: Backend, session: Session, options: RunOpt
             if isinstance(result.failure, StoppedError):
                 raise result.failure
             failure, notes = str(result.failure or ""), result.notes
-            edges = () if failure else tuple(result.records())
+            if not failure:
+                edges, failure = _records(result)
     except StoppedError:
         raise
     except FretfeError as error:
         failure = str(error)
-    return Solved(variant.values, edges, failure, notes, time.perf_counter() - start)
+    faults = faults_so_far()[before:]
+    return Solved(variant.values, edges, failure, notes, time.perf_counter() - start, faults)
+
+
+def _records(result: Result) -> tuple[tuple[Mapping[str, Any], ...], str]:
+    """The records of a case, or the reason why there are none."""
+
+    def made() -> tuple[tuple[Mapping[str, Any], ...], str]:
+        return tuple(result.records()), ""
+
+    return guarded("row of a sweep", made, lambda fault: ((), fault.text))
 
 
 def _told(number: int, variants: Sequence[Variant], solved: Solved) -> str:

@@ -24,6 +24,7 @@ from fretfe._typing import Array
 from fretfe.case import Units
 from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import known_length
+from fretfe.faults import Fault, guarded
 from fretfe.files import disk_reason, replacing, sync
 from fretfe.report.texts import MISSING, number
 from fretfe.report.theme import (
@@ -163,7 +164,11 @@ def write_files(sweep: Sweep, directory: Path) -> bool:
         write_table(directory / TABLE, sweep)
         # A picture of an earlier sweep would not belong to this table.
         (directory / FIGURE).unlink(missing_ok=True)
-        return write_sweep(directory / FIGURE, sweep.keys, sweep.records(), sweep.units)
+
+        def draw() -> bool:
+            return write_sweep(directory / FIGURE, sweep.keys, sweep.records(), sweep.units)
+
+        return guarded(FIGURE, draw, lambda _: False)
     except OSError as error:
         raise _cannot(directory, error) from error
 
@@ -197,6 +202,7 @@ class SolvedFile:
                     continue
                 del data[KEY]
                 data["edges"], data["notes"] = tuple(data["edges"]), tuple(data["notes"])
+                data["faults"] = tuple(Fault(**each) for each in data.get("faults", ()))
                 number = data.pop("number")
                 found[number] = Solved(**data)
             except (ValueError, KeyError, TypeError, AttributeError, RecursionError):

@@ -4,11 +4,14 @@
 from __future__ import annotations
 
 import time
+from contextlib import nullcontext
 from functools import partial
+from pathlib import Path
 
 import pytest
 
 from fretfe.errors import ModelError
+from fretfe.faults import CollectiveError, collecting, guarded
 from fretfe.fem._compat import MPI
 from fretfe.fem.parallel import Lead, on_root
 
@@ -52,6 +55,10 @@ class Part:
         COMM.barrier()
         raise ModelError("no rank can do this")
 
+    def crash(self) -> None:
+        """Fail in a way that nobody has foreseen."""
+        raise ZeroDivisionError
+
 
 @pytest.mark.mpi
 def test_all_ranks_answer_what_rank_0_asks_meanwhile() -> None:
@@ -62,6 +69,27 @@ def test_all_ranks_answer_what_rank_0_asks_meanwhile() -> None:
 
     whole = COMM.size * (COMM.size + 1) // 2
     assert lead.run(work) == [whole - 1, 2 * whole - 1]
+
+
+@pytest.mark.mpi
+def test_guards_hold_errors_of_rank_0_but_not_of_what_all_do(tmp_path: Path) -> None:
+    """Others may wait in the middle of a question that fails; outside they wait for the next."""
+    lead = Lead(COMM, Part())
+
+    def work() -> int | None:
+        guarded("alone", Part().crash, lambda _: None)
+        return lead.ask(partial(Part.sum, times=2))
+
+    with collecting(tmp_path) as found:
+        assert lead.run(work) == COMM.size * (COMM.size + 1)
+        assert len(found.faults) == (COMM.rank == 0)
+
+        def question() -> None:
+            guarded("together", lambda: lead.ask(Part.crash), lambda _: None)
+
+        error = ZeroDivisionError if COMM.rank else CollectiveError
+        with pytest.raises(error) if COMM.size > 1 else nullcontext():
+            lead.run(question)
 
 
 @pytest.mark.mpi

@@ -10,7 +10,7 @@ have merged: the Cauchy integrals of both have the slope of the gap as polynomia
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -196,3 +196,36 @@ def test_a_patch_that_lifts_off_and_touches_again_is_the_same() -> None:
         assert "lifts off in step" in text
         assert "touches in step" in text
         assert "and 1 time later" in text
+
+
+@pytest.fixture(scope="module")
+def pressed() -> Solution:
+    """Two patches under the same load in all states but the first one, not yet told apart."""
+    given = problem([APART] * 5, profile=Bumps(), friction=0.0)  # type: ignore[arg-type]
+    with pytest.MonkeyPatch.context() as changed:
+        changed.setattr(solver, "contact_grid", lambda *_: NODES[::3])
+        changed.setattr(solver, "_neighbours", lambda *_: None)
+        return solver.solve_half_planes(given).solution
+
+
+@pytest.mark.parametrize("gone", [[-3], [-1], [-5, -3, -1]], ids=str)
+def test_two_patches_may_both_be_gone_for_a_while(pressed: Solution, gone: list[int]) -> None:
+    """Without any load, as of a blade that stands still, nothing touches; the numbers stay."""
+    (pair,) = pressed.contacts
+    fields = {name: np.array(getattr(pair, name)[:]) for name in ("traction", "mean_traction")}
+    status, area = np.array(pair.status[:]), pair.full_stick.area.copy()
+    for values in (*fields.values(), status):
+        values[gone] = 0
+    area[gone] = -1
+    units = replace(pair.full_stick, area=area)
+    pair = replace(pair, **fields, status=status, full_stick=units)  # type: ignore[arg-type]
+    solution = separate_patches(replace(pressed, contacts=(pair,), repeats=()))
+    assert [each.name for each in solution.contacts] == ["main[1]", "main[2]"]
+    states = np.arange(len(pressed.times))
+    there = np.isin(states[-5:], states[gone], invert=True)
+    for each in solution.contacts:
+        assert each.exists[-5:].tolist() == there.tolist()
+    left = evaluate(solution)[0].stations[0]
+    assert np.isnan(left.k_n[-5:][~there]).all()
+    # An element of .02 beside a patch of .6: 2 %.
+    assert left.k_n[-5:][there] == pytest.approx(outer_k_n(APART), rel=0.02)

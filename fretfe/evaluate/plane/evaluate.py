@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from fretfe.evaluate.contacts import (
     SlipZone,
     Station,
     StationHistory,
+    unknown_station,
 )
 from fretfe.evaluate.cycles import count_cycles, worst_cycle
 from fretfe.evaluate.factors import (
@@ -57,6 +59,7 @@ from fretfe.evaluate.plane.slip import slip_border_of
 from fretfe.evaluate.resultants import plane_resultants
 from fretfe.evaluate.slip import cycle_states, last_state, slip_zones
 from fretfe.evaluate.verdicts import FLANK
+from fretfe.faults import Fault, guarded
 from fretfe.history.solution import ContactHistory, Factor, Solution
 from fretfe.history.state_array import blocks
 
@@ -332,7 +335,17 @@ class _Edges:
         cycle, arc = cycle_states(self.solution.cycle), self.contact.arc
         spreads = range_spreads(self.histories, self.fits, arc, cycle, self.path)
         found = zip(PLANE_FRONTS, self.histories.directions(cycle), spreads, strict=True)
-        return [self._station(front, *line, spread) for front, line, spread in found]
+        return [
+            guarded(
+                f"contact {self.contact.name}, {front.name} edge",
+                partial(self._station, front, *line, spread),
+                partial(self._unknown, front),
+            )
+            for front, line, spread in found
+        ]
+
+    def _unknown(self, front: PlaneFront, fault: Fault) -> Station:
+        return unknown_station(front.name, 0, len(self.solution.times), fault.reason)
 
     def _station(
         self, front: PlaneFront, direction: Array, turning: float, spread: RangeSpread

@@ -279,6 +279,8 @@ def _territories(pair: ContactHistory, tracks: Sequence[Track]) -> list[Indices]
             node_range[:begin] = 0, nodes - 1
     for state in range(begin, states):
         here = [number for number, track in enumerate(tracks) if state in track.patches]
+        if not here:  # the bodies have parted: the surface belongs to nobody
+            continue
         here.sort(key=lambda number: tracks[number].patches[state].first)
         patches = [tracks[number].patches[state] for number in here]
         middles = [(one.last + other.first) // 2 for one, other in pairwise(patches)]

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from fretfe.evaluate.contacts import (
     SlipZone,
     Station,
     StationHistory,
+    unknown_station,
 )
 from fretfe.evaluate.cycles import count_cycles, worst_cycle
 from fretfe.evaluate.factors import (
@@ -51,6 +53,7 @@ from fretfe.evaluate.space.range_spread import range_spread
 from fretfe.evaluate.space.sectors import Frames
 from fretfe.evaluate.space.slip import SlipBetween, shear_share
 from fretfe.evaluate.verdicts import FLANK
+from fretfe.faults import Fault, guarded
 from fretfe.history.solution import ContactHistory, Factor, Solution
 
 # The front of a discrete contact area may lie anywhere in an element: half of it, and some more for
@@ -321,16 +324,16 @@ class _Front:
         """
         count = len(self.track.front.sectors)
         if not self.contact.dundurs:
-            return tuple(self.station(each) for each in range(count))
+            return tuple(self._evaluated(each) for each in range(count))
         zones = self._reference_lengths()
         own = self._at(zones, zones)
-        stations = tuple(own.station(each) for each in range(count))
+        stations = tuple(own._evaluated(each) for each in range(count))
         if told is None:
             return stations
         other = self._at(np.full(count, told), zones)
         # Formulas for slip zones need the factors at their own lengths.
         return tuple(
-            replace(other.station(number), slip_zones=station.slip_zones)
+            replace(other._evaluated(number), slip_zones=station.slip_zones)
             for number, station in enumerate(stations)
         )
 
@@ -360,6 +363,16 @@ class _Front:
             factors=factors,
             lengths=lengths,
         )
+
+    def _evaluated(self, number: int) -> Station:
+        """A station, of which nothing but its place is known where fretfe fails."""
+        place = f"contact {self.contact.name}, {self.name}, station {number}"
+        return guarded(place, partial(self.station, number), partial(self._unknown, number))
+
+    def _unknown(self, number: int, fault: Fault) -> Station:
+        frames = self.track.front.frames
+        found = unknown_station(self.name, number, len(self.solution.times), fault.reason)
+        return replace(found, point=frames.points[number], arc=float(frames.arc[number]))
 
     def station(self, number: int) -> Station:
         """All that is known of a station."""

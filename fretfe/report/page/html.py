@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import tomli_w
 from jinja2 import Environment, StrictUndefined
@@ -23,9 +24,10 @@ from rich.table import Table
 
 from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import Contact
+from fretfe.faults import Fault, guarded
 from fretfe.files import disk_reason, replace_text
 from fretfe.history.solution import Solution
-from fretfe.quality.rows import own_rows
+from fretfe.quality.rows import Row, own_rows
 from fretfe.report.figures import edges, history, solver, tractions
 from fretfe.report.page.bodies import body_table, pair_table
 from fretfe.report.page.tables import (
@@ -39,13 +41,16 @@ from fretfe.report.page.tables import (
     timing_table,
 )
 from fretfe.report.pictures.folder import read_pictures
-from fretfe.report.source import force_unit, shown_contacts
-from fretfe.report.texts import number
+from fretfe.report.source import Shown, force_unit, shown_contacts
+from fretfe.report.texts import number, plain_table
 from fretfe.report.theme import Plot
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import REPORT
 
+T = TypeVar("T")
+# Draws a figure, or some.
+Draw = Callable[[], "Plot | list[Plot] | None"]
 TEMPLATE, STYLE = "report.html.j2", "report.css"
 # Parts of a certificate, in the order of the page, with what they are a violation of.
 CERTIFICATE = {
@@ -104,12 +109,14 @@ class Section:
         title: the heading.
         intro: how to read the plots, or why there are none.
         plots: the plots.
+        missing: plots that fretfe failed to draw, and why.
     """
 
     anchor: str
     title: str
     intro: str
     plots: tuple[Plot, ...]
+    missing: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -119,15 +126,22 @@ class Plots:
     Attributes:
         sections: what was computed.
         solver: how the steps were solved, and the meshes.
+        missing: plots of that which fretfe failed to draw, and why.
     """
 
     sections: tuple[Section, ...]
     solver: tuple[Plot, ...]
+    missing: tuple[str, ...] = ()
 
 
 def draw_plots(run: Result) -> Plots:
     """Everything that is drawn from the results but pictures of bodies."""
-    return Plots(_sections(run), _solver_plots(run))
+    failed: list[Fault] = []
+    sections = guarded("figures", lambda: _sections(run), failed.append) or ()
+    if failed:
+        sections = (Section("figures", "Figures", "None could be drawn.", (), (failed[0].text,)),)
+    solver = _section("solver", "Solver and checks", "", _solver_plots(run))
+    return Plots(sections, solver.plots, solver.missing)
 
 
 def _sections(run: Result) -> tuple[Section, ...]:
@@ -136,74 +150,80 @@ def _sections(run: Result) -> tuple[Section, ...]:
     if run.solid:
         return _solid_sections(run)
     shown, keyed = shown_contacts(run), _keyed(run)
-    factors = (history.factor_plot(run, contact, key) for key, contact in keyed)
-    paths = (history.path_plot(run, contact, key) for key, contact in keyed)
+    factors = [partial(history.factor_plot, run, contact, key) for key, contact in keyed]
+    paths = [partial(history.path_plot, run, contact, key) for key, contact in keyed]
+    loads = partial(history.load_plot, run)
     histories = (
         _section("factors", "Edge factors", history.FACTORS_INTRO, factors),
-        _section("loads", "Loads", history.LOADS_INTRO, [history.load_plot(run), *paths]),
+        _section("loads", "Loads", history.LOADS_INTRO, [loads, *paths]),
     )
     if not shown:
         none = f"The backend {run.backend} gives no tractions along the contact."
         return (Section("tractions", "Along the contacts", none, ()), *histories)
-    asymptotes = (edges.edge_plot(each, edge) for each in shown for edge in each.summary.stations)
-    loops = (*map(history.slip_loop_plot, shown), *history.work_loop_plots(run))
-    counted = (edges.cycle_plot(each, edge) for each in shown for edge in each.summary.stations)
+    stations = [(each, edge) for each in shown for edge in each.summary.stations]
+    asymptotes = [partial(edges.edge_plot, *each) for each in stations]
+    loops = [*_each(history.slip_loop_plot, shown), partial(history.work_loop_plots, run)]
+    counted = [partial(edges.cycle_plot, *each) for each in stations]
     irregular = any(edge.cycles.irregular for each in run.contacts for edge in each.stations)
     slip_intro = tractions.SLIP_INTRO + (tractions.ENVELOPE_INTRO if irregular else "")
     sections = (
         _section(
-            "tractions", "Along the contacts", tractions.INTRO, map(tractions.traction_plot, shown)
+            "tractions",
+            "Along the contacts",
+            tractions.INTRO,
+            _each(tractions.traction_plot, shown),
         ),
         _section("edges", "Next to the edges", edges.INTRO, asymptotes),
-        _section("slip", "Stick and slip", slip_intro, map(tractions.slip_plot, shown)),
+        _section("slip", "Stick and slip", slip_intro, _each(tractions.slip_plot, shown)),
         _section("cycles", "Counted cycles", edges.CYCLES_INTRO, counted),
         _section(
-            "local", "Local parameters", tractions.LOCAL_INTRO, map(tractions.local_plot, shown)
+            "local", "Local parameters", tractions.LOCAL_INTRO, _each(tractions.local_plot, shown)
         ),
         _section(
             "stress",
             "Stress next to the edges",
             tractions.STRESS_INTRO,
-            map(tractions.stress_plot, shown),
+            _each(tractions.stress_plot, shown),
         ),
         _section(
             "slip-systems",
             "Resolved shear on slip systems",
             tractions.SLIP_SYSTEMS_INTRO,
-            map(tractions.slip_system_plot, shown),
+            _each(tractions.slip_system_plot, shown),
         ),
         *histories,
         _section("loops", "Hysteresis", history.LOOPS_INTRO, loops),
     )
-    return tuple(section for section in sections if section.plots)
+    return tuple(section for section in sections if section.plots or section.missing)
 
 
 def _solid_sections(run: Result) -> tuple[Section, ...]:
     shown, keyed = shown_contacts(run), _keyed(run)
-    loops = (*map(history.slip_loop_plot, shown), *history.work_loop_plots(run))
-    fronts = (
-        edges.front_plot(run, contact, front, f"{key}-{row}")
+    loops = [*_each(history.slip_loop_plot, shown), partial(history.work_loop_plots, run)]
+    fronts = [
+        partial(edges.front_plot, run, contact, front, f"{key}-{row}")
         for key, contact in keyed
         for row, front in enumerate(contact.fronts)
-    )
-    areas = (
-        draw(run, contact, key)
+    ]
+    areas = [
+        partial(draw, run, contact, key)
         for key, contact in keyed
         for draw in (edges.force_plot, edges.area_plot)
-    )
+    ]
+    loads = [partial(history.load_plot, run)]
     sections = (
         _section("fronts", "Along the fronts", edges.FRONTS_INTRO, fronts),
         _section(
             "stations",
             "Next to the worst stations",
             edges.STATIONS_INTRO,
-            map(edges.station_plot, shown),
+            _each(edges.station_plot, shown),
         ),
         _section("areas", "Contacts over time", edges.AREAS_INTRO, areas),
-        _section("loads", "Loads", "Shaded: the evaluated cycle.", [history.load_plot(run)]),
+        _section("loads", "Loads", "Shaded: the evaluated cycle.", loads),
         _section("loops", "Hysteresis", history.SOLID_LOOPS_INTRO, loops),
     )
-    return tuple(section for section in sections if section.plots)
+    return tuple(section for section in sections if section.plots or section.missing)
 
 
 def _keyed(run: Result) -> list[tuple[str, Contact]]:
@@ -211,17 +231,31 @@ def _keyed(run: Result) -> list[tuple[str, Contact]]:
     return [(f"contact{place}", contact) for place, contact in enumerate(run.contacts)]
 
 
-def _solver_plots(run: Result) -> tuple[Plot, ...]:
-    plots: list[Plot | None] = []
+def _solver_plots(run: Result) -> list[Draw]:
+    plots: list[Draw] = []
     if run.solution is not None and len(run.loads.times) > 1:
-        plots += [solver.iteration_plot(run.solution), solver.certificate_plot(run.solution)]
+        plots += [
+            partial(draw, run.solution) for draw in (solver.iteration_plot, solver.certificate_plot)
+        ]
     if run.refinement is not None:
-        plots.append(solver.refinement_plot(run.refinement))
-    return tuple(plot for plot in plots if plot is not None)
+        plots.append(partial(solver.refinement_plot, run.refinement))
+    return plots
 
 
-def _section(anchor: str, title: str, intro: str, plots: Iterable[Plot | None]) -> Section:
-    return Section(anchor, title, intro, tuple(plot for plot in plots if plot is not None))
+def _each(draw: Callable[[Shown], Plot | None], shown: Iterable[Shown]) -> list[Draw]:
+    return [partial(draw, each) for each in shown]
+
+
+def _section(anchor: str, title: str, intro: str, plots: Sequence[Draw]) -> Section:
+    """A section with the plots that there are; one that fretfe fails to draw costs no other."""
+    drawn: list[Plot] = []
+    failed: list[Fault] = []
+    for place, draw in enumerate(plots, start=1):
+        name = f"figure {place} of {len(plots)} in {title!r}"
+        found = guarded(name, draw, failed.append)
+        some = found if isinstance(found, list) else (found,)
+        drawn += [plot for plot in some if plot is not None]
+    return Section(anchor, title, intro, tuple(drawn), tuple(fault.text for fault in failed))
 
 
 def write_report(directory: Path, plots: Plots | None = None) -> Path:
@@ -260,7 +294,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
     environment.filters.update(linked=glossary.linked, subscripts=subscripts)
     package = files("fretfe.report.page")
     template = environment.from_string(package.joinpath(TEMPLATE).read_text(encoding="utf-8"))
-    answers = edge_answers(run)
+    answers = guarded("answers for edges", lambda: edge_answers(run), lambda _: ())
     return template.render(
         style=Markup(package.joinpath(STYLE).read_text(encoding="utf-8")),
         run=run,
@@ -268,10 +302,10 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         units=run.case.units,
         answers=answers,
         ranges=ranges,
-        summary=summary(run, answers),
-        contacts=contact_table(run),
-        cycles=cycle_table(run),
-        fronts=station_table(run) if run.solid else None,
+        summary=guarded("summary", lambda: summary(run, answers), lambda fault: (fault.text,)),
+        contacts=_table("table of contacts", lambda: contact_table(run)),
+        cycles=_table("table of counted cycles", lambda: cycle_table(run)),
+        fronts=_table("table of fronts", lambda: station_table(run)) if run.solid else None,
         works=[
             f"{contact.name} {number(contact.dissipation)}"
             for contact in run.contacts
@@ -279,11 +313,12 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         ],
         pictures=pictures,
         plots=plots or draw_plots(run),
-        certificate=_certificate_rows(run),
-        checks=tuple(own_rows(run)) if _solved(run.solution) else (),
+        certificate=guarded("certificate", lambda: _certificate_rows(run), lambda _: []),
+        checks=guarded("checks of this run", lambda: _checks(run), lambda _: ()),
         meshes=refinement_tables(run.refinement),
-        bodies=body_table(run),
-        pairs=pair_table(run),
+        bodies=_table("table of bodies", lambda: body_table(run)),
+        pairs=_table("table of contact surfaces", lambda: pair_table(run)),
+        faults=run.faults,
         timings=timing_table(run.seconds),
         # The case as it was understood.
         case_text=tomli_w.dumps(
@@ -291,6 +326,15 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         ),
         terms=glossary.terms,
     )
+
+
+def _table(name: str, make: Callable[[], T]) -> T | Table:
+    """A table, or an empty one whose title says why fretfe has not made it."""
+    return guarded(name, make, lambda fault: plain_table(fault.text, ("",), text=1))
+
+
+def _checks(run: Result) -> tuple[Row, ...]:
+    return tuple(own_rows(run)) if _solved(run.solution) else ()
 
 
 def _solved(solution: Solution | None) -> bool:

@@ -410,8 +410,9 @@ def _worst_text(run: Result, contact: Contact, front: Front) -> str:
     """The stations of a front that are worst by |ΔK|/(f K_N) and by d; empty without any."""
     known = [s for s in front.judged if math.isfinite(s.range_over_k_n)]
     zoned = [s for s in front.judged if s.slip_zones and math.isfinite(s.slip_zones[-1].told[0])]
+    slipping = [s for s in zoned if s.slip_zones[-1].told[0] > 0]
     steep = max(known, key=lambda s: s.range_over_k_n, default=None)
-    long = max(zoned, key=lambda s: s.slip_zones[-1].told[0], default=None)
+    long = max(slipping, key=lambda s: s.slip_zones[-1].told[0], default=None)
     marked = {"|ΔK|/(f K_N) is": steep, "d is": long}
     if long is steep:
         marked = {"|ΔK|/(f K_N) and d are": steep}
@@ -420,6 +421,8 @@ def _worst_text(run: Result, contact: Contact, front: Front) -> str:
         for what, station in marked.items()
         if station is not None
     ]
+    if zoned and not slipping:
+        texts.append(f"nothing slips at the {len(zoned)} stations where d is known")
     return f"{contact.name}, {front.name}: {'; '.join(texts)}." if texts else ""
 
 

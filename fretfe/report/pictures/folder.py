@@ -18,11 +18,13 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from fretfe.environment import idle_cores, without_launcher
 from fretfe.errors import OutputError
+from fretfe.faults import guarded, note_fault
 from fretfe.files import require_file
 from fretfe.report.pictures.looks import Wanted, plan_pictures
 from fretfe.report.pictures.mesh import draw_status
@@ -125,12 +127,24 @@ def _draw(
         ]
         if idle:
             meanwhile(run)
-        reports |= {
-            each.file: _draw_contacts(run, each) for each in wanted if each.kind not in BY_CHILD
-        }
+        for each in wanted:
+            if each.kind not in BY_CHILD:
+                reports[each.file] = guarded(
+                    f"picture {each.file}",
+                    partial(_draw_contacts, run, each),
+                    lambda fault: {"reason": fault.reason},
+                )
         for share in drawn:
-            reports |= share.result()
+            reports |= {file: _checked(file, report) for file, report in share.result().items()}
     return reports
+
+
+def _checked(file: str, report: dict[str, Any]) -> dict[str, Any]:
+    """The report of another process on a picture; where fretfe failed there, that is noted."""
+    if "error" not in report:
+        return report
+    fault = note_fault(f"picture {file}", report["error"], report["trace"])
+    return {"reason": fault.reason}
 
 
 def _draw_contacts(run: Result, wanted: Wanted) -> dict[str, Any]:

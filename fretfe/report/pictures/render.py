@@ -25,6 +25,9 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from PIL.Image import Image
 
+from fretfe.environment import memory_shortage, missing_package
+from fretfe.errors import FretfeError
+from fretfe.faults import said, trace_of
 from fretfe.files import disk_reason, replacing
 from fretfe.report.pictures.fields import EDGES, BodyField, Fields, Scene, open_fields
 from fretfe.report.pictures.looks import (
@@ -247,6 +250,10 @@ def _report(file: str, write: Callable[[], dict[str, Any]]) -> None:
         found = write()
     except OSError as error:
         found = {"reason": f"{file} cannot be written: {disk_reason(error)}"}
+    except Exception as error:
+        if isinstance(error, FretfeError) or memory_shortage(error) or missing_package(error):
+            raise
+        found = {"error": said(error), "trace": trace_of(error)}
     print(json.dumps({"file": file, **found}), flush=True)
 
 

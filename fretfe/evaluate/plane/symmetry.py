@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Plane contacts of which the model has a half: the whole contact, mirrored at a plane of symmetry.
+
+Fits see the pressure on both sides of the middle, as of a model of the whole bodies; the edge at
+the end that is only an image is none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fretfe._typing import Array, Bools, Indices
+from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
+from fretfe.history.solution import ContactHistory
+from fretfe.history.state_array import StateArray, blocks
+
+GOES_ON = "both bodies go on behind this end of the surface: there is no edge"
+
+
+@dataclass(frozen=True)
+class WholeContact:
+    """A contact as it is in the whole bodies.
+
+    Attributes:
+        contact: with the image of its nodes beside them; as it was without a plane of symmetry.
+        image: the front that is only an image, or None.
+    """
+
+    contact: ContactHistory
+    image: PlaneFront | None = None
+
+
+def whole_contact(contact: ContactHistory) -> WholeContact:
+    """Mirror a plane contact at the plane of symmetry that it reaches at one of its ends.
+
+    Only where it does so in all states in which it carries anything, and at one end alone.
+    """
+    if contact.continued is None or contact.node_range is not None:
+        return WholeContact(contact)
+    ends = [front for front in PLANE_FRONTS if _always_reaches(contact, front)]
+    normals = [contact.continued[_end(front)] for front in ends]
+    if len(ends) != 1 or not normals[0].any():
+        return WholeContact(contact)
+    return WholeContact(_mirrored(contact, ends[0], normals[0]), ends[0])
+
+
+def reaches_image(contact: ContactHistory, front: PlaneFront) -> bool:
+    """True if the bodies go on behind the end of the surface at a front."""
+    continued = contact.continued
+    return continued is not None and bool(np.isfinite(continued[_end(front)]).all())
+
+
+def _end(front: PlaneFront) -> int:
+    """Number of the last node of the surface outward from a front."""
+    return 0 if front.inward > 0 else -1
+
+
+def _always_reaches(contact: ContactHistory, front: PlaneFront) -> bool:
+    """True if the bodies go on behind an end at which the contact is closed whenever it carries."""
+    if not reaches_image(contact, front):
+        return False
+    pressed = False
+    for states in blocks(len(contact.traction), contact.traction[0].size):
+        nodes = contact.traction[states, :, 0] > 0
+        pressed |= bool(nodes.any())
+        if np.any(nodes.any(axis=1) & ~nodes[:, _end(front)]):
+            return False
+    return pressed
+
+
+def _mirrored(contact: ContactHistory, front: PlaneFront, normal: Array) -> ContactHistory:
+    """A contact with its image behind the end at a front, in the order along the arc."""
+    count = len(contact.arc)
+    own = np.arange(count)
+    beyond = own[:0:-1] if front.inward > 0 else own[-2::-1]
+    images, there = np.ones(count - 1, dtype=bool), np.zeros(count, dtype=bool)
+    if front.inward > 0:
+        nodes, image = np.append(beyond, own), np.append(images, there)
+    else:
+        nodes, image = np.append(own, beyond), np.append(there, images)
+    middle = int(own[_end(front)])
+    shape = _Image(nodes, image, nodes == middle)
+    away = contact.points - contact.points[middle]
+    reflected = contact.points - 2 * (away @ normal)[:, None] * normal
+    frames = contact.frames.copy()
+    frames[..., : len(normal)] -= 2 * (frames[..., : len(normal)] @ normal)[..., None] * normal
+    # The tangent goes on in the direction of the arc.
+    frames[:, 1] *= -1
+    units, nearby = contact.full_stick, contact.nearby_loads
+    return replace(
+        contact,
+        arc=np.where(image, 2 * contact.arc[middle] - contact.arc[nodes], contact.arc[nodes]),
+        points=np.where(image[:, None], reflected[nodes], contact.points[nodes]),
+        frames=np.where(image[:, None, None], frames[nodes], contact.frames[nodes]),
+        weights=contact.weights[nodes] * np.where(shape.middle, 2.0, 1.0),
+        traction=shape.vectors(contact.traction, first=1),
+        mean_traction=shape.vectors(contact.mean_traction, first=1),
+        slip=shape.vectors(contact.slip, first=0),
+        gap=shape.scalars(contact.gap),
+        status=shape.scalars(contact.status),
+        dissipation=shape.scalars(contact.dissipation, twice=True),
+        full_stick=replace(units, fields=shape.vectors(units.fields, first=1)),
+        nearby_loads=nearby and replace(nearby, pressure=nearby.pressure[:, nodes]),
+        continued=None,
+    )
+
+
+@dataclass(frozen=True)
+class _Image:
+    """Nodes of the whole contact.
+
+    Attributes:
+        nodes: (M,) numbers among those of the half.
+        image: (M,) whether they are images.
+        middle: (M,) whether they are in the plane of symmetry.
+    """
+
+    nodes: Indices
+    image: Bools
+    middle: Bools
+
+    def scalars(self, values: StateArray | Any, *, twice: bool = False) -> StateArray:
+        """Values (T, N) at the nodes; twice as large in the middle if they are sums."""
+        factor = np.where(self.middle & twice, 2, 1).astype(values.dtype)
+        shape = (values.shape[0], len(self.nodes))
+        return StateArray(
+            shape, values.dtype, lambda states: values[states][:, self.nodes] * factor
+        )
+
+    def vectors(self, values: StateArray | Any, first: int) -> StateArray:
+        """Components (T, N, d, ...) of which that along the arc, the `first`, is odd."""
+        sign = np.where(self.image, -1.0, np.where(self.middle, 0.0, 1.0))
+
+        def read(states: Indices) -> Any:
+            found = values[states][:, self.nodes].copy()
+            found[:, :, first] *= sign.reshape(-1, *[1] * (found.ndim - 3))
+            return found
+
+        shape = (values.shape[0], len(self.nodes), *values.shape[2:])
+        return StateArray(shape, values.dtype, read)
