@@ -152,6 +152,7 @@ def _finish_run(
 
 
 def _print_numbers(console: Console, result: Result) -> None:
+    from fretfe.report.page.evaluated import cycle_sentences
     from fretfe.report.page.tables import (
         contact_table,
         cycle_table,
@@ -161,7 +162,8 @@ def _print_numbers(console: Console, result: Result) -> None:
     )
     from fretfe.report.texts import print_whole
 
-    for text in front_texts(result) if result.solid else ():
+    fronts = front_texts(result) if result.solid else ()
+    for text in (cycle_sentences(result), *fronts):
         console.print(text, highlight=False, markup=False)
     tables = [contact_table(result), station_table(result), cycle_table(result)]
     tables += refinement_tables(result.refinement)

@@ -12,6 +12,7 @@ from fretfe._typing import Array
 from fretfe.case import (
     Case,
     PlatenLoad,
+    Support,
     TractionLoad,
     case_notes,
     plane_modulus,
@@ -60,20 +61,27 @@ def loading_obstacles(case: Case) -> Iterator[str]:
     unknown = sorted(set(fixed) - {BOTTOM, *SIDES})
     if unknown:
         yield f"supports: expected them on the lower body only, found {', '.join(unknown)}"
+    for name, support in case.supports.items():
+        if not _held(support):
+            yield f"supports.{name}: expected a direction along x or y, found {support.direction}"
     if "y" not in fixed.get(BOTTOM, set()):
         yield f"supports: expected {BOTTOM!r} to be fixed in y, so that the block does not bend"
+    if not any("x" in components for components in fixed.values()) and _is_sheared(case):
+        yield f"supports: expected {BOTTOM!r} or a side of the block to be fixed in x, found none"
     sides = {load.boundary for load in _side_loads(case).values()}
     if sides and "x" in fixed.get(BOTTOM, set()):
         yield (
             f"supports: expected {BOTTOM!r} to be free in x under a bulk tension, found it fixed: "
             "the tension would not reach the contact"
         )
-    held = [side for side in SIDES if "x" in fixed.get(side, set())]
+    held = _held_sides(case)
     if len(sides) > 1 or any(OTHER_SIDE[side] not in held for side in sides):
         yield "loads: expected bulk tension on one side of the block and the other side fixed in x"
-    if sides and not _has_shear_load(case):
+    rough = any(contact.friction > 0 for contact in case.contacts.values())
+    if (sides or (rough and carrying_side(case))) and not _has_shear_load(case):
+        found = "the bulk tension" if sides else "the support of one side"
         yield (
-            f"loads: expected a force on {TOP!r} in x as well as the bulk tension (0 will do): "
+            f"loads: expected a force on {TOP!r} in x as well as {found} (0 will do): "
             "without one the shear force is an unknown reaction"
         )
 
@@ -110,13 +118,29 @@ def _fixed(case: Case) -> dict[str, set[str]]:
     """Components held on each supported boundary."""
     fixed: dict[str, set[str]] = {}
     for support in case.supports.values():
-        fixed.setdefault(support.boundary, set()).update(support.fix)
+        fixed.setdefault(support.boundary, set()).update(_held(support))
     return fixed
 
 
-def _held_side(case: Case) -> str:
-    """The side of the block that is fixed in x."""
-    return next(side for side, components in _fixed(case).items() if "x" in components)
+def _held(support: Support) -> tuple[str, ...]:
+    """Components that a support holds; none if it does so along neither axis."""
+    if support.direction is None:
+        return support.fix
+    across = np.abs(unit_vector(support.direction, COMPONENTS)) < 1e-9
+    return tuple(axis for axis, free in zip("xy", across[::-1], strict=True) if free)
+
+
+def _held_sides(case: Case) -> list[str]:
+    """The sides of the block that are fixed in x."""
+    fixed = _fixed(case)
+    return [side for side in SIDES if "x" in fixed.get(side, set())]
+
+
+def carrying_side(case: Case) -> str | None:
+    """The side of the block that carries the whole shear force; None if its base takes part."""
+    held = _held_sides(case)
+    alone = len(held) == 1 and "x" not in _fixed(case).get(BOTTOM, set())
+    return held[0] if alone else None
 
 
 def _side_loads(case: Case) -> dict[str, TractionLoad]:
@@ -142,14 +166,14 @@ def _has_shear_load(case: Case) -> bool:
     return along_x or not platens
 
 
+def _is_sheared(case: Case) -> bool:
+    """True if a load on the top has a part along x."""
+    return any(abs(_direction(load)[0]) > 1e-9 for load in _top_loads(case).values())
+
+
 def guided(case: Case) -> bool:
     """True if the top of the upper body is a platen, which does not turn."""
     return any(isinstance(load, PlatenLoad) for load in _top_loads(case).values())
-
-
-def one_sided(case: Case) -> bool:
-    """True if one side of the block carries the whole shear force."""
-    return bool(_side_loads(case))
 
 
 def read_loading(case: Case, history: History, block: Block) -> Loading:
@@ -169,11 +193,11 @@ def read_loading(case: Case, history: History, block: Block) -> Loading:
         per_unit = 1 / case.model.thickness if platen else block.top_width
         force += np.outer(_direction(load), values[name]) * per_unit
     tension = np.zeros(len(history.times))
-    for name, side in _side_loads(case).items():
-        along = 1.0 if side.direction == "normal" else _direction(side)[0] * SIDES[side.boundary]
+    for name, load in _side_loads(case).items():
+        along = 1.0 if load.direction == "normal" else _direction(load)[0] * SIDES[load.boundary]
         tension += along * values[name]
-    if one_sided(case):
-        tension -= SIDES[_held_side(case)] * force[0] / (2 * block.heights[1])
+    if (side := carrying_side(case)) is not None:
+        tension -= SIDES[side] * force[0] / (2 * block.heights[1])
     modulus = plane_modulus(case.bodies[LOWER], case.model.plane)
     return Loading(
         normal_force=-force[1],
@@ -301,7 +325,7 @@ def _notes(case: Case, block: Block, reach: float) -> Iterator[str]:
             if coupled_beta(case, next(iter(case.contacts)), UPPER, LOWER)
             else "the platen does not turn: the pressure is symmetric, M = 0"
         )
-    if one_sided(case):
+    if carrying_side(case) is not None:
         yield "one side of the block carries all of Q: a tension of Q/2 over its height is added"
     if reach > block.zone:
         yield (
