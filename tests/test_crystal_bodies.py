@@ -27,7 +27,7 @@ from fretfe.case import (
 )
 from fretfe.errors import CaseError
 from fretfe.history.solution import SLIP
-from fretfe.idealise.bodies import cross_compliance, dissimilarity, read_block
+from fretfe.idealise.bodies import cross_compliance, dissimilarity, read_block, side_tension
 from fretfe.idealise.case import idealise, obstacles
 from fretfe.mesh.templates import check_parameters, find_template
 
@@ -256,8 +256,9 @@ def test_half_planes_of_an_orthotropic_crystal() -> None:
     assert abs(tangential / normal - 1) > 0.1
     same = {"young": 2 / normal * (1 - 0.3**2), "poisson": 0.3}
     answers = []
-    # One side carries all of Q: a tension of Q/2 over the height is added to the pull.
-    more = 60.0 / 2 / read_block("cylinder", PARAMETERS, case_of(crystal)).heights[1]
+    # One side carries all of Q: a tension is added to the pull.
+    block = read_block("cylinder", PARAMETERS, case_of(crystal))
+    more = 60.0 * side_tension(block.half_widths[1], block.heights[1], sliding=True)[0]
     stronger = (40.0 + more) * 2 * s[0, 0] / tangential - more
     for body, tension in ((crystal, 40.0), (same, stronger)):
         loads = {"press": press(), "shear": shear(), "pull": pull(tension)}

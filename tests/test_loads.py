@@ -395,11 +395,12 @@ def test_a_prolonged_history_is_one_with_more_cycles() -> None:
 
 
 @pytest.mark.parametrize(
-    ("step", "cycle"), [(18, (10, 18)), (25, (10, 18)), (26, (18, 26)), (40, (26, 34))]
+    ("step", "later", "cycle"),
+    [(18, 0, (10, 18)), (25, 0, (10, 18)), (26, 1, (18, 26)), (40, 0, (10, 18)), (40, 2, (26, 34))],
 )
-def test_the_last_whole_cycle_of_a_prolonged_history(step: int, cycle: tuple[int, int]) -> None:
+def test_loads_until_a_step(step: int, later: int, cycle: tuple[int, int]) -> None:
     longest = history_of(ramp(1, 1, 2), wave(phase=90, cycles=2)).prolonged(3)
-    found = longest.until(step)
+    found = longest.until(step, later)
     assert found.cycle == cycle and len(found.times) == step + 1
     assert found.between is not None and len(found.between) == step
     np.testing.assert_array_equal(found.values, longest.values[: step + 1])

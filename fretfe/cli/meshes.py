@@ -59,6 +59,7 @@ def _print(checked: Checked) -> None:
     from fretfe.evaluate.resolution import coarse_contacts
     from fretfe.loads import most_added
     from fretfe.mesh.cost import refuse_too_large
+    from fretfe.report.page.evaluated import cycle_words
 
     case, history = checked.case, checked.history
     console = Console()
@@ -84,9 +85,8 @@ def _print(checked: Checked) -> None:
     for note in checked.notes:
         console.print(f"Note: {note}.", highlight=False, markup=False)
     cycle = "no cycle to evaluate"
-    if history.cycle is not None:
-        first, last = (history.times[state] for state in history.cycle)
-        cycle = f"evaluated cycle t = {first:g} to {last:g} {case.units.time}"
+    if words := cycle_words(history, case.units.time):
+        cycle = f"evaluated cycle {words}"
     if more := most_added(case, history, checked.mesh.dimension):
         cycle += f", {more} more at most until it is steady"
     if case.edges.tolerance is not None:

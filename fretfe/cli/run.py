@@ -162,6 +162,7 @@ def _finish_run(
 
 
 def _print_numbers(console: Console, result: Result) -> None:
+    from fretfe.report.page.evaluated import cycle_sentences
     from fretfe.report.page.tables import (
         contact_table,
         cycle_table,
@@ -177,7 +178,9 @@ def _print_numbers(console: Console, result: Result) -> None:
 
         return guarded(name, make, failed)
 
-    for text in (result.solid and shown("worst stations", lambda: front_texts(result))) or ():
+    sentences = shown("evaluated cycle", lambda: cycle_sentences(result)) or ()
+    fronts = (result.solid and shown("worst stations", lambda: front_texts(result))) or ()
+    for text in (*sentences, *fronts):
         console.print(text, highlight=False, markup=False)
     tables = [
         shown("table of contacts", lambda: contact_table(result)),

@@ -28,7 +28,7 @@ from fretfe.contact.state import (
     StepLoads,
     StepTable,
     certify,
-    dissipation,
+    friction_work,
 )
 from fretfe.errors import ConvergenceError
 from fretfe.surface.surface import edges_once
@@ -153,7 +153,9 @@ class March:
             solved, iterations = self._newton.solve(loads, reference, status, direction)
         return StepResult(
             state=solved,
-            dissipation=dissipation(solved, reference),
+            dissipation=friction_work(
+                state, solved, loads.friction, self.interface.contacts.values()
+            ),
             iterations=iterations + spent,
             parts=1,
             fallbacks=fallbacks,

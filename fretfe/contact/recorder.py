@@ -430,6 +430,7 @@ class Recorder:
             between=loads.between if complete else None,
             repeats=tuple(_states_of(each, ends) for each in self.repeats),
             step=None if len(ends) == count else known["step"],
+            choice=loads.choice if complete else None,
         )
 
     def _contact(self, place: Place, friction: Array) -> ContactHistory:

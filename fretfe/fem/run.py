@@ -52,11 +52,8 @@ from fretfe.fem.stress_output import refuse_solids, write_stress
 from fretfe.fem.timing import Clock
 from fretfe.history.solution import Solution
 from fretfe.idealise.bodies import coupled_beta
-from fretfe.loads import History, most_added
+from fretfe.loads import AddedCycles, History, most_added
 from fretfe.results.model import Result
-
-# Added cycles from one extrapolation of slip to the next: it takes two changes without one between.
-PER_EXTRAPOLATION = 3
 
 
 def solve(
@@ -378,7 +375,7 @@ class _Marched:
 def _march(prepared: Prepared, case: Case, history: History, options: RunOptions) -> _Marched:
     """Solve all steps; one that fails ends the history and keeps what was computed."""
     reduction, march = prepared.model.reduction, prepared.march
-    cycles = _Cycles(history, most_added(case, history, prepared.model.dimension))
+    cycles = AddedCycles(history, most_added(case, history, prepared.model.dimension))
     require_possible(case, reduction.definition, cycles.longest)
     steps = step_loads(case, cycles.longest, reduction.interface, reduction.definition)
     places = [_place(prepared, pair) for pair in reduction.pairs]
@@ -400,7 +397,7 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
             if recorder.steps_done <= end:
                 progress = options.progress
                 solve_history(march, recorder, steps[: end + 1], until_steady, progress, like)
-                if cycles.enough(added, recorder, options):
+                if _enough(cycles, added, recorder, options):
                     break
     except ConvergenceError as error:
         failure = error
@@ -412,51 +409,15 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     return _Marched(recorder, cycles.solved(recorder.steps_done), failure)
 
 
-class _Cycles:
-    """The loads as written, and their cycle again until it is steady.
-
-    After every third added cycle slip is extrapolated, so that the one that follows does not begin
-    with the state before it. It is not evaluated, nor is it the last one.
-
-    Args:
-        history: the loads as written.
-        more: number of cycles that may be added.
-
-    Attributes:
-        longest: the loads with all of these.
-        written: last step of the loads as written.
-        ends: last steps of these and of each added cycle.
-    """
-
-    def __init__(self, history: History, more: int) -> None:
-        self.longest, self.written = history.prolonged(more), len(history.times) - 1
-        first, last = history.cycle or (0, self.written)
-        self._period = last - first
-        self.ends = range(self.written, len(self.longest.times), self._period)
-
-    def enough(self, added: int, recorder: Recorder, options: RunOptions) -> bool:
-        """Tell whether no cycles follow so many added ones, and extrapolate slip if it is time."""
-        if added + 1 == len(self.ends):
-            return True
-        if not self._extrapolated(added - 1) and _steady(recorder, self, options):
-            return True
-        if self._extrapolated(added):
-            extrapolate_slip(recorder, self._period)
-        return False
-
-    def _extrapolated(self, added: int) -> bool:
-        """True if slip is extrapolated after so many added cycles: not before the last ones."""
-        return added % PER_EXTRAPOLATION == 1 and added + PER_EXTRAPOLATION < len(self.ends)
-
-    def solved(self, step: int) -> History:
-        """The loads until a step, but all that are written, and what is evaluated of them."""
-        history = self.longest.until(max(self.written, step))
-        if history.cycle is not None and self._extrapolated(
-            (step - self.written) // self._period - 1
-        ):
-            first, last = history.cycle
-            return replace(history, cycle=(first - self._period, last - self._period))
-        return history
+def _enough(cycles: AddedCycles, added: int, recorder: Recorder, options: RunOptions) -> bool:
+    """Tell whether no cycles follow so many added ones, and extrapolate slip if it is time."""
+    if added + 1 == len(cycles.ends):
+        return True
+    if not cycles.extrapolated(added - 1) and _steady(recorder, cycles, options):
+        return True
+    if cycles.extrapolated(added):
+        extrapolate_slip(recorder, cycles.period)
+    return False
 
 
 def _added_note(case: Case, written: History, solved: History) -> tuple[str, ...]:
@@ -482,7 +443,7 @@ def _cycles(count: float) -> str:
     return f"{count:.3g} cycle{'' if count == 1 else 's'}"
 
 
-def _steady(recorder: Recorder, cycles: _Cycles, options: RunOptions) -> bool:
+def _steady(recorder: Recorder, cycles: AddedCycles, options: RunOptions) -> bool:
     """True if the last cycle is steady, or more of them would not make it so."""
     solution = recorder.solution(cycles.solved(recorder.steps_done), {})
     changes = [

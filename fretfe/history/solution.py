@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.history.state_array import StateArray, blocks
-from fretfe.loads import History
+from fretfe.loads import CycleChoice, History
 
 OPEN, STICK, SLIP = 0, 1, 2
 # Forces below this fraction of the largest one in the history are not compared with themselves:
@@ -240,6 +240,7 @@ class Solution:
         kept: (K,) states whose arrays along the contacts are there, increasing; None for all.
         step: (T,) number of the step in which each state lies, if states within steps are among
             them; None if each state is the end of a step.
+        choice: the reason for the evaluated cycle, as of `History`.
     """
 
     degree: int
@@ -261,6 +262,7 @@ class Solution:
     repeats: tuple[Repeat, ...] = ()
     kept: Indices | None = None
     step: Indices | None = None
+    choice: CycleChoice | None = None
 
     @property
     def ends(self) -> Indices:
@@ -309,4 +311,6 @@ class Solution:
     @property
     def loads(self) -> History:
         """The loads of the states that were solved."""
-        return History(self.channels, self.times, self.values, self.cycle, self.between)
+        return History(
+            self.channels, self.times, self.values, self.cycle, self.between, self.choice
+        )

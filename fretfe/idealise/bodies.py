@@ -48,6 +48,16 @@ K_T_BY_HEIGHT, K_T_BY_WIDTH = 0.1, 0.7
 # latter where they are higher; a disc 1/pi.
 STRETCH_BY_HEIGHT, STRETCH_BY_WIDTH = 0.5, 0.3
 
+# Half-planes carry Q away half to either side, a block with one side held along x carries all of it
+# there: a tension of Q/(2 height) times a share, by the half-width over the height. By finite
+# elements (nu = .3) of a block that slides on its base, whose share goes to 1, and of one that is
+# held there too, whose share goes to 0. Of narrower blocks it is as the height over the half-width.
+SHAPES = (0.3, 0.4, 0.5, 0.6, 0.75, 0.875, 1.0, 1.25, 1.5, 2.0, 3.0)
+SLIDING_SHARES = (5.41, 3.97, 2.98, 2.28, 1.63, 1.33, 1.16, 1.03, 1.0, 1.0, 1.0)
+HELD_SHARES = (5.35, 3.88, 2.93, 2.29, 1.63, 1.25, 0.96, 0.58, 0.35, 0.13, 0.02)
+# Parts of them by which nu = .2 and .4 differ; of a sliding block it falls as the share does.
+SLIDING_DOUBT, HELD_DOUBT = 0.12, 0.25
+
 
 @dataclass(frozen=True)
 class Block:
@@ -85,18 +95,38 @@ class Block:
             K_T_BY_HEIGHT * low + K_T_BY_WIDTH * narrow,
         )
 
-    def stretch(self, *moduli: float) -> float:
+    def stretch(self, *moduli: float, kept: float = 0.0) -> float:
         """Bulk tension by a unit of P, as P stretches the lower body by more than the upper one.
 
         Args:
             moduli: plane moduli of the upper and the lower body.
+            kept: compression along the held sides of the lower body over that by P; 0 if it can
+                spread.
         """
         sizes = zip(self.heights, self.half_widths, moduli, strict=True)
         upper, lower = (
             max(STRETCH_BY_HEIGHT / height, STRETCH_BY_WIDTH / half_width) / modulus
             for height, half_width, modulus in sizes
         )
+        lower -= kept / (2 * self.half_widths[1] * moduli[1])
         return 2 * self.profile.e_star * (lower - upper)
+
+
+def side_tension(half_width: float, height: float, *, sliding: bool) -> tuple[float, float]:
+    """Bulk tension by a unit of Q where only the left side of a block is held along x, and its bar.
+
+    Q acts on the middle of the top, along x. Of both sides held it is zero.
+
+    Args:
+        half_width: of the block.
+        height: of the block, whose base is held across.
+        sliding: whether the base is free along x.
+    """
+    shape = half_width / height
+    shares, doubt = (SLIDING_SHARES, SLIDING_DOUBT) if sliding else (HELD_SHARES, HELD_DOUBT)
+    share = float(np.interp(shape, SHAPES, shares)) * max(1.0, SHAPES[0] / shape)
+    doubt *= min(1.0, 1 / shape**2) if sliding else 1.0
+    return share / (2 * height), doubt * share / (2 * height)
 
 
 def _cylinder(values: Mapping[str, float], e_star: float) -> Profile:

@@ -12,8 +12,10 @@ from fretfe._typing import Array
 from fretfe.case import (
     Case,
     PlatenLoad,
+    Support,
     TractionLoad,
     case_notes,
+    isotropic,
     plane_modulus,
     unit_vector,
 )
@@ -25,6 +27,7 @@ from fretfe.idealise.bodies import (
     coupled_beta,
     geometry_obstacles,
     read_block,
+    side_tension,
     tangential_ratio,
 )
 from fretfe.idealise.problem import HalfPlaneProblem, contact_edges
@@ -36,6 +39,7 @@ TOP, BOTTOM = "upper_top", "lower_bottom"
 SIDES = {"lower_left": -1.0, "lower_right": 1.0}
 OTHER_SIDE = {"lower_left": "lower_right", "lower_right": "lower_left"}
 COMPONENTS = 2
+STEEL = 0.3
 
 
 @dataclass(frozen=True)
@@ -60,20 +64,28 @@ def loading_obstacles(case: Case) -> Iterator[str]:
     unknown = sorted(set(fixed) - {BOTTOM, *SIDES})
     if unknown:
         yield f"supports: expected them on the lower body only, found {', '.join(unknown)}"
+    for name, support in case.supports.items():
+        if support.direction is not None and not _held(support):
+            found = ", ".join(f"{part:.6g}" for part in support.direction)
+            yield f"supports.{name}: expected a direction along x or y, found ({found})"
     if "y" not in fixed.get(BOTTOM, set()):
         yield f"supports: expected {BOTTOM!r} to be fixed in y, so that the block does not bend"
+    if not any("x" in components for components in fixed.values()) and _is_sheared(case):
+        yield f"supports: expected {BOTTOM!r} or a side of the block to be fixed in x, found none"
     sides = {load.boundary for load in _side_loads(case).values()}
     if sides and "x" in fixed.get(BOTTOM, set()):
         yield (
             f"supports: expected {BOTTOM!r} to be free in x under a bulk tension, found it fixed: "
             "the tension would not reach the contact"
         )
-    held = [side for side in SIDES if "x" in fixed.get(side, set())]
+    held = _held_sides(case)
     if len(sides) > 1 or any(OTHER_SIDE[side] not in held for side in sides):
         yield "loads: expected bulk tension on one side of the block and the other side fixed in x"
-    if sides and not _has_shear_load(case):
+    rough = any(contact.friction > 0 for contact in case.contacts.values())
+    if (sides or (rough and _only_held_side(case))) and not _has_shear_load(case):
+        found = "the bulk tension" if sides else "the support of one side"
         yield (
-            f"loads: expected a force on {TOP!r} in x as well as the bulk tension (0 will do): "
+            f"loads: expected a force on {TOP!r} in x as well as {found} (0 will do): "
             "without one the shear force is an unknown reaction"
         )
 
@@ -110,13 +122,46 @@ def _fixed(case: Case) -> dict[str, set[str]]:
     """Components held on each supported boundary."""
     fixed: dict[str, set[str]] = {}
     for support in case.supports.values():
-        fixed.setdefault(support.boundary, set()).update(support.fix)
+        fixed.setdefault(support.boundary, set()).update(_held(support))
     return fixed
 
 
-def _held_side(case: Case) -> str:
-    """The side of the block that is fixed in x."""
-    return next(side for side, components in _fixed(case).items() if "x" in components)
+def _held(support: Support) -> tuple[str, ...]:
+    """Components that a support holds; none if it does so along neither axis."""
+    if support.direction is None:
+        return support.fix
+    across = np.abs(unit_vector(support.direction, COMPONENTS)) < 1e-9
+    return tuple(axis for axis, free in zip("xy", across[::-1], strict=True) if free)
+
+
+def _held_sides(case: Case) -> list[str]:
+    """The sides of the block that are fixed in x."""
+    fixed = _fixed(case)
+    return [side for side in SIDES if "x" in fixed.get(side, set())]
+
+
+def _only_held_side(case: Case) -> str | None:
+    """The side of the block that is fixed in x if the other one is not."""
+    held = _held_sides(case)
+    return held[0] if len(held) == 1 else None
+
+
+def _side_tension(case: Case, block: Block) -> tuple[float, float]:
+    """Bulk tension by a unit of Q where only the left side is held, and its error bar."""
+    sliding = "x" not in _fixed(case).get(BOTTOM, set())
+    return side_tension(block.half_widths[1], block.heights[1], sliding=sliding)
+
+
+def _kept(case: Case) -> float:
+    """Compression along held sides of the block over that by P; 0 if one of them is free.
+
+    Poisson's ratio of the plane; of crystals that of steel.
+    """
+    if len(_held_sides(case)) < len(SIDES):
+        return 0.0
+    known = isotropic(case.bodies[LOWER])
+    nu = STEEL if known is None else known.poisson
+    return nu / (1 - nu) if case.model.plane == "strain" else nu
 
 
 def _side_loads(case: Case) -> dict[str, TractionLoad]:
@@ -142,14 +187,14 @@ def _has_shear_load(case: Case) -> bool:
     return along_x or not platens
 
 
+def _is_sheared(case: Case) -> bool:
+    """True if a load on the top has a part along x."""
+    return any(abs(_direction(load)[0]) > 1e-9 for load in _top_loads(case).values())
+
+
 def guided(case: Case) -> bool:
     """True if the top of the upper body is a platen, which does not turn."""
     return any(isinstance(load, PlatenLoad) for load in _top_loads(case).values())
-
-
-def one_sided(case: Case) -> bool:
-    """True if one side of the block carries the whole shear force."""
-    return bool(_side_loads(case))
 
 
 def read_loading(case: Case, history: History, block: Block) -> Loading:
@@ -158,8 +203,8 @@ def read_loading(case: Case, history: History, block: Block) -> Loading:
     The resultant of the loads on the upper body passes through the contact; a platen takes up its
     moment, so that M = 0, and so is the tilt of the profile. Different bodies stretch differently:
     sigma0 = 2 E* x (strain of the lower body), with E* by the compliance to shear. Half-planes
-    carry Q away half to either side; a block that is held on one side carries all of it there,
-    which is the same but for a uniform tension of Q/2 over its height.
+    carry Q away half to either side; a block that is held on one side only carries more of it
+    there, which is the same but for a uniform tension (`side_tension`).
     """
     values = dict(zip(history.channels, history.values.T, strict=True))
     force = np.zeros((COMPONENTS, len(history.times)))
@@ -169,11 +214,11 @@ def read_loading(case: Case, history: History, block: Block) -> Loading:
         per_unit = 1 / case.model.thickness if platen else block.top_width
         force += np.outer(_direction(load), values[name]) * per_unit
     tension = np.zeros(len(history.times))
-    for name, side in _side_loads(case).items():
-        along = 1.0 if side.direction == "normal" else _direction(side)[0] * SIDES[side.boundary]
+    for name, load in _side_loads(case).items():
+        along = 1.0 if load.direction == "normal" else _direction(load)[0] * SIDES[load.boundary]
         tension += along * values[name]
-    if one_sided(case):
-        tension -= SIDES[_held_side(case)] * force[0] / (2 * block.heights[1])
+    if (side := _only_held_side(case)) is not None:
+        tension -= SIDES[side] * force[0] * _side_tension(case, block)[0]
     modulus = plane_modulus(case.bodies[LOWER], case.model.plane)
     return Loading(
         normal_force=-force[1],
@@ -241,7 +286,8 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
         guided=guided(case) and coupled_beta(case, name, UPPER, LOWER) != 0,
         between=_between(case, history, block),
         stretch=block.stretch(
-            *(plane_modulus(case.bodies[each], case.model.plane) for each in (UPPER, LOWER))
+            *(plane_modulus(case.bodies[each], case.model.plane) for each in (UPPER, LOWER)),
+            kept=_kept(case),
         ),
         notes=(),
     )
@@ -250,7 +296,18 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
     reach = float(np.nanmax(np.abs([edges.left, edges.right])))
     if block.smallest < SMALLEST_BODY * reach:
         raise NotIdealisable(case, [_too_small(block, reach)])
-    return problem.with_errors(*block.size_errors(reach)).with_notes(_notes(case, block, reach))
+    return problem.with_errors(*_errors(case, block, reach)).with_notes(_notes(case, block, reach))
+
+
+def _errors(case: Case, block: Block, reach: float) -> tuple[float, float]:
+    """Relative errors of K_N and K_T by the size of the bodies and by how they are held.
+
+    A tension sigma0 is sigma0/4 √(a/2) in K_T, and Q is Q/(π √(2 a)).
+    """
+    k_n, k_t = block.size_errors(reach)
+    if _only_held_side(case) is not None:
+        k_t += np.pi * reach / 4 * _side_tension(case, block)[1]
+    return k_n, k_t
 
 
 def _between(case: Case, history: History, block: Block) -> Array | None:
@@ -294,15 +351,19 @@ def _too_small(block: Block, reach: float) -> str:
 
 def _notes(case: Case, block: Block, reach: float) -> Iterator[str]:
     yield from case_notes(case)
-    yield f"half-planes in place of {case.geometry.template!r}, {_size(block, reach)}"
+    yield f"half-planes in place of {case.geometry.template!r}, {_size(case, block, reach)}"
     if guided(case):
         yield (
             "the platen does not turn: M is a reaction"
             if coupled_beta(case, next(iter(case.contacts)), UPPER, LOWER)
             else "the platen does not turn: the pressure is symmetric, M = 0"
         )
-    if one_sided(case):
-        yield "one side of the block carries all of Q: a tension of Q/2 over its height is added"
+    if (side := _only_held_side(case)) is not None:
+        share, error = (2 * block.heights[1] * each for each in _side_tension(case, block))
+        yield (
+            f"{side} carries more of Q than the other side: a tension of {share:.2g} ± {error:.1g} "
+            "times Q/2 over the height of the block is added"
+        )
     if reach > block.zone:
         yield (
             f"the contact reaches beyond the candidate zone of the template ({reach:.4g} > "
@@ -310,8 +371,8 @@ def _notes(case: Case, block: Block, reach: float) -> Iterator[str]:
         )
 
 
-def _size(block: Block, reach: float) -> str:
-    k_n, k_t = block.size_errors(reach)
+def _size(case: Case, block: Block, reach: float) -> str:
+    k_n, k_t = _errors(case, block, reach)
     return (
         f"whose bodies are {block.smallest / reach:.3g} half-widths wide or high: K_N is about "
         f"{k_n:.2%} off, ΔK_T {k_t:.2%}"

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
-from fretfe.loads.history import History, build_history, most_added
+from fretfe.loads.added import AddedCycles, most_added
+from fretfe.loads.history import CycleChoice, History, build_history
 
-__all__ = ["History", "build_history", "most_added"]
+__all__ = ["AddedCycles", "CycleChoice", "History", "build_history", "most_added"]

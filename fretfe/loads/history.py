@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 
@@ -316,6 +317,17 @@ def _check_closed(case: Case, times: Array, values: Array, first: int, last: int
     raise CaseError(complaint(case.source, ("loads", name), text))
 
 
+class CycleChoice(StrEnum):
+    """The rule by which the evaluated cycle was chosen."""
+
+    GIVEN = "given"
+    """By `[cycle]` of the case."""
+    LAST_PERIOD = "last period"
+    """The last whole period of the slowest wave."""
+    ADDED = "added"
+    """The last whole one of the cycles that were added behind one of the above."""
+
+
 @dataclass(frozen=True)
 class History:
     """All channels on one clock.
@@ -327,6 +339,7 @@ class History:
         cycle: first and last step index of the cycle that is evaluated, if there is one.
         between: (T-1, PARTS-1, C) values within each of the steps, at equal distances in time; None
             if all loads are straight lines there, or not known.
+        choice: the reason for this cycle; None without one, or of loads that no case describes.
     """
 
     channels: tuple[str, ...]
@@ -334,6 +347,7 @@ class History:
     values: Array
     cycle: tuple[int, int] | None
     between: Array | None = None
+    choice: CycleChoice | None = None
 
     @property
     def evaluated(self) -> tuple[int, int]:
@@ -365,19 +379,26 @@ class History:
             between=between,
         )
 
-    def until(self, step: int) -> History:
-        """Prolonged loads until a step; the last whole cycle is the one to evaluate."""
-        cycle, between = self.cycle, self.between
-        if cycle is not None:
+    def until(self, step: int, later: int = 0) -> History:
+        """The loads until a step.
+
+        Args:
+            step: the last one that is kept.
+            later: so many of the cycles that were added lie between the cycle of these loads and
+                the one to evaluate, or are that one; 0 for the same cycle.
+        """
+        cycle, between, choice = self.cycle, self.between, self.choice
+        if cycle is not None and later:
             first, last = cycle
-            later = max(0, (step - last) // (last - first)) * (last - first)
-            cycle = (first + later, last + later)
+            moved = later * (last - first)
+            cycle, choice = (first + moved, last + moved), CycleChoice.ADDED
         return replace(
             self,
             times=self.times[: step + 1],
             values=self.values[: step + 1],
             cycle=cycle,
             between=None if between is None else between[:step],
+            choice=choice,
         )
 
     def divided(self, steps: Indices, shares: Array) -> History:
@@ -398,15 +419,17 @@ class History:
                 self.values, self.between, np.repeat(steps[1:], PARTS - 1), places.ravel()
             )
             between = inner.reshape(len(steps) - 1, PARTS - 1, len(self.channels))
-        cycle = None
+        cycle = choice = None
         if self.cycle is not None and self.cycle[1] < len(ends):
             cycle = (int(ends[self.cycle[0]]), int(ends[self.cycle[1]]))
+            choice = self.choice
         return replace(
             self,
             times=within_steps(self.times[:, None], None, steps, shares)[:, 0],
             values=within_steps(self.values, self.between, steps, shares),
             cycle=cycle,
             between=between,
+            choice=choice,
         )
 
 
@@ -463,20 +486,10 @@ def build_history(case: Case) -> History:
     values = np.column_stack([_evaluate(pieces, times) for pieces in channels.values()])
     check_times(case, times)
     cycle = find_cycle(case, times, values, channels)
-    return History(tuple(channels), times, values, cycle, _between(channels, times))
-
-
-def most_added(case: Case, history: History, dimension: int) -> int:
-    """Largest number of cycles that may be added to make the last one steady.
-
-    Those of solids, if the loads end with a closed cycle and one of them with a wave.
-    """
-    if dimension == 2 or history.cycle is None or history.cycle[1] != len(history.times) - 1:
-        return 0
-    first, last = history.values[list(history.cycle)]
-    closed = np.abs(last - first) <= CLOSED * np.abs(history.values).max(axis=0)
-    waves = (isinstance(load.history[-1], Wave) for load in case.loads.values())
-    return case.cycle.most_more if closed.all() and any(waves) else 0
+    choice = None if cycle is None else CycleChoice.LAST_PERIOD
+    if case.cycle.given is not None:
+        choice = CycleChoice.GIVEN
+    return History(tuple(channels), times, values, cycle, _between(channels, times), choice)
 
 
 def _lagrange(shares: Array) -> Array:

@@ -10,6 +10,7 @@ from typing import Any
 import tomli_w
 
 from fretfe.analytic.profiles import FlatRounded, Wedge
+from fretfe.idealise.bodies import side_tension
 from fretfe.matching.pads import PadTest
 from fretfe.matching.rig import Rig
 
@@ -123,10 +124,10 @@ def _wave(amplitude: float, mean: float = 0.0, phase: float = 0.0) -> list[dict[
 
 
 def _bulk(test: PadTest, rig: Rig) -> dict[str, Any]:
-    """Traction on the free end: the held one carries Q besides, half of which counts as tension."""
-    given = test.factors
-    carried = test.shear_amplitude / (2 * rig.specimen.thickness)
-    wave = given.bulk_range / 2 * cmath.exp(-1j * given.bulk_phase) - carried
+    """Traction on the free end: the held one carries Q besides, which counts as tension in part."""
+    given, specimen = test.factors, rig.specimen
+    carried, _ = side_tension(specimen.half_width, specimen.thickness, sliding=True)
+    wave = given.bulk_range / 2 * cmath.exp(-1j * given.bulk_phase) - carried * test.shear_amplitude
     amplitude, phase = abs(wave), cmath.phase(wave)
     # The wave starts at zero.
     mean = -amplitude * math.sin(phase)

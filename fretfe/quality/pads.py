@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fretfe.case import Case, parse_case
+from fretfe.idealise.bodies import side_tension
 
 Segments = Sequence[Mapping[str, Any]]
 # Steps in which a pad is pressed on, without friction.
@@ -92,9 +93,10 @@ def pad_case(pad: Pad, *, normal: Segments, shear: Segments = (), tension: Segme
     if tension:
         pull = {"type": "traction", "boundary": "lower_right", "direction": "normal"}
         loads["tension"] = {**pull, "history": tension}
-        # Half-planes carry half of Q away to either side. The block of height H would carry all of
-        # it to the left: the same, and a uniform tension of Q/(2H), which this takes away.
-        share = -1 / (2 * pad.thickness * pad.parameters["lower_height"])
+        # Half-planes carry half of Q away to either side. The block would carry all of it to the
+        # left: the same, and a tension, which this takes away.
+        sizes = pad.parameters["lower_width"], pad.parameters["lower_height"]
+        share = -side_tension(*sizes, sliding=True)[0] / pad.thickness
         loads["balance"] = {**pull, "history": [_scaled(segment, share) for segment in shear]}
     return parse_case({**_tables(pad, pulled=bool(tension)), "loads": loads})
 

@@ -26,7 +26,7 @@ from fretfe.files import file_fault
 from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.history.state_array import StateArray
 from fretfe.history.stream import select_rows
-from fretfe.loads import History
+from fretfe.loads import CycleChoice, History
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.hdf5_file import read_fault, require_own
 from fretfe.results.model import Result
@@ -187,8 +187,13 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
     times = _numbers(numbers["times"])
     loads = numbers["loads"]
     cycle = numbers["cycle"]
+    choice = numbers.get("cycle_choice")  # earlier versions did not write it
     history = History(
-        tuple(loads), times, _columns(loads.values(), times), tuple(cycle) if cycle else None
+        tuple(loads),
+        times,
+        _columns(loads.values(), times),
+        tuple(cycle) if cycle else None,
+        choice=CycleChoice(choice) if choice else None,
     )
     solution: Solution | None = None
     bodies: dict[str, BodyMesh] = {}
@@ -322,6 +327,7 @@ def _solution(
         certificates={name: _numbers(values) for name, values in steps["certificate"].items()},
         repeats=tuple(Repeat(**each) for each in steps["repeats"]),
         kept=states if len(states) < len(times) else None,
+        choice=history.choice,
     )
 
 

@@ -234,6 +234,7 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
             "refinement": result.refinement and _refinement_numbers(result.refinement),
             "times": loads.times,
             "cycle": loads.cycle,
+            "cycle_choice": loads.choice,
             "loads": dict(zip(loads.channels, loads.values.T, strict=True)),
             "contacts": {contact.name: _contact_numbers(contact) for contact in result.contacts},
             **_solution_numbers(result.solution),

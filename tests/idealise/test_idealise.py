@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pad_cases import BASE, HOLD, SLIDING, STEEL, pad, press, pull, shear, wave
+from pad_cases import BASE, HOLD, SLIDING, STEEL, cylinder, pad, press, pull, shear, wave
 
 from fretfe.analytic.profiles import FlatRounded, Hertz, Wedge
+from fretfe.backends import find_backend
 from fretfe.case import parse_case
 from fretfe.errors import ModelError
 from fretfe.idealise import NotIdealisable, idealise, obstacles, unlike_obstacles
@@ -78,13 +79,60 @@ def test_bulk_tension(side: str, other: str) -> None:
     problem = idealise(parse_case(pad(supports=supports, loads=loads)))
     peak, sign = np.argmax(problem.shear_force), 1.0 if side == "lower_right" else -1.0
     # A positive normal traction pulls, on either side; similar bodies: sigma0 is that tension. The
-    # held side carries Q = 60 over the height 12, half of which half-planes would not have there.
-    share = sign * 60.0 / 24.0
+    # held side carries Q = 60 over the height 12, half of which half-planes would not have there:
+    # 1.16 times as much in a block as high as half of its width, by finite elements.
+    share = 1.16 * sign * 60.0 / 24.0
     assert problem.bulk_tension[peak] == pytest.approx(100.0 + share)
     assert problem.bulk_tension[[0, 4]].tolist() == [0.0, 0.0]
     along = {**pull(100.0, side), "direction": "x"}
     problem = idealise(parse_case(pad(supports=supports, loads={**loads, "pull": along})))
     assert problem.bulk_tension[peak] == pytest.approx(sign * 100.0 + share)
+
+
+FREE, GLUED = SLIDING["base"], BASE["base"]
+LEFT, RIGHT = ({"boundary": f"lower_{side}", "fix": ["x"]} for side in ("left", "right"))
+ROLLER = {"boundary": "lower_left", "direction": [-2.0, 0.0]}
+NARROW, LOW = {"lower_width": 6.0}, {"lower_height": 6.0}
+# ΔK_T at the left and at the right edge by finite elements of 0.04 (order 2), nu = .3.
+HELD: dict[str, tuple[dict[str, Any], dict[str, float], tuple[float, float]]] = {
+    "base": ({"b": GLUED}, {}, (35.457, 35.457)),
+    "left": ({"b": FREE, "l": LEFT}, {}, (36.270, 34.716)),
+    "roller": ({"b": FREE, "l": ROLLER}, {}, (36.270, 34.716)),
+    "right": ({"b": FREE, "r": RIGHT}, {}, (34.716, 36.270)),
+    "both": ({"b": FREE, "l": LEFT, "r": RIGHT}, {}, (35.500, 35.500)),
+    "base and left": ({"b": GLUED, "l": LEFT}, {}, (36.130, 34.845)),
+    "base and both": ({"b": GLUED, "l": LEFT, "r": RIGHT}, {}, (35.501, 35.501)),
+    "left, low": ({"b": FREE, "l": LEFT}, LOW, (36.832, 34.172)),
+    "base and left, low": ({"b": GLUED, "l": LEFT}, LOW, (35.651, 35.302)),
+    "left, narrow": ({"b": FREE, "l": LEFT}, NARROW, (37.483, 33.496)),
+    "base and left, narrow": ({"b": GLUED, "l": LEFT}, NARROW, (37.446, 33.547)),
+}
+
+
+@pytest.mark.parametrize(("supports", "sizes", "expected"), HELD.values(), ids=HELD)
+def test_a_block_held_at_its_sides(
+    supports: dict[str, Any], sizes: dict[str, float], expected: tuple[float, float]
+) -> None:
+    """Without any load on a side. A sliding block held at one side has Q/(2 H) if it is wide."""
+    case = parse_case(pad(supports=supports, geometry=cylinder(**sizes)))
+    stations = find_backend("analytic").solve(case).contacts[0].stations
+    for station, range_by_elements in zip(stations, expected, strict=True):
+        assert abs(station.k_t_range - range_by_elements) <= station.k_range_spread
+        assert station.k_range_spread < 0.025 * station.k_t_range
+    left, right = (station.k_t_range for station in stations)
+    # Fits of finite elements and other Poisson's ratios: 3 % of what is added.
+    assert left - right == pytest.approx(expected[0] - expected[1], rel=0.03, abs=1e-9)
+    if "low" in str(sizes) and FREE in supports.values() and sizes == LOW:
+        exact = 60.0 / 12.0 / 4 * np.sqrt(contact_edges(idealise(case)).right[-1] / 2)
+        assert (left - right) / 4 == pytest.approx(exact, rel=1e-9)
+
+
+def test_sides_that_are_held_keep_the_block_from_spreading() -> None:
+    """Under P, by nu/(1 - nu) of P over the width: finite elements have -.0142 + .0035."""
+    assert idealise(parse_case(pad())).stretch == 0
+    held = {"b": FREE, "l": LEFT, "r": RIGHT}
+    found = idealise(parse_case(pad(supports=held))).stretch
+    assert found == pytest.approx(-0.3 / 0.7 / 24.0)
 
 
 def test_a_pad_under_tractions_may_rock() -> None:
@@ -164,6 +212,18 @@ REASONS: dict[str, tuple[dict[str, Any], str]] = {
             "loads": {"press": press(), "shear": shear(), "pull": pull(1.0, "lower_left")},
         },
         "loads: expected bulk tension on one side of the block and the other side fixed in x",
+    ),
+    "held side without a shear load": (
+        {"supports": SLIDING, "loads": {"press": press()}},
+        "loads: expected a force on 'upper_top' in x as well as the support of one side",
+    ),
+    "nothing held along x": (
+        {"supports": {"base": SLIDING["base"]}},
+        "supports: expected 'lower_bottom' or a side of the block to be fixed in x, found none",
+    ),
+    "inclined rollers": (
+        {"supports": {**BASE, "side": {"boundary": "lower_left", "direction": [1.0, 1.0]}}},
+        "supports.side: expected a direction along x or y, found (0.707107, 0.707107)",
     ),
     "tension without a shear load": (
         {"supports": SLIDING, "loads": {"press": press(), "pull": pull(1.0)}},

@@ -95,7 +95,8 @@ def test_direction_of_a_force_that_turns_back_and_forth() -> None:
 def test_no_cycle_is_said() -> None:
     result = solid_result()
     loads = replace(result.loads, cycle=None)
-    assert "There is no evaluated cycle." in summary(replace(result, loads=loads), ())
+    first, *_ = summary(replace(result, loads=loads), ())
+    assert first.startswith("There is no evaluated cycle: no load is a wave")
 
 
 def test_report_command(folder: Path) -> None:

@@ -20,6 +20,7 @@ from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.refinement import KINDS, Refinement
 from fretfe.evaluate.verdicts import AGREES, NO_ZONE, judge, last_verdict
+from fretfe.report.page.evaluated import cycle_sentences
 from fretfe.report.source import force_unit, shown_stations, work_unit
 from fretfe.report.texts import (
     MISSING,
@@ -380,10 +381,11 @@ def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
 
 
 def summary(run: Result, answers: tuple[EdgeAnswer, ...]) -> tuple[str, ...]:
-    """The answer in a few sentences: slip zones, or contacts of solids, solution, cycle."""
+    """The answer in a few sentences: cycle, slip zones, or contacts of solids, solution."""
     irregular = any(e.cycles.irregular for c in run.contacts for e in c.stations)
     first = front_texts(run) if run.solid else (_zone_text(answers, irregular),)
-    return tuple(text for text in (*first, _step_text(run), _cycle_text(run)) if text)
+    texts = (cycle_sentences(run), *first, _step_text(run), _steady_text(run))
+    return tuple(text for text in texts if text)
 
 
 def front_texts(run: Result) -> tuple[str, ...]:
@@ -534,10 +536,9 @@ def _step_text(run: Result) -> str:
     )
 
 
-def _cycle_text(run: Result) -> str:
+def _steady_text(run: Result) -> str:
     if run.loads.cycle is None:
-        missing = "" if run.solid else ": ranges over it are missing"
-        return f"There is no evaluated cycle{missing}."
+        return ""
     changing = [contact.name for contact in run.contacts if not contact.steady]
     if changing:
         return f"The evaluated cycle is not steady, or not known to be, at {', '.join(changing)}."
