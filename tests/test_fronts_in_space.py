@@ -27,7 +27,7 @@ from fretfe.evaluate.verdicts import (
     NO_ZONE,
     OUTSIDE,
     judge,
-    last_verdict,
+    longest_verdict,
     withheld,
 )
 from fretfe.history.solution import SLIP, STICK, ContactHistory, Solution
@@ -420,12 +420,12 @@ def test_what_is_missing_has_a_reason() -> None:
     (front,) = fronts(*grid(), [hertz(1.0, 1.0)])
     station = replace(front.stations[0], k_range=100.0, k_range_spread=2.0, slip_zones=())
     assert withheld(station) == ""
-    assert last_verdict(station).word == NO_ZONE
+    assert longest_verdict(station).word == NO_ZONE
     parts = RangeSpread(extraction=1.0, discretisation=70.0, steps=20.0)
     wide = replace(station, k_range_spread=parts.total, k_range_parts=parts)
     assert "100 ± 73, an error bar of more than half of it: the front is" in withheld(wide)
-    assert last_verdict(wide).word == "unknown"
-    assert last_verdict(wide).reason == withheld(wide)
+    assert longest_verdict(wide).word == "unknown"
+    assert longest_verdict(wide).reason == withheld(wide)
     lost = replace(station, k_range=np.nan, k_t=np.array([0.0, np.nan]), k_s=np.zeros(2))
     assert "not known in 1 of 2 states, last in state 1" in withheld(lost)
     blind = replace(station, k_n=np.full(2, np.nan))
