@@ -68,8 +68,8 @@ def sector_border(
         slip: (m,) in the direction of the slip zone since the last reversal.
         moved: (m,) nodes in contact that have slipped.
         area: (m,) areas that belong to the nodes.
-        turns: whether the direction of slip turns: then it need not begin with the power 3/2 of the
-            distance from the border, and only the area that slips tells where that is.
+        turns: whether the direction of slip turns: then it begins next to linearly behind the
+            border, not with the power 3/2, and only the area that slips tells where that is.
     """
     s, size = sector.s - place, sector.size
     inside = (s > 0) & (s <= depth)
@@ -78,7 +78,8 @@ def sector_border(
     if not np.any(inside & moved):
         return SlipBorder(0.0, resolved=True, gross=False, spread=size)
     firm = moved & (slip > FIRM * slip[inside & moved].max())
-    by_area = _by_area(sector, s, area, firm, depth) / (1 - MISSED)
+    missed = FIRM if turns else MISSED  # of an onset that is next to linear
+    by_area = _by_area(sector, s, area, firm, depth) / (1 - missed)
     if by_area > GROSS * depth:
         return SlipBorder(np.nan, resolved=True, gross=True, spread=np.inf)
     fitted, guess = None, by_area
