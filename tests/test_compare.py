@@ -32,6 +32,7 @@ from fretfe.api import Comparison, Result
 from fretfe.case import parse_case
 from fretfe.cli.exchange import _print_comparison
 from fretfe.errors import CaseError, ConvergenceError, OutputError
+from fretfe.evaluate.contacts import Contact, Front
 from fretfe.exchange.comparison import QuantityPair
 from fretfe.report.texts import number
 
@@ -235,6 +236,77 @@ def test_histories_of_the_worst_stations_of_solids() -> None:
     unknown = with_stations(first, lambda each: replace(each, k_range_spread=math.nan))
     for comparison in (fretfe.compare(first, far), fretfe.compare(unknown, second)):
         assert {each.quantity for each in comparison.histories} == {"P", "Q", "area"}
+
+
+def test_fronts_are_paired_by_place_whatever_their_numbers() -> None:
+    """Fronts of nearly the same length swap their numbers between meshes; ΔK 1 and 1.74."""
+    one, two, far = two_fronts(1.0), two_fronts(1.0005), two_fronts(1.0)
+    (contact,) = two.contacts
+    small, large = contact.fronts
+    swapped = (named(large, "front 1"), named(small, "front 2"))
+    comparison = fretfe.compare(one, with_fronts(two, *swapped))
+    for edge in ("front 1", "front 2"):
+        for quantity in ("mean K_N", "mean ΔK"):
+            assert numbers(comparison)[edge, quantity].difference == pytest.approx(5e-4)
+    assert {each.edge for each in comparison.histories} == {"", "front 1", "front 2"}
+    assert max(each.difference for each in comparison.histories) == pytest.approx(5e-4)
+    assert (
+        "main front 1 is compared with front 2 of the second result, which is in its place"
+        in comparison.notes
+    )
+    missing = fretfe.compare(one, with_fronts(far, named(large, "front 1")))
+    assert {edge for edge, _ in numbers(missing)} == {"", "front 2"}
+    text = "main front 1 of the first result has no partner: no front of the other one is in its "
+    assert text + "place" in missing.notes
+
+
+def two_fronts(factor: float) -> Result:
+    """Two circles of radius 1, 3 apart, all factors of the second one 1.74 times as large."""
+    result = stationed_sphere()
+    load = SHEAR * np.sin(result.loads.times)
+    near = with_stations(result, lambda each: exact_station(each, factor * load, 0.0))
+    more = with_stations(result, lambda each: exact_station(each, 1.74 * factor * load, 0.0))
+    away = with_stations(more, lambda each: replace(each, point=each.point + np.array([3.0, 0, 0])))
+    (one,), (two,) = (each.contacts[0].fronts for each in (near, away))
+    fronts = (with_k_n(one, factor), named(with_k_n(two, 1.74 * factor), "front 2"))
+    return with_fronts(result, *fronts)
+
+
+def with_k_n(front: Front, factor: float) -> Front:
+    stations = tuple(
+        replace(each, k_n=factor * each.k_n, k_n_spread=factor * each.k_n_spread)
+        for each in front.stations
+    )
+    return replace(front, stations=stations)
+
+
+def named(front: Front, name: str) -> Front:
+    stations = tuple(replace(each, front=name) for each in front.stations)
+    return replace(front, name=name, stations=stations)
+
+
+def with_fronts(result: Result, *fronts: Front) -> Result:
+    (contact,) = result.contacts
+    return replace(result, contacts=(replace(contact, fronts=fronts),))
+
+
+def test_patches_are_paired_by_place_whatever_their_numbers() -> None:
+    """Patches are numbered as they appear: what appears first may be the other one."""
+    result = solved("halfplane")
+    (left,) = result.contacts
+    right = replace(left, centre=left.centre + 5.0, normal_force=2 * left.normal_force)
+
+    def patches(*contacts: Contact) -> Result:
+        named = (replace(c, name=f"main[{n}]") for n, c in enumerate(contacts, start=1))
+        return replace(result, contacts=tuple(named), solution=None)
+
+    comparison = fretfe.compare(patches(left, right), patches(right, left))
+    assert comparison.contacts == (("main[1]", "main[2]"), ("main[2]", "main[1]"))
+    assert {each.difference for each in comparison.histories if each.quantity == "P"} == {0.0}
+    assert "contact main[1] is compared with main[2], which is in its place" in comparison.notes
+    alone = fretfe.compare(patches(left, right), patches(right))
+    assert alone.contacts == (("main[2]", "main[1]"),)
+    assert "contact main[1] is in the first result only" in alone.notes
 
 
 def test_factors_that_are_known_from_other_times_on_are_counted_alike() -> None:

@@ -144,6 +144,14 @@ class SlipZone:
         return self.reported_length, self.spread
 
     @property
+    def rank(self) -> float:
+        """The length, as well as it is known, by which the longer of two zones is found."""
+        if self.gross:
+            return math.inf
+        guesses = (self.told[0], self.local, self.length, self.prediction)
+        return next((float(each) for each in guesses if math.isfinite(each)), 0.0)
+
+    @property
     def uncertain(self) -> bool:
         """True if the mesh does not resolve the zone, or its length is known to a tenth at best."""
         return not (self.gross or (self.resolved and known_length(self.length, self.spread)))
@@ -415,6 +423,15 @@ class Station(StationHistory):
         zones = self.slip_zones[-2:]
         inner = [self.position[zone.end] + zone.reported_local for zone in zones]
         return float(max(inner)) if inner and np.isfinite(inner).all() else math.nan
+
+    @property
+    def longest_zone(self) -> SlipZone | None:
+        """The longer of the slip zones of the last two half cycles; None without any.
+
+        Every length that stands alone for a station is that of this one. Where no length is told it
+        is ranked by what is known of it.
+        """
+        return max(self.slip_zones[:-3:-1], key=lambda each: each.rank, default=None)
 
     @property
     def range_over_k_n(self) -> float:

@@ -16,6 +16,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Contact, Front, Station
+from fretfe.evaluate.partners import front_partners, nearest_places
 from fretfe.history.solution import Solution
 
 # Reads one number of a station.
@@ -24,8 +25,6 @@ Measure = Callable[[Station], float]
 SHORTEST_SLIP = 1e-3
 # Changes shrink at least by this factor from pass to pass where values are extrapolated.
 SHRINKING = 0.7
-# Share of the stations of a front that must have a number for its mean.
-KNOWN = 0.5
 # A range of (K_T, K_S) below this part of the largest one along its front need not converge.
 LEAST_RANGE = 0.2
 
@@ -234,8 +233,8 @@ def station_changes(
     references: list[tuple[float, ...] | None] = []
     for contact in contacts:
         fronts = [front for old in before if old.pair == contact.pair for front in old.fronts]
-        for front in contact.fronts:
-            twin = nearest_front(front, fronts)
+        twins = front_partners(contact.fronts, fronts)
+        for front, twin in zip(contact.fronts, twins, strict=True):
             count = len(front.judged)
             if twin is None or not count:
                 references += [(math.nan, math.nan)] * count
@@ -311,75 +310,15 @@ def numbers(stations: Sequence[Station], measure: Measure) -> Array:
     return np.array([float(measure(station)) for station in stations])
 
 
-def nearest_front(front: Front, others: Sequence[Front]) -> Front | None:
-    """The front among others that runs nearest to the stations of one; None without any."""
-    points = front.along("point")
-
-    def distance(other: Front) -> float:
-        gaps = np.linalg.norm(points[:, None] - other.along("point"), axis=2)
-        return float(gaps.min(axis=1).mean())
-
-    return min(
-        (other for other in others if other.closed == front.closed), key=distance, default=None
-    )
-
-
 def at_places(front: Front, points: Array, measures: Sequence[Measure]) -> Iterator[Array]:
     """Numbers (n,) of a front at the places of its line that are nearest to points (n, 3).
 
     Linear between the stations; NaN where a neighbour has none, or is an end.
     """
-    places = front.along("point")
-    ends = np.roll(places, -1, axis=0) if front.closed else places[1:]
-    starts = places[: len(ends)]
-    lines = ends - starts
-    share = np.einsum("nmd,md->nm", points[:, None] - starts, lines) / np.sum(lines**2, axis=1)
-    share = np.clip(share, 0.0, 1.0)
-    gaps = np.linalg.norm(starts + share[..., None] * lines - points[:, None], axis=2)
-    first = gaps.argmin(axis=1)
-    part = share[np.arange(len(points)), first]
-    second = (first + 1) % len(places)
+    first, second, part, _ = nearest_places(front, points)
     for measure in measures:
         values = numbers(front.stations, measure)
         values[front.along("end").astype(bool)] = np.nan
         # A place on a station needs no neighbour.
         terms = (part < 1, (1 - part) * values[first]), (part > 0, part * values[second])
         yield np.sum([np.where(used, term, 0.0) for used, term in terms], axis=0)
-
-
-def front_means(contacts: Sequence[Contact], solution: Solution) -> tuple[StationValues, ...]:
-    """Means of K_N, of the range of (K_T, K_S) and of the last two slip zones along each front."""
-    friction = {each.name: float(each.friction.max()) for each in solution.contacts}
-    return tuple(
-        _values(each.name, front, friction[each.name], solution.cycle is not None)
-        for each in contacts
-        for front in each.fronts
-        if front.judged
-    )
-
-
-def _values(contact: str, front: Front, friction: float, cyclic: bool) -> StationValues:
-    stations = front.judged
-    slides = friction > 0 and cyclic
-    return StationValues(
-        contact=contact,
-        front=front.name,
-        k_n=_mean([station.reported_k_n for station in stations]),
-        k_t=_mean([station.reported_range for station in stations]) if slides else 0.0,
-        slip=tuple(_slip(stations, half) for half in (-2, -1)) if slides else (),
-        rise=_mean([min(station.depth, station.length) for station in stations]),
-        friction=friction,
-    )
-
-
-def _slip(stations: Sequence[Station], half: int) -> float:
-    """Mean length of one of the last two slip zones where they are resolved."""
-    zones = [each.slip_zones[half] for each in stations if len(each.slip_zones) > 1]
-    lengths = [zone.length if zone.resolved and not zone.gross else np.nan for zone in zones]
-    return _mean(lengths + [np.nan] * (len(stations) - len(zones)))
-
-
-def _mean(values: Sequence[float]) -> float:
-    """Mean of what is known; NaN if that is less than half."""
-    known = np.isfinite(values)
-    return float(np.mean(np.asarray(values)[known])) if known.mean() >= KNOWN else np.nan

@@ -52,7 +52,7 @@ SMALLEST_ELEMENT = 1e-4
 # Slip lengths that are reported and must converge: those of the last loading and unloading.
 ZONES = 2
 # Error bar of |ΔK| at single stations of solids, times the elements over the half-width of the
-# contact: .37 on spheres with 8 and with 12 of them.
+# contact, or over the radius of its front: .37 on spheres with 8 and with 12 of them.
 BAR_TIMES_ELEMENTS = 0.36
 # Elements over the radius of a front below which there is no K_N.
 PER_RADIUS = 6.0
@@ -376,9 +376,8 @@ def _proposal(
 ) -> Proposal:
     load, carrier = _load(case, initial, normal, force), _carrier(case.contacts[name], initial)
     long, short = _hertz(initial, carrier, normal, load).half_axes
-    largest = math.inf
-    if math.isfinite(long):
-        largest = short**2 / long / PER_RADIUS
+    # At its tips the front of an ellipse is bent more than it is wide: see `range_spread`.
+    radius = short**2 / long if math.isfinite(long) else math.inf
     solid = case.geometry.solid
     if not math.isfinite(short) and solid is not None and not solid.skew and not normal[2]:
         # The section of a straight extrusion, as a cylinder with the same growth of its half-width.
@@ -388,7 +387,7 @@ def _proposal(
     if not math.isfinite(short):
         reason = "its gap is neither that of a paraboloid nor of a section with one lowest place"
         return Proposal(name, force, reason=reason)
-    size = min(short * tolerance / BAR_TIMES_ELEMENTS, largest)
+    size = min(min(short, radius) * tolerance / BAR_TIMES_ELEMENTS, radius / PER_RADIUS)
     return Proposal(name, force, short, float(f"{size:.2g}"))
 
 

@@ -61,10 +61,10 @@ class Verdict:
     tolerance: float = math.nan
 
 
-def last_verdict(station: Station) -> Verdict:
-    """The verdict on the last slip zone of a station, or why it has none."""
-    if station.slip_zones:
-        return judge(station, station.slip_zones[-1])
+def longest_verdict(station: Station) -> Verdict:
+    """The verdict on the longer of the last two slip zones of a station, or why it has none."""
+    if (zone := station.longest_zone) is not None:
+        return judge(station, zone)
     reason = withheld(station)
     if reason:
         return Verdict(UNKNOWN, reason)
@@ -285,6 +285,11 @@ def _no_formula(station: Station, zone: SlipZone) -> str:
 def _unresolved(station: Station, zone: SlipZone) -> str:
     """Reason why the mesh does not resolve a slip zone, in words."""
     size = station.size
+    if station.turning > LARGEST_TURNING and zone.length > 0:
+        return (
+            "the direction of slip turns, so that its onset is of no known power, and the area "
+            f"that slips tells its inner end to ± {zone.spread:.2g} only"
+        )
     if zone.length > 0 and size > 0 and zone.length >= FEWEST_ELEMENTS * size:
         return (
             f"its inner end is known to ± {zone.spread:.2g} only, of {zone.length:.3g} or "

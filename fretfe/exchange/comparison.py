@@ -8,11 +8,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from fretfe._typing import Array
 from fretfe.case.overrides import by_key
 from fretfe.errors import CaseError
-from fretfe.evaluate.contacts import Contact, SlipZone, Station, quantities
-from fretfe.evaluate.refinement import StationValues, front_means
-from fretfe.exchange.overlays import HistoryPair, TractionPair, history_pairs, traction_pairs
+from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station, quantities
+from fretfe.evaluate.partners import contact_partners
+from fretfe.evaluate.refinement import Measure, at_places, numbers
+from fretfe.exchange.overlays import (
+    ContactPair,
+    HistoryPair,
+    TractionPair,
+    history_pairs,
+    traction_pairs,
+)
 from fretfe.results.model import Result
 from fretfe.results.tables import unit
 
@@ -28,7 +38,8 @@ SOLID_NUMBERS = {
 CONTACT_NUMBERS = quantities(Contact)
 # Times that differ by less than this fraction of the clock are the same.
 SAME_TIME = 1e-6
-Pairs = Sequence[tuple[Any, Any]]
+# Share of the stations of a front that must have a number in both for its means.
+KNOWN = 0.5
 # Keys of the two cases that differ are listed up to this number.
 MOST_KEYS = 12
 # What a case says about itself only.
@@ -97,20 +108,18 @@ class Number(NamedTuple):
     spread: float = math.nan
 
 
-def quantity_pairs(first: Result, second: Result, pairs: Pairs) -> Iterator[QuantityPair]:
+def quantity_pairs(first: Result, pairs: Sequence[ContactPair]) -> Iterator[QuantityPair]:
     """Numbers of all contacts that belong together."""
-    means = [_means(each) for each in (first, second)]
-    for one, two in pairs:
+    for pair in pairs:
+        one, two = pair.first, pair.second
         groups = [("", _contact(one), _contact(two))]
         if one.solid:
-            fronts, others = means[0].get(one.name, {}), means[1].get(two.name, {})
-            both = [name for name in fronts if name in others]
-            groups += [(name, _front(fronts[name]), _front(others[name])) for name in both]
+            groups += [(front.name, *_front(front, other)) for front, other in pair.fronts]
         else:
             edges = zip(one.stations, two.stations, strict=True)
             groups += [(edge.front, _edge(edge), _edge(partner)) for edge, partner in edges]
-        for front, numbers, partners in groups:
-            for mine, other in zip(numbers, partners, strict=True):
+        for front, found, partners in groups:
+            for mine, other in zip(found, partners, strict=True):
                 if math.isfinite(mine.value) or math.isfinite(other.value):
                     label = unit(mine.kind, first.case.units, solid=one.solid)
                     yield QuantityPair(
@@ -147,31 +156,51 @@ def _edge(edge: Station) -> list[Number]:
     ]
 
 
-def _means(result: Result) -> dict[str, dict[str, StationValues]]:
-    """Means along the fronts of solids, by contact and front."""
-    found: dict[str, dict[str, StationValues]] = {}
-    if result.solid and result.solution is not None:
-        for each in front_means(result.contacts, result.solution):
-            found.setdefault(each.contact, {})[each.front] = each
-    return found
+def _front(front: Front, partner: Front) -> tuple[list[Number], list[Number]]:
+    """Means along two fronts of solids, over the stations at whose places both have a number."""
+    points = np.array([each.point for each in front.judged]).reshape(-1, 3)
+    means = []
+    for _, _, measure in FRONT_NUMBERS:
+        (others,) = at_places(partner, points, [measure])
+        means.append(_means(numbers(front.judged, measure), others))
+    first, second = (
+        [
+            Number(f"mean {name}", kind, mean[which])
+            for (name, kind, _), mean in zip(FRONT_NUMBERS, means, strict=True)
+        ]
+        for which in (0, 1)
+    )
+    return first, second
 
 
-def _front(values: StationValues) -> list[Number]:
-    slip = values.slip or (math.nan, math.nan)
-    return [
-        Number(f"mean {K_N}", "k_n", values.k_n),
-        Number("mean ΔK", "k_t", values.k_t),
-        *(Number(f"mean {name}", "length", d) for name, d in zip(ZONES, slip, strict=True)),
-    ]
+def _means(values: Array, others: Array) -> tuple[float, float]:
+    """Means of both where both are known; if that is less than half, of the first one alone."""
+    mine, both = np.isfinite(values), np.isfinite(values + others)
+    if both.any() and both.mean() >= KNOWN:
+        return float(values[both].mean()), float(others[both].mean())
+    alone = mine.any() and mine.mean() >= KNOWN
+    return float(values[mine].mean()) if alone else math.nan, math.nan
 
 
-def zone_notes(first: Result, second: Result, pairs: Pairs) -> Iterator[str]:
+def _told(station: Station, half: int) -> float:
+    """Length of one of the last two slip zones of a station of solids; NaN where it is not told."""
+    zones = station.slip_zones
+    return math.nan if len(zones) < 2 or zones[half].gross else zones[half].told[0]
+
+
+FRONT_NUMBERS: tuple[tuple[str, str, Measure], ...] = (
+    (K_N, "k_n", lambda each: each.reported_k_n),
+    ("ΔK", "k_t", lambda each: each.reported_range),
+    (ZONES[0], "length", lambda each: _told(each, -2)),
+    (ZONES[1], "length", lambda each: _told(each, -1)),
+)
+
+
+def zone_notes(first: Result, second: Result, pairs: Sequence[ContactPair]) -> Iterator[str]:
     """Edges whose last slip zones are those of half cycles that end at other times."""
     clock = max(float(each.loads.times[-1]) for each in (first, second))
-    for one, two in pairs:
-        if one.solid:
-            continue
-        for edge, partner in zip(one.stations, two.stations, strict=True):
+    for pair in pairs:
+        for edge, partner in pair.stations:
             if not (edge.slip_zones and partner.slip_zones):
                 continue
             ends = [
@@ -180,8 +209,8 @@ def zone_notes(first: Result, second: Result, pairs: Pairs) -> Iterator[str]:
             ]
             if abs(ends[1] - ends[0]) > SAME_TIME * clock:
                 yield (
-                    f"{one.name} {edge.front}: the last slip zones end at t = {ends[0]:g} and "
-                    f"t = {ends[1]:g}"
+                    f"{pair.first.name} {edge.front}: the last slip zones end at t = {ends[0]:g} "
+                    f"and t = {ends[1]:g}"
                 )
 
 
@@ -229,8 +258,8 @@ def compare(first: Result, second: Result) -> Comparison:
     return Comparison(
         labels=_labels(first, second),
         results=(first, second),
-        contacts=tuple((one.name, two.name) for one, two in pairs),
-        quantities=tuple(quantity_pairs(first, second, pairs)),
+        contacts=tuple((each.first.name, each.second.name) for each in pairs),
+        quantities=tuple(quantity_pairs(first, pairs)),
         tractions=tractions,
         histories=histories,
         notes=tuple(
@@ -238,6 +267,7 @@ def compare(first: Result, second: Result) -> Comparison:
                 *_incomplete(first, second),
                 *_case_differences(first, second),
                 *notes,
+                *(text for each in pairs for text in _front_notes(each)),
                 *zone_notes(first, second, pairs),
                 *traction_notes,
                 *_counted_notes(histories),
@@ -282,31 +312,59 @@ def _require_comparable(first: Result, second: Result) -> None:
         )
 
 
-def _partners(first: Result, second: Result) -> tuple[list[tuple[Any, Any]], list[str]]:
-    """Contacts of the same name, and notes of those without a partner.
+def _partners(first: Result, second: Result) -> tuple[list[ContactPair], list[str]]:
+    """Contacts that belong together, and notes of those without a partner or of another name.
 
     Raises:
         CaseError: if there are none.
     """
-    mine: dict[str, Contact] = {each.name: each for each in first.contacts}
-    other: dict[str, Contact] = {each.name: each for each in second.contacts}
-    both = [name for name in mine if name in other]
-    if both:
-        alone = [
-            f"contact {name} is in the {which} result only"
-            for which, names, others in (("first", mine, other), ("second", other, mine))
-            for name in names
-            if name not in others
-        ]
-        return [(mine[name], other[name]) for name in both], alone
-    if len(mine) == len(other) == 1:
-        (one,), (two,) = mine.values(), other.values()
-        text = f"contact {one.name} is compared with {two.name}: each result has one contact only"
-        return [(one, two)], [text]
-    raise CaseError(
-        f"expected contacts of the same name in both results, found {', '.join(mine) or 'none'} "
-        f"and {', '.join(other) or 'none'}"
-    )
+    mine, theirs = first.contacts, second.contacts
+    if len(mine) == len(theirs) == 1 and mine[0].pair != theirs[0].pair:
+        text = f"contact {mine[0].name} is compared with {theirs[0].name}: each result has one "
+        return [ContactPair(mine[0], theirs[0])], [text + "contact only"]
+    found = contact_partners(mine, theirs)
+    pairs = [ContactPair(one, two) for one, two in zip(mine, found, strict=True) if two is not None]
+    if not pairs:
+        names = (", ".join(each.name for each in contacts) or "none" for contacts in (mine, theirs))
+        raise CaseError(
+            "expected contacts of the same surface pair in the same place in both results, found "
+            + " and ".join(names)
+        )
+    return pairs, [*_renamed(pairs), *_contacts_alone(first, second, pairs)]
+
+
+def _renamed(pairs: Sequence[ContactPair]) -> Iterator[str]:
+    for one, two in ((each.first.name, each.second.name) for each in pairs):
+        if one != two:
+            yield f"contact {one} is compared with {two}, which is in its place"
+
+
+def _contacts_alone(first: Result, second: Result, pairs: Sequence[ContactPair]) -> Iterator[str]:
+    paired = {id(each) for pair in pairs for each in (pair.first, pair.second)}
+    for which, result in (("first", first), ("second", second)):
+        for each in result.contacts:
+            if id(each) not in paired:
+                yield f"contact {each.name} is in the {which} result only"
+
+
+def _front_notes(pair: ContactPair) -> Iterator[str]:
+    """Fronts of solids of other names, and those without a partner."""
+    if not pair.first.solid:
+        return
+    for front, partner in pair.fronts:
+        if front.name != partner.name:
+            yield (
+                f"{pair.first.name} {front.name} is compared with {partner.name} of the second "
+                "result, which is in its place"
+            )
+    paired = {id(each) for both in pair.fronts for each in both}
+    for which, contact in (("first", pair.first), ("second", pair.second)):
+        for front in contact.fronts:
+            if id(front) not in paired:
+                yield (
+                    f"{contact.name} {front.name} of the {which} result has no partner: no front "
+                    "of the other one is in its place"
+                )
 
 
 def _incomplete(first: Result, second: Result) -> Iterator[str]:
@@ -323,7 +381,7 @@ def _case_differences(first: Result, second: Result) -> list[str]:
     one, two = (by_key(each.case.model_dump(exclude_unset=True)) for each in (first, second))
     keys = [key for key in {**one, **two} if key.split(".")[0] not in NOT_COMPARED]
     texts = [
-        f"{key}: {_told(one, key)} and {_told(two, key)}"
+        f"{key}: {_value(one, key)} and {_value(two, key)}"
         for key in keys
         if one.get(key) != two.get(key)
     ]
@@ -332,5 +390,5 @@ def _case_differences(first: Result, second: Result) -> list[str]:
     return [*notes, *texts[:MOST_KEYS], *more]
 
 
-def _told(values: Mapping[str, Any], key: str) -> str:
+def _value(values: Mapping[str, Any], key: str) -> str:
     return f"{values[key]}" if key in values else "not set"

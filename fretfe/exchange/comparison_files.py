@@ -35,6 +35,8 @@ FIRST: dict[str, Any] = {"lw": 4.0, "alpha": 0.35, "solid_capstyle": "butt"}
 SECOND: dict[str, Any] = {"lw": 1.1, "ls": (0, (4.0, 1.5))}
 # Beside the contact, as a fraction of its width.
 MARGIN = 0.05
+# Rows from one number of an edge to the next one in the same panel.
+BELOW = 0.3
 # Inches of a row of the figure of differences, and of what stands around them.
 ROW, AROUND = 0.32, 1.3
 SCHEMA = {"name": "fretfe-comparison", "version": 1}
@@ -79,7 +81,7 @@ def plot_histories(comparison: Comparison) -> Figure:
 
 
 def plot_differences(comparison: Comparison) -> Figure:
-    """Relative differences of K_N, ΔK_T and the last slip zone of every edge, with their bars."""
+    """Relative differences of K_N, ΔK_T and the last two slip zones of every edge, with bars."""
     edges = list(dict.fromkeys((e.contact, e.edge) for e in comparison.quantities if e.edge))
     with mpl.rc_context(STYLE):
         size = (2 * WIDTH, AROUND + ROW * len(edges))
@@ -87,7 +89,7 @@ def plot_differences(comparison: Comparison) -> Figure:
         panels = figure.subplots(1, 3, sharey=True)
         for panel, names in zip(panels, _columns(comparison), strict=True):
             own = [each for each in comparison.quantities if each.quantity in names]
-            _draw_differences(panel, edges, own, names[0])
+            _draw_differences(panel, edges, own, names)
         panels[0].set_yticks(range(len(edges)), [" ".join(each) for each in edges])
         panels[0].set_ylim(len(edges) - 0.5, -0.5)
         second, first = comparison.labels[1], comparison.labels[0]
@@ -97,25 +99,31 @@ def plot_differences(comparison: Comparison) -> Figure:
 
 def _columns(comparison: Comparison) -> list[tuple[str, ...]]:
     if comparison.results[0].solid:
-        return [(f"mean {K_N}",), ("mean ΔK",), (f"mean {ZONES[1]}",)]
-    return [(K_N,), (K_T,), (ZONES[1],)]
+        return [(f"mean {K_N}",), ("mean ΔK",), tuple(f"mean {zone}" for zone in ZONES)]
+    return [(K_N,), (K_T,), ZONES]
 
 
 def _draw_differences(
-    panel: Axes, edges: Sequence[tuple[str, str]], pairs: Sequence[QuantityPair], title: str
+    panel: Axes,
+    edges: Sequence[tuple[str, str]],
+    pairs: Sequence[QuantityPair],
+    names: tuple[str, ...],
 ) -> None:
+    """Draw numbers of some names; several of an edge below each other, in their order."""
     panel.axvline(0, color=GREY, lw=0.8)
+    middle = (len(names) - 1) / 2
     for pair in pairs:
         if np.isfinite(pair.difference):
             bar = pair.difference_spread
+            below = BELOW * (names.index(pair.quantity) - middle)
             panel.errorbar(
                 100 * pair.difference,
-                edges.index((pair.contact, pair.edge)),
+                edges.index((pair.contact, pair.edge)) + below,
                 xerr=100 * bar if np.isfinite(bar) else None,
                 fmt="o" if np.isfinite(bar) else "x",
                 ms=4.5, capsize=3, color=BLUE if pair.agrees is not False else VERMILLION,
             )  # fmt: skip
-    panel.set_xlabel(f"{title} [%]")
+    panel.set_xlabel(f"{', '.join(names)} [%]")
     if not any(np.isfinite(pair.difference) for pair in pairs):
         panel.text(
             0.5, 0.5, "not known", transform=panel.transAxes, ha="center", backgroundcolor="w"

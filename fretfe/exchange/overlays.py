@@ -14,14 +14,14 @@ from scipy.spatial import Delaunay
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import ModelError, OutputError
-from fretfe.evaluate.contacts import Contact, Station
+from fretfe.evaluate.contacts import Contact, Front, Station
+from fretfe.evaluate.partners import front_partners
 from fretfe.evaluate.resultants import SMALLEST_SHEAR, load_extremes, shear_direction, shear_line
 from fretfe.history.solution import ContactHistory
 from fretfe.report.pictures.unroll import unroll
 from fretfe.results.model import Result
 from fretfe.results.tables import unit
 
-Pairs = Sequence[tuple[Contact, Contact]]
 # Times that differ by less than this fraction of the clock are the same.
 SAME_TIME = 1e-9
 LAST = "last state"
@@ -35,6 +35,32 @@ IN_PLANE = 0.1
 Results = tuple[Result, Result]
 Contacts = tuple[Contact, Contact]
 States = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class ContactPair:
+    """Contacts of two results that belong together."""
+
+    first: Contact
+    second: Contact
+
+    @cached_property
+    def fronts(self) -> list[tuple[Front, Front]]:
+        """Fronts in the same place."""
+        fronts = self.first.fronts
+        partners = front_partners(fronts, self.second.fronts)
+        return [(one, two) for one, two in zip(fronts, partners, strict=True) if two is not None]
+
+    @property
+    def stations(self) -> Iterator[tuple[Station, Station]]:
+        """Stations that belong together: edges, of solids the worst of a front and the nearest."""
+        if not self.first.solid:
+            yield from zip(self.first.stations, self.second.stations, strict=True)
+            return
+        for front, other in self.fronts:
+            if (worst := front.worst) is not None:
+                gaps = np.linalg.norm(other.along("point") - worst.point, axis=1)
+                yield worst, other.stations[int(gaps.argmin())]
 
 
 @dataclass(frozen=True)
@@ -147,7 +173,7 @@ class HistoryPair:
 
 
 def traction_pairs(
-    first: Result, second: Result, pairs: Pairs
+    first: Result, second: Result, pairs: Sequence[ContactPair]
 ) -> tuple[tuple[TractionPair, ...], list[str]]:
     """Tractions at the two load extremes of each result, and why there are none."""
     for result in (first, second):
@@ -155,7 +181,8 @@ def traction_pairs(
             return (), [f"no tractions are compared: backend {result.backend!r} has none"]
     found: list[TractionPair] = []
     notes: list[str] = []
-    for one, two in pairs:
+    for pair in pairs:
+        one, two = pair.first, pair.second
         try:
             compared = list(_contact_tractions(first, second, one, two))
             if not compared:
@@ -349,7 +376,9 @@ def _norm(x: Array, values: Array) -> float:
     return float(np.sqrt(trapezoid(values**2, x)))
 
 
-def history_pairs(first: Result, second: Result, pairs: Pairs) -> Iterator[HistoryPair]:
+def history_pairs(
+    first: Result, second: Result, pairs: Sequence[ContactPair]
+) -> Iterator[HistoryPair]:
     """Histories of all contacts that belong together.
 
     Q of solids is that along the direction in which it varies most in the first result.
@@ -358,7 +387,8 @@ def history_pairs(first: Result, second: Result, pairs: Pairs) -> Iterator[Histo
         unit(kind, first.case.units, solid=first.solid) for kind in ("force", "area", "k_t")
     )
     times = first.loads.times, second.loads.times
-    for one, two in pairs:
+    for pair in pairs:
+        one, two = pair.first, pair.second
         name, loads = one.name, (one.normal_force, two.normal_force)
         yield HistoryPair(name, "", "P", force, *times, *loads)
         if one.solid:
@@ -369,35 +399,11 @@ def history_pairs(first: Result, second: Result, pairs: Pairs) -> Iterator[Histo
             yield HistoryPair(name, "", "area", area, *times, *areas)
         else:
             yield HistoryPair(name, "", "Q", force, *times, one.shear_force, two.shear_force)
-        for station, partner in _station_pairs(one, two):
+        for station, partner in pair.stations:
             along = station.k_along, replace(partner, k_angle=station.k_angle).k_along
             label = "K" if one.solid else "K_T"
-            pair = HistoryPair(name, station.front, label, factor, *times, *along)
-            yield pair.counted_alike()
-
-
-def _station_pairs(one: Contact, two: Contact) -> Iterator[tuple[Station, Station]]:
-    """Stations that belong together: edges, of solids the worst of a front and the nearest to it.
-
-    That of the other result lies within half of the distance between its stations.
-    """
-    if not one.solid:
-        yield from zip(one.stations, two.stations, strict=True)
-        return
-    for front in one.fronts:
-        if (worst := front.worst) is None:
-            continue
-        point = worst.point
-        others = [
-            (float(np.linalg.norm(each.point - point)), each, other.length / len(other.stations))
-            for other in two.fronts
-            for each in other.stations
-        ]
-        distance, nearest, spacing = min(
-            others, key=lambda each: each[0], default=(1.0, worst, 0.0)
-        )
-        if distance <= spacing:
-            yield worst, nearest
+            found = HistoryPair(name, station.front, label, factor, *times, *along)
+            yield found.counted_alike()
 
 
 def _equal_times(first: Array, second: Array) -> tuple[Indices, Indices]:

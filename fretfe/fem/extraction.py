@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -12,6 +13,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.bodies.definition import Pair
+from fretfe.case import isotropic
 from fretfe.contact.full_stick import neighbour_states
 from fretfe.contact.march import March
 from fretfe.contact.recorder import Recorder
@@ -48,9 +50,12 @@ FEWEST_ELEMENTS, LARGEST = 10.0, 0.5
 TUBES = ((4.0, 8.0), (6.0, 8.0), (9.0, 8.0), (6.0, 5.0))
 USUAL = 1
 ROWS = 1.5
-# No farther than these parts of the half of the width of the contact, of the radius of curvature of
-# the front, and along it of the way to its end.
-WIDEST, NARROWEST, NEAREST_END = 0.4, 0.4, 0.95
+# Along the front no farther than this part of the way to its end.
+NEAREST_END = 0.95
+# The frame of a station turns along a bent front, but a crystal does not: the fields of the station
+# are solutions at the station alone. Largest half-length over the radius of curvature between them;
+# what is left falls with its square, which the ways of other half-lengths show.
+TURN = 0.3
 
 
 def add_integrals(
@@ -324,7 +329,7 @@ class _SolidDraft(_Draft["_Plan"]):
         for track in self._tracks[contact.name]:
             stations = slice(first, first + len(track.front.sectors))
             first = stations.stop
-            tubes = _tubes(track.front)
+            tubes = _tubes(track.front, self._crystals(contact))
             for row, (state, places) in enumerate(zip(plan.states, plan.positions, strict=True)):
                 own = np.where(np.isfinite(places), places, 0.0)[stations]
                 fields, ways = self._of_state(int(state)), tubes
@@ -335,6 +340,10 @@ class _SolidDraft(_Draft["_Plan"]):
                 frames = track.front.frames.moved(own).slid(track.front.aside)
                 probes.append(probe_stations(self._common.model, pair, frames, ways, fields))
         return probes
+
+    def _crystals(self, contact: ContactHistory) -> bool:
+        bodies = self._common.model.case.bodies
+        return not all(isotropic(bodies[name]) for name in (contact.body1, contact.body2))
 
     def _factors(
         self, contact: ContactHistory, plan: _Plan, values: list[list[Array]]
@@ -425,18 +434,26 @@ def _plan(
     return _Plan(states[chosen], areas[chosen], places[chosen], last)
 
 
-def _tubes(front: SpaceFront) -> list[list[Tube]]:
-    """For each station of a front its tubes."""
+def _tubes(front: SpaceFront, crystals: bool) -> list[list[Tube]]:
+    """For each station of a front its tubes; those between crystals are shorter where it bends."""
+    # Imported where it is needed: SciPy's interpolation takes a second.
+    from fretfe.evaluate.space.range_spread import farthest
+
     tubes, frames = [], front.frames.slid(front.aside)
+    most = max(along for _, along in TUBES)
     for sector, depth, to_end in zip(front.sectors, front.depth, frames.to_end, strict=True):
         radius = 1 / max(abs(sector.curvature), 1e-300)
-        farthest = min(WIDEST * depth, NARROWEST * radius)
-        longest = min(radius, NEAREST_END * to_end)
+        widest, longest = farthest(depth, radius), min(radius, NEAREST_END * to_end)
+        bent = max(TURN * radius, ROWS * sector.along_size) if crystals else math.inf
         tubes.append(
             [
                 Tube(
-                    reach=min(reach * sector.size, farthest),
-                    half_length=min(max(along * sector.size, ROWS * sector.along_size), longest),
+                    reach=min(reach * sector.size, widest),
+                    half_length=min(
+                        max(along * sector.size, ROWS * sector.along_size),
+                        longest,
+                        along / most * bent,
+                    ),
                 )
                 for reach, along in TUBES
             ]

@@ -12,8 +12,9 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.case import Case, parse_case
 from fretfe.case.loads import FieldLoad
-from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
-from fretfe.evaluate.refinement import Measure, at_places, nearest_front, numbers
+from fretfe.evaluate.contacts import Contact, Front, Station
+from fretfe.evaluate.partners import contact_partners, front_partners
+from fretfe.evaluate.refinement import Measure, at_places, numbers
 from fretfe.evaluate.verdicts import BORDER_ELEMENTS, BORDER_FRACTION
 from fretfe.loads import History
 from fretfe.mesh.templates import find_template
@@ -189,39 +190,19 @@ def resized(case: Case, factor: float) -> Case | None:
 
 def companion_rows(name: str, result: Result, other: Result) -> Iterator[Row]:
     """Rows for each front, the numbers of the companion in the same places as references."""
-    for contact in result.contacts:
-        twin = _twin(contact, other)
+    twins = contact_partners(result.contacts, other.contacts)
+    for contact, twin in zip(result.contacts, twins, strict=True):
         if twin is None:
             reason = "the companion has no patch there at its end"
             verdict: Verdict = "unknown" if contact.normal_force[-1] > 0 else "-"
             yield Place(contact.name).missing(name, reason, verdict)
         elif contact.solid:
-            for front in contact.fronts:
-                yield from _front_rows(name, contact, front, nearest_front(front, twin.fronts))
+            partners = front_partners(contact.fronts, twin.fronts)
+            for front, partner in zip(contact.fronts, partners, strict=True):
+                yield from _front_rows(name, contact, front, partner)
         else:
             for station, reference in zip(contact.stations, twin.stations, strict=True):
                 yield from _edge_rows(name, contact, station, reference)
-
-
-def _twin(contact: Contact, other: Result) -> Contact | None:
-    """The contact of a companion that is in the same place at the end; None if there is none.
-
-    What patches are called depends on the order in which they appear, and may differ.
-    """
-    twins = [each for each in other.contacts if each.pair == contact.pair]
-    if contact.name == contact.pair and len(twins) == 1:
-        return twins[0]
-    for each in twins:
-        (centre, half_width), (other_centre, _) = _place(contact), _place(each)
-        if abs(other_centre - centre) < half_width:
-            return each
-    return None
-
-
-def _place(contact: Contact) -> tuple[float, float]:
-    """Centre and half-width at the end of the cycle."""
-    last = contact.stations[0].last
-    return float(contact.centre[last]), float(contact.half_width[last])
 
 
 def _edge_rows(name: str, contact: Contact, station: Station, other: Station) -> Iterator[Row]:
@@ -259,7 +240,9 @@ def _edge_rows(name: str, contact: Contact, station: Station, other: Station) ->
 
 
 def _length(station: Station) -> float:
-    return station.slip_zones[-1].length if station.slip_zones else math.nan
+    """Length of the longer slip zone, as the nodes have it."""
+    zone = station.longest_zone
+    return zone.length if zone else math.nan
 
 
 def _front_rows(name: str, contact: Contact, front: Front, twin: Front | None) -> Iterator[Row]:
@@ -308,20 +291,15 @@ def _allowed(
 
 
 def reported_d(station: Station) -> float:
-    """Length of the last slip zone; NaN where it is not resolved or the whole contact slides."""
-    zone = _resolved_zone(station)
-    return zone.reported_length if zone else math.nan
+    """Length of the longer slip zone; NaN where it is not resolved or the whole contact slides."""
+    zone = station.longest_zone
+    return math.nan if zone is None or zone.gross or not zone.resolved else zone.reported_length
 
 
 def _told_d(station: Station) -> tuple[float, float]:
-    """Length of the last slip zone and its error bar, by the plane problem, else by the nodes."""
-    zone = station.slip_zones[-1] if station.slip_zones else None
+    """Length of the longer slip zone and its error bar, by the plane problem or by the nodes."""
+    zone = station.longest_zone
     return (math.nan, math.nan) if zone is None or zone.gross else zone.told
-
-
-def _resolved_zone(station: Station) -> SlipZone | None:
-    zone = station.slip_zones[-1] if station.slip_zones else None
-    return None if zone is None or zone.gross or not zone.resolved else zone
 
 
 # Numbers of a station and their error bars.

@@ -31,7 +31,7 @@ from fretfe.evaluate.verdicts import (
     beside_formula,
     beside_nodes,
     judge,
-    last_verdict,
+    longest_verdict,
     withheld,
 )
 from fretfe.evaluate.verdicts import Verdict as ZoneVerdict
@@ -463,9 +463,9 @@ def _slip_rows(at: Place, stations: Sequence[Station]) -> Iterator[Row]:
         if zones:
             yield _zone_row(at, label, zones, _formula_pair)
         else:
-            yield at.missing(label, last_verdict(stations[len(stations) // 2]).reason)
-    last = [(each, each.slip_zones[-1]) for each in stations if each.slip_zones]
-    solved = [(each, zone) for each, zone in last if math.isfinite(zone.reported_local)]
+            yield at.missing(label, longest_verdict(stations[len(stations) // 2]).reason)
+    longer = [(each, zone) for each in stations if (zone := each.longest_zone)]
+    solved = [(each, zone) for each, zone in longer if math.isfinite(zone.reported_local)]
     if solved:
         yield _zone_row(at, "d, plane problem, by nodes", solved, _nodes_pair)
 

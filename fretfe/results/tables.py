@@ -23,7 +23,7 @@ from fretfe._typing import Array, Indices
 from fretfe.case import Units
 from fretfe.errors import DependencyError
 from fretfe.evaluate.contacts import Contact, Station, StationHistory, histories, quantities
-from fretfe.evaluate.verdicts import last_verdict, withheld
+from fretfe.evaluate.verdicts import longest_verdict, withheld
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
 
@@ -149,6 +149,39 @@ def _zone(name: str, meaning: str, attribute: str, place: int) -> Column:
     return Column(name, "length", meaning, value)
 
 
+def _longest(name: str, meaning: str, attribute: str) -> Column:
+    """A length of the longer of the last two slip zones; NaN without any."""
+
+    def value(_: Contact, station: Station) -> float:
+        zone = station.longest_zone
+        return float(getattr(zone, attribute)) if zone else math.nan
+
+    return Column(name, "length", meaning, value)
+
+
+def _half_cycle(number: int, meaning: str) -> list[Column]:
+    """Lengths of the first or second of the last two slip zones: found, predicted, local."""
+    place = number - 3
+    return [
+        _zone(f"slip_{number}", meaning, "reported_length", place),
+        _zone(f"slip_{number}_spread", "its error bar", "spread", place),
+        _zone(f"predicted_{number}", "what the factors predict for it", "prediction", place),
+        _zone(f"local_{number}", "the same by the plane problem", "reported_local", place),
+        _zone(f"local_{number}_spread", "its error bar", "local_spread", place),
+    ]
+
+
+def _edge_of(name: str, place: int) -> Column:
+    """Position of the edge from which one of the last slip zones counts; NaN without it."""
+
+    def value(_: Contact, station: Station) -> float:
+        zones = station.slip_zones
+        return float(station.position[zones[place].end]) if len(zones) >= -place else math.nan
+
+    meaning = f"position of the edge from which slip_{3 + place} counts"
+    return Column(name, "length", meaning, value)
+
+
 CONTACT = Column(
     "contact", "", "name of the contact, or of one of its patches", lambda contact, _: contact.name
 )
@@ -184,6 +217,8 @@ EDGES = (
     _zone("slip_2", "slip zone of the last half cycle", "reported_length", -1),
     _zone("slip_1_spread", "error bar of slip_1", "spread", -2),
     _zone("slip_2_spread", "error bar of slip_2", "spread", -1),
+    _edge_of("slip_1_from", -2),
+    _edge_of("slip_2_from", -1),
     _zone("predicted_1", "what the edge factors predict for slip_1", "prediction", -2),
     _zone("predicted_2", "what the edge factors predict for slip_2", "prediction", -1),
     Column(
@@ -217,25 +252,32 @@ STATIONS = (
     _number("k_i", "K_I in the last state"),
     *map(_number, ("k_t_range", "k_s_range", "k_i_range", "reference_length")),
     *map(_number, ("k_range", "k_range_spread", "k_angle", "turning")),
-    _zone("slip", "slip zone of the last half cycle", "reported_length", -1),
-    _zone("slip_spread", "its error bar", "spread", -1),
-    _zone("predicted", "what the factors predict for it", "prediction", -1),
-    _zone("local", "the same zone by the plane problem next to the station", "reported_local", -1),
-    _zone("local_spread", "its error bar", "local_spread", -1),
-    _zone("local_before", "that of the half cycle before", "reported_local", -2),
-    _zone("local_before_spread", "its error bar", "local_spread", -2),
+    _longest("slip", "the longer of the slip zones of the last two half cycles", "reported_length"),
+    _longest("slip_spread", "its error bar", "spread"),
+    _longest("predicted", "what the factors predict for it", "prediction"),
+    _longest("local", "the same zone by the plane problem next to the station", "reported_local"),
+    _longest("local_spread", "its error bar", "local_spread"),
+    *_half_cycle(1, "slip zone of the last but one half cycle"),
+    *_half_cycle(2, "slip zone of the last half cycle"),
     Column(
         "stick_border",
         "length",
         "border of permanent stick by both, from the point, inward",
         lambda _, s: s.stick_border,
     ),
-    Column("local_slip", "length", "largest slip by it", lambda _, s: s.local.slip),
+    Column(
+        "local_slip",
+        "length",
+        "largest slip by it, in the last half cycle",
+        lambda _, s: s.local.slip,
+    ),
     Column("local_work", "work per length", "friction work by it", lambda _, s: s.local.work),
     Column("local_change", "", "its change over the last cycle", lambda _, s: s.local.change),
     Column("local_reason", "", "why it is not solved", lambda _, s: s.local.reason),
-    Column("verdict", "", "comparison with what is predicted", lambda _, s: last_verdict(s).word),
-    Column("reason", "", "why there is no verdict", lambda _, s: last_verdict(s).reason),
+    Column(
+        "verdict", "", "comparison with what is predicted", lambda _, s: longest_verdict(s).word
+    ),
+    Column("reason", "", "why there is no verdict", lambda _, s: longest_verdict(s).reason),
 )
 WITHHELD = Column("withheld", "", "why a number is not told", lambda _, each: withheld(each))
 CYCLES = (
@@ -268,7 +310,8 @@ def edge_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
     """Texts, numbers and truth values of every edge, by name; numbers that do not exist are NaN.
 
     ``slip_1`` and ``slip_2`` are the lengths of the slip zones of the last two half cycles, in the
-    order of time, ``slip_1_spread`` and ``slip_2_spread`` their error bars, ``predicted_1`` and
+    order of time, ``slip_1_spread`` and ``slip_2_spread`` their error bars, ``slip_1_from``
+    and ``slip_2_from`` the positions of the edge from which they count, ``predicted_1`` and
     ``predicted_2`` what the edge factors predict for them. With one half cycle only it is the
     second. All spreads are half the width of an interval meant to hold the truth with 95 %; where
     that is more than half of the number, or unknown, there is none.
@@ -280,7 +323,7 @@ def station_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
     """Texts and numbers of every station, by name; numbers that do not exist are NaN.
 
     Ranges are those over the evaluated cycle, factors those at its end, or that of the history, the
-    slip zone that of the last half cycle.
+    slip zone the longer of those of the last two half cycles.
     """
     return _records(contacts, (*STATIONS, WITHHELD))
 

@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
 from fretfe.case import Case, Solid, parse_case
-from fretfe.evaluate.verdicts import END, last_verdict
+from fretfe.evaluate.verdicts import END, longest_verdict
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.history.solution import OPEN, ContactHistory
@@ -202,7 +202,7 @@ def test_stations_next_to_the_ends_have_the_factors_of_the_plane(layers: int) ->
         np.testing.assert_allclose(found, found[6], rtol=0.002)
         np.testing.assert_allclose(normal, normal[6], rtol=0.002)
         assert bar == pytest.approx(bar[6], rel=0.1)
-        verdicts = [last_verdict(each) for each in front.stations]
+        verdicts = [longest_verdict(each) for each in front.stations]
         assert {each.word for each in verdicts} == {verdicts[6].word} != {END}
         lengths = [each.slip_zones[-1].local for each in front.stations]
         np.testing.assert_allclose(lengths, lengths[6], rtol=0.01)

@@ -11,16 +11,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from rich.console import Console
 from solid_runs import exact_station, stationed_sphere, with_stations
+from stored_runs import solved
 
-from fretfe.evaluate.contacts import Contact, SlipZone, Station
+from fretfe.evaluate.contacts import Contact, SlipZone, Station, fronts_of
 from fretfe.quality.comparison import Row, print_rows
 from fretfe.quality.rows import Row as Checked
 from fretfe.quality.validation import Validation, print_validation
+from fretfe.report.figures.edges import _zones
 from fretfe.report.page.tables import contact_table, front_texts, station_table, timing_table
 from fretfe.report.texts import number, print_whole, with_error, with_prefix
 from fretfe.results.model import Result
+from fretfe.results.tables import edge_records, station_records
 
 WIDTH = 80
 WIDE = 1.23456e5
@@ -108,6 +112,65 @@ def test_the_first_lines_have_the_worst_stations(sphere: Result) -> None:
     assert f"K_N {k_n} MPa/√mm, |ΔK| {k_range} MPa·√mm, d" in first
     assert second.startswith("1 contact front with 12 stations. At ")
     assert "by the plane problem next to the station at 12 of them" in second
+
+
+def test_a_length_that_stands_alone_is_that_of_the_longer_half_cycle(sphere: Result) -> None:
+    """Under P and Q out of phase the zones of both half cycles differ; either may come last."""
+    long = zone(local=0.0934, local_spread=0.0031, predicted_loop=0.09)
+    short = zone(local=0.0276, local_spread=0.0013, predicted_loop=0.027)
+    for zones in ((long, short), (short, long)):
+        result = with_stations(sphere, lambda each, z=zones: replace(each, slip_zones=z))
+        first, second = front_texts(result)
+        assert first.endswith("d 0.0934 ± 0.0031 mm.")
+        assert "At 12 of 12 the longer of the last two slip zones found" in second
+        table = station_table(result)
+        assert table is not None
+        *_, slip, predicted = (list(column.cells) for column in table.columns)
+        lengths = [with_error(*each.told) for each in zones]
+        assert slip == ["\n".join(f"{z.local:.2g}" for z in zones), "\n".join(lengths)]
+        assert predicted[1] == "\n".join(f"{each.prediction:.3g}" for each in zones)
+        row = station_records(result.contacts)[0]
+        assert (row["local"], row["local_spread"], row["predicted"]) == (0.0934, 0.0031, 0.09)
+        assert [row["local_1"], row["local_2"]] == [each.local for each in zones]
+        axes = Figure().add_subplot()
+        _zones(axes, result.contacts[0].fronts[0])
+        line = next(line for line in axes.lines if line.get_label() == "plane problem")
+        assert set(line.get_ydata()) == {0.0934}
+
+
+def test_a_zone_without_length_is_ranked_by_what_is_known_of_it() -> None:
+    unknown = zone(local=0.06, local_spread=0.05)
+    known = zone(local=0.0276, local_spread=0.0013)
+    gross = zone(gross=True, local=0.01, local_spread=0.001)
+    (station, *_) = stationed_sphere().contacts[0].stations
+    for zones in ((unknown, known), (known, unknown)):
+        assert replace(station, slip_zones=zones).longest_zone is unknown
+    assert replace(station, slip_zones=(gross, unknown)).longest_zone is gross
+    assert replace(station, slip_zones=(unknown, known, known)).longest_zone is known
+    assert replace(station, slip_zones=()).longest_zone is None
+
+
+def test_edge_from_which_a_slip_zone_counts() -> None:
+    """An edge that was elsewhere when a zone was as long as that: so it is under varying P."""
+    result = solved("analytic")
+    (contact,) = result.contacts
+
+    def with_moved_edge(edge: Station) -> Station:
+        position = edge.position.copy()
+        position[edge.slip_zones[-2].end] -= 0.1
+        return replace(edge, position=position)
+
+    edges = tuple(with_moved_edge(each) for each in contact.stations)
+    moved = replace(contact, fronts=fronts_of(edges))
+    table = station_table(replace(result, contacts=(moved,)))
+    assert table is not None
+    cells = next(list(each.cells) for each in table.columns if each.header == "slip zones")
+    for edge, row, cell in zip(edges, edge_records((moved,)), cells, strict=True):
+        places = [float(edge.position[zone.end]) for zone in edge.slip_zones[-2:]]
+        first, second = (number(zone.length, 3) for zone in edge.slip_zones[-2:])
+        assert cell == f"{first} from {number(places[0])} / {second}"
+        assert [row["slip_1_from"], row["slip_2_from"]] == places
+        assert places[0] == pytest.approx(row["position"] - 0.1)
 
 
 def test_ends_of_fronts_have_a_line_of_their_own(sphere: Result) -> None:

@@ -11,8 +11,9 @@ import solid_runs
 from test_fronts_in_space import fronts, grid, hertz, zone
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import Front, HalfSpaceRatios
-from fretfe.evaluate.refinement import at_places, nearest_front
+from fretfe.evaluate.contacts import Frame, Front, HalfSpaceRatios
+from fretfe.evaluate.partners import front_partners
+from fretfe.evaluate.refinement import at_places
 from fretfe.quality.companions import (
     COARSER,
     FINE,
@@ -83,9 +84,25 @@ def test_numbers_between_the_stations(circle: Front) -> None:
 
 
 def test_front_of_a_companion_is_the_nearest(circle: Front, ellipse: Front) -> None:
-    assert nearest_front(circle, [ellipse, circle]) is circle
-    assert nearest_front(circle, [replace(circle, closed=False)]) is None
-    assert nearest_front(circle, []) is None
+    assert front_partners([circle], [ellipse, circle]) == [circle]
+    assert front_partners([ellipse, circle], [circle, ellipse]) == [ellipse, circle]
+    assert front_partners([circle], [replace(circle, closed=False)]) == [None]
+    assert front_partners([circle], []) == [None]
+
+
+def test_front_elsewhere_or_of_the_other_side_is_no_partner(circle: Front) -> None:
+    def moved(x: float) -> Front:
+        way = np.array([x, 0.0, 0.0])
+        stations = (replace(each, point=each.point + way) for each in circle.stations)
+        return replace(circle, stations=tuple(stations))
+
+    def turned(frame: Frame) -> Frame:
+        return replace(frame, inward=-frame.inward)
+
+    outside = (replace(each, frame=turned(each.frame)) for each in circle.stations)
+    near, hole = moved(0.2), replace(circle, stations=tuple(outside))
+    assert front_partners([circle], [moved(3.0), hole, near]) == [near]
+    assert front_partners([circle], [moved(3.0), hole]) == [None]
 
 
 def test_companion_mesh_within_the_error_bars(circle: Front) -> None:

@@ -43,11 +43,21 @@ SPARE = 3
 BY_AREA, BY_FIT = 1.0, 0.15
 # Part of the way to the middle of the contact that slips, from which all of it does.
 GROSS = 0.98
+# Part of the way of the mean slip that goes in its mean direction, below which it turns: .64 of a
+# force that turns at constant size, 1 on a line; (K_T, K_S) that turn by a tenth leave .99.
+STRAIGHT = 0.95
 FARTHEST = 3.0
 
 
 def sector_border(
-    sector: Sector, place: float, depth: float, slip: Array, moved: Bools, area: Array
+    sector: Sector,
+    place: float,
+    depth: float,
+    slip: Array,
+    moved: Bools,
+    area: Array,
+    *,
+    turns: bool = False,
 ) -> SlipBorder:
     """Slip-zone length from the front inward.
 
@@ -58,6 +68,8 @@ def sector_border(
         slip: (m,) in the direction of the slip zone since the last reversal.
         moved: (m,) nodes in contact that have slipped.
         area: (m,) areas that belong to the nodes.
+        turns: whether the direction of slip turns: then it begins next to linearly behind the
+            border, not with the power 3/2, and only the area that slips tells where that is.
     """
     s, size = sector.s - place, sector.size
     inside = (s > 0) & (s <= depth)
@@ -66,11 +78,12 @@ def sector_border(
     if not np.any(inside & moved):
         return SlipBorder(0.0, resolved=True, gross=False, spread=size)
     firm = moved & (slip > FIRM * slip[inside & moved].max())
-    by_area = _by_area(sector, s, area, firm, depth) / (1 - MISSED)
+    missed = FIRM if turns else MISSED  # of an onset that is next to linear
+    by_area = _by_area(sector, s, area, firm, depth) / (1 - missed)
     if by_area > GROSS * depth:
         return SlipBorder(np.nan, resolved=True, gross=True, spread=np.inf)
     fitted, guess = None, by_area
-    for _ in range(PASSES):
+    for _ in range(0 if turns else PASSES):
         fitted = _border(sector, s, slip, moved & inside, guess)
         if fitted is None:
             break
@@ -198,9 +211,12 @@ class SlipBetween:
             own = steps[:, sector.nodes]
             if outer is not None:
                 own = own[outer[start + 1 : end + 1]]
-            slip = _forward(own, (sector.fade * area)[closed[sector.nodes]], closed[sector.nodes])
+            slip, straight = _forward(
+                own, (sector.fade * area)[closed[sector.nodes]], closed[sector.nodes]
+            )
             moved = closed[sector.nodes] & (slip > SMALLEST_SLIP * slip.max(initial=0.0))
-            border = sector_border(sector, float(place[end]), depth, slip, moved, area)
+            turns = straight < STRAIGHT
+            border = sector_border(sector, float(place[end]), depth, slip, moved, area, turns=turns)
             return replace(border, largest=float(slip.max(initial=0.0)), unseen=sector.size)
 
         return find
@@ -238,8 +254,10 @@ def shear_share(
     return float(abs(weights @ shear @ axis) / bound)
 
 
-def _forward(steps: Array, weights: Array, closed: Bools) -> Array:
-    """(m,) slip in the direction of the mean of it; increments the other way do not count.
+def _forward(steps: Array, weights: Array, closed: Bools) -> tuple[Array, float]:
+    """(m,) slip in the direction of the mean of it, and how straight that is, from 0 to 1.
+
+    Increments the other way do not count.
 
     The step in which slip turns round still holds slip of the half cycle before.
 
@@ -248,8 +266,13 @@ def _forward(steps: Array, weights: Array, closed: Bools) -> Array:
         weights: (n,) of the nodes in contact.
         closed: (m,) which these are.
     """
-    total = weights @ steps[:, closed].sum(axis=0)
+    means = np.einsum("n,knd->kd", weights, steps[:, closed])
+    total = means.sum(axis=0)
     size = float(np.linalg.norm(total))
     if size == 0:
-        return np.zeros(steps.shape[1])
-    return np.asarray(np.maximum(steps @ (total / size), 0.0).sum(axis=0))
+        return np.zeros(steps.shape[1]), 1.0
+    along = means @ (total / size)
+    # The way forward over its length; the step in which slip turns round goes back.
+    forward = along > 0
+    straight = along[forward].sum() / np.linalg.norm(means[forward], axis=1).sum()
+    return np.maximum(steps @ (total / size), 0.0).sum(axis=0), float(straight)

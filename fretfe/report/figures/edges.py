@@ -23,7 +23,14 @@ from matplotlib.ticker import MaxNLocator
 
 from fretfe._typing import Array, Bools
 from fretfe.case import Units
-from fretfe.evaluate.contacts import Contact, CountedCycles, Front, HalfSpaceRatios, Station
+from fretfe.evaluate.contacts import (
+    Contact,
+    CountedCycles,
+    Front,
+    HalfSpaceRatios,
+    SlipZone,
+    Station,
+)
 from fretfe.evaluate.edge_tractions import HalfCycleEnd, half_cycle_ends
 from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.resultants import station_extremes
@@ -89,7 +96,8 @@ FRONTS_INTRO = (
     "Stations along the boundary of the contact area, over their distance along it. K_N is that of "
     "the last state; ΔK_T, ΔK_S and their vector sum |ΔK| are ranges over the evaluated cycle. "
     "Error bars are meant to contain the true value with a probability of 95 %. d is the width of "
-    "the slip zone, inward, in the last half cycle: by the plane problem next to each station, "
+    "the slip zone, inward, in that of the last two half cycles where it is longer at the "
+    "station: by the plane problem next to each station, "
     "whose error bar is the band around the line; by the formula, from K_N and |ΔK| alone; and by "
     "the slip of the nodes of the solids, where there are enough of them in the zone. Grey: "
     "stations too near a free end, where there is neither plane problem nor formula."
@@ -464,13 +472,13 @@ def _zones(axes: Axes, front: Front) -> None:
 
 
 def _lengths(station: Station) -> tuple[float, ...]:
-    """The last slip zone by plane problem and bar, formula, nodes that resolve it and bar.
+    """The longer slip zone by plane problem and bar, formula, nodes that resolve it and bar.
 
     None of them describes what is near a free end.
     """
-    if not station.slip_zones or station.end:
+    zone = station.longest_zone
+    if zone is None or station.end:
         return (math.nan,) * 5
-    zone = station.slip_zones[-1]
     nodes = (zone.reported_length, zone.spread) if zone.resolved else (math.nan, math.nan)
     return (zone.reported_local, zone.local_spread, zone.prediction, *nodes)
 
@@ -499,15 +507,25 @@ def station_plot(shown: Shown) -> Plot | None:
         draw_half_cycle(top, bottom, ends, station.size, units)
         figure.align_ylabels()
 
-    told = with_error(zone.reported_local, zone.local_spread)
-    length = f"{told} {units.length}" if told != MISSING else "known to no better than half of it"
+    before = "".join(
+        f" In the half cycle before it is {_by_plane_problem(each, units)}."
+        for each in station.slip_zones[-2:-1]
+    )
     caption = (
-        f"{number(station.arc, 3)} {units.length} along the front. The length of the slip zone at "
-        f"the end is {length} by the plane problem, {number(zone.prediction, 3)} {units.length} by "
-        f"the formula; an element across the front is {number(station.size, 2)} {units.length}."
+        f"{number(station.arc, 3)} {units.length} along the front. The length of the slip zone of "
+        f"this half cycle is {_by_plane_problem(zone, units)}.{before} An element across the front "
+        f"is {number(station.size, 2)} {units.length}."
     )
     title = f"Station {shown.summary.name_of(station)}"
     return make_plot(f"{shown.key}-station", title, caption, DOUBLE, draw)
+
+
+def _by_plane_problem(zone: SlipZone, units: Units) -> str:
+    """The length of a slip zone by the plane problem and by the formula, in words."""
+    told = with_error(zone.reported_local, zone.local_spread)
+    length = f"{told} {units.length}" if told != MISSING else "known to no better than half of it"
+    predicted = f"{number(zone.prediction, 3)} {units.length} by the formula"
+    return f"{length} by the plane problem, {predicted}"
 
 
 def draw_half_cycle(

@@ -19,7 +19,7 @@ from fretfe._typing import Array
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.refinement import KINDS, Refinement
-from fretfe.evaluate.verdicts import AGREES, NO_ZONE, judge, last_verdict
+from fretfe.evaluate.verdicts import AGREES, NO_ZONE, judge, longest_verdict
 from fretfe.report.page.evaluated import cycle_sentences
 from fretfe.report.source import force_unit, shown_stations, work_unit
 from fretfe.report.texts import (
@@ -37,6 +37,8 @@ HEADERS = (
     *("contact", "edge", "cycles", "from t", "to t"),
     *("ΔK_T", "mean K_T", "count", "d predicted"),
 )
+# An edge that moves by less than this part of a slip zone is in the same place.
+SAME_PLACE = 0.01
 # Slip zones of an edge that are shown: those of the last loading and unloading.
 ZONES = 2
 
@@ -79,7 +81,9 @@ def _edge_cells(edge: Station) -> list[str]:
     zones = edge.slip_zones[-2:]
     # ~ marks a length that is not resolved, or known to a tenth at best.
     measured = [
-        "gross" if zone.gross else marked(number(zone.reported_length, 3), zone.uncertain)
+        "gross"
+        if zone.gross
+        else marked(number(zone.reported_length, 3), zone.uncertain) + _counted_from(edge, zone)
         for zone in zones
     ]
     return [
@@ -89,6 +93,14 @@ def _edge_cells(edge: Station) -> list[str]:
         " / ".join(measured) or MISSING,
         " / ".join(number(zone.prediction, 3) for zone in zones) or MISSING,
     ]
+
+
+def _counted_from(edge: Station, zone: SlipZone) -> str:
+    """Text for the edge's position when a slip zone ends, if that is not where the table has it."""
+    here, then = float(edge.position[edge.last]), float(edge.position[zone.end])
+    if not abs(then - here) > SAME_PLACE * zone.reported_length:
+        return ""
+    return f" from {number(then)}"
 
 
 def contact_table(run: Result) -> Table:
@@ -249,13 +261,15 @@ def _cells(run: Result, edge: Station) -> list[str]:
 def _front_table(run: Result) -> Table:
     """Two rows per front of solids: the range along it, and the station of the largest |ΔK|.
 
-    A station is told by its number and its distance along the front; those too near an end are
-    left out. Slip zones are those by the plane problems, by the nodes where there is none.
+    The slip zones of the last two half cycles stand below each other. A station is told by its
+    number and its distance along the front; those too near an end are left out. Slip zones are
+    those by the plane problems, by the nodes where there is none.
     """
     units = run.case.units
     title = (
         f"Fronts: lengths in {units.length}, K_N in {units.stress}/√{units.length}, |ΔK| of K_T "
-        f"and K_S in {units.stress}·√{units.length}, slip zones of the last half cycle"
+        f"and K_S in {units.stress}·√{units.length}, slip zones of the last two half cycles, "
+        "one below the other"
     )
     headers = ("front", "K_N", "|ΔK|", "slip", "predicted")
     table = plain_table(title, headers, text=1)
@@ -275,31 +289,40 @@ def _front_table(run: Result) -> Table:
 
 
 def _count_verdicts(stations: Iterable[Station]) -> Counter[str]:
-    """Numbers of the last slip zones by verdict; those that are not known are counted."""
-    words = Counter(last_verdict(each).word for each in stations)
+    """Numbers of the stations by the verdict on their longer slip zone, unknown ones included."""
+    words = Counter(longest_verdict(each).word for each in stations)
     del words[NO_ZONE]
     return words
 
 
 def _along(stations: tuple[Station, ...]) -> tuple[str, ...]:
     """Cells of the range of the numbers of all stations."""
-    zones = [each.slip_zones[-1] for each in stations if each.slip_zones]
+    halves = [
+        [each.slip_zones[half] for each in stations if len(each.slip_zones) >= -half]
+        for half in range(-ZONES, 0)
+    ]
+    lines = [zones for zones in halves if zones]
     return (
         _known_range([each.reported_k_n for each in stations], digits=4),
         _known_range([each.reported_range for each in stations], digits=3),
-        _known_range([zone.told[0] for zone in zones], digits=2),
-        _known_range([zone.prediction for zone in zones], digits=2),
+        _lines(_known_range([zone.told[0] for zone in zones], digits=2) for zones in lines),
+        _lines(_known_range([zone.prediction for zone in zones], digits=2) for zones in lines),
     )
+
+
+def _lines(texts: Iterable[str]) -> str:
+    """Texts below each other; missing without any."""
+    return "\n".join(texts) or MISSING
 
 
 def _at(station: Station) -> tuple[str, ...]:
     """The same cells of one station, with error bars."""
-    zone = station.slip_zones[-1] if station.slip_zones else None
+    zones = station.slip_zones[-ZONES:]
     return (
         with_error(station.reported_k_n, station.last_k_n[1]),
         with_error(station.reported_range, station.k_range_spread),
-        with_error(*zone.told) if zone else MISSING,
-        number(zone.prediction, 3) if zone else MISSING,
+        _lines("gross" if zone.gross else with_error(*zone.told) for zone in zones),
+        _lines(number(zone.prediction, 3) for zone in zones),
     )
 
 
@@ -372,7 +395,7 @@ def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
     ratio = zone.prediction / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
         time=f"{times[zone.start]:g} … {times[zone.end]:g}",
-        found="gross" if zone.gross else marked(length, zone.uncertain),
+        found="gross" if zone.gross else marked(length, zone.uncertain) + _counted_from(edge, zone),
         predicted=number(zone.prediction, 3),
         ratio=number(ratio, 3),
         verdict=verdict.word,
@@ -399,11 +422,12 @@ def front_texts(run: Result) -> tuple[str, ...]:
     text = f"{len(named)} contact front{'' if len(named) == 1 else 's'} with {len(stations)} "
     if not words:
         return (*worst, f"{text}stations, no slip zones.")
-    local = sum(bool(s.slip_zones) and math.isfinite(s.slip_zones[-1].local) for s in stations)
+    zones = [zone for station in stations if (zone := station.longest_zone)]
+    local = sum(math.isfinite(zone.local) for zone in zones)
     by = f", by the plane problem next to the station at {local} of them," if local else ""
     text += (
-        f"stations. At {words[AGREES]} of {words.total()} the last slip zone found{by} "
-        f"{_agreement(words)}"
+        f"stations. At {words[AGREES]} of {words.total()} the longer of the last two slip zones "
+        f"found{by} {_agreement(words)}"
     )
     return tuple(filter(None, (*worst, text, _work_text(run), _end_text(run, named))))
 
@@ -411,10 +435,10 @@ def front_texts(run: Result) -> tuple[str, ...]:
 def _worst_text(run: Result, contact: Contact, front: Front) -> str:
     """The stations of a front that are worst by |ΔK|/(f K_N) and by d; empty without any."""
     known = [s for s in front.judged if math.isfinite(s.range_over_k_n)]
-    zoned = [s for s in front.judged if s.slip_zones and math.isfinite(s.slip_zones[-1].told[0])]
-    slipping = [s for s in zoned if s.slip_zones[-1].told[0] > 0]
+    zoned = [s for s in front.judged if math.isfinite(_longest(s)[0])]
+    slipping = [s for s in zoned if _longest(s)[0] > 0]
     steep = max(known, key=lambda s: s.range_over_k_n, default=None)
-    long = max(slipping, key=lambda s: s.slip_zones[-1].told[0], default=None)
+    long = max(slipping, key=lambda s: _longest(s)[0], default=None)
     marked = {"|ΔK|/(f K_N) is": steep, "d is": long}
     if long is steep:
         marked = {"|ΔK|/(f K_N) and d are": steep}
@@ -428,6 +452,12 @@ def _worst_text(run: Result, contact: Contact, front: Front) -> str:
     return f"{contact.name}, {front.name}: {'; '.join(texts)}." if texts else ""
 
 
+def _longest(station: Station) -> tuple[float, float]:
+    """The longer of the last two slip zones of a station with its error bar; NaN if not told."""
+    zone = station.longest_zone
+    return (math.nan, math.nan) if zone is None or zone.gross else zone.told
+
+
 def _place(run: Result, contact: Contact, station: Station) -> str:
     point = ", ".join(number(float(x), 3) for x in station.point)
     along = f"{number(station.arc, 3)} {run.case.units.length} along the front"
@@ -435,9 +465,10 @@ def _place(run: Result, contact: Contact, station: Station) -> str:
 
 
 def _factors(run: Result, station: Station) -> str:
-    """K_N, |ΔK| and the last slip zone of a station, with error bars and units."""
+    """K_N, |ΔK| and the longer slip zone of a station, with error bars and units."""
     units = run.case.units
-    k_n, k_range, slip, _ = _at(station)
+    k_n, k_range, *_ = _at(station)
+    slip = with_error(*_longest(station))
     return (
         f"K_N {k_n} {units.stress}/√{units.length}, |ΔK| {k_range} "
         f"{units.stress}·√{units.length}, d {slip} {units.length}"
