@@ -26,7 +26,7 @@ from fretfe.mesh.elements import (
     nodes_of_facets,
 )
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
-from fretfe.mesh.inp import Deck, Material, read_deck
+from fretfe.mesh.inp import Constant, Deck, Material, read_deck
 
 # Plane strain and plane stress; shells and membranes, which mesh generators write for plane cells.
 PLANE = re.compile(r"(?:CPEG|CPE|CPS|M3D|STRI|S)([34689])\w*\Z")
@@ -106,7 +106,7 @@ def read_inp(
     place = {number: index for index, number in enumerate(numbers)}
     points = np.array([deck.nodes[number] for number in numbers])
     dimension = 3 if any(SOLID.match(kind) for kind, _ in deck.elements.values()) else 2
-    cells = _cells(path, deck, dimension)
+    cells = supported_cells(path, deck, dimension)
     members = {
         name: _body_elements(path, deck, name, _label(name, selectors[0]), cells) for name in bodies
     }
@@ -131,13 +131,19 @@ def read_inp(
 
 def unused(path: Path, deck: Deck, used: Set[int]) -> Iterator[str]:
     """Parts of the file that are not used, in words."""
+    if deck.broken:
+        name, reason = next(iter(deck.broken.items()))
+        yield (
+            f"{path.name}: sets and surfaces that cannot be read, and are not used: "
+            f"{listed(deck.broken)}; {name}: {reason.removeprefix(str(path.parent) + '/')}"
+        )
     if deck.unused:
-        listed = ", ".join(f"{count} *{word}" for word, count in sorted(deck.unused.items()))
-        yield f"{path.name}: keywords that are not used: {listed}"
+        words = ", ".join(f"{count} *{word}" for word, count in sorted(deck.unused.items()))
+        yield f"{path.name}: keywords that are not used: {words}"
     kinds = Counter(kind for number, (kind, _) in deck.elements.items() if number not in used)
     if kinds:
-        listed = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
-        yield f"{path.name}: elements that are not used: {listed}"
+        counts = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
+        yield f"{path.name}: elements that are not used: {counts}"
 
 
 @dataclass(frozen=True)
@@ -169,7 +175,7 @@ def read_surface(path: Path, name: str) -> DeckSurface:
     """
     deck = read_deck(path)
     dimension = 3 if any(SOLID.match(kind) for kind, _ in deck.elements.values()) else 2
-    cells = _cells(path, deck, dimension)
+    cells = supported_cells(path, deck, dimension)
     facets = _Groups(path, deck, dimension, [list(cells.items())]).boundary(name, name.upper())
     numbers = sorted({node for facet in facets for node in facet.nodes})
     place = {number: index for index, number in enumerate(numbers)}
@@ -207,7 +213,7 @@ def _material_notes(
             here = {key: getattr(case, key, None) for key in there}
             other = [key for key in there if _differ(here[key], there[key])]
             if other:
-                theirs = ", ".join(f"{key} = {there[key]:.9g}" for key in other)
+                theirs = ", ".join(f"{key} = {_constant_text(there[key])}" for key in other)
                 ours = ", ".join("none" if here[k] is None else f"{here[k]:.9g}" for k in other)
                 yield (
                     f"{path.name}: material {found[0]} of body '{body}' has {theirs}; the case "
@@ -215,8 +221,20 @@ def _material_notes(
                 )
 
 
-def _differ(here: float | None, there: float) -> bool:
-    return here is None or not math.isclose(here, there, rel_tol=SAME)
+def _differ(here: float | None, there: Constant) -> bool:
+    """True if a constant is another one; one over temperature has all values in between."""
+    if here is None or not isinstance(there, dict):
+        return here is None or not math.isclose(here, there, rel_tol=SAME)
+    low, high = min(there["values"]), max(there["values"])
+    return not low * (1 - SAME) <= here <= high * (1 + SAME)
+
+
+def _constant_text(constant: Constant) -> str:
+    """A constant in a note."""
+    if isinstance(constant, dict):
+        values, places = constant["values"], constant["temperatures"]
+        return f"{values[0]:.9g} to {values[-1]:.9g} at {places[0]:g} to {places[-1]:g}"
+    return f"{constant:.9g}"
 
 
 def _label(name: str, selectors: Mapping[str, Selector]) -> str:
@@ -225,7 +243,7 @@ def _label(name: str, selectors: Mapping[str, Selector]) -> str:
     return ((selector.label if selector else None) or name).upper()
 
 
-def _cells(path: Path, deck: Deck, dimension: int) -> dict[int, tuple[int, ...]]:
+def supported_cells(path: Path, deck: Deck, dimension: int) -> dict[int, tuple[int, ...]]:
     """Nodes of the elements that bodies are made of.
 
     Raises:
@@ -266,6 +284,8 @@ def _cells(path: Path, deck: Deck, dimension: int) -> dict[int, tuple[int, ...]]
 def _body_elements(
     path: Path, deck: Deck, name: str, label: str, cells: Mapping[int, object]
 ) -> list[int]:
+    if label in deck.broken:
+        raise MeshError(f"{deck.broken[label]}; the body '{name}' needs it")
     members = dict.fromkeys(deck.element_sets.get(label, ()))
     if other := [number for number in members if number not in cells]:
         kind = deck.elements[other[0]][0] if other[0] in deck.elements else "not defined"
@@ -338,6 +358,8 @@ class _Groups:
             found = self._of_nodes(name, label, set(deck.node_sets[label]))
         elif label in deck.element_sets:
             found = self._of_elements(name, label, deck.element_sets[label])
+        elif label in deck.broken:
+            raise MeshError(f"{deck.broken[label]}; the boundary '{name}' needs it")
         else:
             raise MeshError(
                 f"{self._path}: no surface, node set or element set {label} for the boundary "
