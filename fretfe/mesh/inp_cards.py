@@ -108,9 +108,9 @@ class _Files:
     size: int = 0
 
     def lines(self, path: Path, within: tuple[Path, ...]) -> Iterator[tuple[Path, int, str]]:
-        """File, number and text of each line of a file that the files `within` include, the outermost first.
+        """File, number and text of each line of a file that the files `within` include.
 
-        Rows in an included file go on with the keyword before it.
+        The outermost is the first. Rows in an included file go on with the keyword before it.
         """
         for number, line in self._lines(path):
             begins = line[:2].upper() == "*I"

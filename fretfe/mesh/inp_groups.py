@@ -15,28 +15,20 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.case import AnyBody, Selector
 from fretfe.errors import MeshError
-from fretfe.mesh.elements import (
-    FACETS,
-    MIDDLES,
-    SHAPES,
-    TYPES,
-    VTK_MIDDLES,
-    complete,
-    in_gmsh_order,
-    nodes_of_facets,
-)
+from fretfe.mesh.elements import SOLID_TYPES, TYPES, complete, in_gmsh_order
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
 from fretfe.mesh.inp import Constant, Deck, Material, read_deck
+from fretfe.mesh.inp_shapes import Facet, sides, without_double_nodes
+from fretfe.mesh.planes import upright
 
 # Plane strain and plane stress; shells and membranes, which mesh generators write for plane cells.
 PLANE = re.compile(r"(?:CPEG|CPE|CPS|M3D|STRI|S)([34689])\w*\Z")
-SOLID = re.compile(r"C3D(4|8|10|20)(?!\d)\w*\Z")
+SOLID = re.compile(r"C3D(4|5|6|8|10|15|20)(?!\d)\w*\Z")
+SOLIDS = "tetrahedra (C3D4, C3D10), hexahedra (C3D8, C3D20) or wedges (C3D6, C3D15)"
 LINE = re.compile(r"(?:T2D|T3D|B2|B3)\d\w*\Z")
 UNSUPPORTED = {
     "axisymmetric elements": re.compile(r"C?G?AX|SAX|MAX|SFMAX"),
-    "prisms": re.compile(r"C3D(?:6|15)(?!\d)|SC6"),
-    "pyramids": re.compile(r"C3D(?:5|13)(?!\d)"),
-    "volume elements": re.compile(r"C3D(?!(?:4|8|10|20)(?!\d))|SC\d|CSS\d"),
+    "volume elements": re.compile(r"C3D(?!(?:4|5|6|8|10|15|20)(?!\d))|SC\d|CSS\d"),
 }
 # Points with a mass and surfaces without stiffness: a model without them has the same statics.
 HARMLESS = re.compile(r"(?:MASS|ROTARYI|HEATCAP|SFM)\w*\Z")
@@ -44,43 +36,6 @@ HARMLESS = re.compile(r"(?:MASS|ROTARYI|HEATCAP|SFM)\w*\Z")
 BODY_ELEMENTS, FACET_ELEMENTS = {2: PLANE, 3: SOLID}, {2: LINE, 3: PLANE}
 # Numbers of materials that differ by less, relatively, are the same.
 SAME = 1e-6
-# Corners of the sides S1, S2, ... of each shape.
-SIDES = {
-    "triangle": FACETS["triangle"],
-    "quadrilateral": FACETS["quadrilateral"],
-    "tetrahedron": ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
-    "hexahedron": (
-        *((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1)),
-        *((1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)),
-    ),
-}
-
-
-@dataclass(frozen=True)
-class Facet:
-    """A side of an element, by number; its nodes are corners, then middles of edges."""
-
-    element: int
-    side: int
-    nodes: tuple[int, ...]
-    corners: frozenset[int]
-
-
-def sides(number: int, nodes: tuple[int, ...], dimension: int) -> list[Facet]:
-    """Sides S1, S2, ... of an element."""
-    shape = SHAPES[dimension, len(nodes)]
-    around = (MIDDLES if dimension == 2 else VTK_MIDDLES)[shape]
-    # Abaqus has no nodes within faces of solids.
-    places = nodes_of_facets(shape, len(nodes), SIDES[shape], around)
-    return [
-        Facet(
-            number,
-            side,
-            tuple(nodes[place] for place in facet),
-            frozenset(nodes[corner] for corner in corners),
-        )
-        for side, (facet, corners) in enumerate(zip(places, SIDES[shape], strict=True), start=1)
-    ]
 
 
 def read_inp(
@@ -112,7 +67,10 @@ def read_inp(
     }
     _require_all_elements(path, deck, cells, members)
     named = {
-        name: _blocks(([place[n] for n in cells[each]] for each in elements), dimension)
+        name: _blocks(
+            ([place[n] for n in _whole(path, deck, each, dimension)] for each in elements),
+            dimension,
+        )
         for name, elements in members.items()
     }
     own = [[(each, cells[each]) for each in elements] for elements in members.values()]
@@ -179,19 +137,23 @@ def read_surface(path: Path, name: str) -> DeckSurface:
     facets = _Groups(path, deck, dimension, [list(cells.items())]).boundary(name, name.upper())
     numbers = sorted({node for facet in facets for node in facet.nodes})
     place = {number: index for index, number in enumerate(numbers)}
-    centres = [
-        np.mean([deck.nodes[node] for node in cells[facet.element]], axis=0) for facet in facets
-    ]
+    centres = np.array(
+        [np.mean([deck.nodes[node] for node in cells[facet.element]], axis=0) for facet in facets]
+    )
     sizes = np.array([len(facet.nodes) for facet in facets])
     rows = {size: np.flatnonzero(sizes == size) for size in np.unique(sizes)}
+    points = np.array([deck.nodes[number] for number in numbers])
+    if dimension == 2:
+        together, _ = upright(np.vstack([points, centres]), np.arange(len(points) + len(centres)))
+        points, centres = np.split(together, [len(points)])
     return DeckSurface(
-        np.array([deck.nodes[number] for number in numbers])[:, :dimension],
+        points[:, :dimension],
         tuple(deck.text(number) for number in numbers),
         tuple(
             np.array([[place[node] for node in facets[row].nodes] for row in own])
             for own in rows.values()
         ),
-        tuple(np.array(centres)[own, :dimension] for own in rows.values()),
+        tuple(centres[own, :dimension] for own in rows.values()),
     )
 
 
@@ -254,17 +216,16 @@ def supported_cells(path: Path, deck: Deck, dimension: int) -> dict[int, tuple[i
         for what, pattern in UNSUPPORTED.items():
             if pattern.match(kind):
                 raise MeshError(
-                    f"{path}: expected plane elements, tetrahedra (C3D4, C3D10) or hexahedra "
-                    f"(C3D8, C3D20), found {what} ({kind}), which are not supported"
+                    f"{path}: expected plane elements, {SOLIDS}, found {what} ({kind}), which are "
+                    "not supported"
                 )
         match = BODY_ELEMENTS[dimension].match(kind)
         known = match or FACET_ELEMENTS[dimension].match(kind) or LINE.match(kind)
         if not known and not HARMLESS.match(kind):
             raise MeshError(
                 f"{path}: element {deck.text(number)} is of type {kind}, which is not supported: "
-                "a model without it would be another one. Expected plane elements, tetrahedra "
-                "(C3D4, C3D10) or hexahedra (C3D8, C3D20), and lines, shells or membranes along "
-                "them for boundaries"
+                f"a model without it would be another one. Expected plane elements, {SOLIDS}, and "
+                "lines, shells or membranes along them for boundaries"
             )
         if match and len(nodes) != int(match[1]):
             raise MeshError(
@@ -313,6 +274,14 @@ def _require_all_elements(
         )
 
 
+def _whole(path: Path, deck: Deck, number: int, dimension: int) -> tuple[int, ...]:
+    """Nodes of an element, each once."""
+    try:
+        return without_double_nodes(deck.elements[number][1], dimension)
+    except ValueError as error:
+        raise MeshError(f"{path}: element {deck.text(number)} {error}") from None
+
+
 def _blocks(rows: Iterable[list[int]], dimension: int) -> list[ElementBlock]:
     by_count: dict[int, list[list[int]]] = {}
     for row in rows:
@@ -320,7 +289,7 @@ def _blocks(rows: Iterable[list[int]], dimension: int) -> list[ElementBlock]:
     return [
         ElementBlock(kind, in_gmsh_order(kind, np.array(found)))
         for count, found in by_count.items()
-        for kind in [TYPES[dimension, count]]
+        for kind in [SOLID_TYPES[count] if dimension == 3 else TYPES[dimension, count]]
     ]
 
 
