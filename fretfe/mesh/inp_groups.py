@@ -316,7 +316,7 @@ class _Groups:
             self._by_side |= {(facet.element, facet.side): facet for facet in facets}
             self._by_nodes |= {frozenset(facet.nodes): facet for facet in facets}
             uses = Counter(facet.corners for facet in facets)
-            self._exterior += [each for each in facets if uses[each.corners] == 1]
+            self._exterior += _outside([each for each in facets if uses[each.corners] == 1])
 
     def boundary(self, name: str, label: str) -> list[Facet]:
         """The facets of a boundary, at least one."""
@@ -385,6 +385,21 @@ class _Groups:
             found.append(facet)
             self.used.add(number)
         return found
+
+
+def _outside(facets: list[Facet]) -> list[Facet]:
+    """Facets of one element only, without quadrilaterals on which two triangles lie, and these."""
+    triangles = {facet.corners for facet in facets if len(facet.corners) == 3}
+    if not triangles or len({len(facet.corners) for facet in facets}) == 1:
+        return facets
+    inside: set[frozenset[int]] = set()
+    for facet in facets:
+        if len(facet.corners) == 4:
+            a, b, c, d = facet.nodes[:4]
+            for halves in (((a, b, c), (a, c, d)), ((a, b, d), (b, c, d))):
+                if triangles.issuperset(map(frozenset, halves)):
+                    inside.update((facet.corners, *map(frozenset, halves)))
+    return [facet for facet in facets if facet.corners not in inside]
 
 
 def listed(names: Iterable[str]) -> str:

@@ -1,22 +1,25 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Bodies that mix shapes, and prisms and pyramids, as triangles or tetrahedra.
 
-A solver's mesh has cells of one shape. A quadrilateral face is divided along the diagonal from its
-node of lowest number, so that neighbours of any shape agree, and a solid is the cone over its faces
-from its node of lowest number, whose own faces are divided so already (Dompierre et al. 1999, How
-to subdivide pyramids, prisms and hexahedra into tetrahedra). No nodes are added: those in the
-middle of faces and cells of order 2 become those of the diagonals.
+A solver's mesh has cells of one shape. Nodes have ranks. A quadrilateral face is divided along the
+diagonal from its node of lowest rank, so that neighbours of any shape agree, and a solid is the
+cone over its faces from its node of lowest rank, whose own faces are divided so already (Dompierre
+et al. 1999, How to subdivide pyramids, prisms and hexahedra into tetrahedra). Ranks are the numbers
+of the nodes, but where two triangles of neighbours lie on a quadrilateral: their diagonal counts.
+No nodes are added: those in the middle of faces and cells of order 2 become those of the diagonals.
 """
 
 from __future__ import annotations
 
 import functools
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.errors import MeshError
 from fretfe.mesh.elements import (
     CORNERS,
     ELEMENTS,
@@ -26,6 +29,7 @@ from fretfe.mesh.elements import (
     PLURALS,
     PRISMATIC,
     SIMPLICES,
+    row_keys,
 )
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
 
@@ -34,33 +38,115 @@ SAME = 1e-9
 _KINDS = {**ELEMENTS, **PRISMATIC}
 
 
-def as_simplices(raw: RawMesh) -> RawMesh:
+def as_simplices(raw: RawMesh, source: str) -> RawMesh:
     """The mesh with triangles or tetrahedra where a body is not of one shape that is solved.
 
     Bodies with elements of other kinds or of several orders stay as they are.
 
     Returns:
         The mesh; its notes say which bodies were divided.
+
+    Raises:
+        MeshError: faces of neighbours cannot be divided alike.
     """
     divided = {name: blocks for name, blocks in raw.bodies.items() if _to_be_divided(blocks)}
     if not divided:
         return raw
+    ranks, middles = np.arange(len(raw.points)), np.arange(len(raw.points))
     inside = np.zeros(len(raw.points), dtype=bool)
-    for blocks in divided.values():
+    for name, blocks in divided.items():
         for block in blocks:
             inside[block.nodes] = True
+        if raw.dimension == 3 and len(faces := _on_triangles(blocks)):
+            _rank(ranks, faces, f"{source}: body '{name}'")
+            _join_middles(middles, blocks, faces)
     bodies = {
-        name: [_divided(block, raw.points) for block in blocks] if name in divided else blocks
+        name: [_divided(block, raw.points, ranks, middles) for block in blocks]
+        if name in divided
+        else blocks
         for name, blocks in raw.bodies.items()
     }
     boundaries = raw.boundaries
     if raw.dimension == 3:
         boundaries = {
-            name: [part for block in blocks for part in _divided_where(block, inside, raw.points)]
+            name: [part for block in blocks for part in _divided_where(block, inside, ranks)]
             for name, blocks in boundaries.items()
         }
     notes = (_note(name, blocks) for name, blocks in divided.items())
     return replace(raw, bodies=bodies, boundaries=boundaries, notes=(*raw.notes, *notes))
+
+
+def _on_triangles(blocks: Sequence[ElementBlock]) -> Indices:
+    """(f, 4) corners of quadrilateral faces on which two triangles lie, along the first and third.
+
+    Meshers put prisms so on hexahedra.
+    """
+    faces: dict[int, list[Indices]] = {3: [], 4: []}
+    for block in blocks:
+        for corners in FACETS[_KINDS[block.gmsh_type][0]]:
+            faces[len(corners)].append(block.nodes[:, list(corners)])
+    if not faces[3] or not faces[4]:
+        return np.empty((0, 4), dtype=np.int64)
+    triangles, squares = np.concatenate(faces[3]), np.concatenate(faces[4])
+    halves = [squares[:, list(each)] for each in ((0, 1, 2), (0, 2, 3), (0, 1, 3), (1, 2, 3))]
+    keys = row_keys(np.sort(np.concatenate([triangles, *halves]), axis=1))
+    there = np.isin(keys[len(triangles) :], keys[: len(triangles)]).reshape(4, -1)
+    ahead, across = squares[there[0] & there[1]], squares[there[2] & there[3]]
+    return np.concatenate([ahead, np.roll(across, -1, axis=1)])
+
+
+def _rank(ranks: Indices, faces: Indices, place: str) -> None:
+    """Give nodes ranks with which each face has its lowest on the diagonal from first to third.
+
+    The next node is one that is off the diagonal of no face whose lowest node is not known yet.
+    """
+    off = Counter(faces[:, [1, 3]].ravel().tolist())
+    ends: dict[int, list[int]] = {}
+    for number, node in ((n, node) for n, face in enumerate(faces.tolist()) for node in face[::2]):
+        ends.setdefault(node, []).append(number)
+    ready = [node for node in ends if not off[node]]
+    open_faces = set(range(len(faces)))
+    lowest = -len(ranks)
+    while ready:
+        node = ready.pop()
+        ranks[node], lowest = lowest, lowest + 1
+        for number in open_faces.intersection(ends.get(node, ())):
+            open_faces.discard(number)
+            for other in faces[number, [1, 3]].tolist():
+                off[other] -= 1
+                if not off[other]:
+                    ready.append(other)
+    if open_faces:
+        raise MeshError(
+            f"{place} has quadrilateral faces on triangles of neighbours in {len(open_faces)} "
+            "places, which cannot be divided alike; expected hexahedra or tetrahedra only"
+        )
+
+
+def _join_middles(middles: Indices, blocks: Sequence[ElementBlock], faces: Indices) -> None:
+    """Have nodes in the middle of faces be those of the diagonals of triangles that lie there."""
+    found: dict[int, list[tuple[Indices, Indices]]] = {2: [], 4: []}
+    for block in blocks:
+        shape, order = _KINDS[block.gmsh_type]
+        for place, around in enumerate(MIDDLES[shape] if order == 2 else (), CORNERS[shape]):
+            if len(around) < 8:
+                rows = block.nodes[:, list(around)], block.nodes[:, place]
+                found[len(around)].append(rows)
+    if not found[2]:
+        return
+    of_faces, of_edges = (
+        _numbers_of(wanted, *map(np.concatenate, zip(*found[count], strict=True)))
+        for count, wanted in ((4, faces), (2, faces[:, ::2]))
+    )
+    middles[of_faces] = of_edges
+
+
+def _numbers_of(wanted: Indices, rows: Indices, numbers: Indices) -> Indices:
+    """(f,) the number of each of the wanted sets of nodes (f, k), all of which are among rows."""
+    keys = row_keys(np.sort(np.concatenate([wanted, rows]), axis=1))
+    order = np.argsort(keys[len(wanted) :], kind="stable")
+    places = np.searchsorted(keys[len(wanted) :], keys[: len(wanted)], sorter=order)
+    return numbers[order[places]]
 
 
 def _to_be_divided(blocks: Sequence[ElementBlock]) -> bool:
@@ -87,28 +173,28 @@ def _simplex(shape: str) -> str:
     return "triangle" if shape in ("triangle", "quadrilateral") else "tetrahedron"
 
 
-def _divided_where(block: ElementBlock, inside: Bools, points: Array) -> Iterator[ElementBlock]:
+def _divided_where(block: ElementBlock, inside: Bools, ranks: Indices) -> Iterator[ElementBlock]:
     """Facets that lie on bodies that are divided, divided alike, and the others."""
     shape, _ = ELEMENTS.get(block.gmsh_type, ("", 0))
     own = inside[block.nodes].all(axis=1) & (shape == "quadrilateral")
     if own.any():
-        yield _of_faces(replace(block, nodes=block.nodes[own]))
+        yield _of_faces(replace(block, nodes=block.nodes[own]), ranks)
     if not own.all():
         yield replace(block, nodes=block.nodes[~own])
 
 
-def _of_faces(block: ElementBlock) -> ElementBlock:
+def _of_faces(block: ElementBlock, ranks: Indices) -> ElementBlock:
     """Triangles on the faces of solids that are quadrilaterals."""
     shape, order = ELEMENTS[block.gmsh_type]
     parts = [
         block.nodes[rows][:, _places(shape, corners, order)]
-        for corners, rows in _triangles(block.nodes, (0, 1, 2, 3))
+        for corners, rows in _triangles(ranks[block.nodes], (0, 1, 2, 3))
     ]
     return ElementBlock(NUMBERS["triangle", order], np.concatenate(parts))
 
 
-def _divided(block: ElementBlock, points: Array) -> ElementBlock:
-    """Triangles or tetrahedra in place of cells."""
+def _divided(block: ElementBlock, points: Array, ranks: Indices, middles: Indices) -> ElementBlock:
+    """Triangles or tetrahedra in place of cells, with nodes that are one in place of others."""
     shape, order = _KINDS[block.gmsh_type]
     if shape in SIMPLICES:
         return block
@@ -117,10 +203,10 @@ def _divided(block: ElementBlock, points: Array) -> ElementBlock:
         for corners, rows in (
             _halves(block.nodes, points)
             if shape == "quadrilateral"
-            else _tetrahedra(block.nodes, shape)
+            else _tetrahedra(ranks[block.nodes], shape)
         )
     ]
-    return ElementBlock(NUMBERS[_simplex(shape), order], np.concatenate(parts))
+    return ElementBlock(NUMBERS[_simplex(shape), order], middles[np.concatenate(parts)])
 
 
 def _halves(cells: Indices, points: Array) -> Iterator[tuple[tuple[int, ...], Bools]]:
@@ -139,22 +225,22 @@ def _halves(cells: Indices, points: Array) -> Iterator[tuple[tuple[int, ...], Bo
         yield (turned[0], turned[2], turned[3]), rows
 
 
-def _tetrahedra(cells: Indices, shape: str) -> Iterator[tuple[tuple[int, ...], Bools]]:
-    """Corners of the tetrahedra in solid cells (m, k), and the cells that have these."""
-    apexes = cells[:, : CORNERS[shape]].argmin(axis=1)
+def _tetrahedra(ranks: Indices, shape: str) -> Iterator[tuple[tuple[int, ...], Bools]]:
+    """Corners of the tetrahedra in solid cells with nodes of ranks (m, k), and which have them."""
+    apexes = ranks[:, : CORNERS[shape]].argmin(axis=1)
     for apex in range(CORNERS[shape]):
         for face in FACETS[shape]:
             if apex not in face:
-                for corners, rows in _triangles(cells, face):
+                for corners, rows in _triangles(ranks, face):
                     yield (apex, *corners), rows & (apexes == apex)
 
 
-def _triangles(cells: Indices, face: tuple[int, ...]) -> Iterator[tuple[tuple[int, ...], Bools]]:
-    """Corners of the triangles of a face of cells (m, k), and the cells that have these."""
+def _triangles(ranks: Indices, face: tuple[int, ...]) -> Iterator[tuple[tuple[int, ...], Bools]]:
+    """Corners of the triangles of a face of cells with ranks (m, k), and which have them."""
     if len(face) == 3:
-        yield face, np.ones(len(cells), dtype=bool)
+        yield face, np.ones(len(ranks), dtype=bool)
         return
-    lowest = cells[:, list(face)].argmin(axis=1)
+    lowest = ranks[:, list(face)].argmin(axis=1)
     for start in range(4):
         turned = face[start:] + face[:start]
         yield turned[:3], lowest == start

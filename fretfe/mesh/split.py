@@ -131,11 +131,11 @@ def mesh_from_raw(
     _require_finite(raw.points, source)
     raw = _in_plane(raw)
     if merge is not None:
-        _node_owners(raw, _all_cells(as_simplices(raw), source), source)
+        _node_owners(raw, _all_cells(as_simplices(raw, source), source), source)
         raw, note = merged(raw, merge, source)
         raw = replace(raw, notes=(*raw.notes, note))
-    # after that: how faces are divided depends on the numbers of their nodes
-    raw = as_simplices(raw)
+    # after that: how faces are divided depends on their nodes
+    raw = as_simplices(raw, source)
     notes = list(raw.notes)
     cells = _all_cells(raw, source)
     _require_one_order(raw, cells, source)
