@@ -140,8 +140,8 @@ def _are_units(cells: Sequence[str]) -> bool:
 def is_unit(text: str) -> bool:
     """True for a unit, perhaps in brackets, or a product or power of units."""
     inner = re.sub(r"[\[\]()<>{}\"']", "", text.strip().lower())
-    factors = re.split(r"[\s/*·.^²³]+|(?<=[a-zµμ°])-?\d+", inner)
-    return bool(inner) and all(factor in UNITS for factor in factors if factor)
+    factors = [each for each in re.split(r"[\s/*·.^]+|-?\d+|[²³]", inner) if each]
+    return inner in UNITS or (bool(factors) and UNITS.issuperset(factors))
 
 
 def is_number(text: str) -> bool:
