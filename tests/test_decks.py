@@ -83,8 +83,9 @@ def test_what_is_not_used_is_listed_once(tmp_path: Path) -> None:
         "*EMBEDDED ELEMENT, HOST ELSET=LOWER\nUPPER\n",
         "*embeddedelement\nUPPER\n",
         "*RIGID BODY, ELSET=UPPER, REF NODE=8\n",
-        "*COUPLING, REF NODE=8, SURFACE=S, CONSTRAINT NAME=C\n*KINEMATIC\n",
-        "*DISTRIBUTING COUPLING, ELSET=E\n8, 1.\n",
+        "*EQUA\n2\n3, 1, 1., 5, 1, -1.\n",
+        "*TI, NAME=T\nA, B\n",
+        "*Contact  Pair, INTER=I, TI\nA, B\n",
         "*Shell to Solid Coupling\nA, B\n",
         "*CONTACT PAIR, INTERACTION=I, TIED\nA, B\n",
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n",
@@ -95,8 +96,23 @@ def test_what_joins_parts_is_refused(tmp_path: Path, lines: str) -> None:
     message = refused(tmp_path, DECK + lines)
     keyword = lines.partition("\n")[0].partition(",")[0].upper()
     line = len(DECK.splitlines()) + 1
-    assert f"pad.inp, line {line}: {keyword}" in message
+    assert f"pad.inp, line {line}: {' '.join(keyword.split())}" in message
     assert "is not supported; it joins nodes or parts, which would come apart here" in message
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "*COUPLING, REF NODE=8, SURFACE=S, CONSTRAINT NAME=C\n*KINEMATIC\n",
+        "*COUPL, REF=8, SURF=S\n",
+        "*DISTRIBUTING COUPLING, ELSET=E\n8, 1.\n",
+    ],
+)
+def test_reference_nodes_become_platens(tmp_path: Path, lines: str) -> None:
+    """Nothing is joined by the node of a load: the case has a type of load for it."""
+    message = refused(tmp_path, DECK + lines)
+    assert "is not supported; it moves a surface with a reference node: delete it" in message
+    assert "a load of type platen" in message and "come apart" not in message
 
 
 @pytest.mark.parametrize("kind", ["SPRINGA", "CONN2D2", "COH2D4", "GAPUNI", "CINPE4", "DASHPOTA"])

@@ -226,6 +226,82 @@ def test_arc_length_along_two_coordinates(
     assert "x is the arc length along COOR1 and COOR2" in found["remarks"]
 
 
+@pytest.mark.parametrize(
+    ("names", "columns"),
+    [
+        ("Node Label,X,Y,Z,CPRESS,CSHEAR1", "nxyzpq"),
+        ("NODE\tX Location (mm)\tY Location (mm)\tZ Location (mm)\tPressure (MPa)\tq", "nxyzpq"),
+        ("Point ID;Points:0;Points:1;Points:2;CPRESS;CSHEAR1", "nxyzpq"),
+        ("contact_pressure,id,q,x,y,z", "pnqxyz"),
+        ("X_mm,Y_mm,Pressure / MPa,q", "xypq"),
+        ("COORD-COOR1,COORD-COOR2,CPRESS   A_PAD/A_BLOCK,CSHEAR1  A_PAD/A_BLOCK", "xypq"),
+        ("X,Z,CPRESS  General_Contact_Domain,CSHEAR1  General_Contact_Domain", "xypq"),
+        ("arc_length,Points_0,Points_1,CPRESS,CSHEAR1", "sxypq"),
+        ("True distance along path 'Path-1',CPRESS,q", "spq"),
+    ],
+)
+def test_a_flank_as_programs_write_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], names: str, columns: str
+) -> None:
+    """Hertz, a = .5 mm, p0 = 400 MPa, Q = .4 f P on a flank at 55 degrees: K_N = p0 √(2/a)."""
+    s = np.linspace(-0.7, 0.7, 141)
+    root = np.sqrt(np.clip(1 - (s / 0.5) ** 2, 0, None))
+    inner = 0.5 * np.sqrt(0.6)
+    held = np.sqrt(0.6) * np.sqrt(np.clip(1 - (s / inner) ** 2, 0, None))
+    angle = np.radians(55)
+    values = {
+        "s": s, "x": 12 + s * np.cos(angle), "y": 3 + s * np.sin(angle), "z": 0 * s,
+        "n": 101 + np.arange(141), "p": 400 * root, "q": 240 * (root - held),
+    }  # fmt: skip
+    separator = next(each for each in "\t;," if each in names)
+    path = tmp_path / "flank.csv"
+    table = np.column_stack([values[column] for column in columns])
+    np.savetxt(path, table[::-1], delimiter=separator, header=names, comments="", fmt="%.9g")
+    run(path, "--friction", 0.6, "--json")
+    found = json.loads(capsys.readouterr().out)
+    # trapezoidal sums of square roots; round-off of nine digits for the fits
+    assert found["normal_force"] == pytest.approx(100 * np.pi, rel=2e-3)
+    for edge in found["edges"]:
+        assert edge["k_n"]["value"] == pytest.approx(800, rel=1e-4)
+        assert edge["slip_from_traction"]["value"] == pytest.approx(0.5 - inner, abs=1e-4)
+
+
+def test_a_pin_in_a_hole(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """R = 2 mm, pressed towards 45 degrees: neither coordinate increases all along the path."""
+    arc = np.radians(np.linspace(-35, 125, 201))
+    half = 2 * np.radians(30)
+    away = 2 * (arc - np.radians(45)) / half
+    pressure = 400 * np.sqrt(np.clip(1 - away**2, 0, None))
+    rows = np.column_stack([2 * np.cos(arc), 2 * np.sin(arc), pressure])
+    path = tmp_path / "hole.csv"
+    rows = np.random.default_rng(1).permutation(rows)
+    np.savetxt(path, rows, delimiter=",", header="COOR1,COOR2,CPRESS", comments="", fmt="%.9g")
+    run(path, "--json")
+    found = json.loads(capsys.readouterr().out)
+    # π a p0/2 by a sum; K_N = p0 √(2/a), along chords that are 8e-6 shorter than arcs
+    assert found["normal_force"] == pytest.approx(np.pi * half * 200, rel=1e-3)
+    for edge in found["edges"]:
+        assert edge["k_n"]["value"] == pytest.approx(400 * np.sqrt(2 / half), rel=1e-4)
+
+
+def test_pairs_of_surfaces_are_told_apart(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two pairs: the pressure is to be named, and the shear is that of the same pair."""
+    s = np.linspace(-0.7, 0.7, 141)
+    root = np.sqrt(np.clip(1 - (s / 0.5) ** 2, 0, None))
+    header = "COORD,CPRESS A/B,CPRESS C/D,CSHEAR1 A/B,CSHEAR1 C/D"
+    path = tmp_path / "pairs.csv"
+    table = np.column_stack([s, 0 * s, 400 * root, 0 * s, 40 * root])
+    np.savetxt(path, table, delimiter=",", header=header, comments="")
+    code, text = failure(monkeypatch, capsys, path)
+    assert code == 2 and "found 'CPRESS A/B' and 'CPRESS C/D': name it with --p" in text
+    run(path, "--p", "CPRESS C/D", "--json")
+    assert json.loads(capsys.readouterr().out)["columns"] == {
+        "x": "COORD", "p": "CPRESS C/D", "q": "CSHEAR1 C/D"
+    }  # fmt: skip
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_sign_that_is_not_known_is_asked_for(
     table: Path,
@@ -255,6 +331,9 @@ def test_a_sign_that_is_not_known_is_asked_for(
         ("COORD,CPRESS,CSHEAR1,CSHEAR2", "{0},1,1,0.5", "expected no shear beside that of"),
         ("COORD,CPRESS", "1,1", "column 'COORD': expected a place that no other row has, found 1"),
         ("COORD,CPRESS", "{0},-1", "state it with --compression negative"),
+        ("X,Y,CPRESS", "1,1,1", "column 'X': expected a place that no other row has, found 1"),
+        ("X,Y,Load", "{0},1,1", "expected one column 'p', found 'X', 'Y', 'Load'; names that are"),
+        ("Place,CPRESS", "{0},1", "expected one column 'x', found 'Place', 'CPRESS'; names that"),
     ],
 )
 def test_columns_that_cannot_be_told(

@@ -472,9 +472,9 @@ def test_large_tables_are_the_same_read_at_once(
     path = tmp_path / "run.csv"
     write_csv(path, RANDOM.random((50, 3)), 3)
     names = ("x", "uz", "time")
-    slow = csv_file.read_table(path, names, ("none",), comment="#")
+    slow = csv_file.read_table(path, names, ("none",))
     monkeypatch.setattr(csv_file, "LARGE", 0)
-    fast = csv_file.read_table(path, names, ("none",), comment="#")
+    fast = csv_file.read_table(path, names, ("none",))
     assert isinstance(fast.lines, range) and list(slow.lines) == list(fast.lines)
     assert list(slow.columns) == list(fast.columns)
     for name, column in slow.columns.items():
@@ -489,10 +489,10 @@ def test_large_tables_are_the_same_read_at_once(
     ):
         path.write_text(wrong)
         if expected is None:
-            assert len(csv_file.read_table(path, names, comment="#").lines) == len(slow.lines)
+            assert len(csv_file.read_table(path, names).lines) == len(slow.lines)
             continue
         with pytest.raises(CaseError, match=re.escape(expected)):
-            csv_file.read_table(path, names, comment="#")
+            csv_file.read_table(path, names)
 
 
 def heat(points: Array, time: float) -> Array:

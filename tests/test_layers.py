@@ -27,6 +27,7 @@ LAYERS = (
     "fretfe._core",
     "fretfe._typing",
     "fretfe.analytic.*",
+    "fretfe.mesh.inp_language",
     "fretfe.mesh.inp_cards",
     "fretfe.mesh.inp",
     "fretfe.case.*",

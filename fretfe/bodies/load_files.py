@@ -93,7 +93,7 @@ def checked_history(case: Case) -> History:
                 # Whether the bodies of a mesh file are solid is not known yet.
                 dimension = 2 if case.geometry.solid is None else 3
                 names = (*AXES[:dimension], *_columns(load, dimension))
-                read_table(case.resolve(load.file), names, comment="#")
+                read_table(case.resolve(load.file), names)
         except CaseError as error:
             raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
     return build_history(case)

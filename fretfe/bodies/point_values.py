@@ -232,7 +232,7 @@ def read_points(
         CaseError: file, line and column of what is not as expected.
     """
     axes = AXES[:dimension]
-    table = read_table(path, (*axes, *columns), comment="#")
+    table = read_table(path, (*axes, *columns))
     points = np.stack([table.columns[axis] for axis in axes], axis=1)
     if len(points) < 2:
         raise CaseError(f"{path}: expected at least 2 points, found {len(points)}")

@@ -158,7 +158,7 @@ def with_constants(data: Mapping[str, Any], source: Path) -> tuple[dict[str, Any
 
 def _of_deck(
     data: Mapping[str, Any], source: Path, bodies: Mapping[str, Any]
-) -> dict[str, tuple[str, dict[str, float]]]:
+) -> dict[str, tuple[str, dict[str, Any]]]:
     """Name and numbers of the materials in an input file of bodies that lack elastic constants.
 
     Raises:
@@ -206,7 +206,7 @@ def _resolved(
     source: Path,
     name: str,
     body: Mapping[str, Any],
-    deck: tuple[str, dict[str, float]] | None,
+    deck: tuple[str, dict[str, Any]] | None,
 ) -> tuple[dict[str, Any], str, OverTemperature | None]:
     """A body with numbers, a note about it, and Young's modulus over temperature."""
     own = {key: value for key, value in body.items() if key != "material"}
@@ -214,6 +214,8 @@ def _resolved(
     if deck is not None:
         texts.append(deck[0])
         own = {**deck[1], **own}
+        if own.get("temperature") is None:
+            texts += _at_first(own, deck[1])
     if "material" in body:
         place, read = _material(source, name, body["material"])
         own = {**_beside(own, _converted(data, source, name, read)), **own}
@@ -234,6 +236,24 @@ def _resolved(
     curve = curves.get(("young",))
     note = f"bodies.{name}: {', '.join(texts)}{_shown(own)}"
     return own, note, None if curve is None else OverTemperature(**curve)
+
+
+def _at_first(own: dict[str, Any], deck: Mapping[str, Any]) -> list[str]:
+    """Take what a deck has over temperature at the first temperature; what was done, in words.
+
+    A model without temperatures is at 0, and beyond their ends tables stay constant (Abaqus
+    Analysis User's Guide, Material data definition).
+    """
+    taken: dict[float, list[str]] = {}
+    for key, table in deck.items():
+        if own[key] is table and isinstance(table, Mapping):
+            own[key] = table["values"][0]
+            taken.setdefault(table["temperatures"][0], []).append(key)
+    return [
+        f"{' and '.join(keys)} at {first:g} °C, the first of a table, as the body has no "
+        "temperature"
+        for first, keys in taken.items()
+    ]
 
 
 def _material(source: Path, body: str, material: Any) -> tuple[Path, MaterialFile]:

@@ -2,7 +2,8 @@
 """Tractions of any program from a CSV file, with the signs of fretfe.
 
 Columns may have the names that finite-element programs give to contact output, which say what the
-numbers mean. Names are compared without case, units in brackets, spaces and punctuation.
+numbers mean. Names are compared without case, units, spaces and punctuation, names of paths and
+surfaces. Of two or three coordinates the place along the contact is the arc length.
 """
 
 from __future__ import annotations
@@ -11,17 +12,32 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.case.base import SMALLEST
 from fretfe.errors import CaseError
-from fretfe.loads.csv_file import Table, possible_headers, read_table
+from fretfe.exchange.traction_path import order_along
+from fretfe.loads.csv_file import Table, is_unit, possible_headers, read_table
 
-# One coordinate along the contact; first and second coordinate of a surface in the plane.
+# The place along the contact; and its coordinates, as Abaqus, Ansys, MOOSE and ParaView call them.
 PLACES = {"arc", "arclength", "coord", "truedistancealongpath"}
-COORDINATES = {"coor1": "coor2", "coord1": "coord2", "coordcoor1": "coordcoor2"}
+COORDINATES = (
+    *(tuple(f"{name}{axis}" for axis in "123") for name in ("coor", "coord", "coordcoor")),
+    *(
+        tuple(f"{axis}{name}" for axis in "xyz")
+        for name in ("", "location", "coordinate", "coord", "coor", "position")
+    ),
+    *(
+        tuple(f"{name}{axis}" for axis in axes)
+        for name in ("points", "coordinates", "coords")
+        for axes in ("012", "xyz")
+    ),
+)
+# Names of Abaqus that those of surfaces may follow.
+FOLLOWED = {"cpress", "cshear1", "cshear2", "cslip1", "cslip2"}
 # Positive in compression by the manuals of Abaqus and CalculiX (CPRESS) and Ansys (CONT, PRES).
 PRESSURES = {"cpress", "contpres", "pres", "contactpressure", "pressure"}
 # Of either sign, as the program has it.
@@ -53,7 +69,7 @@ class Recognised:
 
     Attributes:
         x: place along the contact, or first coordinate.
-        y: second coordinate; None if there is none.
+        others: second and third coordinates, if there are any.
         p: pressure.
         q: shear; None without.
         across: shear along the other direction, which must vanish; None without.
@@ -64,7 +80,7 @@ class Recognised:
     """
 
     x: str
-    y: str | None
+    others: tuple[str, ...]
     p: str
     q: str | None
     across: str | None
@@ -93,32 +109,67 @@ def recognise(path: Path, given: Columns) -> Recognised:
     found = [each for header in headers if (each := _in_header(path, header, given))]
     if found:
         return found[0]
-    # Reading the file says what is missing.
-    x, p = given.x or "x", given.p or "p"
-    return Recognised(x, None, p, given.q, None, given.slip, True, True, ())
+    _refuse_header(path, headers, given)
+
+
+def _refuse_header(path: Path, headers: Sequence[Sequence[str]], given: Columns) -> NoReturn:
+    """Say which column is missing, and how it could be called."""
+    # Spaces stand within names, too.
+    header = max(headers[:-1] or headers, key=len)
+    names = _Names(path, header)
+    place = given.x in header if given.x else any(names.places())
+    option = "p" if place else "x"
+    known = (
+        f"{', '.join(sorted(PRESSURES | NORMAL_STRESSES))}"
+        if place
+        else ("x and y, arc length, COORD, COOR1, X Location, Points_0 and the like")
+    )
+    named = vars(given)[option]
+    hint = "" if named else f"; names that are known: {known}; name another one with --{option}"
+    raise CaseError(
+        f"{path}: line 1: expected one column {named or option!r}, found "
+        f"{', '.join(map(repr, header))}{hint}"
+    )
 
 
 def plain(name: str) -> str:
-    """A name without case, units in brackets and punctuation."""
-    return re.sub(r"[^a-z0-9]", "", re.sub(r"\[.*?\]|\(.*?\)", "", name.lower()))
+    """A name without case, units, names of paths in quotes, surfaces and punctuation."""
+    return _parts(name)[0]
+
+
+def _parts(name: str) -> tuple[str, str]:
+    """What a column holds, and the surfaces or the like that its name ends with."""
+    text = re.sub(r"\[.*?\]|\(.*?\)|'.*?'", "", name.lower()).strip()
+    head, *rest = text.split(maxsplit=1)[:2] or [""]
+    if _bare(head) in FOLLOWED and rest:
+        return _bare(head), rest[0]
+    # as in "x_mm", "p / MPa"
+    first, _, last = re.sub(r"[\s_/,]+", " ", text).rpartition(" ")
+    unit = len(last) > 1 and is_unit(last) and not last.isdigit()
+    return _bare(first.removesuffix(" in") if first and unit else text), ""
+
+
+def _bare(text: str) -> str:
+    return re.sub(r"[^a-z0-9]", "", text)
 
 
 def _in_header(path: Path, header: Sequence[str], given: Columns) -> Recognised | None:
     names = _Names(path, header)
-    x = given.x or names.own("x") or names.one(PLACES | set(COORDINATES), "the place", "--x")
-    pressures = PRESSURES | NORMAL_STRESSES
-    p = given.p or names.own("p") or names.one(pressures, "the pressure", "--p")
+    x, *others = [given.x] if given.x else names.places() or [None]
+    p = given.p or names.own("p") or names.one(PRESSURES | NORMAL_STRESSES, "the pressure", "--p")
     if x is None or p is None or not {x, p} <= set(header):
         return None
-    q = given.q or names.own("q") or names.one(set(SHEARS), "the shear", "--q")
+    surfaces = _parts(p)[1]
+    q = given.q or names.own("q") or names.one(set(SHEARS), "the shear", "--q", surfaces)
     slip = given.slip or names.own("slip")
-    y = None if given.x else names.partner(x, COORDINATES)
-    across = None if given.q else names.partner(q, SHEARS)
+    across = (
+        None if given.q or not q else names.one({SHEARS.get(plain(q), "")}, "it", "--q", surfaces)
+    )
     return Recognised(
-        x, y, p, q, across, slip,
+        x, tuple(others), p, q, across, slip,
         sign_known=plain(p) not in NORMAL_STRESSES,
-        ordered=bool(given.x) or plain(x) == "x",
-        notes=tuple(_notes(names, x, y, p, q, slip)),
+        ordered=bool(given.x) or (plain(x) == "x" and not others),
+        notes=tuple(_notes(names, p, q, slip)),
     )  # fmt: skip
 
 
@@ -134,35 +185,50 @@ class _Names:
         exact = [each for each in self.header if each == name]
         return next(iter(exact or [e for e in self.header if plain(e) == name]), None)
 
-    def one(self, known: set[str], what: str, option: str) -> str | None:
-        """The only column with one of the known names.
+    def places(self) -> list[str]:
+        """The column with the place along the contact, or those with its coordinates.
+
+        Raises:
+            CaseError: if several could be meant.
+        """
+        found = []
+        for family in COORDINATES:
+            columns = [each for each in map(self.own, family) if each is not None]
+            if columns and plain(columns[0]) == family[0]:
+                found.append(columns)
+        if (arc := self.one(PLACES, "the place", "--x")) and all(
+            len(columns) > 1 for columns in found
+        ):
+            return [arc]
+        if (own := self.own("x")) and [own] in found:
+            return [own]
+        firsts = [*([arc] if arc else []), *(columns[0] for columns in found)]
+        if len(firsts) > 1:
+            self._refuse(firsts, "the place", "--x")
+        return found[0] if found else []
+
+    def one(self, known: set[str], what: str, option: str, surfaces: str = "") -> str | None:
+        """The only column with one of the known names, of some surfaces if there are several.
 
         Raises:
             CaseError: if there are several.
         """
         found = [each for each in self.header if plain(each) in known]
+        found = [each for each in found if _parts(each)[1] == surfaces] or found
         if len(found) > 1:
-            listed = " and ".join(map(repr, found))
-            raise CaseError(
-                f"{self.path}: line 1: expected one column with {what}, found {listed}: name it "
-                f"with {option}"
-            )
+            self._refuse(found, what, option)
         return found[0] if found else None
 
-    def partner(self, name: str | None, pairs: dict[str, str]) -> str | None:
-        """The column that belongs to another one."""
-        wanted = pairs.get(plain(name)) if name else None
-        return next((each for each in self.header if plain(each) == wanted), None)
+    def _refuse(self, found: Sequence[str], what: str, option: str) -> NoReturn:
+        listed = " and ".join(map(repr, found))
+        raise CaseError(
+            f"{self.path}: line 1: expected one column with {what}, found {listed}: name it "
+            f"with {option}"
+        )
 
 
-def _notes(
-    names: _Names, x: str, y: str | None, p: str, q: str | None, slip: str | None
-) -> list[str]:
+def _notes(names: _Names, p: str, q: str | None, slip: str | None) -> list[str]:
     notes = []
-    if y is not None:
-        notes.append(f"x is the arc length along {x} and {y}")
-    elif plain(x) != "x":
-        notes.append(f"x is {x}")
     if plain(p) in PRESSURES:
         notes.append(f"p is {p}, positive in compression")
     if q is not None and plain(q) in SHEARS:
@@ -220,31 +286,33 @@ def read_tractions(path: Path, columns: Columns, compression: str | None = None)
     """
     known = recognise(path, columns)
     _require_one_use(path, known)
-    needed = [known.x, known.p, *(each for each in (known.y, known.q, known.slip) if each)]
-    table = read_table(path, [*dict.fromkeys(needed), *([known.across] if known.across else [])])
+    names = (known.x, *known.others, known.p, known.q, known.slip, known.across)
+    table = read_table(path, [*dict.fromkeys(name for name in names if name)])
     pressure, sign_notes = _pressure(path, known, table, compression)
-    order, order_notes = _order(known, table)
+    place = _place(path, known, table, pressure)
     _require_no_shear_across(path, known, table)
 
     def column(name: str | None) -> Array | None:
-        return None if name is None else table.columns[name][order]
+        return None if name is None else table.columns[name][place.order]
 
-    used = {"x": known.x, "y": known.y, "p": known.p, "q": known.q, "slip": known.slip}
+    used = {"x": known.x, "p": known.p, "q": known.q, "slip": known.slip}
+    used |= dict(zip(("y", "z"), place.others, strict=False))
+    units = [f"the row of units is {', '.join(table.units)}: nothing is converted"]
     return TractionTable(
-        x=_places(path, known, table, order),
-        p=pressure[order],
+        x=place.x,
+        p=pressure[place.order],
         q=column(known.q),
         slip=column(known.slip),
         columns={key: name for key, name in used.items() if name is not None},
-        notes=(*known.notes, *sign_notes, *order_notes),
+        notes=(*place.notes, *known.notes, *sign_notes, *(units if table.units else ())),
     )
 
 
 def _require_one_use(path: Path, known: Recognised) -> None:
     """No column is two things."""
     used: dict[str, str] = {}
-    for key in ("x", "y", "p", "q", "slip"):
-        name = getattr(known, key)
+    each = (("x", known.x), ("p", known.p), ("q", known.q), ("slip", known.slip))
+    for key, name in (*each, *((f"coordinate {name}", name) for name in known.others)):
         if name in used:
             raise CaseError(
                 f"{path}: column {name!r}: expected one quantity in it, found it taken for "
@@ -275,38 +343,77 @@ def _pressure(
     return pressure, notes
 
 
-def _order(known: Recognised, table: Table) -> tuple[Indices, list[str]]:
-    """(n,) order of the rows along the contact; programs list nodes by their numbers."""
-    x = table.columns[known.x]
+@dataclass(frozen=True)
+class _Place:
+    """Places along the contact.
+
+    Attributes:
+        order: (n,) of the rows along the contact.
+        x: (n,) increasing.
+        others: further coordinates that count.
+        notes: how the place was found, in words.
+    """
+
+    order: Indices
+    x: Array
+    others: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def _place(path: Path, known: Recognised, table: Table, pressure: Array) -> _Place:
+    """The rows along the contact; programs list nodes by their numbers."""
+    names = (known.x, *known.others)
+    extents = [np.ptp(table.columns[name]) for name in names]
+    varied = tuple(
+        name for name, extent in zip(names, extents, strict=True) if extent > FLAT * max(extents)
+    )
+    if not known.others or varied in ((), (known.x,)):
+        return _along_one(path, known, table)
+    points = np.column_stack([table.columns[name] for name in varied])
+    listed = f"{', '.join(varied[:-1])} and {varied[-1]}" if len(varied) > 1 else varied[0]
+    _, first, count = np.unique(points, axis=0, return_inverse=True, return_counts=True)
+    if (again := np.flatnonzero(count[first.ravel()] > 1)).size:
+        table.complain(int(again[-1]), varied[0], "a place that no other row has")
+    try:
+        order = order_along(points, pressure)
+    except CaseError as error:
+        raise CaseError(
+            f"{path}: columns {listed}: {error}: give the rows of one line, or the arc length and "
+            "name its column with --x"
+        ) from None
+    steps = np.linalg.norm(np.diff(points[order], axis=0), axis=1)
+    x = table.columns[varied[0]][order[0]] + np.append(0.0, np.cumsum(steps))
+    _require_extent(path, listed, x)
+    notes = [f"x is the arc length along {listed}"]
+    if (order != np.arange(len(order))).any():
+        notes.append("rows are taken in the order of their places along the line")
+    return _Place(order, x, tuple(name for name in varied if name != known.x), tuple(notes))
+
+
+def _along_one(path: Path, known: Recognised, table: Table) -> _Place:
+    """Rows in the order of one coordinate."""
+    x, notes = table.columns[known.x], [] if plain(known.x) == "x" else [f"x is {known.x}"]
     rows = np.arange(len(x))
     if known.ordered:
         table.require_increasing(known.x, "position")
-        return rows, []
-    along = known.x
-    if known.y is not None and np.ptp(table.columns[known.y]) > np.ptp(x):
-        along = known.y
-    order = np.argsort(table.columns[along], kind="stable")
-    if bool((order == rows).all()):
-        return rows, []
-    return order, [f"rows are taken in the order of {along}"]
-
-
-def _places(path: Path, known: Recognised, table: Table, order: Indices) -> Array:
-    """(n,) places along the contact, from the first coordinate of the first row on."""
-    x = table.columns[known.x][order]
-    if known.y is not None:
-        y = table.columns[known.y][order]
-        if np.ptp(y) > FLAT * np.ptp(x):
-            x = x[0] + np.append(0.0, np.cumsum(np.hypot(np.diff(x), np.diff(y))))
-    if (np.diff(x) <= 0).any():
-        row = int(np.flatnonzero(np.diff(x) <= 0)[0]) + 1
+        order = rows
+    else:
+        order = np.argsort(x, kind="stable")
+        if (order != rows).any():
+            notes.append(f"rows are taken in the order of {known.x}")
+    if (np.diff(x[order]) <= 0).any():
+        row = int(np.flatnonzero(np.diff(x[order]) <= 0)[0]) + 1
         table.complain(int(order[row]), known.x, "a place that no other row has")
+    _require_extent(path, known.x, x[order])
+    return _Place(order, x[order], (), tuple(notes))
+
+
+def _require_extent(path: Path, name: str, x: Array) -> None:
     if x[-1] - x[0] < SMALLEST:
         raise CaseError(
-            f"{path}: column {known.x!r}: expected positions over {SMALLEST:g} or more, found "
+            f"{path}: column {name!r}: expected positions over {SMALLEST:g} or more, found "
             f"{x[-1] - x[0]:g}"
         )
-    return np.asarray(x)
 
 
 def _require_no_shear_across(path: Path, known: Recognised, table: Table) -> None:

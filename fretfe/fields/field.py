@@ -186,7 +186,7 @@ def _read_csv(path: Path, quantity: Quantity) -> Field:
     heated = quantity == "temperatures"
     names = ("x", "y", "T") if heated else ("x", "y", "ux", "uy")
     others = ("z", "time", "step") if heated else ("z", "uz", "time", "step")
-    table = read_table(path, names, others, comment="#")
+    table = read_table(path, names, others)
     columns = table.columns
     if not heated and ("z" in columns) != ("uz" in columns):
         raise CaseError(f"{path}: line 1: expected both or none of the columns 'z' and 'uz'")

@@ -1,13 +1,20 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Columns of numbers in a text file with a header row."""
+"""Columns of numbers in a text file with a header row.
+
+Spreadsheets and people put rows around it: `sep=;` of Excel, comments that begin with #, a row of
+units below the header. The header itself may be a comment, as NumPy writes it, if only numbers
+follow.
+"""
 
 from __future__ import annotations
 
 import csv
 import math
+import re
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +29,14 @@ from fretfe.files import MOST_ROWS, require_file
 SEPARATORS = {",": ",", ";": ";", "tab": "\t", "space": " "}
 # Bytes of a file that is read at once if it can be.
 LARGE = 1_000_000
+# First line of a file by Excel that says what stands between cells.
+STATED = re.compile(r'"?sep=(.)"?[\s,;]*\Z', re.IGNORECASE)
+COMMENT = re.compile(r'\s*"?#')
+# Units that a row below the header may have, alone or as factors, with brackets or without.
+UNITS = frozenset(
+    "m mm cm um µm μm nm in inch ft n kn mn lbf pa kpa mpa gpa bar psi ksi s sec ms min h hz "
+    "1/s rpm k c °c degc f °f deg degree degrees ° rad g kg t w j mj mohm - % 1".split()
+)
 # Numbers nearer to zero have lost digits: they are remains of something else.
 SMALLEST_CELL = 1e-300
 
@@ -32,11 +47,19 @@ class _NoCells(CaseError):
 
 @dataclass(frozen=True)
 class Table:
-    """Columns (n,) by name, n >= 1, and the line of the file that each row stands in."""
+    """Columns (n,) by name, n >= 1, and the line of the file that each row stands in.
+
+    Attributes:
+        path: of the file.
+        columns: by name.
+        lines: of the rows.
+        units: cells of a row of units below the header; none without. Nothing is converted.
+    """
 
     path: Path
     columns: dict[str, Array]
     lines: Sequence[int]
+    units: tuple[str, ...] = ()
 
     def require_increasing(self, name: str, what: str) -> None:
         """Check that a column increases strictly; `what` it holds is for the message.
@@ -65,32 +88,38 @@ def read_table(
     names: Sequence[str],
     optional: Sequence[str] = (),
     separator: str | None = None,
-    comment: str = "",
 ) -> Table:
     """Read columns of finite numbers.
 
     Args:
-        path: text file, UTF-8, with a header row; empty lines are skipped. Where cells are not
-            separated by commas, numbers may have a decimal comma: all or none of them.
+        path: text file, UTF-8, with a header row; empty lines and those that begin with # are
+            skipped. Where cells are not separated by commas, numbers may have a decimal comma: all
+            or none of them.
         names: of the columns.
         optional: names of columns that are read if the file has them.
-        separator: one of `SEPARATORS`; None if the header row tells it.
-        comment: what lines that are skipped begin with; "" if there are none.
+        separator: one of `SEPARATORS`; None if the file tells it.
 
     Raises:
         CaseError: file, line and column of what is not as expected.
     """
-    delimiter = SEPARATORS[separator] if separator else _told_delimiter(path, names, comment)
-    rows = _rows(path, delimiter, comment)
+    delimiter = SEPARATORS[separator] if separator else _told_delimiter(path, names)
+    rows = _rows(path, delimiter)
     header = [name.strip() for name in next(rows)[1]]
     wanted = [*names, *(name for name in optional if name in header)]
     places = [_column(path, header, name) for name in wanted]
-    if path.stat().st_size > LARGE and (found := _at_once(path, delimiter, comment, len(header))):
+    first = next(rows, None)
+    units: tuple[str, ...] = ()
+    if first is not None and _are_units(first[1]):
+        units = tuple(cell.strip() for cell in first[1])
+        first = next(rows, None)
+    if first is None:
+        raise CaseError(f"{path}: expected rows of numbers below the header, found none")
+    if path.stat().st_size > LARGE and (found := _at_once(path, delimiter, first[0], len(header))):
         values, start = found
-        return Table(path, dict(zip(wanted, values[places], strict=True)), start)
+        return Table(path, dict(zip(wanted, values[places], strict=True)), start, units)
     numbers = _Numbers(path, header, decimal_comma=delimiter != ",")
     data, lines = array("d"), array("l")
-    for line, cells in rows:
+    for line, cells in chain([first], rows):
         _require_no_more_cells(path, line, cells, header)
         if len(lines) == MOST_ROWS:
             raise CaseError(
@@ -98,29 +127,44 @@ def read_table(
             )
         lines.append(line)
         data.extend(numbers.read(line, cells, place) for place in places)
-    if not lines:
-        raise CaseError(f"{path}: expected rows of numbers below the header, found none")
     columns = np.array(data).reshape(len(lines), len(wanted)).T
-    return Table(path, dict(zip(wanted, columns, strict=True)), lines)
+    return Table(path, dict(zip(wanted, columns, strict=True)), lines, units)
 
 
-def _at_once(path: Path, delimiter: str, comment: str, width: int) -> tuple[Array, range] | None:
-    """(width, n) all numbers of a large file, if it has nothing else; and the lines of its rows.
+def _are_units(cells: Sequence[str]) -> bool:
+    """True for a row of nothing but units, 1 and - for pure numbers among them."""
+    texts = [cell.strip() for cell in cells if cell.strip()]
+    return any(re.search("[a-zµμ°%]", text.lower()) for text in texts) and all(map(is_unit, texts))
+
+
+def is_unit(text: str) -> bool:
+    """True for a unit, perhaps in brackets, or a product or power of units."""
+    inner = re.sub(r"[\[\]()<>{}\"']", "", text.strip().lower())
+    factors = [each for each in re.split(r"[\s/*·.^]+|-?\d+|[²³]", inner) if each]
+    return inner in UNITS or (bool(factors) and UNITS.issuperset(factors))
+
+
+def is_number(text: str) -> bool:
+    """True for a number with a decimal point or comma."""
+    try:
+        float(text.replace(",", "."))
+    except ValueError:
+        return False
+    return True
+
+
+def _at_once(path: Path, delimiter: str, first: int, width: int) -> tuple[Array, range] | None:
+    """(width, n) all numbers of a large file from a line on; and the lines of its rows.
 
     It is read twenty times as fast as cell by cell. None if a reader of cells has to say what is
     wrong, or can make something of it.
     """
     with path.open(encoding="utf-8-sig", errors="replace") as file:
-        first = next(
-            number
-            for number, line in enumerate(file, 1)
-            if line.strip() and not (comment and line.startswith(comment))
-        )
-        filled = (number for number, line in enumerate(file, 1) if line.strip())
-        rest = max(filled, default=0)
+        last = max(number for number, line in enumerate(file, 1) if line.strip())
+    rest = last - first + 1
     try:
         values = np.loadtxt(
-            path, delimiter=delimiter, comments=None, skiprows=first, ndmin=2,
+            path, delimiter=delimiter, comments=None, skiprows=first - 1, ndmin=2,
             max_rows=MOST_ROWS + 1, encoding="utf-8-sig",
         )  # fmt: skip
     except (ValueError, OSError):
@@ -134,7 +178,7 @@ def _at_once(path: Path, delimiter: str, comment: str, width: int) -> tuple[Arra
         or not usual.all()
     ):
         return None
-    return values.T, range(first + 1, first + 1 + rest)
+    return values.T, range(first, last + 1)
 
 
 def read_columns(
@@ -172,15 +216,14 @@ def possible_headers(path: Path) -> list[tuple[str, ...]]:
     return list(_headers(path).values())
 
 
-def _headers(path: Path, comment: str = "") -> dict[str, tuple[str, ...]]:
+def _headers(path: Path) -> dict[str, tuple[str, ...]]:
     """Column names by the delimiters with which the header can be read, the comma first."""
     found: dict[str, tuple[str, ...]] = {}
     problems: list[CaseError] = []
-    for delimiter in SEPARATORS.values():
+    stated = _stated_delimiter(path)
+    for delimiter in (stated,) if stated else SEPARATORS.values():
         try:
-            found[delimiter] = tuple(
-                name.strip() for name in next(_rows(path, delimiter, comment))[1]
-            )
+            found[delimiter] = tuple(name.strip() for name in next(_rows(path, delimiter))[1])
         except _NoCells as error:  # names in quotes end at another delimiter
             problems.append(error)
     if not found:
@@ -188,13 +231,30 @@ def _headers(path: Path, comment: str = "") -> dict[str, tuple[str, ...]]:
     return found
 
 
-def _told_delimiter(path: Path, names: Sequence[str], comment: str) -> str:
+def _stated_delimiter(path: Path) -> str | None:
+    """The delimiter that the first line states; None if it states none."""
+    require_file(path, "a CSV file", CaseError)
+    try:
+        with path.open(encoding="utf-8-sig", errors="replace") as file:
+            line = next((line for line in file if line.strip()), "")
+    except OSError:  # reading its rows says what is wrong
+        return None
+    found = STATED.match(line.lstrip())
+    if found and found[1] not in SEPARATORS.values():
+        raise CaseError(
+            f"{path}: line 1: expected a separator of {', '.join(map(repr, SEPARATORS))}, found "
+            f"{found[1]!r}"
+        )
+    return found[1] if found else None
+
+
+def _told_delimiter(path: Path, names: Sequence[str]) -> str:
     """The delimiter with which the header row has all of the names; a comma if none does.
 
     Spaces may stand beside any other delimiter: they are the delimiter only if nothing else is.
     """
     found: dict[tuple[str, ...], str] = {}
-    for delimiter, header in _headers(path, comment).items():
+    for delimiter, header in _headers(path).items():
         if set(names) <= set(header) and not (found and delimiter == " "):
             found.setdefault(header, delimiter)
     if len(found) > 1:
@@ -203,21 +263,39 @@ def _told_delimiter(path: Path, names: Sequence[str], comment: str) -> str:
             f"{path}: line 1: expected one separator with which the header has the columns "
             f"{', '.join(map(repr, names))}, found {kinds}: name it"
         )
-    return next(iter(found.values()), ",")
+    return next(iter(found.values()), _stated_delimiter(path) or ",")
 
 
-def _rows(path: Path, delimiter: str, comment: str = "") -> Iterator[tuple[int, list[str]]]:
+def _rows(path: Path, delimiter: str) -> Iterator[tuple[int, list[str]]]:
     """Line number and cells of every line that is not empty or a comment, the header first."""
     require_file(path, "a CSV file", CaseError)
+    heading: tuple[int, str] | None = None
     empty = True
+
+    def lines(file: Iterable[str]) -> Iterator[str]:
+        """Lines without comments, which may have quotes that do not end; but they count."""
+        nonlocal heading
+        begun = False
+        for number, line in enumerate(file, 1):
+            if COMMENT.match(line):
+                heading = number, line.strip().strip('"').lstrip("# \t")
+                yield "\n"
+            elif not begun and STATED.match(line.lstrip()):
+                yield "\n"
+            else:
+                yield line
+            begun = begun or bool(line.strip())
+
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             spaces = delimiter != "\t"
-            # Comments may have quotes that do not end; their lines count.
-            lines = ("\n" if comment and line.startswith(comment) else line for line in file)
-            reader = csv.reader(lines, delimiter=delimiter, skipinitialspace=spaces, strict=True)
+            reader = csv.reader(
+                lines(file), delimiter=delimiter, skipinitialspace=spaces, strict=True
+            )
             for row in reader:
                 if any(cell.strip() for cell in row):
+                    if empty and heading is not None and _are_numbers(row):
+                        yield from _header_in(*heading, delimiter, len(row))
                     empty = False
                     yield reader.line_num, row
     except OSError as error:
@@ -229,6 +307,19 @@ def _rows(path: Path, delimiter: str, comment: str = "") -> Iterator[tuple[int, 
         raise _NoCells(f"{place}: expected cells of a CSV file, found: {error}") from None
     if empty:
         raise CaseError(f"{path}: expected a header row with the column names, found an empty file")
+
+
+def _are_numbers(cells: Sequence[str]) -> bool:
+    return all(is_number(cell) for cell in cells if cell.strip())
+
+
+def _header_in(
+    number: int, comment: str, delimiter: str, count: int
+) -> Iterator[tuple[int, list[str]]]:
+    """The header in the last comment before the numbers, if it has as many cells."""
+    header = next(csv.reader([comment], delimiter=delimiter, skipinitialspace=True), [])
+    if len(header) == count:
+        yield number, header
 
 
 def _not_text(path: Path) -> str:

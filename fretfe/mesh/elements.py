@@ -25,6 +25,8 @@ _PLACES: dict[str, tuple[tuple[int, ...], ...]] = {
     "quadrilateral": _SQUARE,
     "tetrahedron": ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)),
     "hexahedron": tuple((x, y, z) for z in (0, 1) for x, y in _SQUARE),
+    "prism": tuple((x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (0, 1))),
+    "pyramid": (*((x, y, 0) for x, y in _SQUARE), (0, 0, 1)),
 }
 CORNERS = {cell: len(places) for cell, places in _PLACES.items()}
 PLURALS = {
@@ -32,6 +34,8 @@ PLURALS = {
     "quadrilateral": "quadrilaterals",
     "tetrahedron": "tetrahedra",
     "hexahedron": "hexahedra",
+    "prism": "prisms",
+    "pyramid": "pyramids",
 }
 SIMPLICES = ("triangle", "tetrahedron")
 # The corners around each node that order 2 adds.
@@ -46,6 +50,14 @@ MIDDLES: dict[str, tuple[tuple[int, ...], ...]] = {
         *((0, 3, 2, 1), (0, 1, 5, 4), (0, 4, 7, 3), (1, 2, 6, 5), (2, 3, 7, 6), (4, 5, 6, 7)),
         tuple(range(8)),
     ),
+    "prism": (
+        *((0, 1), (0, 2), (0, 3), (1, 2), (1, 4), (2, 5), (3, 4), (3, 5), (4, 5)),
+        *((0, 1, 4, 3), (0, 3, 5, 2), (1, 2, 5, 4)),
+    ),
+    "pyramid": (
+        *((0, 1), (0, 3), (0, 4), (1, 2), (1, 4), (2, 3), (2, 4), (3, 4)),
+        (0, 3, 2, 1),
+    ),
 }
 # Corners of the facets, seen from outside the cell.
 FACETS: dict[str, tuple[tuple[int, ...], ...]] = {
@@ -53,6 +65,8 @@ FACETS: dict[str, tuple[tuple[int, ...], ...]] = {
     "quadrilateral": ((0, 1), (1, 2), (2, 3), (3, 0)),
     "tetrahedron": ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)),
     "hexahedron": MIDDLES["hexahedron"][12:18],
+    "prism": ((0, 2, 1), (3, 4, 5), *MIDDLES["prism"][9:]),
+    "pyramid": ((0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4), *MIDDLES["pyramid"][8:]),
 }
 FACET_SHAPES = {
     "triangle": "line",
@@ -105,9 +119,23 @@ SHAPES = {key: ELEMENTS[number][0] for key, number in TYPES.items() if number in
     (2, 8): "quadrilateral",
     (3, 20): "hexahedron",
 }
+# Those that are read and divided into tetrahedra.
+PRISMATIC = MappingProxyType(
+    {6: ("prism", 1), 13: ("prism", 2), 7: ("pyramid", 1), 14: ("pyramid", 2)}
+)
+SERENDIPITY_PRISM, SERENDIPITY_PYRAMID = 18, 19
+# Gmsh types and shapes of solid cells by their number of nodes, these among them.
+SOLID_TYPES = {count: kind for (dimension, count), kind in TYPES.items() if dimension == 3} | {
+    **{6: 6, 15: SERENDIPITY_PRISM, 18: 13},
+    **{5: 7, 13: SERENDIPITY_PYRAMID, 14: 14},
+}
+SOLID_SHAPES = {count: shape for (dimension, count), shape in SHAPES.items() if dimension == 3} | {
+    **dict.fromkeys((6, 15, 18), "prism"),
+    **dict.fromkeys((5, 13, 14), "pyramid"),
+}
 # Names of others that users meet, for messages.
 UNSUPPORTED = MappingProxyType(
-    dict.fromkeys((6, 13, 18), "prisms") | dict.fromkeys((7, 14, 19), "pyramids")
+    {SERENDIPITY_PRISM: "prisms of 15 nodes", SERENDIPITY_PYRAMID: "pyramids of 13 nodes"}
 )
 # The corners around each node that follows the corners (VTK file formats; Abaqus has no 27th).
 VTK_MIDDLES = MappingProxyType(
@@ -119,6 +147,14 @@ VTK_MIDDLES = MappingProxyType(
             *((0, 3, 4, 7), (1, 2, 5, 6), (0, 1, 4, 5), (2, 3, 6, 7), (0, 1, 2, 3), (4, 5, 6, 7)),
             tuple(range(8)),
         ),
+        "prism": (
+            *((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)),
+            *((0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)),
+        ),
+        "pyramid": (
+            *((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)),
+            (0, 1, 2, 3),
+        ),
     }
 )
 # Shapes of the Gmsh types whose orders differ.
@@ -127,6 +163,8 @@ DIFFERENT = MappingProxyType(
         NUMBERS["tetrahedron", 2]: "tetrahedron",
         NUMBERS["hexahedron", 2]: "hexahedron",
         SERENDIPITY_HEXAHEDRON: "hexahedron",
+        **dict.fromkeys((SERENDIPITY_PRISM, 13), "prism"),
+        **dict.fromkeys((SERENDIPITY_PYRAMID, 14), "pyramid"),
     }
 )
 # The shape functions of corners and of mid-side nodes at the centre of a quadrilateral and of a
@@ -300,8 +338,9 @@ def nodes_of_facets(
     """
     corners = range(CORNERS[cell], count)
     numbers = {frozenset(each): node for node, each in zip(corners, around, strict=False)}
+    shapes = {2: "line", 3: "triangle", 4: "quadrilateral"}
     middles = [
-        [frozenset(facet[i] for i in each) for each in MIDDLES[FACET_SHAPES[cell]]]
+        [frozenset(facet[i] for i in each) for each in MIDDLES[shapes[len(facet)]]]
         for facet in facets
     ]
     return [
@@ -482,11 +521,18 @@ class _Centres:
         kind, nodes = block.gmsh_type, block.nodes
         if kind == SERENDIPITY_QUADRILATERAL:
             return ElementBlock(NUMBERS["quadrilateral", 2], self._with_centres(nodes))
+        if kind in (SERENDIPITY_PRISM, SERENDIPITY_PYRAMID):
+            shape, full = {18: ("prism", 13), 19: ("pyramid", 14)}[kind]
+            return ElementBlock(full, np.column_stack([nodes, *self._on_faces(shape, nodes)]))
         if kind != SERENDIPITY_HEXAHEDRON:
             return block
-        faces = [self._with_centres(nodes[:, list(face)])[:, 8:] for face in _faces()]
+        faces = self._on_faces("hexahedron", nodes)
         own = self._numbers(np.einsum("k,mkd->md", AT_CENTRE[kind], self._points[nodes]))
         return ElementBlock(NUMBERS["hexahedron", 2], np.column_stack([nodes, *faces, own]))
+
+    def _on_faces(self, shape: str, nodes: Indices) -> list[Indices]:
+        """Nodes (m, 1) in the middle of each quadrilateral face of cells (m, k)."""
+        return [self._with_centres(nodes[:, list(face)])[:, 8:] for face in _faces(shape)]
 
     def _with_centres(self, nodes: Indices) -> Indices:
         """(f, 9) nodes of quadrilaterals (f, 8); a face that is known has its centre already."""
@@ -506,10 +552,11 @@ class _Centres:
         return np.arange(self._count - len(places), self._count)
 
 
-def _faces() -> Iterator[tuple[int, ...]]:
-    """Places of the eight nodes of each face among the 20 of a hexahedron."""
-    edges = {frozenset(ends): i for i, ends in enumerate(MIDDLES["hexahedron"][:12], 8)}
-    for corners in FACETS["hexahedron"]:
+def _faces(shape: str) -> Iterator[tuple[int, ...]]:
+    """Places of the eight nodes of each quadrilateral face among those of a cell."""
+    around = list(enumerate(MIDDLES[shape], CORNERS[shape]))
+    edges = {frozenset(ends): place for place, ends in around if len(ends) == 2}
+    for corners in (each for _, each in around if len(each) == 4):
         ahead = (*corners[1:], corners[0])
         yield *corners, *(edges[frozenset(pair)] for pair in zip(corners, ahead, strict=True))
 

@@ -9,6 +9,7 @@ Parts that are placed as instances become one flat mesh.
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -20,46 +21,27 @@ from fretfe._typing import Array
 from fretfe.errors import MeshError
 from fretfe.files import MOST_MEMBERS, MOST_PLACED
 from fretfe.mesh.inp_cards import Card, cards
+from fretfe.mesh.inp_language import JOINED, REFUSED
 
-# Keywords, without blanks, that change nodes, elements or what numbers mean, or that join parts:
-# without them the model would be another one. And what to do instead.
-_WRITTEN_OUT = "write out all nodes and elements"
-_JOINED = (
-    "it joins nodes or parts, which would come apart here: mesh them as one part with common "
-    "nodes, or make them bodies of their own in contact"
-)
-REFUSED = {
-    **dict.fromkeys(
-        (
-            *("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "IMPERFECTION"),
-            *("SYMMETRICMODELGENERATION", "IMPORT", "MAP", "PARAMETER", "MODELCHANGE"),
-        ),
-        _WRITTEN_OUT,
-    ),
-    **dict.fromkeys(
-        (
-            *("TIE", "MPC", "EQUATION", "NETWORKMPC", "EMBEDDEDELEMENT", "RIGIDBODY", "COUPLING"),
-            *("KINEMATIC", "DISTRIBUTING", "KINEMATICCOUPLING", "DISTRIBUTINGCOUPLING"),
-            *("SHELLTOSOLIDCOUPLING", "CYCLICSYMMETRYMODEL", "FASTENER", "PRE-TENSIONSECTION"),
-            *("SUBSTRUCTUREGENERATE", "SUBSTRUCTUREPROPERTY", "MATRIXASSEMBLE", "USERELEMENT"),
-            *("BONDEDREGION", "COHESIVEBEHAVIOR", "RELEASE", "JOINT", "CONNECTORSECTION"),
-            *("RIGIDSURFACE", "IMPLICITRIGIDBODY", "SPRING", "DASHPOT", "DISPLAYBODY"),
-        ),
-        _JOINED,
-    ),
-}
 # Say nothing of the model.
 TITLES = ("HEADING",)
-# Parameters, or their values, that make a keyword join parts.
-JOINING = {
-    "CONTACTPAIR": ("TIED",),
-    "SURFACEBEHAVIOR": ("TIED",),
-    "CONTACTINITIALIZATIONDATA": ("TIED",),
-}
+# Parameters of a rigid body that is an analytical surface and nothing of the mesh.
+ANALYTICAL = {"ANALYTICALSURFACE", "REFNODE", "POSITION", "ISOTHERMAL"}
+# Shells and membranes, whose sides are called otherwise.
+SHELL = re.compile(r"(?:M3D|STRI|S)\d")
+SIDE = re.compile(r"([SE])([1-6])\Z")
+# Number of nodes in the name of a type.
+NODES = re.compile(r"(?:(?:CPEG|CPE|CPS|CAX|M3D|STRI|S)([34689])|(?:C3D)(\d+)|[TR][23]D([234]))")
 # Numbers of nodes and elements are smaller; those of instance i are i times this one larger.
 STRIDE = 10**9
 
 Point = tuple[float, float, float]
+# A number, or `temperatures` and `values` as a body of a case may have them.
+Constant = float | dict[str, list[float]]
+
+
+class _UnknownError(ValueError):
+    """A name or number that the file has not, or not yet."""
 
 
 @dataclass
@@ -71,7 +53,7 @@ class Material:
         left_out: what else is said of it that no body has, in words.
     """
 
-    numbers: dict[str, float] = field(default_factory=dict)
+    numbers: dict[str, Constant] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)
 
 
@@ -86,6 +68,9 @@ class Level:
         element_sets: numbers of elements.
         surfaces: element numbers and sides (S1 is 1; 0 is whatever side is free).
         sections: element sets and their materials.
+        broken: why a set or surface cannot be read, by name; it is in none of the others.
+        waiting: sets that name others which have not come yet.
+        surface_cards: surfaces, which are read when all sets are known.
     """
 
     nodes: dict[int, Point] = field(default_factory=dict)
@@ -94,6 +79,49 @@ class Level:
     element_sets: dict[str, list[int]] = field(default_factory=dict)
     surfaces: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
     sections: list[tuple[str, str]] = field(default_factory=list)
+    broken: dict[str, str] = field(default_factory=dict)
+    waiting: list[Card] = field(default_factory=list)
+    surface_cards: list[Card] = field(default_factory=list)
+
+    def settle(self) -> None:
+        """Read surfaces, and sets that waited for what comes after them in the file."""
+        reasons: dict[str, str] = {}
+        while sets := [*self.waiting]:
+            for card in sets:
+                self.waiting.remove(card)
+                try:
+                    _READERS[card.word](self, card)
+                except _UnknownError as error:
+                    reasons[card.place] = str(error)
+                    self.waiting.append(card)
+            if len(self.waiting) == len(sets):
+                break
+        for card in self.waiting:
+            self._break(card, card.required(card.word), reasons[card.place])
+        for card in self.surface_cards:
+            try:
+                _surface(self, card)
+            except ValueError as error:
+                self._break(card, card.required("NAME"), str(error))
+        self.waiting, self.surface_cards = [], []
+
+    def _break(self, card: Card, name: str, reason: str) -> None:
+        """Take a set or surface away that is not whole."""
+        self.broken[name] = f"{card.place}: cannot read *{card.keyword}: {reason}"
+        for table in (self.node_sets, self.element_sets, self.surfaces):
+            table.pop(name, None)
+
+    def members(self, word: str, name: str) -> list[int]:
+        """Numbers in a set of nodes (NSET) or elements (ELSET).
+
+        Raises:
+            _UnknownError: there is none, or not all of it has been read yet.
+        """
+        table = self.node_sets if word == "NSET" else self.element_sets
+        waits = any(card.word == word and card.name(word) == name for card in self.waiting)
+        if name not in table or waits:
+            raise _UnknownError(f"there is no set {name!r}")
+        return table[name]
 
     def number(self, text: str, instance: str | None = None) -> int:
         """The number of a node or element, perhaps one of an instance as `NAME.7`."""
@@ -107,7 +135,7 @@ class Level:
 
     def first(self, instance: str) -> int:
         """The number added to those of an instance."""
-        raise ValueError(f"there is no instance {instance!r} here")
+        raise _UnknownError(f"there is no instance {instance!r} here")
 
 
 @dataclass
@@ -131,7 +159,7 @@ class Deck(Level):
         """The number added to those of an instance."""
         name = instance.strip('"').upper()
         if name not in self.instances:
-            raise ValueError(
+            raise _UnknownError(
                 f"there is no instance {instance!r}; instances: {', '.join(self.instances) or '-'}"
             )
         return self.instances[name]
@@ -152,7 +180,8 @@ class Deck(Level):
 
     def named(self, name: str) -> bool:
         """True if a set or surface has this name."""
-        return any(name in each for each in (self.node_sets, self.element_sets, self.surfaces))
+        tables = (self.node_sets, self.element_sets, self.surfaces, self.broken)
+        return any(name in each for each in tables)
 
     def add(self, name: str, level: Level) -> None:
         """Add an instance."""
@@ -170,6 +199,7 @@ class Deck(Level):
         for each, entries in level.surfaces.items():
             self.surfaces[f"{name}.{each}"] = [(number + first, side) for number, side in entries]
         self.sections += [(f"{name}.{each}", material) for each, material in level.sections]
+        self.broken |= {f"{name}.{each}": reason for each, reason in level.broken.items()}
 
 
 def read_deck(path: Path) -> Deck:
@@ -202,13 +232,16 @@ def read_deck(path: Path) -> Deck:
 
 def _refuse_keyword(card: Card) -> None:
     """Raise for a keyword without which the model would be another one."""
-    words = {*card.parameters, *(value.upper() for value in card.parameters.values())}
-    joining = sorted(words.intersection(JOINING.get(card.word, ())))
-    if card.word in REFUSED or joining:
-        with_word = f" with {joining[0]}" if joining else ""
+    overclosure = card.parameters.get("PRESSURE-OVERCLOSURE", "").upper()
+    tied = "TIED" in card.parameters or overclosure in ("TI", "TIE", "TIED")
+    analytical = card.word == "RIGIDBODY" and "ANALYTICALSURFACE" in card.parameters
+    if analytical and card.parameters.keys() <= ANALYTICAL:
+        return
+    if card.word in REFUSED or tied:
+        with_word = " with TIED" if tied else ""
         raise MeshError(
             f"{card.place}: *{card.keyword}{with_word} is not supported; "
-            f"{REFUSED.get(card.word, _JOINED)}"
+            f"{REFUSED.get(card.word, JOINED)}"
         )
 
 
@@ -237,20 +270,27 @@ class _Reader:
         """Read one; those that say nothing of the mesh are counted."""
         read, block = _READERS.get(card.word), self._blocks.get(card.word)
         of_material = _OF_MATERIALS.get(card.word) if self._material is not None else None
-        if block is None and read is None and of_material is None:
+        if block is None and read is None and of_material is None and card.word != "SURFACE":
             self.deck.unused.update([card.keyword] if card.keyword not in TITLES else ())
             return
         card.require_text()
         if block is not None:
             block(card)
+        elif card.word == "SURFACE":
+            card.required("NAME")
+            self._level.surface_cards.append(card)
         elif read is not None:
-            read(self._level, card)
+            try:
+                read(self._level, card)
+            except _UnknownError:
+                self._level.waiting.append(card)
         elif of_material is not None and self._material is not None:
             of_material(self._material, card)
 
     def finish(self) -> None:
         """Give instances and what they alone have names without a prefix."""
         deck = self.deck
+        deck.settle()
         deck.element_sets |= {
             name: members for name, members in self._elements.items() if not deck.named(name)
         }
@@ -264,6 +304,8 @@ class _Reader:
                     table[name] = table[qualified]
             if qualified in deck.surfaces:
                 deck.surfaces[name] = deck.surfaces[qualified]
+            if qualified in deck.broken:
+                deck.broken[name] = deck.broken[qualified]
 
     def _begin(self, card: Card, *within: str) -> None:
         if tuple(each.word for each in self.open) != within:
@@ -286,6 +328,7 @@ class _Reader:
 
     def _end_part(self, card: Card) -> None:
         self._close(card)
+        self._level.settle()
         self._level = self.deck
 
     def _assembly(self, card: Card) -> None:
@@ -306,6 +349,7 @@ class _Reader:
     def _end_instance(self, card: Card) -> None:
         begin, level = self.open[-1] if self.open else card, self._level
         self._close(card)
+        level.settle()
         name = begin.required("NAME")
         if self._moved and len(level.nodes) > len(self.parts[begin.required("PART")].nodes):
             raise ValueError(
@@ -319,7 +363,7 @@ class _Reader:
         self.deck.add(name, level)
         first = self.deck.first(name)
         self._elements[name] = [number + first for number in level.elements]
-        for each in (*level.node_sets, *level.element_sets, *level.surfaces):
+        for each in (*level.node_sets, *level.element_sets, *level.surfaces, *level.broken):
             self._own.setdefault(each, set()).add(name)
         self._level = self.deck
 
@@ -353,7 +397,7 @@ def _placed(part: Level, rows: list[list[str]]) -> tuple[Level, bool]:
         {name: [*members] for name, members in part.node_sets.items()},
         {name: [*members] for name, members in part.element_sets.items()},
         {name: [*entries] for name, entries in part.surfaces.items()},
-        [*part.sections],
+        [*part.sections], {**part.broken},
     ), moved  # fmt: skip
 
 
@@ -386,7 +430,11 @@ def _real(text: str) -> float:
 
 
 def _nodes(level: Level, card: Card) -> None:
-    card.refuse("SYSTEM", "INPUT")
+    card.refuse("INPUT")
+    if (
+        system := card.choice("SYSTEM", "RECTANGULAR", "CYLINDRICAL", "SPHERICAL")
+    ) != "RECTANGULAR":
+        raise ValueError(f"expected x, y and z, found SYSTEM={system}: {REFUSED['SYSTEM']}")
     numbers = []
     for row in card.rows:
         number = level.number(row[0])
@@ -401,14 +449,16 @@ def _nodes(level: Level, card: Card) -> None:
 
 
 def _elements(level: Level, card: Card) -> None:
-    card.refuse("INPUT")
+    card.refuse("INPUT", "FILE", "OFFSET")
     kind = card.required("TYPE")
+    found = NODES.match(kind)
+    count = int(next(filter(None, found.groups()))) if found else math.inf
     numbers: list[int] = []
     unfinished: list[int] = []
     for row in card.rows:
         unfinished += [level.number(value) for value in row if value]
-        # a comma at the end: the nodes go on in the next row
-        if row[-1]:
+        # after a comma at the end the nodes go on in the next row, if there are more
+        if unfinished and (row[-1] or len(unfinished) > count):
             number, *nodes = unfinished
             if number in level.elements:
                 raise ValueError(f"element {number} is defined twice")
@@ -421,72 +471,100 @@ def _elements(level: Level, card: Card) -> None:
         level.element_sets.setdefault(name, []).extend(numbers)
 
 
-def _members(level: Level, card: Card, sets: Mapping[str, list[int]]) -> list[int]:
-    """The numbers in a set: listed, from sets known already, or first, last and step."""
+def _members(level: Level, card: Card, word: str) -> list[int]:
+    """The numbers in a set: listed, from other sets, or first, last and step."""
     instance = card.name("INSTANCE")
     if "GENERATE" in card.parameters:
-        found: list[int] = []
-        for row in card.rows:
-            first, last, *step = (value for value in row if value)
-            ends = level.number(first, instance), level.number(last, instance) + 1
-            members = range(*ends, *(int(value) for value in step))
-            if len(members) > MOST_MEMBERS:
-                raise ValueError(f"a set of {len(members)} is larger than any mesh")
-            found += members
-        return found
+        return _generated(level, card, instance)
+    sets = level.node_sets if word == "NSET" else level.element_sets
     numbers: list[int] = []
     for value in (value for row in card.rows for value in row if value):
         name = value.strip('"').upper()
         name = name if instance is None else f"{instance}.{name}"
         if value.lstrip("+-").isdigit():
             numbers.append(level.number(value, instance))
-        elif name in sets:
-            numbers += sets[name]
-        elif value.rpartition(".")[2].isdigit():
+        elif name not in sets and value.rpartition(".")[2].isdigit():
             numbers.append(level.number(value))
         else:
-            raise ValueError(f"there is no set {value!r}")
+            numbers += level.members(word, name)
     return numbers
 
 
+def _generated(level: Level, card: Card, instance: str | None) -> list[int]:
+    """Numbers from the first to the last ones in each row."""
+    found: list[int] = []
+    for row in card.rows:
+        values = [value for value in row if value]
+        if len(values) not in (2, 3):
+            raise ValueError(f"expected first, last and perhaps step, found {', '.join(row)}")
+        first, last, step = (*values, "1")[:3]
+        members = range(level.number(first, instance), level.number(last, instance) + 1, int(step))
+        if len(members) > MOST_MEMBERS:
+            raise ValueError(f"a set of {len(members)} is larger than any mesh")
+        found += members
+    return found
+
+
 def _node_set(level: Level, card: Card) -> None:
+    name = card.required("NSET")
     if source := card.name("ELSET"):
         instance = card.name("INSTANCE")
-        source = source if instance is None else f"{instance}.{source}"
-        if source not in level.element_sets:
-            raise ValueError(f"there is no element set {source!r}")
-        of_elements = level.element_sets[source]
+        of_elements = level.members("ELSET", source if instance is None else f"{instance}.{source}")
+        if missing := [each for each in of_elements if each not in level.elements]:
+            raise _UnknownError(f"there is no element {missing[0]}, which is in {source}")
         members = [node for each in of_elements for node in level.elements[each][1]]
     else:
-        members = _members(level, card, level.node_sets)
-    level.node_sets.setdefault(card.required("NSET"), []).extend(dict.fromkeys(members))
+        members = _members(level, card, "NSET")
+    level.node_sets.setdefault(name, []).extend(dict.fromkeys(members))
 
 
 def _element_set(level: Level, card: Card) -> None:
-    members = _members(level, card, level.element_sets)
-    level.element_sets.setdefault(card.required("ELSET"), []).extend(members)
+    name = card.required("ELSET")
+    level.element_sets.setdefault(name, []).extend(_members(level, card, "ELSET"))
 
 
 def _surface(level: Level, card: Card) -> None:
     """A surface of nodes is a node set; one of elements is a list of their sides."""
-    card.refuse("COMBINE")
+    card.refuse("COMBINE", "CROP")
     name = card.required("NAME")
-    kind = card.name("TYPE") or "ELEMENT"
-    if kind == "NODE":
-        rows = [[row[0]] for row in card.rows]
-        plain = Card(card.keyword, {}, rows, card.place)
-        level.node_sets.setdefault(name, []).extend(_members(level, plain, level.node_sets))
-        return
-    if kind != "ELEMENT":
+    kind = card.choice("TYPE", "ELEMENT", "NODE", "SEGMENTS", "CYLINDER", "REVOLUTION", "USER")
+    if kind not in ("ELEMENT", "NODE"):
         raise ValueError(f"surfaces of type {kind} are not supported; use NODE or ELEMENT")
-    sides = level.surfaces.setdefault(name, [])
+    sides: list[tuple[int, int]] = []
     for row in card.rows:
-        side = row[1].upper() if len(row) > 1 else ""
-        if side not in ("", "S1", "S2", "S3", "S4", "S5", "S6"):
-            raise ValueError(f"expected a side S1, S2, ... or S6, found {row[1]!r}")
-        plain = Card(card.keyword, {}, [[row[0]]], card.place)
-        members = _members(level, plain, level.element_sets)
-        sides += [(element, int(side[1:] or 0)) for element in members]
+        plain = Card(card.keyword, card.word, {}, [[row[0]]], card.place)
+        if kind == "NODE":
+            level.node_sets.setdefault(name, []).extend(_members(level, plain, "NSET"))
+            continue
+        side = row[1] if len(row) > 1 else ""
+        for element in _members(level, plain, "ELSET"):
+            if element not in level.elements:
+                raise ValueError(f"there is no element {element}")
+            sides.append((element, _side(level.elements[element][0], side)))
+    if kind == "ELEMENT":
+        level.surfaces.setdefault(name, []).extend(sides)
+
+
+def _side(kind: str, text: str) -> int:
+    """The number of a side of an element, 0 where none is written.
+
+    Plane elements have sides S1 to S4. Edges of shells are E1 to E4 in Abaqus; in CalculiX S1 and
+    S2 of a shell are its two faces and S3 to S6 its edges.
+    """
+    if not text:
+        return 0
+    found = SIDE.match(text.upper())
+    letter, number = (found[1], int(found[2])) if found else ("", 0)
+    if SHELL.match(kind):
+        number -= 2 if letter == "S" else 0
+        if not 0 < number < 5:
+            raise ValueError(
+                f"expected an edge of a shell ({kind}), E1 to E4 (Abaqus) or S3 to S6 (CalculiX), "
+                f"found {text!r}, which is one of its faces"
+            )
+    elif not number:
+        raise ValueError(f"expected a side S1, S2, ... or S6, found {text!r}")
+    return number
 
 
 def _section(level: Level, card: Card) -> None:
@@ -494,34 +572,49 @@ def _section(level: Level, card: Card) -> None:
         level.sections.append((card.required("ELSET"), material))
 
 
-def _constants(card: Card, keys: tuple[str, ...], kind: str) -> dict[str, float]:
-    """Numbers of a row by their keys; none where they are not those of an isotropic constant."""
+def _constants(card: Card, keys: tuple[str, ...]) -> dict[str, Constant]:
+    """Numbers of the rows by their keys; none where they are not those of an isotropic material.
+
+    Several rows are over temperature, which follows the numbers of each row.
+    """
     values = [[_real(value) for value in row if value] for row in card.rows]
-    isotropic = (card.name("TYPE") or kind).startswith(kind)
-    if len(values) != 1 or len(values[0]) < len(keys) or not isotropic:
+    isotropic = card.choice("TYPE", "ISOTROPIC", "ORTHOTROPIC") == "ISOTROPIC"
+    count = len(keys)
+    if not isotropic or not values or len(values[0]) < count or "DEPENDENCIES" in card.parameters:
         return {}
-    return dict(zip(keys, values[0], strict=False))
+    if len(values) == 1:
+        return dict(zip(keys, values[0], strict=False))
+    if any(len(row) < count for row in values):
+        return {}
+    # CalculiX and Abaqus take a temperature that is left out for 0
+    places = [row[count] if len(row) > count else 0.0 for row in values]
+    return {
+        key: {"temperatures": places, "values": [row[number] for row in values]}
+        for number, key in enumerate(keys)
+    }
 
 
 def _elastic(material: Material, card: Card) -> None:
-    _take(material, card, _constants(card, ("young", "poisson"), "ISO"))
+    _take(material, card, _constants(card, ("young", "poisson")))
 
 
 def _density(material: Material, card: Card) -> None:
-    _take(material, card, _constants(card, ("density",), ""))
+    _take(material, card, _constants(card, ("density",)))
 
 
 def _expansion(material: Material, card: Card) -> None:
-    found = _constants(card, ("expansion",), "ISO")
+    found = _constants(card, ("expansion",))
     if found and (zero := card.name("ZERO")):
         found["reference_temperature"] = _real(zero)
     _take(material, card, found)
 
 
-def _take(material: Material, card: Card, found: Mapping[str, float]) -> None:
+def _take(material: Material, card: Card, found: Mapping[str, Constant]) -> None:
     material.numbers |= found
     if not found:
-        material.left_out.append(f"*{card.keyword} that is not isotropic or not constant")
+        material.left_out.append(
+            f"*{card.keyword} that is not isotropic or depends on more than temperature"
+        )
 
 
 _READERS: dict[str, Callable[[Level, Card], None]] = {
@@ -529,7 +622,6 @@ _READERS: dict[str, Callable[[Level, Card], None]] = {
     "ELEMENT": _elements,
     "NSET": _node_set,
     "ELSET": _element_set,
-    "SURFACE": _surface,
     **dict.fromkeys(("SOLIDSECTION", "SHELLSECTION", "MEMBRANESECTION"), _section),
 }
 _OF_MATERIALS: dict[str, Callable[[Material, Card], None]] = {

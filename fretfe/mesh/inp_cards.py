@@ -9,24 +9,31 @@ from pathlib import Path
 
 from fretfe.errors import MeshError
 from fretfe.files import DEEPEST_INCLUDE, MOST_BYTES, MOST_FILES, require_file
+from fretfe.mesh.inp_language import squeezed, whole_keyword, whole_parameter, whole_value
 
 # Stands for bytes that are not UTF-8; in comments they do not matter.
 UNKNOWN = "\N{REPLACEMENT CHARACTER}"
+# Characters of a line in a message.
+LONGEST = 40
 
 
 @dataclass(frozen=True)
 class Card:
-    """A keyword with its parameters (names in capitals) and its rows of data."""
+    """A keyword with its parameters and its rows of data.
+
+    Attributes:
+        keyword: in capitals, as it is written.
+        word: the whole keyword without blanks, whatever it is shortened to in the file.
+        parameters: values by whole names without blanks, in capitals.
+        rows: cells of the rows.
+        place: file and line.
+    """
 
     keyword: str
+    word: str
     parameters: dict[str, str]
     rows: list[list[str]]
     place: str
-
-    @property
-    def word(self) -> str:
-        """The keyword without blanks, which do not count."""
-        return self.keyword.replace(" ", "")
 
     def name(self, parameter: str) -> str | None:
         """A name, in capitals, as case does not count; None without it."""
@@ -43,6 +50,14 @@ class Card:
         if name is None:
             raise ValueError(f"the parameter {parameter} is missing")
         return name
+
+    def choice(self, parameter: str, *choices: str) -> str:
+        """The value of a parameter, the first of the choices without it; perhaps none of them.
+
+        Raises:
+            ValueError: it is short for several of them.
+        """
+        return whole_value(self.parameters.get(parameter) or choices[0], choices)
 
     def refuse(self, *names: str) -> None:
         """Raise ValueError for parameters with which the keyword would mean something else."""
@@ -67,7 +82,21 @@ def cards(path: Path) -> Iterator[Card]:
         MeshError: a file cannot be read, or the files include themselves, one elsewhere, or more
             than any model has.
     """
-    yield from _Files(path.parent).cards(path, ())
+    card: Card | None = None
+    for file, number, line in _Files(path.parent).lines(path, ()):
+        if line.startswith("*"):
+            if card is not None:
+                yield card
+            card = _card(line, f"{file}, line {number}")
+        elif card is not None:
+            card.rows.append([part.strip() for part in line.split(",")])
+        else:
+            raise MeshError(
+                f"{file}, line {number}: expected a keyword, which begins with *, found "
+                f"{line[:LONGEST]!r}"
+            )
+    if card is not None:
+        yield card
 
 
 @dataclass
@@ -78,26 +107,26 @@ class _Files:
     count: int = 0
     size: int = 0
 
-    def cards(self, path: Path, within: tuple[Path, ...]) -> Iterator[Card]:
-        """The keywords of a file that the files `within` include, the outermost first."""
-        card: Card | None = None
-        for number, line in self._lines(path):
-            if line.startswith("*"):
-                if card is not None:
-                    yield from self._included(card, (*within, path))
-                card = _card(line, f"{path}, line {number}")
-            elif card is not None:
-                card.rows.append([part.strip() for part in line.split(",")])
-        if card is not None:
-            yield from self._included(card, (*within, path))
+    def lines(self, path: Path, within: tuple[Path, ...]) -> Iterator[tuple[Path, int, str]]:
+        """File, number and text of each line of a file that the files `within` include.
 
-    def _included(self, card: Card, within: tuple[Path, ...]) -> Iterator[Card]:
-        if card.word != "INCLUDE":
-            yield card
-            return
+        The outermost is the first. Rows in an included file go on with the keyword before it.
+        """
+        for number, line in self._lines(path):
+            begins = line[:2].upper() == "*I"
+            card = _card(line, f"{path}, line {number}") if begins else None
+            if card is not None and card.word == "INCLUDE":
+                yield from self.lines(self._included(card, (*within, path)), (*within, path))
+            else:
+                yield path, number, line
+
+    def _included(self, card: Card, within: tuple[Path, ...]) -> Path:
+        """The file that a card includes."""
         card.require_text()
         name = card.parameters.get("INPUT", "").strip("\"'")
         path = self.folder / name
+        if "\\" in name and not path.exists():  # as it is written on Windows
+            path = self.folder / name.replace("\\", "/")
         if not name or not _is_below(path, self.folder):
             raise MeshError(
                 f"{card.place}: expected a file in the folder of {within[0].name} or below it, "
@@ -109,7 +138,7 @@ class _Files:
             raise MeshError(
                 f"{card.place}: files include each other more than {DEEPEST_INCLUDE} deep"
             )
-        yield from self.cards(path, within)
+        return path
 
     def _lines(self, path: Path) -> Iterator[tuple[int, str]]:
         """Lines with their number; no comments, no empty lines, keywords that go on in one line."""
@@ -134,16 +163,21 @@ class _Files:
                     f"{path}: expected at most {MOST_FILES} files of {MOST_BYTES >> 30} GiB "
                     "together, found more"
                 )
-            return path.read_text(encoding="utf-8", errors="replace")
+            return path.read_text(encoding="utf-8-sig", errors="replace")
         except OSError as error:
             raise MeshError(f"{path}: cannot read the mesh file: {error.strerror}") from error
 
 
 def _card(line: str, place: str) -> Card:
-    keyword, *parameters = (part.strip() for part in line[1:].split(","))
-    pairs = (part.partition("=") for part in parameters if part)
-    values = {name.strip().upper(): value.strip() for name, _, value in pairs}
-    return Card(" ".join(keyword.upper().split()), values, [], place)
+    written, *parts = (part.strip() for part in line[1:].split(","))
+    keyword = " ".join(written.upper().split())
+    pairs = [part.partition("=") for part in parts if part]
+    try:
+        word = whole_keyword(squeezed(keyword))
+        values = {whole_parameter(word, squeezed(name)): value.strip() for name, _, value in pairs}
+    except ValueError as error:
+        raise MeshError(f"{place}: cannot read *{keyword}: {error}") from None
+    return Card(keyword, word, values, [], place)
 
 
 def _is_below(path: Path, folder: Path) -> bool:

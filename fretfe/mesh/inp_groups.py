@@ -15,28 +15,20 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.case import AnyBody, Selector
 from fretfe.errors import MeshError
-from fretfe.mesh.elements import (
-    FACETS,
-    MIDDLES,
-    SHAPES,
-    TYPES,
-    VTK_MIDDLES,
-    complete,
-    in_gmsh_order,
-    nodes_of_facets,
-)
+from fretfe.mesh.elements import SOLID_TYPES, TYPES, complete, in_gmsh_order
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
-from fretfe.mesh.inp import Deck, Material, read_deck
+from fretfe.mesh.inp import Constant, Deck, Material, read_deck
+from fretfe.mesh.inp_shapes import Facet, sides, without_double_nodes
+from fretfe.mesh.planes import upright
 
 # Plane strain and plane stress; shells and membranes, which mesh generators write for plane cells.
 PLANE = re.compile(r"(?:CPEG|CPE|CPS|M3D|STRI|S)([34689])\w*\Z")
-SOLID = re.compile(r"C3D(4|8|10|20)(?!\d)\w*\Z")
+SOLID = re.compile(r"C3D(4|5|6|8|10|15|20)(?!\d)\w*\Z")
+SOLIDS = "tetrahedra (C3D4, C3D10), hexahedra (C3D8, C3D20) or wedges (C3D6, C3D15)"
 LINE = re.compile(r"(?:T2D|T3D|B2|B3)\d\w*\Z")
 UNSUPPORTED = {
     "axisymmetric elements": re.compile(r"C?G?AX|SAX|MAX|SFMAX"),
-    "prisms": re.compile(r"C3D(?:6|15)(?!\d)|SC6"),
-    "pyramids": re.compile(r"C3D(?:5|13)(?!\d)"),
-    "volume elements": re.compile(r"C3D(?!(?:4|8|10|20)(?!\d))|SC\d|CSS\d"),
+    "volume elements": re.compile(r"C3D(?!(?:4|5|6|8|10|15|20)(?!\d))|SC\d|CSS\d"),
 }
 # Points with a mass and surfaces without stiffness: a model without them has the same statics.
 HARMLESS = re.compile(r"(?:MASS|ROTARYI|HEATCAP|SFM)\w*\Z")
@@ -44,43 +36,6 @@ HARMLESS = re.compile(r"(?:MASS|ROTARYI|HEATCAP|SFM)\w*\Z")
 BODY_ELEMENTS, FACET_ELEMENTS = {2: PLANE, 3: SOLID}, {2: LINE, 3: PLANE}
 # Numbers of materials that differ by less, relatively, are the same.
 SAME = 1e-6
-# Corners of the sides S1, S2, ... of each shape.
-SIDES = {
-    "triangle": FACETS["triangle"],
-    "quadrilateral": FACETS["quadrilateral"],
-    "tetrahedron": ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
-    "hexahedron": (
-        *((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1)),
-        *((1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)),
-    ),
-}
-
-
-@dataclass(frozen=True)
-class Facet:
-    """A side of an element, by number; its nodes are corners, then middles of edges."""
-
-    element: int
-    side: int
-    nodes: tuple[int, ...]
-    corners: frozenset[int]
-
-
-def sides(number: int, nodes: tuple[int, ...], dimension: int) -> list[Facet]:
-    """Sides S1, S2, ... of an element."""
-    shape = SHAPES[dimension, len(nodes)]
-    around = (MIDDLES if dimension == 2 else VTK_MIDDLES)[shape]
-    # Abaqus has no nodes within faces of solids.
-    places = nodes_of_facets(shape, len(nodes), SIDES[shape], around)
-    return [
-        Facet(
-            number,
-            side,
-            tuple(nodes[place] for place in facet),
-            frozenset(nodes[corner] for corner in corners),
-        )
-        for side, (facet, corners) in enumerate(zip(places, SIDES[shape], strict=True), start=1)
-    ]
 
 
 def read_inp(
@@ -106,13 +61,16 @@ def read_inp(
     place = {number: index for index, number in enumerate(numbers)}
     points = np.array([deck.nodes[number] for number in numbers])
     dimension = 3 if any(SOLID.match(kind) for kind, _ in deck.elements.values()) else 2
-    cells = _cells(path, deck, dimension)
+    cells = supported_cells(path, deck, dimension)
     members = {
         name: _body_elements(path, deck, name, _label(name, selectors[0]), cells) for name in bodies
     }
     _require_all_elements(path, deck, cells, members)
     named = {
-        name: _blocks(([place[n] for n in cells[each]] for each in elements), dimension)
+        name: _blocks(
+            ([place[n] for n in _whole(path, deck, each, dimension)] for each in elements),
+            dimension,
+        )
         for name, elements in members.items()
     }
     own = [[(each, cells[each]) for each in elements] for elements in members.values()]
@@ -131,13 +89,19 @@ def read_inp(
 
 def unused(path: Path, deck: Deck, used: Set[int]) -> Iterator[str]:
     """Parts of the file that are not used, in words."""
+    if deck.broken:
+        name, reason = next(iter(deck.broken.items()))
+        yield (
+            f"{path.name}: sets and surfaces that cannot be read, and are not used: "
+            f"{listed(deck.broken)}; {name}: {reason.removeprefix(str(path.parent) + '/')}"
+        )
     if deck.unused:
-        listed = ", ".join(f"{count} *{word}" for word, count in sorted(deck.unused.items()))
-        yield f"{path.name}: keywords that are not used: {listed}"
+        words = ", ".join(f"{count} *{word}" for word, count in sorted(deck.unused.items()))
+        yield f"{path.name}: keywords that are not used: {words}"
     kinds = Counter(kind for number, (kind, _) in deck.elements.items() if number not in used)
     if kinds:
-        listed = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
-        yield f"{path.name}: elements that are not used: {listed}"
+        counts = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
+        yield f"{path.name}: elements that are not used: {counts}"
 
 
 @dataclass(frozen=True)
@@ -169,23 +133,27 @@ def read_surface(path: Path, name: str) -> DeckSurface:
     """
     deck = read_deck(path)
     dimension = 3 if any(SOLID.match(kind) for kind, _ in deck.elements.values()) else 2
-    cells = _cells(path, deck, dimension)
+    cells = supported_cells(path, deck, dimension)
     facets = _Groups(path, deck, dimension, [list(cells.items())]).boundary(name, name.upper())
     numbers = sorted({node for facet in facets for node in facet.nodes})
     place = {number: index for index, number in enumerate(numbers)}
-    centres = [
-        np.mean([deck.nodes[node] for node in cells[facet.element]], axis=0) for facet in facets
-    ]
+    centres = np.array(
+        [np.mean([deck.nodes[node] for node in cells[facet.element]], axis=0) for facet in facets]
+    )
     sizes = np.array([len(facet.nodes) for facet in facets])
     rows = {size: np.flatnonzero(sizes == size) for size in np.unique(sizes)}
+    points = np.array([deck.nodes[number] for number in numbers])
+    if dimension == 2:
+        together, _ = upright(np.vstack([points, centres]), np.arange(len(points) + len(centres)))
+        points, centres = np.split(together, [len(points)])
     return DeckSurface(
-        np.array([deck.nodes[number] for number in numbers])[:, :dimension],
+        points[:, :dimension],
         tuple(deck.text(number) for number in numbers),
         tuple(
             np.array([[place[node] for node in facets[row].nodes] for row in own])
             for own in rows.values()
         ),
-        tuple(np.array(centres)[own, :dimension] for own in rows.values()),
+        tuple(centres[own, :dimension] for own in rows.values()),
     )
 
 
@@ -207,7 +175,7 @@ def _material_notes(
             here = {key: getattr(case, key, None) for key in there}
             other = [key for key in there if _differ(here[key], there[key])]
             if other:
-                theirs = ", ".join(f"{key} = {there[key]:.9g}" for key in other)
+                theirs = ", ".join(f"{key} = {_constant_text(there[key])}" for key in other)
                 ours = ", ".join("none" if here[k] is None else f"{here[k]:.9g}" for k in other)
                 yield (
                     f"{path.name}: material {found[0]} of body '{body}' has {theirs}; the case "
@@ -215,8 +183,20 @@ def _material_notes(
                 )
 
 
-def _differ(here: float | None, there: float) -> bool:
-    return here is None or not math.isclose(here, there, rel_tol=SAME)
+def _differ(here: float | None, there: Constant) -> bool:
+    """True if a constant is another one; one over temperature has all values in between."""
+    if here is None or not isinstance(there, dict):
+        return here is None or not math.isclose(here, there, rel_tol=SAME)
+    low, high = min(there["values"]), max(there["values"])
+    return not low * (1 - SAME) <= here <= high * (1 + SAME)
+
+
+def _constant_text(constant: Constant) -> str:
+    """A constant in a note."""
+    if isinstance(constant, dict):
+        values, places = constant["values"], constant["temperatures"]
+        return f"{values[0]:.9g} to {values[-1]:.9g} at {places[0]:g} to {places[-1]:g}"
+    return f"{constant:.9g}"
 
 
 def _label(name: str, selectors: Mapping[str, Selector]) -> str:
@@ -225,7 +205,7 @@ def _label(name: str, selectors: Mapping[str, Selector]) -> str:
     return ((selector.label if selector else None) or name).upper()
 
 
-def _cells(path: Path, deck: Deck, dimension: int) -> dict[int, tuple[int, ...]]:
+def supported_cells(path: Path, deck: Deck, dimension: int) -> dict[int, tuple[int, ...]]:
     """Nodes of the elements that bodies are made of.
 
     Raises:
@@ -236,17 +216,16 @@ def _cells(path: Path, deck: Deck, dimension: int) -> dict[int, tuple[int, ...]]
         for what, pattern in UNSUPPORTED.items():
             if pattern.match(kind):
                 raise MeshError(
-                    f"{path}: expected plane elements, tetrahedra (C3D4, C3D10) or hexahedra "
-                    f"(C3D8, C3D20), found {what} ({kind}), which are not supported"
+                    f"{path}: expected plane elements, {SOLIDS}, found {what} ({kind}), which are "
+                    "not supported"
                 )
         match = BODY_ELEMENTS[dimension].match(kind)
         known = match or FACET_ELEMENTS[dimension].match(kind) or LINE.match(kind)
         if not known and not HARMLESS.match(kind):
             raise MeshError(
                 f"{path}: element {deck.text(number)} is of type {kind}, which is not supported: "
-                "a model without it would be another one. Expected plane elements, tetrahedra "
-                "(C3D4, C3D10) or hexahedra (C3D8, C3D20), and lines, shells or membranes along "
-                "them for boundaries"
+                f"a model without it would be another one. Expected plane elements, {SOLIDS}, and "
+                "lines, shells or membranes along them for boundaries"
             )
         if match and len(nodes) != int(match[1]):
             raise MeshError(
@@ -266,6 +245,8 @@ def _cells(path: Path, deck: Deck, dimension: int) -> dict[int, tuple[int, ...]]
 def _body_elements(
     path: Path, deck: Deck, name: str, label: str, cells: Mapping[int, object]
 ) -> list[int]:
+    if label in deck.broken:
+        raise MeshError(f"{deck.broken[label]}; the body '{name}' needs it")
     members = dict.fromkeys(deck.element_sets.get(label, ()))
     if other := [number for number in members if number not in cells]:
         kind = deck.elements[other[0]][0] if other[0] in deck.elements else "not defined"
@@ -293,6 +274,14 @@ def _require_all_elements(
         )
 
 
+def _whole(path: Path, deck: Deck, number: int, dimension: int) -> tuple[int, ...]:
+    """Nodes of an element, each once."""
+    try:
+        return without_double_nodes(deck.elements[number][1], dimension)
+    except ValueError as error:
+        raise MeshError(f"{path}: element {deck.text(number)} {error}") from None
+
+
 def _blocks(rows: Iterable[list[int]], dimension: int) -> list[ElementBlock]:
     by_count: dict[int, list[list[int]]] = {}
     for row in rows:
@@ -300,7 +289,7 @@ def _blocks(rows: Iterable[list[int]], dimension: int) -> list[ElementBlock]:
     return [
         ElementBlock(kind, in_gmsh_order(kind, np.array(found)))
         for count, found in by_count.items()
-        for kind in [TYPES[dimension, count]]
+        for kind in [SOLID_TYPES[count] if dimension == 3 else TYPES[dimension, count]]
     ]
 
 
@@ -327,7 +316,7 @@ class _Groups:
             self._by_side |= {(facet.element, facet.side): facet for facet in facets}
             self._by_nodes |= {frozenset(facet.nodes): facet for facet in facets}
             uses = Counter(facet.corners for facet in facets)
-            self._exterior += [each for each in facets if uses[each.corners] == 1]
+            self._exterior += _outside([each for each in facets if uses[each.corners] == 1])
 
     def boundary(self, name: str, label: str) -> list[Facet]:
         """The facets of a boundary, at least one."""
@@ -338,6 +327,8 @@ class _Groups:
             found = self._of_nodes(name, label, set(deck.node_sets[label]))
         elif label in deck.element_sets:
             found = self._of_elements(name, label, deck.element_sets[label])
+        elif label in deck.broken:
+            raise MeshError(f"{deck.broken[label]}; the boundary '{name}' needs it")
         else:
             raise MeshError(
                 f"{self._path}: no surface, node set or element set {label} for the boundary "
@@ -394,6 +385,21 @@ class _Groups:
             found.append(facet)
             self.used.add(number)
         return found
+
+
+def _outside(facets: list[Facet]) -> list[Facet]:
+    """Facets of one element only, without quadrilaterals on which two triangles lie, and these."""
+    triangles = {facet.corners for facet in facets if len(facet.corners) == 3}
+    if not triangles or len({len(facet.corners) for facet in facets}) == 1:
+        return facets
+    inside: set[frozenset[int]] = set()
+    for facet in facets:
+        if len(facet.corners) == 4:
+            a, b, c, d = facet.nodes[:4]
+            for halves in (((a, b, c), (a, c, d)), ((a, b, d), (b, c, d))):
+                if triangles.issuperset(map(frozenset, halves)):
+                    inside.update((facet.corners, *map(frozenset, halves)))
+    return [facet for facet in facets if facet.corners not in inside]
 
 
 def listed(names: Iterable[str]) -> str:

@@ -5,15 +5,15 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from pathlib import Path
 
-from fretfe.mesh.inp import Deck, Material, read_deck
+from fretfe.mesh.inp import Constant, Deck, Material, read_deck
 from fretfe.mesh.inp_groups import (
-    BODY_ELEMENTS,
     FACET_ELEMENTS,
     SOLID,
     listed,
+    supported_cells,
     unused,
 )
 
@@ -33,11 +33,11 @@ def outline(path: Path) -> Iterator[str]:
         path: input file.
 
     Raises:
-        MeshError: as `read_deck`.
+        MeshError: as `read_deck`, or for elements that are not supported.
     """
     deck = read_deck(path)
     dimension = 3 if any(SOLID.match(kind) for kind, _ in deck.elements.values()) else 2
-    cells = _of_kind(deck, BODY_ELEMENTS[dimension])
+    cells = supported_cells(path, deck, dimension).keys()
     facets = _of_kind(deck, FACET_ELEMENTS[dimension])
     labels = _bodies(deck, cells)
     names = {label: _name(label, number) for number, label in enumerate(labels, start=1)}
@@ -67,7 +67,7 @@ def _of_kind(deck: Deck, kinds: re.Pattern[str]) -> set[int]:
     return {number for number, (kind, _) in deck.elements.items() if kinds.match(kind)}
 
 
-def _bodies(deck: Deck, cells: set[int]) -> list[str]:
+def _bodies(deck: Deck, cells: Set[int]) -> list[str]:
     """Labels of the sets that are probably the bodies, in the order of the file."""
     for labels in (deck.instances, dict(deck.sections), deck.element_sets):
         found = [
@@ -94,5 +94,15 @@ def _body(deck: Deck, name: str, members: list[int]) -> Iterator[str]:
     yield from (f"# not taken over: {what}" for what in material.left_out)
     if missing := [key for key in NEEDED if key not in material.numbers]:
         yield f"# to be added: {', '.join(missing)}"
-    numbers = ", ".join(f"{k} = {material.numbers[k]!r}" for k in NUMBERS if k in material.numbers)
+    given = {key: material.numbers[key] for key in NUMBERS if key in material.numbers}
+    numbers = ", ".join(f"{key} = {_toml(value)}" for key, value in given.items())
+    if tables := [key for key, value in given.items() if isinstance(value, dict)]:
+        yield f"# to be added: temperature, at which {' and '.join(tables)} are taken"
     yield f"{name} = {{ {numbers} }}" if numbers else f"{name} = {{}}"
+
+
+def _toml(value: Constant) -> str:
+    """A constant as a case file has it."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {rows!r}" for key, rows in value.items()) + " }"
+    return repr(value)

@@ -261,9 +261,16 @@ def _require_gmsh_file(path: Path) -> None:
     except OSError as error:
         raise MeshError(f"{path}: cannot read the mesh file: {error.strerror}") from error
     if not start.lstrip().startswith((b"$MeshFormat", b"$Comments")):
+        deck = start.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"*")
         raise MeshError(
             f"{path}: expected a Gmsh mesh file (.msh) that starts with $MeshFormat,"
             f" found {start[:20]!r}"
+            + (
+                "; this is an input file of Abaqus or CalculiX, which CalculiX GraphiX calls .msh:"
+                " give it a name that ends in .inp"
+                if deck
+                else ""
+            )
         )
 
 

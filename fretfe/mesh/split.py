@@ -29,9 +29,9 @@ from fretfe.mesh.elements import (
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
 from fretfe.mesh.mesh import BodyMesh, Mesh, place_text
 from fretfe.mesh.pieces import connected_groups, require_joined
+from fretfe.mesh.planes import PLANE_TOLERANCE, upright
+from fretfe.mesh.simplices import as_simplices
 
-# Out-of-plane coordinates below this fraction of the size of the mesh are round-off.
-PLANE_TOLERANCE = 1e-9
 # Part of the shortest side of an element by which a coordinate may be rounded.
 LOST_DIGITS = 1e-7
 EXPECTED = {
@@ -129,11 +129,14 @@ def mesh_from_raw(
         MeshError: It is not a set of separate plane or solid bodies with valid elements.
     """
     _require_finite(raw.points, source)
-    notes = list(raw.notes)
+    raw = _in_plane(raw)
     if merge is not None:
-        _node_owners(raw, _all_cells(raw, source), source)
+        _node_owners(raw, _all_cells(as_simplices(raw, source), source), source)
         raw, note = merged(raw, merge, source)
-        notes.append(note)
+        raw = replace(raw, notes=(*raw.notes, note))
+    # after that: how faces are divided depends on their nodes
+    raw = as_simplices(raw, source)
+    notes = list(raw.notes)
     cells = _all_cells(raw, source)
     _require_one_order(raw, cells, source)
     owner = _node_owners(raw, cells, source)
@@ -164,6 +167,15 @@ def mesh_from_raw(
         if body.pieces > 1
     ]
     return Mesh(bodies, tuple(notes))
+
+
+def _in_plane(raw: RawMesh) -> RawMesh:
+    """The mesh with plane bodies in z = 0, where they lie in a plane of their own."""
+    if raw.dimension == 3:
+        return raw
+    nodes = [block.nodes.ravel() for blocks in raw.bodies.values() for block in blocks]
+    points, note = upright(raw.points, np.unique(np.concatenate(nodes)))
+    return replace(raw, points=points, notes=(*raw.notes, note)) if note else raw
 
 
 def _all_cells(raw: RawMesh, source: str) -> dict[str, _Cells]:

@@ -24,6 +24,7 @@ from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.mesh.elements import (
     KINDS,
+    PLURALS,
     facet_measures,
     jacobian_determinants,
     quadrature,
@@ -208,14 +209,14 @@ def test_reversal_gives_the_mirror_image(cell: str, order: int) -> None:
     np.testing.assert_array_equal(there[there], np.arange(len(there)))
 
 
-WITHOUT_VOLUMES = CUBE.with_elements((3, "lower", (1, 2, 6, 5)), (3, "upper", (9, 10, 14, 13)))
+WITHOUT_VOLUMES = CUBE.with_elements((3, "lower", (1, 2, 6, 5)), (3, "upper", (9, 10, 11, 12)))
 INVERTED = CUBE.move(7, 0.2, 0.2, -1.0)
 SHARED = CUBE.add((4, "third", (2, 6, 10, 11)))
 INSIDE = CUBE.add((4, "upper", (10, 14, 11, 13)), (2, "cut", (10, 11, 13)))
 PRISM = CUBE.with_elements((6, "lower", (1, 2, 3, 5, 6, 7)))
 PYRAMID = CUBE.with_elements((7, "lower", (1, 2, 3, 4, 5)))
 SERENDIPITY = CUBE.with_elements((17, "lower", (*range(1, 17), 1, 2, 3, 4)))
-MIXED = CUBE.add((4, "lower", (9, 10, 11, 13)))
+MIXED = CUBE.add((11, "lower", tuple(range(1, 11))))
 UNNAMED = CUBE.with_elements((5, "", (1, 2, 3, 4, 5, 6, 7, 8)))
 OVERLAPPING = CUBE.add((5, "lower", (1, 2, 3, 4, 5, 6, 7, 8)))
 OTHER_FACETS = CUBE.add((2, "half", (5, 6, 7)))
@@ -228,10 +229,8 @@ OTHER_FACETS = CUBE.add((2, "half", (5, 6, 7)))
         pytest.param(INVERTED, r"'lower' has inverted elements .1 of 1.", id="inverted"),
         pytest.param(SHARED, r"share 4 of their nodes.*two physical volumes", id="shared"),
         pytest.param(INSIDE, r"'cut' on the outside of a body.*facet around", id="inside"),
-        pytest.param(PRISM, "prisms, which are not supported; expected tetrahedra", id="prism"),
-        pytest.param(PYRAMID, "pyramids, which are not supported; expected tetr", id="pyramid"),
         pytest.param(SERENDIPITY, "20-node hexahedra; expected 27-node ones", id="serendipity"),
-        pytest.param(MIXED, "mixes hexahedra of order 1 and tetrahedra of order 1", id="mixed"),
+        pytest.param(MIXED, "mixes hexahedra of order 1 and tetrahedra of order 2", id="mixed"),
         pytest.param(UNNAMED, "one named physical volume per body, found none", id="no names"),
         pytest.param(OVERLAPPING, "'lower' has elements that overlap", id="overlapping"),
         pytest.param(OTHER_FACETS, "'half' has triangles on body 'lower' of hexahed", id="facets"),
@@ -240,6 +239,20 @@ OTHER_FACETS = CUBE.add((2, "half", (5, 6, 7)))
 def test_mistakes_have_a_message_of_their_own(tmp_path: Path, mesh: TinyMesh, message: str) -> None:
     with pytest.raises(MeshError, match=message):
         read_mesh(mesh.write(tmp_path / "bad.msh"))
+
+
+@pytest.mark.parametrize(
+    ("mesh", "cells", "volume"), [(PRISM, 3, 1 / 2), (PYRAMID, 2, 1 / 3)], ids=["prism", "pyramid"]
+)
+def test_prisms_and_pyramids_are_divided(
+    tmp_path: Path, mesh: TinyMesh, cells: int, volume: float
+) -> None:
+    found = read_mesh(mesh.write(tmp_path / "m.msh"))
+    lower = found.bodies["lower"]
+    assert (lower.cell, len(lower.cells)) == ("tetrahedron", cells)
+    volumes = jacobian_determinants(lower.points, lower.cells, "tetrahedron", 1)[:, 0] / 6
+    assert volumes.min() > 0 and volumes.sum() == pytest.approx(volume, rel=1e-12)
+    assert f"and is divided into {PLURALS['tetrahedron']}" in found.notes[0]
 
 
 COARSE = {"template": "wedge", "parameters": {"size": 0.25, "growth": 0.5}, "order": 1}

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Keywords and parameters of Abaqus and CalculiX input files, and what they may be shortened to.
+
+Both may be abbreviated as long as no other one begins in the same way, blanks and case do not count
+(Abaqus Analysis User's Guide, Input syntax rules).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+# All parameters of the keywords that are read: any other one is a mistake, or asks for something
+# that is not known here. Names are written without blanks.
+PARAMETERS: dict[str, tuple[str, ...]] = {
+    "INCLUDE": ("INPUT", "PASSWORD"),
+    "NODE": ("INPUT", "NSET", "SYSTEM"),
+    "ELEMENT": ("ELSET", "FILE", "INPUT", "OFFSET", "SOLIDELEMENTNUMBERING", "TYPE"),
+    "NSET": ("ELSET", "GENERATE", "INSTANCE", "INTERNAL", "NSET", "UNSORTED"),
+    "ELSET": ("ELSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED"),
+    "SURFACE": (
+        *("BEAMTYPE", "COMBINE", "CROP", "DEFINITION", "FILLETRADIUS", "INTERNAL", "MAXRATIO"),
+        *("NAME", "NOOFFSET", "NOTHICK", "PROPERTY", "REGIONTYPE", "SCALETHICK", "TRIM", "TYPE"),
+    ),
+    "PART": ("INTERNAL", "NAME"),
+    "ENDPART": (),
+    "ASSEMBLY": ("NAME",),
+    "ENDASSEMBLY": (),
+    "INSTANCE": ("INSTANCE", "INTERNAL", "LIBRARY", "NAME", "PART"),
+    "ENDINSTANCE": (),
+    "CONTACTPAIR": (
+        *("ADJUST", "ADJUSTMENT", "BLENDING", "CPSET", "EXTENSIONZONE", "GEOMETRICCORRECTION"),
+        *("HCRIT", "INTERACTION", "MECHANICALCONSTRAINT", "MINIMUMDISTANCE", "NOTHICKNESS", "OP"),
+        *("SLIDEDISTANCE", "SMALLSLIDING", "SMOOTH", "SUPPLEMENTARYCONSTRAINTS", "TIED"),
+        *("TRACKING", "TYPE", "WEIGHT"),
+    ),
+    "CONTACTINITIALIZATIONDATA": (
+        *("INITIALCLEARANCE", "INTERFERENCEFIT", "NAME", "SEARCHABOVE", "SEARCHBELOW"),
+        *("SEARCHNSET", "SECTIONTYPE", "STEPFRACTION", "TIED"),
+    ),
+    "SURFACEBEHAVIOR": (
+        *("AUGMENTEDLAGRANGE", "DIRECT", "NOSEPARATION", "PENALTY", "PRESSURE-OVERCLOSURE"),
+        *("PRESSUREDEPENDENCE", "UNCOUPLED"),
+    ),
+    "MATERIAL": ("NAME", "RTOL", "SRATEFACTOR", "STRAINRATEREGULARIZATION"),
+}
+# The same of those whose other parameters say nothing of the mesh or of constants: they may have
+# more.
+OPEN_PARAMETERS: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys(
+        ("SOLIDSECTION", "SHELLSECTION", "MEMBRANESECTION"),
+        (
+            *("BULKVISCOSITY", "COMPOSITE", "CONTROLS", "DENSITY", "ELSET", "LAYUP", "MATERIAL"),
+            *("MEMBRANETHICKNESS", "NODALTHICKNESS", "OFFSET", "ORDER", "ORIENTATION", "POISSON"),
+            *("REFNODE", "SECTIONINTEGRATION", "SHELLTHICKNESS", "STACKDIRECTION", "SYMMETRIC"),
+            *("TEMPERATURE", "THICKNESSMODULUS"),
+        ),
+    ),
+    "ELASTIC": ("COMPRESSIONFACTOR", "DEPENDENCIES", "DISTRIBUTION", "MODULI", "TYPE"),
+    "DENSITY": ("DEPENDENCIES", "DISTRIBUTION", "POREFLUID"),
+    "EXPANSION": ("DEPENDENCIES", "POREFLUID", "TYPE", "USER", "ZERO"),
+    "RIGIDBODY": (
+        *("ANALYTICALSURFACE", "DENSITY", "ELSET", "ISOTHERMAL", "NSET", "OFFSET", "PINNSET"),
+        *("POSITION", "REFNODE", "THICKNESS", "TIENSET"),
+    ),
+}
+# Keywords that change nodes, elements or what numbers mean, or that join parts: without them the
+# model would be another one. And what to do instead.
+_WRITTEN_OUT = "write out all nodes and elements"
+JOINED = (
+    "it joins nodes or parts, which would come apart here: mesh them as one part with common "
+    "nodes, or make them bodies of their own in contact"
+)
+_LED = (
+    "it moves a surface with a reference node: delete it, and give that surface a load of type "
+    "platen, or a support, in the case. If the node belongs to another body, it joins them: mesh "
+    "these as one part with common nodes"
+)
+REFUSED = {
+    **dict.fromkeys(
+        (
+            *("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "IMPERFECTION"),
+            *("SYMMETRICMODELGENERATION", "IMPORT", "MAP", "PARAMETER", "MODELCHANGE"),
+        ),
+        _WRITTEN_OUT,
+    ),
+    **dict.fromkeys(
+        (
+            *("TIE", "MPC", "EQUATION", "NETWORKMPC", "EMBEDDEDELEMENT", "RIGIDBODY"),
+            *("SHELLTOSOLIDCOUPLING", "CYCLICSYMMETRYMODEL", "FASTENER", "PRE-TENSIONSECTION"),
+            *("SUBSTRUCTUREGENERATE", "SUBSTRUCTUREPROPERTY", "MATRIXASSEMBLE", "USERELEMENT"),
+            *("BONDEDREGION", "COHESIVEBEHAVIOR", "RELEASE", "JOINT", "CONNECTORSECTION"),
+            *("RIGIDSURFACE", "IMPLICITRIGIDBODY", "SPRING", "DASHPOT", "DISPLAYBODY"),
+        ),
+        JOINED,
+    ),
+    **dict.fromkeys(
+        (
+            *("COUPLING", "KINEMATIC", "DISTRIBUTING", "KINEMATICCOUPLING"),
+            "DISTRIBUTINGCOUPLING",
+        ),
+        _LED,
+    ),
+}
+# A keyword that is not used and with which others begin: written out, it is no abbreviation.
+_WHOLE = ("CONTACT",)
+KEYWORDS = (*PARAMETERS, *OPEN_PARAMETERS, *REFUSED, *_WHOLE)
+
+
+def squeezed(text: str) -> str:
+    """A keyword, parameter or value in capitals and without blanks, which do not count."""
+    return "".join(text.upper().split())
+
+
+def whole_keyword(word: str) -> str:
+    """The keyword that an abbreviation stands for; itself where it stands for none that is known.
+
+    Raises:
+        ValueError: several begin so.
+    """
+    found = _beginning(word, dict.fromkeys(KEYWORDS))
+    if len(found) > 1:
+        raise ValueError(
+            f"expected a keyword, found *{word}, with which {', '.join(found)} begin: write it out"
+        )
+    return found[0] if found else word
+
+
+def whole_parameter(word: str, parameter: str) -> str:
+    """The parameter of a keyword, both squeezed, that an abbreviation stands for.
+
+    Raises:
+        ValueError: several begin so, or it is not among all that the keyword has.
+    """
+    known = PARAMETERS.get(word, OPEN_PARAMETERS.get(word))
+    found = _beginning(parameter, known or ())
+    if len(found) == 1 or known is None or (not found and word in OPEN_PARAMETERS):
+        return found[0] if found else parameter
+    raise ValueError(
+        f"expected parameters {', '.join(known) or '(none)'}, found {parameter}"
+        + (f", with which {' and '.join(found)} begin" if found else "")
+    )
+
+
+def whole_value(value: str, choices: Iterable[str]) -> str:
+    """The one of some values that an abbreviation stands for; itself, squeezed, if there is none.
+
+    Raises:
+        ValueError: several begin so.
+    """
+    value = squeezed(value)
+    found = _beginning(value, choices)
+    if len(found) > 1:
+        raise ValueError(f"found {value}, with which {' and '.join(found)} begin: write it out")
+    return found[0] if found else value
+
+
+def _beginning(word: str, known: Iterable[str]) -> list[str]:
+    """What is meant by a word: itself, or what begins with it."""
+    known = tuple(known)
+    return [word] if word in known else [each for each in known if each.startswith(word)]

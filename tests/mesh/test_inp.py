@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Input files as other programs write them: the same mesh, or a word of what is not read."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fretfe.case import Body, parse_case
+from fretfe.errors import MeshError
+from fretfe.mesh.gmsh import RawMesh
+from fretfe.mesh.inp_groups import read_inp
+from fretfe.mesh.inp_outline import outline
+from fretfe.mesh.split import mesh_from_raw
+
+STEEL = Body(young=210e3, poisson=0.3)
+BODIES = {"low": STEEL, "up": STEEL}
+# Two rows of three squares, one on the other.
+NODES = "".join(
+    f"{first + 4 * row + column}, {column}., {row + height}.\n"
+    for first, height in ((1, 0), (21, 1))
+    for row in range(2)
+    for column in range(4)
+)
+LOW, UP = (
+    "".join(f"{n}, {n}, {n + 1}, {n + 5}, {n + 4}\n" for n in range(first, first + 3))
+    for first in (1, 21)
+)
+SURFACES = "*SURFACE, NAME=FACE\nTOP, S3\n*SURFACE, NAME=HEAD\nUP, S3\n"
+SETS = "*ELSET, ELSET=TOP, GENERATE\n1, 3, 1\n"
+DECK = (
+    f"*NODE\n{NODES}*ELEMENT, TYPE=CPE4, ELSET=LOW\n{LOW}*ELEMENT, TYPE=CPE4, ELSET=UP\n{UP}"
+    f"{SETS}{SURFACES}"
+)
+ELASTIC = "*MATERIAL, NAME=STEEL\n*ELASTIC\n{}\n*SOLID SECTION, ELSET=LOW, MATERIAL=STEEL\n"
+
+
+def read(folder: Path, text: str) -> RawMesh:
+    (folder / "pad.inp").write_text(text, encoding="utf-8")
+    return read_inp(folder / "pad.inp", BODIES, ["face", "head"], ({}, {}))
+
+
+def blocks(raw: RawMesh) -> object:
+    return [
+        {name: [(each.gmsh_type, each.nodes.tolist()) for each in found]
+         for name, found in groups.items()}
+        for groups in (raw.bodies, raw.boundaries)
+    ]  # fmt: skip
+
+
+def refused(folder: Path, text: str) -> str:
+    with pytest.raises(MeshError) as caught:
+        read(folder, text)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("GENERATE", "GEN"),
+        ("TYPE=CPE4, ELSET=", "TYP = CPE4 , els ="),
+        ("*SURFACE, NAME=", "*SURFACE, TYP=ELEM, NAM="),
+        ("*ELSET, ELSET", "*ELS, ELS"),
+        ("*NODE\n", "*NODE, SYSTEM=R\n"),
+        ("*NODE\n", "\N{BYTE ORDER MARK}*NODE\n"),
+        ("*NODE\n", "*NODE, SYS=REC\n"),
+        ("5\n2,", "5,\n2,"),
+        (LOW, LOW.replace("\n", ",\n")),
+        (LOW, LOW.replace("1, 2, ", "1, 2,\n")),
+        (SETS + SURFACES, SURFACES + SETS),
+        (SETS, "*ELSET, ELSET=TOP\nREST, 1\n*ELSET, ELSET=REST\n2, 3\n"),
+        ("CPE4", "S4R"),
+        ("CPE4", "S4"),
+    ],
+)
+def test_the_same_mesh_written_otherwise(tmp_path: Path, old: str, new: str) -> None:
+    text = DECK.replace(old, new)
+    assert text != DECK
+    if new.startswith("S4"):  # edges of shells: Abaqus, and CalculiX behind the two faces
+        text = text.replace(", S3", ", E3" if new == "S4R" else ", S5")
+    plain = read(tmp_path, DECK)
+    found = read(tmp_path, text)
+    assert sorted(blocks(found)[1]["face"][0][1]) == sorted(blocks(plain)[1]["face"][0][1])
+    assert blocks(found)[0] == blocks(plain)[0] and found.notes == ()
+    np.testing.assert_array_equal(found.points, plain.points)
+
+
+def test_included_rows_go_on_with_the_keyword_before_them(tmp_path: Path) -> None:
+    (tmp_path / "mesh").mkdir()
+    (tmp_path / "mesh" / "nodes.txt").write_text(NODES)
+    plain = read(tmp_path, DECK)
+    found = read(tmp_path, DECK.replace(NODES, "*INCL, INP=mesh\\nodes.txt\n"))
+    assert blocks(found) == blocks(plain)
+    assert "line 1: expected a keyword, which begins with *" in refused(tmp_path, NODES + DECK)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("GENERATE", "GENRATE", "found GENRATE"),
+        ("GENERATE", "IN", "found IN, with which INSTANCE and INTERNAL begin"),
+        ("*ELSET", "*EL", "*EL, with which ELEMENT, ELSET, ELASTIC, ELGEN, ELCOPY begin"),
+        ("*NODE\n", "*NODE, SYS=C\n", "expected x, y and z, found SYSTEM=CYLINDRICAL"),
+        ("*NODE\n", "*NODE, INP=x\n", "the parameter INPUT is not supported"),
+        ("1, 3, 1", "1, 3, 1, 1", "expected first, last and perhaps step"),
+        ("CPE4", "S4", "which is one of its faces"),
+        ("TOP, S3", "NONE, S3", "there is no set 'NONE'; the boundary 'face' needs it"),
+        ("TOP, S3", "NONE, SPOS", "there is no set 'NONE'; the boundary 'face' needs it"),
+        ("NAME=FACE", "NAME=FACE, TYPE=SEGMENTS", "surfaces of type SEGMENTS are not supported"),
+        ("ELSET=LOW", "ELSET=LOW, OFFSET=5", "the parameter OFFSET is not supported"),
+    ],
+)
+def test_what_is_not_understood(tmp_path: Path, old: str, new: str, message: str) -> None:
+    text = DECK.replace(old, new)
+    if new == "S4":
+        text = text.replace(", S3", ", S1")
+    assert message in " ".join(refused(tmp_path, text).split())
+
+
+def test_what_is_not_used_is_no_obstacle(tmp_path: Path) -> None:
+    lines = "*NSET, NSET=PROBE\nNOT_WRITTEN\n*SURFACE, TYPE=SEGMENTS, NAME=ROLL\nSTART, 0., 5.\n"
+    rigid = "*NODE, NSET=RP\n99, 0., 5.\n*RIGID BODY, ANALYTICAL SURFACE=ROLL, REF NODE=99\n"
+    found = read(tmp_path, DECK + lines + rigid)
+    assert blocks(found) == blocks(read(tmp_path, DECK))
+    assert found.notes[0].startswith(
+        "pad.inp: sets and surfaces that cannot be read, and are not used: PROBE, ROLL; PROBE: "
+        "pad.inp, line 32: cannot read *NSET: there is no set 'NOT_WRITTEN'"
+    )
+    assert "1 *RIGID BODY" in found.notes[1]
+
+
+def test_constants_over_temperature(tmp_path: Path) -> None:
+    """Tables as a case has them; at the first temperature where a body has none."""
+    rows = ELASTIC.format("210000., .3, 20.\n180000., .3, 420.")
+    (tmp_path / "pad.inp").write_text(DECK + rows)
+    low = tomllib.loads("\n".join(outline(tmp_path / "pad.inp")))["bodies"]["low"]
+    assert low == {
+        "young": {"temperatures": [20.0, 420.0], "values": [210e3, 180e3]},
+        "poisson": {"temperatures": [20.0, 420.0], "values": [0.3, 0.3]},
+    }
+    data = {
+        "geometry": {"file": "pad.inp"},
+        "contacts": {"main": {"surface1": "head", "surface2": "face", "friction": 0.5}},
+        "supports": {"base": {"boundary": "foot", "fix": ["x", "y"]}},
+    }
+    for body, young, note in (
+        ({}, 210e3, "young and poisson at 20 °C, the first of a table, as the body has no temp"),
+        ({"temperature": 220.0}, 195e3, "constants at 220 °C"),
+    ):
+        bodies = {"low": body, "up": {"young": 1.0, "poisson": 0.3}}
+        case = parse_case({**data, "bodies": bodies}, tmp_path / "case.toml")
+        assert case.bodies["low"].model_dump()["young"] == young
+        assert note in case.material_notes[0]
+
+
+@pytest.mark.parametrize("kind", ["CAX4", "R3D4"])
+def test_elements_that_are_not_supported_are_refused_without_a_case(
+    tmp_path: Path, kind: str
+) -> None:
+    (tmp_path / "pad.inp").write_text(DECK.replace("CPE4", kind))
+    with pytest.raises(MeshError, match=f"{kind}.* not supported"):
+        list(outline(tmp_path / "pad.inp"))
+
+
+@pytest.mark.parametrize(
+    ("rows", "side"),
+    [
+        ("*ELEMENT, TYPE=CPE3, ELSET=LOW\n2, 2, 3, 7\n4, 2, 7, 6\n", "S2"),
+        ("*ELEMENT, TYPE=CPE4, ELSET=LOW\n2, 2, 3, 7, 7\n4, 2, 7, 6, 6\n", "S2"),
+        ("*ELEMENT, TYPE=CPE4, ELSET=LOW\n2, 2, 2, 3, 7\n4, 7, 6, 2, 2\n", "S1"),
+    ],
+    ids=["mixed", "double", "doubled first"],
+)
+def test_triangles_among_quadrilaterals(tmp_path: Path, rows: str, side: str) -> None:
+    """The body is made of triangles; its area and its top stay (sides keep their numbers)."""
+    text = DECK.replace("2, 2, 3, 7, 6\n", "").replace("*ELSET", rows + "*ELSET", 1)
+    text = text.replace("TOP, S3\n", f"1, S3\n3, S3\n4, {side}\n")
+    mesh = mesh_from_raw(read(tmp_path, text), "pad.inp")
+    low = mesh.bodies["low"]
+    assert (low.cell, len(low.cells), mesh.bodies["up"].cell) == ("triangle", 6, "quadrilateral")
+    (x1, y1), (x2, y2) = np.moveaxis(np.diff(low.points[low.cells], axis=1), 0, -1)
+    assert np.sum(x1 * y2 - x2 * y1) / 2 == pytest.approx(3.0, rel=1e-12)
+    assert sorted(low.points[low.boundaries["face"]][:, :, 1].ravel()) == [1.0] * 6
+    assert "body 'low' has 2 quadrilaterals and 2 triangles, and is divided into" in mesh.notes[0]
