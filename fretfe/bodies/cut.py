@@ -316,6 +316,11 @@ def _interpolation(
     places = asked.places
     own = np.pad(places / asked.load.factor, ((0, 0), (0, 3 - places.shape[1])))
     if field.cells is None:
+        if isinstance(asked.load, FieldLoad) and asked.load.part is not None:
+            raise CaseError(
+                f"{path}: expected no 'part' of points without elements, as those of a table, found "
+                f"{asked.load.part!r}"
+            )
         return _between_points(path, field.points[:, : places.shape[1]], own, places)
     weights = _element_weights(path, field, field.cells, asked, own)
     chosen, columns = np.unique(weights.indices, return_inverse=True)
@@ -336,8 +341,15 @@ def _element_weights(
     else:
         chosen = elements_of_part(path, cells, part, asked.body)
         weights, away = element_weights(field, chosen, own)
+    sums = np.asarray(weights.sum(axis=1)).ravel()
+    if (wrong := ~(np.abs(sums - 1) < SAME)).any():
+        node = int(np.flatnonzero(wrong)[0])
+        raise CaseError(
+            f"{path}: expected weights of nodes of an element that add up to 1, found "
+            f"{sums[node]:g} at {place_text(asked.places[node])}: is the element there inverted?"
+        )
     farthest = int(np.argmax(away))
-    if away[farthest] > OUTSIDE:
+    if not away[farthest] <= OUTSIDE:
         raise CaseError(
             f"{path}: expected elements at all nodes, found the node at "
             f"{place_text(asked.places[farthest])} away from the nearest of them by "

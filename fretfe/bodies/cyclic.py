@@ -42,6 +42,7 @@ from fretfe.surface.surface import (
     Surface,
     boundary_surface,
     facet_edges,
+    normal_vectors,
     rim_edges,
 )
 
@@ -144,10 +145,28 @@ class Tie:
 
 @dataclass(frozen=True)
 class _Place:
-    """Places of k nodes on a surface: distances (k,) from it and weights (k, m) of its nodes."""
+    """Places of k nodes on a surface: distances (k,) from it, facets (k,), weights (k, m)."""
 
     distance: Array
+    facets: Indices
     weights: sparse.csr_matrix
+
+
+@dataclass(frozen=True)
+class _Miss:
+    """The place of a side that is farthest from the turned other one.
+
+    Attributes:
+        excess: its distance less what curved facets explain.
+        distance: from the other side.
+        place: (d,) it, not turned.
+        forth: whether it is of the first side.
+    """
+
+    excess: float
+    distance: float
+    place: Array
+    forth: bool
 
 
 def tie_sides(symmetry: Symmetry, key: Key, source: Path, mesh: BodyMesh, degree: int) -> Tie:
@@ -172,14 +191,17 @@ def tie_sides(symmetry: Symmetry, key: Key, source: Path, mesh: BodyMesh, degree
         sides, names = sides[::-1], names[::-1]
     turns = [_rotation(across, sign * 2 * np.pi / symmetry.sectors, gdim) for sign in (1.0, -1.0)]
     misses = [_miss(sides[0], sides[1], turn, centre) for turn in turns]
-    best = int(misses[1][0] < misses[0][0])
-    distance, where = misses[best]
-    if distance > SAME * size:
+    best = int(misses[1].excess < misses[0].excess)
+    if misses[best].excess > SAME * size:
+        raise CaseError(
+            complaint(source, key, _no_images(mesh.name, symmetry, names, misses[best]))
+        )
+    if symmetry.sectors > 2 and _along(sides[0], centre, across, (1.0, -1.0)[best]) > 0:
+        # A half and its complement are the same.
         text = (
-            f"expected sides of the body {mesh.name!r} that are images of one another by a turn of "
-            f"360°/{symmetry.sectors} about the axis, found {names[0]!r} turned up to "
-            f"{distance:.4g} from {names[1]!r}, at {place_text(where)}: check sectors, centre and "
-            "axis, and that both boundaries are whole"
+            f"expected a sector of 360°/{symmetry.sectors} between the sides of the body "
+            f"{mesh.name!r}, found one of {360 - 360 / symmetry.sectors:.6g}°, which overlaps its "
+            "neighbours: check sectors, and which side of the cuts was kept"
         )
         raise CaseError(complaint(source, key, text))
     return _tied(sides[0], sides[1], turns[best], across, centre, size, degree)
@@ -334,17 +356,70 @@ def _rotation(across: Array, angle: float, gdim: int) -> Array:
     return np.asarray(np.eye(gdim) + across.T @ inside @ across)
 
 
-def _miss(one: Surface, other: Surface, turn: Array, centre: Array) -> tuple[float, Array]:
-    """Largest distance of nodes of one side, turned, from the other or the other way; and where."""
-    forth, back = one.points, other.points
-    distances = np.concatenate(
-        [
-            _places(centre + (forth - centre) @ turn.T, other, 1).distance,
-            _places(centre + (back - centre) @ turn, one, 1).distance,
-        ]
+def _no_images(body: str, symmetry: Symmetry, names: tuple[str, str], miss: _Miss) -> str:
+    own, other = names if miss.forth else names[::-1]
+    return (
+        f"expected sides of the body {body!r} that are images of one another by a turn of "
+        f"360°/{symmetry.sectors} about the axis, found {own!r} at {place_text(miss.place)}, "
+        f"turned, {miss.distance:.4g} from {other!r}: check sectors, centre and axis, and that "
+        f"{other!r} is whole there"
     )
-    worst = int(np.argmax(distances))
-    return float(distances[worst]), np.concatenate([forth, back])[worst]
+
+
+def _miss(one: Surface, other: Surface, turn: Array, centre: Array) -> _Miss:
+    """The place of a side that is farthest from the other one, turned, beyond what facets may be.
+
+    Nodes and middles of facets: of a side where a facet is missing all nodes may be there.
+    """
+    found = []
+    for forth, own, others, by in ((True, one, other, turn), (False, other, one, turn.T)):
+        at = quadrature(own.shape, 1)[0]
+        middles = np.einsum("qk,fkd->fqd", shape_values(own.shape, own.degree, at), own.nodes)
+        points = np.concatenate([own.points, middles[:, 0]])
+        place = _places(centre + (points - centre) @ by.T, others, 1)
+        bent = np.zeros(len(own.points))
+        np.maximum.at(bent, own.facets, _bends(own)[:, None])
+        allowed = np.concatenate([bent, _bends(own)]) + _bends(others)[place.facets]
+        worst = int(np.argmax(place.distance - allowed))
+        distance = float(place.distance[worst])
+        found.append(_Miss(distance - float(allowed[worst]), distance, points[worst], forth))
+    return max(found, key=lambda each: each.excess)
+
+
+def _bends(surface: Surface) -> Array:
+    """(f,) distances from a smooth surface that facets of other nodes on it may have.
+
+    An arc of length h that turns by θ is hθ/8 from its chord and hθ³/512 from a parabola, as in
+    `Chain.deviations`; where the next facet turns by Δθ more, a parabola is another
+    h Δθ/(72 √3) from the curve (remainder of quadratic interpolation). Twice that here: normals at
+    the rim turn half as far. Facets that turn by more than half a radian are taken for corners,
+    where nodes must be the same.
+    """
+    corners = surface.corners
+    count = corners.shape[1]
+    normals, places = surface.normals[:, :count], surface.nodes[:, :count]
+    turns = np.arccos(np.clip(normals @ normals.swapaxes(1, 2), -1, 1)).max(axis=(1, 2))
+    apart = np.linalg.norm(places[:, :, None] - places[:, None], axis=3).max(axis=(1, 2))
+    most, least = np.zeros(len(surface.vertices)), np.full(len(surface.vertices), np.inf)
+    np.maximum.at(most, corners, turns[:, None])
+    np.minimum.at(least, corners, turns[:, None])
+    steps = (most - least)[corners].max(axis=1)
+    parts = turns / 8 if surface.degree == 1 else turns**3 / 512 + steps / (72 * np.sqrt(3))
+    return np.where(turns < 0.5, 2 * apart * parts, 0.0)
+
+
+def _along(side: Surface, centre: Array, across: Array, sense: float) -> float:
+    """Integral over a side of its outward normal times the velocity of a turn about the axis.
+
+    Negative where the body lies ahead of the side: its sheets count as they cover a half plane
+    through the axis, however it is curved.
+    """
+    at, weights = quadrature(side.shape, GAUSS_POINTS)
+    values = shape_values(side.shape, side.degree, at)
+    x, y = np.moveaxis((np.einsum("qk,fkd->fqd", values, side.nodes) - centre) @ across.T, 2, 0)
+    velocity = sense * np.stack([-y, x], axis=2) @ across
+    normals = normal_vectors(side.nodes, side.shape, side.degree, at)
+    return float(np.einsum("fqd,fqd,q->", normals, velocity, weights))
 
 
 def _places(points: Array, surface: Surface, degree: int) -> _Place:
@@ -364,7 +439,7 @@ def _places(points: Array, surface: Surface, degree: int) -> _Place:
     shares /= shares.sum(axis=1, keepdims=True)
     shape = len(points), len(surface.displacement_points(degree))
     entries = shares.ravel(), (np.repeat(rows, nodes.shape[1]), nodes.ravel())
-    return _Place(distance[rows, best], sparse.csr_matrix(entries, shape=shape))
+    return _Place(distance[rows, best], facets[rows, best], sparse.csr_matrix(entries, shape=shape))
 
 
 def _candidates(points: Array, surface: Surface) -> Indices:

@@ -256,6 +256,36 @@ def _require_above_absolute_zero(case: Case, definition: ModelDefinition, histor
                     f"{ABSOLUTE_ZERO:g} (absolute zero, in degrees Celsius), found {coldest:g} in "
                     f"the body {name!r}, whose reference temperature is {start:g}"
                 )
+    for name in case.bodies:
+        _require_sum_above_absolute_zero(case, definition, history, name)
+
+
+def _require_sum_above_absolute_zero(
+    case: Case, definition: ModelDefinition, history: History, body: str
+) -> None:
+    """Check loads that change the temperature of a body together, at the points that they have."""
+    heats = [load for load in definition.loads if load.kind == "temperature" and load.strains(body)]
+    names = list(dict.fromkeys(load.channel for load in heats))
+    if len(names) < 2:
+        return
+    start = case.bodies[body].reference_temperature or 0.0
+    nodes = [load.changes[body].points for load in heats if body in load.changes]
+    given = [load.at_points.points for load in heats if load.at_points is not None]
+    places = nodes[0] if nodes else np.unique(np.concatenate(given), axis=0)
+    changes = np.stack([load.temperature_change(body, start, places) for load in heats])
+    columns = [history.values[:, history.channels.index(load.channel)] for load in heats]
+    parts = np.stack([load.amplitudes(each) for load, each in zip(heats, columns, strict=True)])
+    coldest = min(
+        (start + float((state @ changes).min()), time)
+        for state, time in zip(parts.T, history.times, strict=True)
+    )
+    if coldest[0] < ABSOLUTE_ZERO:
+        raise CaseError(
+            f"{case.source}: loads: expected temperatures >= {ABSOLUTE_ZERO:g} (absolute zero, in "
+            f"degrees Celsius), found {coldest[0]:g} in the body {body!r} at time {coldest[1]:g} "
+            f"by {' and '.join(names)} together, which each change its temperature from "
+            f"{start:g}"
+        )
 
 
 @dataclass(frozen=True)

@@ -174,18 +174,22 @@ class DistributedLoad:
         """(m, 3, 3) initial strain at places (m, d) of a body that it strains, for a unit."""
         if body in self.layers:
             return self.layers[body].strain(places)
-        if body in self.changes:
-            grown = material.expansion * self.changes[body].at(places)
-            return np.asarray(grown[:, None, None] * np.eye(3))
-        assert self.at_points is not None
-        given = self.at_points.at(places)
         if self.kind == "eigenstrain":
+            assert self.at_points is not None
+            given = self.at_points.at(places)
             strain = np.zeros((len(places), 3, 3))
             for component, (i, j) in zip(given.T, STRAINS.values(), strict=False):
                 strain[:, i, j] = strain[:, j, i] = component
             return strain
-        change = given - material.reference_temperature
+        change = self.temperature_change(body, material.reference_temperature, places)
         return np.asarray(material.expansion * change[:, None, None] * np.eye(3))
+
+    def temperature_change(self, body: str, start: float, places: Array) -> Array:
+        """(m,) change from a reference temperature at places (m, d) of a body, for a unit."""
+        if body in self.changes:
+            return self.changes[body].at(places)
+        assert self.at_points is not None
+        return np.asarray(self.at_points.at(places) - start)
 
 
 def distributed_loads(case: Case, mesh: Mesh) -> tuple[DistributedLoad, ...]:

@@ -20,6 +20,7 @@ from fretfe.fields.frd import read_frd
 from fretfe.fields.sizes import require_sizes
 from fretfe.files import require_file
 from fretfe.loads.csv_file import Table, read_table
+from fretfe.mesh.mesh import place_text
 from fretfe.results.field_files import CELL_TYPES, FIELDS, FieldReader
 
 # What a file is read for.
@@ -31,10 +32,13 @@ SINGLE = float(np.finfo(np.float32).eps) / 2
 # Significant digits that a program may have written, and of how many values that is found.
 DIGITS, SAMPLE = range(4, 10), 1000
 
-# Nodes of the elements that have so many by their kind, as VTK numbers these.
+# Numbers of nodes of the elements whose shape functions VTK knows, by its number of their kind: those
+# of polygons and polyhedra do not reproduce linear fields, and of kinds unknown to it there are none.
 NODES = {
-    3: 2, 5: 3, 8: 4, 9: 4, 10: 4, 11: 8, 12: 8, 13: 6, 14: 5, 21: 3, 22: 6, 23: 8, 24: 10, 25: 20,
-    26: 15, 27: 13, 28: 9, 29: 27,
+    3: (2,), 5: (3,), 8: (4,), 9: (4,), 10: (4,), 11: (8,), 12: (8,), 13: (6,), 14: (5,), 21: (3,),
+    22: (6,), 23: (8,), 24: (10,), 25: (20,), 26: (15,), 27: (13,), 28: (9,), 29: (27,), 30: (6,),
+    31: (12,), 32: (18,), 33: (24,), 34: (7,), 68: (2, 3, 4, 5), 69: (3, 6, 10, 15),
+    70: (4, 9, 16, 25), 71: (4, 10, 20, 35), 72: (8, 27, 64, 125), 73: (6, 18, 40, 75),
 }  # fmt: skip
 
 
@@ -139,7 +143,7 @@ def _require_good(path: Path, found: Field) -> None:
         missing = "steps" if len(found.points) else "points"
         raise CaseError(f"{path}: expected values of at least one step, found no {missing}")
     if found.cells is not None:
-        _require_elements(path, found.cells, len(found.points))
+        _require_elements(path, found.cells, found.points)
     back = np.flatnonzero(np.diff(found.times) <= 0)
     if back.size or found.times[0] < 0 or not np.isfinite(found.times).all():
         raise CaseError(
@@ -148,20 +152,36 @@ def _require_good(path: Path, found: Field) -> None:
         )
 
 
-def _require_elements(path: Path, cells: Cells, count: int) -> None:
-    """Check that elements are made of points that are there: libraries do not."""
+def _require_elements(path: Path, cells: Cells, points: Array) -> None:
+    """Check that elements are known, made of points that are there, and not all in one of them."""
+    count, ends = len(points), cells.offsets
     good = len(cells.nodes) and 0 <= cells.nodes.min() and cells.nodes.max() < count
-    ends = cells.offsets
     if not good or len(ends) != len(cells.shapes) + 1 or (np.diff(ends) <= 0).any():
         raise CaseError(f"{path}: expected elements between its {count} points, found others")
-    for shape, nodes in NODES.items():
-        if wrong := set(np.diff(ends)[cells.shapes == shape].tolist()) - {nodes}:
-            raise CaseError(
-                f"{path}: expected {nodes} nodes of elements of VTK's kind {shape}, found some of "
-                f"{', '.join(map(str, sorted(wrong)))}"
-            )
     if ends[0] != 0 or ends[-1] != len(cells.nodes):
         raise CaseError(f"{path}: expected {len(cells.nodes)} nodes of elements, found {ends[-1]}")
+    for shape in np.unique(cells.shapes).tolist():
+        own = np.flatnonzero(cells.shapes == shape)
+        if shape not in NODES:
+            raise CaseError(
+                f"{path}: expected elements of VTK's kinds {', '.join(map(str, NODES))}, whose "
+                f"displacement is known by that of their nodes, found element {own[0]} (from 0) of "
+                f"kind {shape}"
+            )
+        sizes = np.diff(ends)[own]
+        if (wrong := ~np.isin(sizes, NODES[shape])).any():
+            raise CaseError(
+                f"{path}: expected {' or '.join(map(str, NODES[shape]))} nodes of elements of "
+                f"VTK's kind {shape}, found element {own[wrong][0]} (from 0) of {sizes[wrong][0]}"
+            )
+    places = points[cells.nodes]
+    low, high = (each.reduceat(places, ends[:-1], axis=0) for each in (np.minimum, np.maximum))
+    if (point := ~(high > low).any(axis=1)).any():
+        element = int(np.flatnonzero(point)[0])
+        raise CaseError(
+            f"{path}: expected elements with an extent, found element {element} (from 0) with all "
+            f"nodes at {place_text(low[element])}"
+        )
 
 
 def elements_of_part(path: Path, cells: Cells, part: str | None, body: str) -> Indices:

@@ -25,6 +25,8 @@ SHAPES: Mapping[Quantity, tuple[tuple[int, ...], ...]] = {
     "displacements": ((2,), (3,)),
     "temperatures": ((), (1,)),
 }
+# VTK's kinds of elements that are points: nothing is between their nodes.
+LONE = (1, 2)
 # A place is in an element if it is nearer to it than this part of the extent of all.
 INSIDE = 1e-9
 # Steps to a place in an element from where VTK finds it.
@@ -63,9 +65,10 @@ def read_grid(path: Path, quantity: Quantity) -> tuple[Array, Callable[[int], Gr
             raise CaseError(
                 f"{path}: expected step {step + 1} as VTK reads it, found it damaged"
             ) from error
-        if not grid.n_cells:
+        cells = _cells(grid)
+        if not len(cells.shapes):
             raise CaseError(f"{path}: expected elements, found none in step {step + 1}")
-        return np.array(grid.points, dtype=float), _cells(grid), _values(path, grid, quantity)
+        return np.array(grid.points, dtype=float), cells, _values(path, grid, quantity)
 
     return times, read
 
@@ -91,11 +94,13 @@ def _cells(grid: Any) -> Cells:
 
     # By VTK itself: PyVista has changed their names.
     cells = grid.GetCells()
+    nodes = np.array(vtk_to_numpy(cells.GetConnectivityArray()), dtype=np.int64)
+    counts = np.diff(np.array(vtk_to_numpy(cells.GetOffsetsArray()), dtype=np.int64))
+    shapes = np.array(grid.celltypes, dtype=np.int64)
+    if (lone := np.isin(shapes, LONE)).any() and len(shapes) == len(counts):
+        nodes, counts, shapes = nodes[~np.repeat(lone, counts)], counts[~lone], shapes[~lone]
     return Cells(
-        nodes=np.array(vtk_to_numpy(cells.GetConnectivityArray()), dtype=np.int64),
-        offsets=np.array(vtk_to_numpy(cells.GetOffsetsArray()), dtype=np.int64),
-        shapes=np.array(grid.celltypes, dtype=np.int64),
-        parts=np.zeros(grid.n_cells, dtype=np.int64),
+        nodes, np.cumsum(np.append(0, counts)), shapes, np.zeros(len(shapes), dtype=np.int64)
     )
 
 
@@ -126,7 +131,8 @@ def element_weights(
 
     Returns:
         (m, n) weights at the place of the elements that is nearest to each of the places, and (m,)
-        distances from it over the diagonal of the box of its element.
+        distances from it, or from the place that the weights reproduce if that is farther, over the
+        diagonal of the box of its element.
 
     Raises:
         DependencyError: if PyVista is not installed.
@@ -146,12 +152,15 @@ def element_weights(
     locator.BuildLocator()
     near = INSIDE * float(np.ptp(field.points, axis=0).max())
     found = [_locate(locator, place, near) for place in places]
-    entries = np.concatenate([weights for _, weights, _ in found])
-    columns = np.concatenate([nodes for nodes, _, _ in found])
-    row_ends = np.cumsum([0, *(len(nodes) for nodes, _, _ in found)])
+    entries = np.concatenate([weights for _, weights, *_ in found])
+    columns = np.concatenate([nodes for nodes, *_ in found])
+    row_ends = np.cumsum([0, *(len(nodes) for nodes, *_ in found)])
     shape = len(places), len(field.points)
-    away = np.array([distance for _, _, distance in found])
-    return sparse.csr_matrix((entries, columns, row_ends), shape=shape), away
+    weights = sparse.csr_matrix((entries, columns, row_ends), shape=shape)
+    distances, diagonals = np.array([own for *_, own in found]).T
+    # Whatever VTK takes for inside: weights are those of the place that they reproduce.
+    missed = np.linalg.norm(weights @ field.points - places, axis=1)
+    return weights, np.maximum(distances, missed) / diagonals
 
 
 def body_weights(field: Field, places: Array, outside: float) -> tuple[sparse.csr_matrix, Array]:
@@ -192,8 +201,13 @@ def body_weights(field: Field, places: Array, outside: float) -> tuple[sparse.cs
     return element_weights(field, np.flatnonzero(kept), places) if kept.any() else (weights, away)
 
 
-def _locate(locator: Any, place: Array, near: float) -> tuple[Indices, Array, float]:
-    """Nodes of the element nearest to a place (3,), their weights, and the distance from it."""
+def _locate(
+    locator: Any, place: Array, near: float
+) -> tuple[Indices, Array, tuple[float, float]]:
+    """Nodes of the element nearest to a place (3,), and their weights.
+
+    Then the distance of the place from the element, and the diagonal of its box.
+    """
     from vtkmodules.vtkCommonCore import reference
     from vtkmodules.vtkCommonDataModel import vtkGenericCell
 
@@ -205,11 +219,12 @@ def _locate(locator: Any, place: Array, near: float) -> tuple[Indices, Array, fl
     if not inside:
         closest, number = [0.0, 0.0, 0.0], reference(0)
         locator.FindClosestPoint(place, closest, cell, number, part, square)
-        away = float(np.sqrt(square.get() / cell.GetLength2()))
+        away = float(np.sqrt(square.get()))
         cell.EvaluatePosition(closest, [0.0, 0.0, 0.0], part, local, square, weights)
     count = cell.GetNumberOfPoints()
     nodes = np.array([cell.GetPointId(node) for node in range(count)], dtype=np.int64)
-    return nodes, _refined(cell, place, local) if inside else weights[:count].copy(), away
+    own = _refined(cell, place, local) if inside else weights[:count].copy()
+    return nodes, own, (away, float(np.sqrt(cell.GetLength2())))
 
 
 def _refined(cell: Any, place: Array, local: list[float]) -> Array:
