@@ -51,6 +51,7 @@ from fretfe.evaluate.factors import (
     with_moved,
     within_known,
 )
+from fretfe.evaluate.growth import Growth, zone_growth
 from fretfe.evaluate.numerics import count_up, last_known
 from fretfe.evaluate.plane.edge_fits import edge_fits
 from fretfe.evaluate.plane.pressure_fit import EdgeFit
@@ -416,7 +417,11 @@ class _Edges:
         outer = worst.outer if worst else np.ones(len(self.solution.times), dtype=bool)
         degree = 2 if self.histories.exact else self.solution.degree
         position = evaluated.position
-        border = slip_border_of(contact, front, position, outer, degree)
+
+        def growth(start: int, end: int) -> Growth | None:
+            return zone_growth(evaluated, contact.friction, start, end, outer)
+
+        border = slip_border_of(contact, front, position, outer, degree, growth)
         pressed = self.pressed[front.number]
         zones = slip_zones(
             cycle, contact.friction, evaluated, border, self.path, worst=worst, pressed=pressed

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.evaluate.growth import FindGrowth, Growth, evened
 from fretfe.evaluate.numerics import average
 from fretfe.evaluate.plane.section import PlaneFront, main_patch
 from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder
@@ -155,7 +156,12 @@ def _zero(s: Array, w: Array, errors: Array, order: int) -> tuple[float, float]:
 
 
 def slip_border_of(
-    contact: ContactHistory, front: PlaneFront, position: Array, outer: Bools, degree: int
+    contact: ContactHistory,
+    front: PlaneFront,
+    position: Array,
+    outer: Bools,
+    degree: int,
+    growth: FindGrowth = lambda *_: None,
 ) -> FindBorder:
     """Slip zones of a solved contact at a front.
 
@@ -165,10 +171,11 @@ def slip_border_of(
         position: (T,) of the edge.
         outer: (T,) whether the slip in the step to each state counts.
         degree: of the displacements.
+        growth: gives the growth of the zone of a half cycle.
     """
     hidden = LINEAR_ELEMENTS if degree == 1 else 0.0
     return lambda start, end: _border_between(
-        contact, front, start, end, float(position[end]), outer, hidden
+        contact, front, start, end, float(position[end]), outer, hidden, growth(start, end)
     )
 
 
@@ -180,12 +187,14 @@ def _border_between(
     position: float,
     outer: Bools,
     hidden: float,
+    growth: Growth | None,
 ) -> SlipBorder:
     """Slip zone between two states, from the slip that happened while in contact.
 
     K_T may reverse between two steps, so that the first step of a half cycle still holds slip of
     the half cycle before: only slip in the direction of the largest slip at this front counts.
     `hidden` is what the kind of the elements adds to the bar, in elements, if the zone is one long.
+    `growth` tells what slip to expect if the zone did not grow steadily.
     """
     closed = contact.status[end] != OPEN
     patch = main_patch(contact.arc, contact.traction[end, :, 0])
@@ -199,6 +208,9 @@ def _border_between(
     moved = slip > SMALLEST_SLIP * slip.max()
     s, moved = front.distances(contact.arc[closed], position), moved[nodes]
     border = slip_border(s, slip[nodes], moved)
+    if growth is not None:
+        own = slip[nodes]
+        border = evened(growth, s, border, lambda stretch: slip_border(s, own / stretch, moved))
     unseen = max(float(s[0]), 0.0) + float(s[1] - s[0])
     zone = slip[nodes][: max(np.count_nonzero(s < border.length), 1)]
     border = replace(border, largest=float(zone.max()), unseen=unseen)

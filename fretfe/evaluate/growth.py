@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Growth of a slip zone in a half cycle, by the edge factors: the slip that it leaves behind.
+
+With the depth y inward from the outermost place of the edge and r = f K_N y/2, a place is stuck as
+long as K_T stays within r of what it remembers, c(y): c is what keeps within K_T - f K_I - r and
+K_T + f K_I + r, K_I counted from its largest value, and K_T itself before the place is in contact.
+Where forward slip has come to the depth D, another dK of K_T - f K_I makes slip in proportion to
+sqrt(D - y) dK (the field of a stuck edge, theory guide, slip zones).
+
+If D grows steadily from zero the slip of a half cycle is (D - y)^(3/2). It is not if an inner loop
+closes on the way, so that D jumps, or if the load goes beyond all that was before, behind which D
+grows twice as fast.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fretfe._typing import Array, Bools
+from fretfe.evaluate.contacts import StationHistory
+from fretfe.evaluate.slip import SlipBorder
+
+# Depths at which the memory is followed, over the largest one, and next to the border no shape.
+LEVELS, TIP = 800, 0.02
+# Parts of the drive by which loops may miss their beginning: K_T does where P varies as well.
+FAINT = (1e-4, 1e-3, 1e-2, 3e-2)
+# Times that a border is found with the shape by the border of the time before, part of what that
+# changes that may be wrong, and the fewest nodes of a zone that tell its shape.
+PASSES, UNSURE, FEWEST = 3, 0.2, 5
+# A shape within so much of (D - y)^(3/2) is that.
+EVEN = 0.03
+
+
+@dataclass(frozen=True)
+class Growth:
+    """Slip zone of a half cycle.
+
+    Attributes:
+        depth: (m,) f K_N y, from the outermost place of the edge inward.
+        rate: (m,) increase of the drive while the zone ended at each depth.
+        edge: f K_N y of the edge at the end of the half cycle.
+        unit: f K_N then.
+    """
+
+    depth: Array
+    rate: Array
+    edge: float
+    unit: float
+
+    @property
+    def border(self) -> float:
+        """The inner end, as f K_N y."""
+        return float(self.depth[self.rate > 0].max(initial=self.edge))
+
+    @property
+    def length(self) -> float:
+        """From the edge to the inner end."""
+        return (self.border - self.edge) / self.unit
+
+    @property
+    def even(self) -> bool:
+        """True if the zone has grown steadily, or there is none."""
+        if not self.border > self.edge:
+            return True
+        stretch = self.stretch(np.linspace(0.0, 0.95, 20))
+        return bool(np.ptp(stretch) < EVEN)
+
+    def near(self, length: float) -> Growth:
+        """The growth up to the border nearest to a length.
+
+        Where a loop closes the zone jumps, or does not, by little of the drive.
+        """
+        beyond = np.cumsum(self.rate[::-1])[::-1]
+        cut = (replace(self, rate=self.rate * (beyond > each * beyond[0])) for each in FAINT)
+        return min(cut, key=lambda each: abs(each.length - length))
+
+    def stretch(self, share: Array) -> Array:
+        """(n,) |slip|^(2/3) over that of a zone that grew steadily, but for a factor.
+
+        Args:
+            share: (n,) places as parts of the length of the zone from the edge inward.
+        """
+        y = self.edge + np.clip(share, 0.0, 1.0 - TIP) * (self.border - self.edge)
+        slip = np.sqrt(np.maximum(self.depth - y[:, None], 0.0)) @ self.rate
+        found = slip ** (2 / 3) / (self.border - y)
+        return np.asarray(found / found.mean())
+
+
+# Growth of the zone between two states; None if it is not known.
+FindGrowth = Callable[[int, int], Growth | None]
+
+
+def zone_growth(
+    station: StationHistory, friction: Array, start: int, end: int, outer: Bools
+) -> Growth | None:
+    """Growth of the slip zone of a half cycle at a station; None if its history is not known.
+
+    Args:
+        station: its factors, K_T along the direction of the slip.
+        friction: (T,) coefficient in the step that ends at each state.
+        start: first state.
+        end: last state.
+        outer: (T,) whether the slip in the step to each state counts.
+    """
+    f = float(friction.max())
+    begin = max(int(np.argmax(friction > 0)) - 1, 0)
+    known = np.isfinite(station.k_t) & np.isfinite(station.k_i)
+    if not f > 0 or not known[begin : end + 1].all():
+        return None
+    states = np.arange(begin, end + 1)
+    k_t, retreat = station.k_t[states], f * (station.k_i[states].max() - station.k_i[states])
+    half_cycle = slice(start - begin, None)
+    forward, backward = (k_t + retreat)[half_cycle], (k_t - retreat)[half_cycle]
+    if forward[-1] - forward[0] < backward[0] - backward[-1]:
+        k_t = -k_t
+    largest = 2 * float(np.max(np.abs(k_t - k_t[0]) + retreat))
+    if not largest > 0:
+        return None
+    radius = np.linspace(0.0, largest, LEVELS + 1)
+    counted = outer[states] & (states > start)
+    depth, rates = radius[:-1] + largest / LEVELS / 2, _rates(k_t, retreat, radius, counted)
+    return Growth(depth, rates, 2 * float(retreat[-1]), f * float(station.k_n[end]))
+
+
+def evened(
+    growth: Growth, s: Array, border: SlipBorder, find: Callable[[Array], SlipBorder]
+) -> SlipBorder:
+    """Border of a zone that did not grow steadily, from slip made what steady growth would leave.
+
+    Args:
+        growth: of the zone.
+        s: (n,) distances of the nodes from the edge inward.
+        border: as if the zone had grown steadily.
+        find: gives the border if slip is divided by factors (n,).
+    """
+    growth, even = growth.near(border.length), border
+    if border.gross or growth.even or not border.length > 0:
+        return border
+    places = np.sort(s)
+    inside = int(np.clip(np.searchsorted(places, border.length), 1, len(s) - 1))
+    size = float(np.diff(places)[inside - 1])
+    changes = [size / math.sqrt(12)]
+    if inside < FEWEST:
+        changes.append(border.length - growth.length)
+    else:
+        before = border
+        for _ in range(PASSES):
+            before, border = border, find(growth.stretch(s / border.length) ** 1.5)
+            if border.gross or not border.length > 0:
+                return replace(even, resolved=False)
+        changes += [UNSURE * (border.length - even.length), border.length - before.length]
+    spread = math.hypot(border.spread, *changes)
+    return replace(border, spread=spread)
+
+
+def _rates(k_t: Array, retreat: Array, depth: Array, counted: Bools) -> Array:
+    """(m,) increase of the drive forward in some steps while the zone ended between two depths.
+
+    Args:
+        k_t: (n,) at the states.
+        retreat: (n,) f K_I below its largest value.
+        depth: (m + 1,) f K_N y.
+        counted: (n,) whether the step to each state counts.
+    """
+    radius, rates = depth / 2, np.zeros(len(depth) - 1)
+    memory = np.full(len(depth), k_t[0])
+    for state in range(1, len(k_t)):
+        drive = k_t[state] + retreat[state]
+        if counted[state]:
+            # The drive from which on slip reaches each depth.
+            onset = np.maximum.accumulate(memory + radius)
+            before = max(k_t[state - 1] + retreat[state - 1], onset[0])
+            rates += np.diff(np.clip(onset, before, max(drive, before)))
+        memory = np.clip(memory, drive - radius, k_t[state] - retreat[state] + radius)
+        memory = np.where(radius < retreat[state], k_t[state], memory)
+    return rates
