@@ -11,7 +11,7 @@ import pytest
 from halfplane_problems import LIMIT, LOAD, loop, problem, solved
 
 from fretfe.evaluate.contacts import Contact, RangeSpread, Station
-from fretfe.evaluate.verdicts import AGREES, DIFFERS, UNKNOWN, judge, last_verdict
+from fretfe.evaluate.verdicts import AGREES, DIFFERS, UNKNOWN, judge, longest_verdict
 
 CYCLE = 12
 WAVE = np.sin(loop(CYCLE, cycles=2))
@@ -40,7 +40,8 @@ def contact(name: str) -> Contact:
 def test_no_slip_agrees_with_none_predicted(name: str) -> None:
     half_width, most = float(contact(name).half_width[-1]), STILL[name][1]
     for station in contact(name).stations:
-        verdict, zone = last_verdict(station), station.slip_zones[-1]
+        verdict, zone = longest_verdict(station), station.longest_zone
+        assert zone is not None
         assert verdict.word == AGREES, verdict.reason
         assert zone.told[0] == 0
         # The first node in contact, some two elements from the edge, and one more.
