@@ -429,9 +429,12 @@ class Station(StationHistory):
         """The longer of the slip zones of the last two half cycles; None without any.
 
         Every length that stands alone for a station is that of this one. Where no length is told it
-        is ranked by what is known of it.
+        is ranked by what is known of it. First loading does not count beside a half cycle of the
+        evaluated cycle.
         """
-        return max(self.slip_zones[:-3:-1], key=lambda each: each.rank, default=None)
+        last = self.slip_zones[:-3:-1]
+        cyclic = [zone for zone in last if math.isfinite(zone.predicted_loop)]
+        return max(cyclic or last, key=lambda each: each.rank, default=None)
 
     @property
     def range_over_k_n(self) -> float:
