@@ -45,7 +45,7 @@ class Fault:
 
     @property
     def text(self) -> str:
-        """What is unknown, and why."""
+        """The place, and the reason why it is unknown."""
         return f"{self.place}: unknown, because {self.reason}"
 
 

@@ -35,6 +35,7 @@ from fretfe.evaluate.resolution import (
     resolves,
     station_values,
 )
+from fretfe.faults import guarded
 from fretfe.files import disk_reason, replace_text
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.mesh.load import makes_solids
@@ -167,7 +168,17 @@ class Passes(ABC):
         return count_unknowns(mesh, self._case.model.degree, size)
 
     def judge(self, result: Result) -> Refinement:
-        """All passes so far, this one included; without a reason to end there is another."""
+        """All passes so far, this one included; without a reason to end there is another.
+
+        It is the last one if fretfe fails in telling what the next mesh needs.
+        """
+        return guarded(
+            "next mesh",
+            lambda: self._judge(result),
+            lambda fault: self._refinement(fault.text),
+        )
+
+    def _judge(self, result: Result) -> Refinement:
         mesh = self._mesh
         assert mesh is not None
         if result.failure is not None:

@@ -92,12 +92,13 @@ def _unknown_contact(contact: ContactHistory, fault: Fault) -> Contact:
 
     found = guarded(f"forces of contact {contact.name}", resultants, none)
     of_plane = {} if solid else {"half_width": lost, "effective_tension": lost}
+    known: dict[str, Any] = {**found, **of_plane}
     sides = () if solid else PLANE_FRONTS
     return Contact(
         name=contact.name,
         pair=contact.pair,
         fronts=fronts_of(unknown_station(each.name, 0, len(lost), fault.reason) for each in sides),
-        **{**found, **of_plane},
+        **known,
         cycle_change=np.nan,
         steady=False,
         dissipation=np.nan,
@@ -144,7 +145,7 @@ def _evaluate_contact(
 def _of_half(
     solution: Solution, contact: ContactHistory, image: PlaneFront, found: dict[str, Any]
 ) -> dict[str, Any]:
-    """What was found of a whole contact for the half that the model has: without its image."""
+    """Results of a whole contact for the half that the model has: without its image."""
     states = len(solution.times)
     fronts = [
         Front(front.name, (unknown_station(front.name, 0, states, GOES_ON),))
