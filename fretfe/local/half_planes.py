@@ -194,21 +194,48 @@ class Contacts:
         return np.asarray(self.k_n * np.sqrt(self.half_width / 2) * now)
 
 
-def work_share(power: Array | float, depth: Array | float) -> Array:
+def work_share(power: Array | float, depth: Array | float, twist: Array | float = 0.0) -> Array:
     """(...) friction work at the fronts of `Contacts` over that in the plane.
 
     A stick zone that shrinks from a to c makes the bodies more compliant by ln(a/c) of what the
-    edge of a plane punch does, by a/c - 1 at the front of a circle, with the same first order. The
-    loop of a steady cycle (Masing) has the area ∫ P' D (P(a) + P(c) - 2 P) dx from c to a, with D
-    that of x, P = x^n. Between straight and round fronts in proportion.
+    edge of a plane punch does, by a/c - 1 at the front of a circle, and by (a^3/c^3 - 1)/3 there
+    under a twist, all with the same first order. The loop of a steady cycle (Masing) has the area
+    ∫ F' D (F(a) + F(c) - 2 F) dx from c to a, with D that of x and F(x) what is short of sliding
+    where all but x slips: of the force x^n, of the moment of a twist the integral of x^2 E(1 - x^2)
+    with the complete elliptic integral E: discs that turn, which add up to f p of Hertz (Lubkin
+    1951; Jäger 1995). Between straight and round fronts in proportion.
 
     Args:
         power: (...) n.
         depth: (...) longest slip zone over the half-width, below 1.
+        twist: (...) share of the shear that turns with the front.
     """
     n = np.asarray(power)[..., None]
     c = 1 - np.maximum(depth, 1e-6)[..., None]
     x = (1 + c) / 2 + (1 - c) / 2 * POINTS
     weights = WEIGHTS * x ** (n - 1) * (1 + c**n - 2 * x**n)
-    share = np.sum(weights * (1 / x - 1), axis=-1) / -np.sum(weights * np.log(x), axis=-1)
+    plane = -np.sum(weights * np.log(x), axis=-1)
+    share = np.sum(weights * (1 / x - 1), axis=-1) / plane
+    share = share + twist * (_twisted_loop(x, c) * n[..., 0] / plane - share)
     return np.asarray(1 + np.clip(n[..., 0] - 2, 0.0, 1.0) * (share - 1))
+
+
+def _twisted_loop(x: Array, c: Array) -> Array:
+    """(...) loop of a circle under a twist, in the measure of `work_share`, over n.
+
+    Args:
+        x: (..., points) Gauss points between the radius of the stick zone and 1.
+        c: (..., 1) that radius.
+    """
+    rate = _moment_rate(x)
+    below = c[..., None] + (x - c)[..., None] / 2 * (1 + POINTS)
+    moment = (_moment_rate(below) @ WEIGHTS) * (x - c) / 2
+    whole = np.sum(WEIGHTS * rate, axis=-1, keepdims=True) * (1 - c) / 2
+    return np.asarray(np.sum(WEIGHTS * rate * (1 / x**3 - 1) / 3 * (whole - 2 * moment), axis=-1))
+
+
+def _moment_rate(x: Array) -> Array:
+    """(...) dM/dx of a twist that has made all but a circle x of 1 slip; 1 at the front."""
+    angle = np.pi / 4 * (1 + POINTS)
+    root = np.sqrt(1 - (1 - x[..., None] ** 2) * np.sin(angle) ** 2)
+    return np.asarray(x**2 * (root @ WEIGHTS) / 2)

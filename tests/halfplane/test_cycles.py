@@ -150,11 +150,11 @@ def test_other_profiles(profile: Profile) -> None:
 
 def test_friction_work() -> None:
     q1 = 0.4 * LIMIT
-    given = problem(LOAD, started(q1 * np.cos(loop(200, 2))), cycle=200)
+    given = problem(LOAD, started(q1 * np.cos(loop(20, 2))), cycle=20)
     summary = solved(given)
     expected = float(hertz_dissipation(HERTZ, LOAD, FRICTION, q1))
-    # the shear at the end of each step counts: first order in the step
-    assert summary.dissipation == pytest.approx(expected, rel=0.01)
+    # At constant P however many steps there are; .02 % is the mesh.
+    assert summary.dissipation == pytest.approx(expected, rel=0.001)
 
 
 def test_shear_factor_counts_both_loads() -> None:

@@ -295,6 +295,7 @@ class _Shape:
         half_width, k_n, power: of the contact.
         locally: the power by the curvature of the front alone.
         k_n_bar, length_bar: relative error bars of K_N and of `length`.
+        twist: share of the shear that turns with the front.
     """
 
     half_width: float
@@ -303,6 +304,7 @@ class _Shape:
     locally: float
     k_n_bar: float
     length_bar: float
+    twist: float
 
     @classmethod
     def of(cls, front: Front, station: Station, twist: float) -> _Shape:
@@ -317,7 +319,7 @@ class _Shape:
         round_power = ROUND + twist * (TWISTED - ROUND)
         all_round = STRAIGHT + (round_power - STRAIGHT) * half_width / width
         power = all_round if front.closed and bend > 0 else locally
-        return cls(half_width, k_n, power, locally, k_n_bar, length_bar)
+        return cls(half_width, k_n, power, locally, k_n_bar, length_bar, twist)
 
     def bar(self, length: float, first_order: float, range_bar: float) -> float:
         """Share of the error bar of a slip zone by those of the factors and by the shape.
@@ -342,7 +344,8 @@ class _Shape:
 
     def round_work(self, length: float) -> float:
         """Friction work over that of the plane problem, by its longest slip zone."""
-        return float(work_share(self.power, min(length / self.half_width, DEEPEST)))
+        depth = min(length / self.half_width, DEEPEST)
+        return float(work_share(self.power, depth, self.twist))
 
 
 @dataclass(frozen=True)
