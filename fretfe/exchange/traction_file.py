@@ -138,7 +138,7 @@ def plain(name: str) -> str:
 
 
 def _parts(name: str) -> tuple[str, str]:
-    """What a column holds, and the surfaces or the like that its name ends with."""
+    """The variable in a column, and the surfaces or the like that its name ends with."""
     text = re.sub(r"\[.*?\]|\(.*?\)|'.*?'", "", name.lower()).strip()
     head, *rest = text.split(maxsplit=1)[:2] or [""]
     if _bare(head) in FOLLOWED and rest:
@@ -155,10 +155,11 @@ def _bare(text: str) -> str:
 
 def _in_header(path: Path, header: Sequence[str], given: Columns) -> Recognised | None:
     names = _Names(path, header)
-    x, *others = [given.x] if given.x else names.places() or [None]
+    places = [given.x] if given.x else names.places()
     p = given.p or names.own("p") or names.one(PRESSURES | NORMAL_STRESSES, "the pressure", "--p")
-    if x is None or p is None or not {x, p} <= set(header):
+    if not places or p is None or not {places[0], p} <= set(header):
         return None
+    x, *others = places
     surfaces = _parts(p)[1]
     q = given.q or names.own("q") or names.one(set(SHEARS), "the shear", "--q", surfaces)
     slip = given.slip or names.own("slip")

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -43,7 +44,7 @@ def read(folder: Path, text: str) -> RawMesh:
     return read_inp(folder / "pad.inp", BODIES, ["face", "head"], ({}, {}))
 
 
-def blocks(raw: RawMesh) -> object:
+def blocks(raw: RawMesh) -> list[dict[str, Any]]:
     return [
         {name: [(each.gmsh_type, each.nodes.tolist()) for each in found]
          for name, found in groups.items()}
