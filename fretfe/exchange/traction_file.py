@@ -18,9 +18,10 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.case.base import SMALLEST
+from fretfe.case.messages import shortened
 from fretfe.errors import CaseError
 from fretfe.exchange.traction_path import order_along
-from fretfe.loads.csv_file import Table, is_unit, possible_headers, read_table
+from fretfe.loads.csv_file import Table, is_unit, possible_headers, read_table, read_texts
 
 # The place along the contact; and its coordinates, as Abaqus, Ansys, MOOSE and ParaView call them.
 PLACES = {"arc", "arclength", "coord", "truedistancealongpath"}
@@ -36,6 +37,8 @@ COORDINATES = (
         for axes in ("012", "xyz")
     ),
 )
+# Columns that tell the rows of one body or surface from those of others.
+OWNERS = {"instance", "instancename", "partinstance", "partinstancename", "surface", "surfacename"}
 # Names of Abaqus that those of surfaces may follow.
 FOLLOWED = {"cpress", "cshear1", "cshear2", "cslip1", "cslip2"}
 # Positive in compression by the manuals of Abaqus and CalculiX (CPRESS) and Ansys (CONT, PRES).
@@ -77,6 +80,7 @@ class Recognised:
         sign_known: whether p is known to be positive in compression.
         ordered: whether rows must be in the order of x.
         notes: what was taken for what and why, in words.
+        owner: names of bodies or surfaces; None without.
     """
 
     x: str
@@ -88,6 +92,7 @@ class Recognised:
     sign_known: bool
     ordered: bool
     notes: tuple[str, ...]
+    owner: str | None = None
 
 
 def recognise(path: Path, given: Columns) -> Recognised:
@@ -171,6 +176,7 @@ def _in_header(path: Path, header: Sequence[str], given: Columns) -> Recognised 
         sign_known=plain(p) not in NORMAL_STRESSES,
         ordered=bool(given.x) or (plain(x) == "x" and not others),
         notes=tuple(_notes(names, p, q, slip)),
+        owner=next((each for each in header if plain(each) in OWNERS), None),
     )  # fmt: skip
 
 
@@ -289,6 +295,7 @@ def read_tractions(path: Path, columns: Columns, compression: str | None = None)
     _require_one_use(path, known)
     names = (known.x, *known.others, known.p, known.q, known.slip, known.across)
     table = read_table(path, [*dict.fromkeys(name for name in names if name)])
+    _require_one_owner(path, known)
     pressure, sign_notes = _pressure(path, known, table, compression)
     place = _place(path, known, table, pressure)
     _require_no_shear_across(path, known, table)
@@ -321,6 +328,18 @@ def _require_one_use(path: Path, known: Recognised) -> None:
             )
         if name is not None:
             used[name] = key
+
+
+def _require_one_owner(path: Path, known: Recognised) -> None:
+    """Rows of the two surfaces of a contact lie on one line, but are no tractions along it."""
+    if known.owner is None:
+        return
+    found = dict.fromkeys(read_texts(path, known.owner, (known.x, known.p)))
+    if len(found) > 1:
+        raise CaseError(
+            f"{path}: column {known.owner!r}: expected rows of one body or surface, found "
+            f"{', '.join(map(shortened, found))}: leave those of one"
+        )
 
 
 def _pressure(
