@@ -331,6 +331,7 @@ def test_a_sign_that_is_not_known_is_asked_for(
         ("COORD,CPRESS,CSHEAR1,CSHEAR2", "{0},1,1,0.5", "expected no shear beside that of"),
         ("COORD,CPRESS", "1,1", "column 'COORD': expected a place that no other row has, found 1"),
         ("COORD,CPRESS", "{0},-1", "state it with --compression negative"),
+        ("Instance Name,X,CPRESS", "PAD-{0},{0},1", "column 'Instance Name': expected rows of one"),
         ("X,Y,CPRESS", "1,1,1", "column 'X': expected a place that no other row has, found 1"),
         ("X,Y,Load", "{0},1,1", "expected one column 'p', found 'X', 'Y', 'Load'; names that are"),
         ("Place,CPRESS", "{0},1", "expected one column 'x', found 'Place', 'CPRESS'; names that"),

@@ -79,7 +79,8 @@ def edges(
 
     from fretfe.errors import CaseError
     from fretfe.evaluate import analyse_tractions
-    from fretfe.exchange.traction_file import Columns, read_tractions
+    from fretfe.exchange.traction_columns import Columns
+    from fretfe.exchange.traction_file import read_tractions
 
     read = read_tractions(table, Columns(x, p, q, slip), compression)
     try:

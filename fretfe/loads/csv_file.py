@@ -207,6 +207,21 @@ def read_columns(
     return times, table.columns[value]
 
 
+def read_texts(path: Path, name: str, names: Sequence[str]) -> list[str]:
+    """The cells of a column of a file whose header has some names.
+
+    Raises:
+        CaseError: file, line and column of what is not as expected.
+    """
+    rows = _rows(path, _told_delimiter(path, names))
+    place = _column(path, [each.strip() for each in next(rows)[1]], name)
+    return [
+        cells[place].strip() if place < len(cells) else ""
+        for _, cells in rows
+        if not _are_units(cells)
+    ]
+
+
 def possible_headers(path: Path) -> list[tuple[str, ...]]:
     """Column names of a file by each of the separators that it might have, the comma first.
 

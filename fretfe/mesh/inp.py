@@ -13,6 +13,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -588,6 +589,8 @@ def _constants(card: Card, keys: tuple[str, ...]) -> dict[str, Constant]:
         return {}
     # CalculiX and Abaqus take a temperature that is left out for 0
     places = [row[count] if len(row) > count else 0.0 for row in values]
+    if any(after <= before for before, after in pairwise(places)):
+        raise ValueError(f"expected increasing temperatures, found {places}")
     return {
         key: {"temperatures": places, "values": [row[number] for row in values]}
         for number, key in enumerate(keys)

@@ -185,8 +185,10 @@ def _material_notes(
 
 def _differ(here: float | None, there: Constant) -> bool:
     """True if a constant is another one; one over temperature has all values in between."""
-    if here is None or not isinstance(there, dict):
-        return here is None or not math.isclose(here, there, rel_tol=SAME)
+    if here is None:
+        return True
+    if not isinstance(there, dict):
+        return not math.isclose(here, there, rel_tol=SAME)
     low, high = min(there["values"]), max(there["values"])
     return not low * (1 - SAME) <= here <= high * (1 + SAME)
 

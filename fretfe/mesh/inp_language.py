@@ -155,6 +155,6 @@ def whole_value(value: str, choices: Iterable[str]) -> str:
 
 
 def _beginning(word: str, known: Iterable[str]) -> list[str]:
-    """What is meant by a word: itself, or what begins with it."""
+    """The known words that a word is or may stand for."""
     known = tuple(known)
     return [word] if word in known else [each for each in known if each.startswith(word)]

@@ -81,7 +81,7 @@ def without_double_nodes(nodes: tuple[int, ...], dimension: int) -> tuple[int, .
         left, kind = corners, "triangle" if len(corners) == 3 else None
     else:
         faces = list(_sides_left(nodes, shape).values())
-        triangles = [face for face in faces if len(face) == 3]
+        triangles: list[tuple[int, ...]] = [face for face in faces if len(face) == 3]
         kind = _SOLIDS.get((len(corners), len(triangles), len(faces) - len(triangles)))
         left = _ordered(corners, triangles, faces) if kind else ()
     if kind is None:

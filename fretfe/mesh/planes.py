@@ -29,11 +29,11 @@ def upright(points: Array, nodes: Indices) -> tuple[Array, str]:
     (flat,) = np.nonzero(extent <= PLANE_TOLERANCE * extent.max())
     if len(flat) != 1:
         return points, ""
-    (axis,) = flat
+    axis = int(flat[0])
     height = float(own[:, axis].mean())
     if axis == 2 and np.abs(own[:, 2]).max() <= PLANE_TOLERANCE * extent.max():
         return points, ""
-    moved = points[:, _TURNED[axis]].copy()
+    moved = points[:, list(_TURNED[axis])]
     moved[:, 2] = 0.0
     first, second, across = ("xyz"[place] for place in _TURNED[axis])
     if axis == 2:

@@ -157,11 +157,13 @@ JOINING = (
     "*MODEL CHANGE, REMOVE\nUPPER", "*IMPERFECTION, FILE=F\n1, .1", "*NETWORK MPC\n1, 2",
     "*SUBSTRUCTURE PROPERTY, ELSET=E", "*ELEMENT, TYPE=SPRINGA, ELSET=E\n999999, 1, 2",
     "*ELEMENT, TYPE=COH2D4, ELSET=E\n999999, 1, 2, 3, 4", "*ELEMENT, TYPE=CONN2D2\n999999, 1, 2",
+    "*EQUA\n2\n3, 1, 1., 5, 1, -1.", "*TI, NAME=T\nA, B", "*NSET, NSET=N, GENRATE\n1, 2, 1",
     "*ELEMENT, TYPE=CINPE4\n999999, 1, 2, 3, 4", "*ELEMENT, TYPE=GAPUNI\n999999, 1, 2",
 )  # fmt: skip
 # Of bodies to which the case gives none.
 CONSTANTS = (
-    ("*ELASTIC\n2e5, .3", False), ("*ELASTIC\n2e5, .3, 20.\n1e5, .3, 99.", True), ("", True),
+    ("*ELASTIC\n2e5, .3", False), ("*ELASTIC\n2e5, .3, 20.\n1e5, .3, 99.", False), ("", True),
+    ("*ELASTIC\n2e5, .3, 99.\n1e5, .3, 20.", True),
     ("*ELASTIC\n-2e5, .3", True), ("*ELASTIC\n2e5, .5", True), ("*ELASTIC\nnan, .3", True),
     ("*ELASTIC\n2e5", True), ("*ELASTIC, TYPE=LAMINA\n1, 1, .3, 1, 1, 1", True),
     ("*ELASTIC\nsteel", True), ("*ELASTIC\n2e5, .3\n*DENSITY\n-1.", True),
@@ -171,7 +173,7 @@ PASSED = (
     "*MATERIAL, NAME=M\n*ELASTIC\n1., .3", "*STEP\n*STATIC\n*END STEP", "*BOUNDARY\n1, 1, 2",
     "*CONTACT PAIR, INTERACTION=I\nA, B", "*SOLID SECTION, ELSET=UPPER, MATERIAL=M",
     "*A KEYWORD OF TOMORROW\n1, 2", "*ELEMENT, TYPE=MASS, ELSET=M\n999999, 1",
-    "** *TIE in a comment",
+    "** *TIE in a comment", "*NSET, NSET=N\nNONE", "*SURFACE, NAME=F, TYPE=SEGMENTS\nSTART, 0., 0.",
 )  # fmt: skip
 
 

@@ -185,9 +185,7 @@ CURVED_INSIDE_OUT = CURVED_TRIANGLE.move(4, 1, 1.5)
         pytest.param(UNNAMED, "expected one named physical surface per body", id="no names"),
         pytest.param(ONE_UNNAMED, "every meshed surface in a named physical", id="one unnamed"),
         pytest.param(TETRAHEDRON, "'lower' on the outside of a body, but 2 of its 2", id="3D"),
-        pytest.param(
-            TWO_KINDS, "'lower' mixes quadrilaterals of order 1 and triangles", id="mixed"
-        ),
+        pytest.param(TWO_KINDS, "'lower' has elements that overlap", id="mixed"),
         pytest.param(CURVED_LINE, "one mesh order.*boundary 'curved': 2", id="orders"),
         pytest.param(SERENDIPITY, "8-node quadrilaterals; expected 9-node", id="serendipity"),
         pytest.param(CUBIC, r"Gmsh type 21", id="cubic"),

@@ -5,12 +5,14 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from fretfe.case import Body, parse_case
 from fretfe.errors import MeshError
+from fretfe.mesh.elements import directed_facets, exterior_facets, jacobian_determinants
 from fretfe.mesh.gmsh import RawMesh
 from fretfe.mesh.inp_groups import read_inp
 from fretfe.mesh.inp_outline import outline
@@ -43,7 +45,7 @@ def read(folder: Path, text: str) -> RawMesh:
     return read_inp(folder / "pad.inp", BODIES, ["face", "head"], ({}, {}))
 
 
-def blocks(raw: RawMesh) -> object:
+def blocks(raw: RawMesh) -> list[dict[str, Any]]:
     return [
         {name: [(each.gmsh_type, each.nodes.tolist()) for each in found]
          for name, found in groups.items()}
@@ -185,3 +187,42 @@ def test_triangles_among_quadrilaterals(tmp_path: Path, rows: str, side: str) ->
     assert np.sum(x1 * y2 - x2 * y1) / 2 == pytest.approx(3.0, rel=1e-12)
     assert sorted(low.points[low.boundaries["face"]][:, :, 1].ravel()) == [1.0] * 6
     assert "body 'low' has 2 quadrilaterals and 2 triangles, and is divided into" in mesh.notes[0]
+
+
+BRICK = (
+    "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 1., 0.\n4, 0., 1., 0.\n5, 0., 0., 1.\n"
+    "6, 1., 0., 1.\n7, 1., 1., 1.\n8, 0., 1., 1.\n9, 0., 0., 2.\n10, 1., 0., 2.\n"
+    "11, 1., 1., 2.\n12, 0., 1., 2.\n21, 0., 0., 2.\n22, 1., 0., 2.\n23, 1., 1., 2.\n"
+    "24, 0., 1., 2.\n25, 0., 0., 3.\n26, 1., 0., 3.\n27, 1., 1., 3.\n28, 0., 1., 3.\n"
+    "*ELEMENT, TYPE=C3D8, ELSET=UP\n2, 21, 22, 23, 24, 25, 26, 27, 28\n"
+    "*ELEMENT, TYPE=C3D8R, ELSET=LOW\n1, 5, 6, 7, 8, 9, 10, 11, 12\n{}"
+    "*NSET, NSET=FACE\n9, 10, 11, 12\n*NSET, NSET=ALL, ELSET=LOW\n*SURFACE, NAME=HEAD\nUP, S2\n"
+)
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        "*ELEMENT, TYPE=C3D6, ELSET=LOW\n3, 1, 2, 4, 5, 6, 8\n4, 2, 3, 4, 6, 7, 8\n",
+        "3, 1, 2, 4, 4, 5, 6, 8, 8\n4, 2, 3, 4, 4, 6, 7, 8, 8\n",
+        "*ELEMENT, TYPE=C3D6, ELSET=LOW\n3, 1, 2, 3, 5, 6, 7\n4, 1, 3, 4, 5, 7, 8\n",
+    ],
+    ids=["across", "double nodes", "ahead"],
+)
+def test_wedges_under_a_hexahedron(tmp_path: Path, rows: str) -> None:
+    """Two triangles lie on its lower face: nothing is outside there, whichever way they run."""
+    raw = read(tmp_path, BRICK.format(rows))
+    mesh = mesh_from_raw(raw, "pad.inp")
+    low = mesh.bodies["low"]
+    volumes = jacobian_determinants(low.points, low.cells, "tetrahedron", 1)[:, 0] / 6
+    # 6 of the hexahedron, 3 of each wedge; the volume of two cubes
+    assert len(volumes) == 12 and volumes.sum() == pytest.approx(2.0, rel=1e-12)
+    outside, _ = exterior_facets(directed_facets(low.cells, "tetrahedron", 1), "triangle")
+    # ten squares
+    assert (len(outside), len(low.boundaries["face"])) == (20, 2)
+    assert mesh.bodies["up"].cell == "hexahedron"
+    # a set with nodes all over the body has its outside and nothing within
+    (tmp_path / "all.inp").write_text(BRICK.format(rows))
+    everything = read_inp(tmp_path / "all.inp", BODIES, ["all", "head"], ({}, {}))
+    found = mesh_from_raw(everything, "all.inp").bodies["low"].boundaries["all"]
+    assert len(found) == 20

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Indices
 from fretfe.errors import MeshError
 from fretfe.mesh import simplices
 from fretfe.mesh.elements import (
@@ -48,7 +48,7 @@ class Nodes:
     def number(self, place: Array) -> int:
         return self.numbers.setdefault(tuple(np.round(place, 9)), len(self.numbers))
 
-    def shuffled(self) -> tuple[Array, Array]:
+    def shuffled(self) -> tuple[Array, Indices]:
         """Coordinates, a little bent, and the new number of each node."""
         places = np.array(list(self.numbers))
         places[:, 2] += self.bent * np.sin(2 * places[:, 0] + places[:, 1])
@@ -70,13 +70,13 @@ def mixed_box(order: int, bent: float) -> RawMesh:
         for corners in kinds:
             places = PLACES[list(corners)] + origin
             if order == 2:
-                around = [places[list(ends)].mean(axis=0) for ends in MIDDLES[shape]]
-                places = np.vstack([places, around])
+                middles = [places[list(ends)].mean(axis=0) for ends in MIDDLES[shape]]
+                places = np.vstack([places, middles])
             cells.setdefault(shape, []).append([nodes.number(place) for place in places])
         if origin[2] == 1:
             halves = shape == "prism"
-            for corners in ((4, 5, 6), (4, 6, 7)) if halves else ((4, 5, 6, 7),):
-                face = PLACES[list(corners)] + origin
+            for around in ([4, 5, 6], [4, 6, 7]) if halves else ([4, 5, 6, 7],):
+                face = PLACES[around] + origin
                 if order == 2:
                     ends = MIDDLES["triangle" if halves else "quadrilateral"]
                     face = np.vstack([face, [face[list(each)].mean(axis=0) for each in ends]])
