@@ -6,11 +6,9 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Callable
 
+from fretfe.mesh.contained import Opened
 from fretfe.mesh.gmsh import RawMesh
-
-Opened = Callable[[], None]
 
 
 def abort(opened: Opened) -> RawMesh:
@@ -27,6 +25,13 @@ def leave(opened: Opened) -> RawMesh:
 
 
 def hang(opened: Opened) -> RawMesh:
+    time.sleep(300)
+    raise AssertionError
+
+
+def hang_later(opened: Opened) -> RawMesh:
+    """After reading, with a limit of its own, as of a field of another run."""
+    opened(4.0)
     time.sleep(300)
     raise AssertionError
 

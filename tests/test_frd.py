@@ -123,6 +123,32 @@ def test_plane_elements_of_order_1(tmp_path: Path) -> None:
         read_frd(tmp_path / "a.frd", "NDTEMP")
 
 
+def windows(text: str) -> str:
+    """The same file with exponents of three digits: numbers stand without a blank."""
+    return re.sub(r"( ?)(-?\d\.\d{5}E[-+])(\d\d)", r"\g<2>0\3", text)
+
+
+def test_exponents_of_three_digits(tmp_path: Path) -> None:
+    """As some builds for Windows write them, so that rows differ in length."""
+    path = with_text(tmp_path, windows)
+    text = path.read_text()
+    lengths = {len(line) for line in text.splitlines() if re.match(r" -1.*E[-+]\d{3}$", line)}
+    assert len(lengths) > 1 and re.search(r"E-\d{3}\d\.", text)
+    expected, found = read_frd(TEXT), read_frd(path)
+    np.testing.assert_array_equal(found.points, expected.points)
+    for step in (0, 1):
+        np.testing.assert_array_equal(found.values(step), expected.values(step))
+    # -3e-4, -4e-3 and 0 without blanks, and a number more than there are components
+    row = "-3.00000E-004-4.00000E-0030.00000E+000"
+    first = re.search(r"(?m)^( -1 +1)[-\d].*E[-+]\d{3}$", text.partition(" -5  ALL")[2])
+    assert first
+    changed = text.replace(first[0], first[1] + row)
+    path.write_text(changed)
+    assert read_frd(path).values(0)[0].tolist() == [-3e-4, -4e-3, 0.0]
+    path.write_text(changed.replace(row, f"{row}1.00000E+000"))
+    assert "cannot read its numbers: expected 3 of them" in refused(path)
+
+
 def refused(path: Path) -> str:
     with pytest.raises(CaseError) as caught:
         found = read_frd(path)

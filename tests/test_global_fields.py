@@ -32,7 +32,7 @@ pyvista = pytest.importorskip("pyvista")
 def _here(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Read files in this process, which is faster, unless they are to break it."""
     if request.function is not test_broken_grids:
-        monkeypatch.setattr(bodies_cut, "arrays_of", lambda work, path: work(lambda: None))
+        monkeypatch.setattr(bodies_cut, "arrays_of", lambda work, path: work(lambda *_: None))
 
 
 RANDOM = np.random.default_rng(3)
@@ -433,7 +433,7 @@ def test_loads_of_one_file_read_it_once(tmp_path: Path, monkeypatch: pytest.Monk
 
     def read(work: Any, path: Path) -> Any:
         files.append(path)
-        return work(lambda: None)
+        return work(lambda *_: None)
 
     monkeypatch.setattr(bodies_cut, "arrays_of", read)
     one, other = INSIDE[:4, :2], INSIDE[4:, :2]

@@ -192,13 +192,13 @@ def read_all_cuts(case: Case, mesh: Mesh) -> dict[str, tuple[Asked, Cut]]:
     Raises:
         CaseError: if the field of a run is not as expected.
     """
-    files: dict[Path, list[Asked]] = {}
+    files: dict[tuple[Path, tuple[str, ...] | None], list[Asked]] = {}
     for name, load in case.loads.items():
         if isinstance(load, FieldLoad):
             (body,) = (each for each in mesh.bodies.values() if load.boundary in each.boundaries)
             asked = Asked(name, load, body.name, _nodes(case, body, load.boundary))
-            files.setdefault(case.resolve(load.file), []).append(asked)
-    cuts = {name: cut for path, every in files.items()
+            files.setdefault((case.resolve(load.file), load.arrays), []).append(asked)
+    cuts = {name: cut for (path, _), every in files.items()
             for name, cut in _cuts_in(case, path, every).items()}  # fmt: skip
     return {each.channel: (each, cuts[each.channel]) for every in files.values() for each in every}
 

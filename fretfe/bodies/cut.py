@@ -25,7 +25,7 @@ from fretfe.case.base import ABSOLUTE_ZERO
 from fretfe.contact.interface import Course
 from fretfe.errors import CaseError
 from fretfe.loads import History
-from fretfe.mesh.contained import arrays_of
+from fretfe.mesh.contained import Opened, arrays_of, reading_seconds
 from fretfe.mesh.mesh import place_text
 
 if TYPE_CHECKING:
@@ -46,6 +46,9 @@ UNCHANGED = ("change of temperature", "leave the load out")
 SAME = 1e-6
 # Changes of temperature below this part of the temperatures are rounding.
 ROUND_OFF = 1e-13
+# Seconds that finding a place may take, and beginning to read a step, on a busy machine: a hundred
+# times what is usual.
+PLACE, STEP = 0.02, 1.0
 # Points of a field without elements that are looked at around each place, by dimension; if those do
 # not surround all places, as in long elements.
 AROUND, FAR_AROUND = {2: 12, 3: 32}, 256
@@ -160,7 +163,7 @@ def read_cuts(path: Path, asked: Sequence[Asked]) -> dict[str, Cut]:
 
     Args:
         path: of a file with displacements, or a results folder, which is read once.
-        asked: nodes of the boundaries.
+        asked: nodes of the boundaries, and the same arrays of the file.
 
     Raises:
         FretfeError: if the field is not as expected, or does not reach the places.
@@ -280,16 +283,18 @@ def _spanning(steps: Array) -> tuple[Array, float]:
 
 
 def _values_at(
-    path: Path, quantity: Quantity, asked: tuple[Asked, ...], opened: Callable[[], None]
+    path: Path, quantity: Quantity, asked: tuple[Asked, ...], opened: Opened
 ) -> Mapping[str, Array]:
     """Times (T,) of the steps, and values (T, m, 3) or (T, m, 1) at places (m, d), by their loads.
 
     This is done in another process, which the file may crash.
     """
     from fretfe.fields.field import read_field
+    from fretfe.fields.sizes import bytes_of
 
-    field = read_field(path, quantity)
-    opened()
+    field = read_field(path, quantity, asked[0].load.arrays or ())
+    work = PLACE * sum(len(each.places) for each in asked) + STEP * len(field.times)
+    opened(reading_seconds(bytes_of(path)) + work)
     if asked[0].places.shape[1] == 2 and np.ptp(field.points[:, 2]) > 0:
         raise CaseError(f"{path}: expected {quantity} in the plane z = 0, found others")
     chosen, between = zip(*(_interpolation(path, field, each) for each in asked), strict=True)
@@ -318,7 +323,7 @@ def _interpolation(
     if field.cells is None:
         if isinstance(asked.load, FieldLoad) and asked.load.part is not None:
             raise CaseError(
-                f"{path}: expected no 'part' of points without elements, as those of a table, found "
+                f"{path}: expected no 'part' of points without elements, as in a table, found "
                 f"{asked.load.part!r}"
             )
         return _between_points(path, field.points[:, : places.shape[1]], own, places)

@@ -233,8 +233,26 @@ def require_possible(case: Case, definition: ModelDefinition, history: History) 
         CaseError: names the first load that is not.
     """
     _require_above_absolute_zero(case, definition, history)
+    _require_one_rotation(case, definition, history)
     for cut in definition.cuts:
         cut.require_steps(case, history)
+
+
+def _require_one_rotation(case: Case, definition: ModelDefinition, history: History) -> None:
+    """Check that speeds are not to be added: the force goes with the square of their sum.
+
+    Raises:
+        CaseError: names the loads, and when they turn the bodies together.
+    """
+    names = [load.channel for load in definition.loads if load.kind == "rotation"]
+    speeds = history.values[:, [history.channels.index(name) for name in names]]
+    both = np.flatnonzero((speeds != 0).sum(axis=1) > 1)
+    if both.size:
+        raise CaseError(
+            f"{case.source}: loads: expected one load of the type rotation at a time, found "
+            f"{' and '.join(names)} at time {history.times[both[0]]:g}: the force goes with the "
+            "square of the whole speed, so give that by one of them"
+        )
 
 
 def _require_above_absolute_zero(case: Case, definition: ModelDefinition, history: History) -> None:

@@ -26,7 +26,7 @@ from fretfe.loads.csv_file import read_table
 # while.
 if TYPE_CHECKING:
     from fretfe.bodies.point_values import PointValues
-    from fretfe.fields.field import Quantity
+    from fretfe.fields.field import Names, Quantity
 
 # Columns of a file of strains, of plane bodies the first four, and their components.
 STRAINS = {"exx": (0, 0), "eyy": (1, 1), "ezz": (2, 2), "exy": (0, 1), "eyz": (1, 2), "exz": (0, 2)}
@@ -86,9 +86,9 @@ def checked_history(case: Case) -> History:
     for name, load in case.loads.items():
         try:
             if isinstance(load, FieldLoad):
-                _require_field(case.resolve(load.file), "displacements")
+                _require_field(case.resolve(load.file), "displacements", load.arrays or ())
             elif isinstance(load, TemperatureFieldLoad):
-                _require_field(case.resolve(load.file), "temperatures")
+                _require_field(case.resolve(load.file), "temperatures", load.arrays or ())
             elif isinstance(load, AtPoints) and load.file is not None:
                 # Whether the bodies of a mesh file are solid is not known yet.
                 dimension = 2 if case.geometry.solid is None else 3
@@ -99,18 +99,18 @@ def checked_history(case: Case) -> History:
     return build_history(case)
 
 
-def _require_field(path: Path, quantity: Quantity) -> None:
+def _require_field(path: Path, quantity: Quantity, arrays: Names) -> None:
     from fretfe.fields.field import field_file
 
     path = field_file(path, quantity)
     if path.suffix.lower() in TABLES:
         stamp = path.stat()
-        _read_once(path, quantity, stamp.st_mtime_ns, stamp.st_size)
+        _read_once(path, quantity, arrays, stamp.st_mtime_ns, stamp.st_size)
 
 
 @lru_cache
-def _read_once(path: Path, quantity: Quantity, modified: int, size: int) -> None:
+def _read_once(path: Path, quantity: Quantity, arrays: Names, modified: int, size: int) -> None:
     """Read a table if that was not done before: several loads have the same one."""
     from fretfe.fields.field import read_field
 
-    read_field(path, quantity)
+    read_field(path, quantity, arrays)

@@ -197,6 +197,14 @@ class OtherRun(Channel):
         description="Factor of all lengths, coordinates and displacements: 1000 for metres in a "
         "case in millimetres.",
     )
+    arrays: tuple[Text, ...] | None = Field(
+        default=None,
+        min_length=1,
+        max_length=3,
+        description="Values at the nodes to take from a file that VTK reads, by their names: one "
+        'array, or of displacements a number for each axis, as ["disp_x", "disp_y"]; without it '
+        "the one with a usual name.",
+    )
 
 
 class FieldLoad(OtherRun):

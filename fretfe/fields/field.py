@@ -25,6 +25,8 @@ from fretfe.results.field_files import CELL_TYPES, FIELDS, FieldReader
 
 # What a file is read for.
 Quantity = Literal["displacements", "temperatures"]
+# Names of values at nodes.
+Names = tuple[str, ...]
 # The time of the only step of a file that names none.
 ONLY_STEP = 1.0
 # Rounding of numbers in single precision.
@@ -32,8 +34,8 @@ SINGLE = float(np.finfo(np.float32).eps) / 2
 # Significant digits that a program may have written, and of how many values that is found.
 DIGITS, SAMPLE = range(4, 10), 1000
 
-# Numbers of nodes of the elements whose shape functions VTK knows, by its number of their kind: those
-# of polygons and polyhedra do not reproduce linear fields, and of kinds unknown to it there are none.
+# Numbers of nodes of the elements whose shape functions VTK knows, by its number of their kind.
+# Those of polygons and polyhedra do not reproduce linear fields, and others have none.
 NODES = {
     3: (2,), 5: (3,), 8: (4,), 9: (4,), 10: (4,), 11: (8,), 12: (8,), 13: (6,), 14: (5,), 21: (3,),
     22: (6,), 23: (8,), 24: (10,), 25: (20,), 26: (15,), 27: (13,), 28: (9,), 29: (27,), 30: (6,),
@@ -118,8 +120,14 @@ def field_file(path: Path, quantity: Quantity) -> Path:
     return path
 
 
-def read_field(path: Path, quantity: Quantity = "displacements") -> Field:
+def read_field(path: Path, quantity: Quantity = "displacements", arrays: Names = ()) -> Field:
     """A field in a file, or in the results folder of a run.
+
+    Args:
+        path: of the file or folder.
+        quantity: that is read.
+        arrays: the values at nodes that are it, by their names in a file that VTK reads: a vector,
+            or a number for each component; without any, those that are usual.
 
     Raises:
         CaseError: if it is not as expected.
@@ -127,7 +135,7 @@ def read_field(path: Path, quantity: Quantity = "displacements") -> Field:
     """
     path = field_file(path, quantity)
     require_sizes(path)
-    found = READERS[path.suffix.lower()](path, quantity)
+    found = READERS[path.suffix.lower()](path, quantity, arrays)
     _require_good(path, found)
     return found
 
@@ -201,8 +209,18 @@ def elements_of_part(path: Path, cells: Cells, part: str | None, body: str) -> I
     return np.arange(len(cells.shapes))
 
 
-def _read_csv(path: Path, quantity: Quantity) -> Field:
+def _require_unnamed(path: Path, arrays: Names) -> None:
+    """Check that no names are given for a file that has only one field of each kind."""
+    if arrays:
+        raise CaseError(
+            f"{path}: expected no 'arrays' but of a file that VTK reads, found "
+            f"{', '.join(map(repr, arrays))}"
+        )
+
+
+def _read_csv(path: Path, quantity: Quantity, arrays: Names) -> Field:
     """Columns x, y (z), ux, uy (uz) or T, and time or step, the same in all rows of a step."""
+    _require_unnamed(path, arrays)
     heated = quantity == "temperatures"
     names = ("x", "y", "T") if heated else ("x", "y", "ux", "uy")
     others = ("z", "time", "step") if heated else ("z", "uz", "time", "step")
@@ -305,7 +323,7 @@ def run_field(path: Path, name: str) -> Field:
     return Field(points, reader.times, values, cells, SINGLE)
 
 
-def _read_hdf(path: Path, quantity: Quantity) -> Field:
+def _read_hdf(path: Path, quantity: Quantity, arrays: Names) -> Field:
     """Fields of this program, or of another one that writes VTKHDF."""
     import h5py
 
@@ -314,11 +332,15 @@ def _read_hdf(path: Path, quantity: Quantity) -> Field:
             own = "VTKHDF/CellData/body" in file and "VTKHDF/Steps" in file
     except (OSError, RuntimeError) as error:
         raise CaseError(f"{path}: expected a VTKHDF file, found: {error}") from None
-    return _read_results(path, quantity) if own else _read_vtk(path, quantity)
+    if not own:
+        return _read_vtk(path, quantity, arrays)
+    _require_unnamed(path, arrays)
+    return _read_results(path, quantity)
 
 
-def _read_calculix(path: Path, quantity: Quantity) -> Field:
+def _read_calculix(path: Path, quantity: Quantity, arrays: Names) -> Field:
     """Steps of a result file of CalculiX; nodes without a displacement are those of beams."""
+    _require_unnamed(path, arrays)
     found = read_frd(path, "NDTEMP" if quantity == "temperatures" else "DISP")
     count = len(found.shapes)
     cells = Cells(found.nodes, found.offsets, found.shapes, np.zeros(count, dtype=np.int64))
@@ -326,11 +348,11 @@ def _read_calculix(path: Path, quantity: Quantity) -> Field:
     return Field(found.points, found.times, found.values, cells if count else None, rounding)
 
 
-def _read_vtk(path: Path, quantity: Quantity) -> Field:
+def _read_vtk(path: Path, quantity: Quantity, arrays: Names) -> Field:
     """Steps of a file that VTK reads, which takes a while to load."""
     from fretfe.fields.vtk import read_grid
 
-    times, read = read_grid(path, quantity)
+    times, read = read_grid(path, quantity, arrays)
     points, cells, first = read(0)
 
     def values(step: int) -> Array:
@@ -344,7 +366,7 @@ def _read_vtk(path: Path, quantity: Quantity) -> Field:
     return Field(points, times, values, cells, rounding_of(first))
 
 
-READERS: Mapping[str, Callable[[Path, Quantity], Field]] = {
+READERS: Mapping[str, Callable[[Path, Quantity, Names], Field]] = {
     ".csv": _read_csv,
     ".txt": _read_csv,
     ".hdf": _read_hdf,

@@ -50,7 +50,11 @@ IN_TIME = (0, 1)
 # Results that can be read, and their components.
 COLUMNS = {"DISP": 3, "NDTEMP": 1}
 LONGEST_LINE = 1000
-NUMBER = re.compile(rb"[-+ ]?\d\.\d+(?:[EeDd][-+]?\d+|[-+]\d+)|[-+]?(?:nan|inf)\w*", re.IGNORECASE)
+# An exponent has three digits where a number, or the end, follows the third.
+NUMBER = (
+    rb" *([-+]?\d\.\d+E[-+]?(?:\d{3}(?=\d\.|[-+ ]|nan|inf|$)|\d{2})"
+    rb"|[-+]?(?:nan|inf)(?:\([^)]*\)|inity)?)"
+)
 
 
 @dataclass(frozen=True)
@@ -171,10 +175,15 @@ class _Source:
                 listed = _numbers(table[:, first:].reshape(-1, WIDTH))
                 numbers = _numbers(table[:, 3:first]).astype(np.int64)
                 return numbers, listed.reshape(-1, block.columns)
-            # Exponents of three digits need more room than a column has.
-            rows = [[float(value) for value in NUMBER.findall(line[first:])] for line in lines]
+            # Exponents of three digits need more room than a column has: always on Windows.
+            row = re.compile(NUMBER * block.columns + rb" *", re.IGNORECASE)
+            rows = [row.fullmatch(line[first:]) for line in lines]
+            if None in rows:
+                text = lines[rows.index(None)][:LONGEST_LINE].decode("ascii", "replace")
+                raise ValueError(f"expected {block.columns} of them, found {text!r}")
+            values = [[float(value) for value in found.groups()] for found in rows if found]
             numbers = np.array([int(line[3:first]) for line in lines], dtype=np.int64)
-            return numbers, np.array(rows).reshape(-1, block.columns)
+            return numbers, np.array(values).reshape(-1, block.columns)
         except ValueError as error:
             raise self.error(
                 block.start, f"{block.name}: cannot read its numbers: {error}"

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import contextlib
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import CaseError
-from fretfe.fields.field import ONLY_STEP, Cells, Field, Quantity
+from fretfe.fields.field import ONLY_STEP, Cells, Field, Names, Quantity
 from fretfe.results.tables import require
 
 # Names among the values at nodes that programs write, in small letters, and their components.
@@ -33,6 +34,11 @@ INSIDE = 1e-9
 NEWTON_STEPS = 2
 # Nodes of the largest elements that VTK knows, and more.
 MOST_NODES = 512
+# Words of an error of VTK that are told: those before say where in its code it was found.
+TOLD = 30
+# Files of which errors of VTK do no harm, such as NaN in the range of an array: what they state has
+# been compared with what they have.
+IN_XML = (".vtu", ".pvd")
 # Of more pieces around a cut, each element may be one: the file has nodes for each of them.
 MOST_PIECES = 16
 
@@ -40,8 +46,8 @@ MOST_PIECES = 16
 Grid = tuple[Array, Cells, Array]
 
 
-def read_grid(path: Path, quantity: Quantity) -> tuple[Array, Callable[[int], Grid]]:
-    """(T,) times of the steps of a file, and what reads one of them.
+def read_grid(path: Path, quantity: Quantity, arrays: Names) -> tuple[Array, Callable[[int], Grid]]:
+    """(T,) times of the steps of a file, and what reads one of them; see `read_field`.
 
     Raises:
         CaseError: if it is not as expected.
@@ -56,21 +62,48 @@ def read_grid(path: Path, quantity: Quantity) -> tuple[Array, Callable[[int], Gr
 
     def read(step: int) -> Grid:
         try:
-            set_step(step)
-            grid = reader.read()
-            if isinstance(grid, pyvista.MultiBlock):
-                grid = grid.combine()
-            grid = grid.cast_to_unstructured_grid()
+            with _errors() as told:
+                set_step(step)
+                grid = reader.read()
+                if isinstance(grid, pyvista.MultiBlock):
+                    grid = grid.combine()
+                grid = grid.cast_to_unstructured_grid()
         except Exception as error:
             raise CaseError(
                 f"{path}: expected step {step + 1} as VTK reads it, found it damaged"
             ) from error
-        cells = _cells(grid)
-        if not len(cells.shapes):
+        if told and path.suffix.lower() not in IN_XML:
+            # It goes on with what its arrays hold by chance.
+            raise CaseError(
+                f"{path}: expected step {step + 1} as VTK reads it, found an error: {told[0]}"
+            )
+        cells = _cells(grid) if grid.n_cells else None
+        if cells is None or not len(cells.shapes):
             raise CaseError(f"{path}: expected elements, found none in step {step + 1}")
-        return np.array(grid.points, dtype=float), cells, _values(path, grid, quantity)
+        return np.array(grid.points, dtype=float), cells, _values(path, grid, quantity, arrays)
 
     return times, read
+
+
+@contextlib.contextmanager
+def _errors() -> Iterator[list[str]]:
+    """Errors that VTK tells meanwhile, in one line each: it raises none."""
+    from vtkmodules.util.misc import calldata_type
+    from vtkmodules.util.vtkConstants import VTK_STRING
+    from vtkmodules.vtkCommonCore import vtkOutputWindow
+
+    told: list[str] = []
+
+    @calldata_type(VTK_STRING)
+    def note(_window: Any, _event: str, text: str) -> None:
+        told.append(" ".join(text.split()[-TOLD:]))
+
+    window: Any = vtkOutputWindow.GetInstance()
+    number = window.AddObserver("ErrorEvent", note)
+    try:
+        yield told
+    finally:
+        window.RemoveObserver(number)
 
 
 def _steps(reader: Any) -> tuple[Array, Callable[[int], None]]:
@@ -95,7 +128,7 @@ def _cells(grid: Any) -> Cells:
     # By VTK itself: PyVista has changed their names.
     cells = grid.GetCells()
     nodes = np.array(vtk_to_numpy(cells.GetConnectivityArray()), dtype=np.int64)
-    counts = np.diff(np.array(vtk_to_numpy(cells.GetOffsetsArray()), dtype=np.int64))
+    counts: Indices = np.diff(np.array(vtk_to_numpy(cells.GetOffsetsArray()), dtype=np.int64))
     shapes = np.array(grid.celltypes, dtype=np.int64)
     if (lone := np.isin(shapes, LONE)).any() and len(shapes) == len(counts):
         nodes, counts, shapes = nodes[~np.repeat(lone, counts)], counts[~lone], shapes[~lone]
@@ -104,19 +137,50 @@ def _cells(grid: Any) -> Cells:
     )
 
 
-def _values(path: Path, grid: Any, quantity: Quantity) -> Array:
+def _values(path: Path, grid: Any, quantity: Quantity, names: Names) -> Array:
     """(n, 3) displacements or (n, 1) temperatures among the values at the nodes."""
     arrays = {name: np.asarray(grid.point_data[name]) for name in grid.point_data}
-    fitting = {name: each for name, each in arrays.items() if each.shape[1:] in SHAPES[quantity]}
-    named = [name for name in fitting if name.lower() in NAMES[quantity]]
+    chosen = names or _usual(path, arrays, quantity)
+    if missing := [name for name in chosen if name not in arrays]:
+        raise CaseError(
+            f"{path}: expected the arrays {', '.join(map(repr, chosen))} among the values at the "
+            f"nodes, found none called {missing[0]!r}: {_listed(arrays)}"
+        )
+    columns = [arrays[name].astype(float).reshape(grid.n_points, -1) for name in chosen]
+    found, wide = np.hstack(columns), [each.shape[1] for each in columns]
+    fitting = {"displacements": ([2], [3], [1, 1], [1, 1, 1]), "temperatures": ([1],)}
+    if wide not in fitting[quantity]:
+        what = "a vector, or a number for each axis," if quantity == "displacements" else "a number"
+        raise CaseError(
+            f"{path}: expected {what} at the nodes, found arrays of "
+            f"{', '.join(map(str, wide))} components: {_listed(arrays)}"
+        )
+    return np.pad(found, ((0, 0), (0, 3 - found.shape[1]))) if found.shape[1] == 2 else found
+
+
+def _usual(path: Path, arrays: Mapping[str, Array], quantity: Quantity) -> Names:
+    """The array that is called as programs call theirs.
+
+    Raises:
+        CaseError: if there are several, or none.
+    """
+    named = tuple(
+        name
+        for name, each in arrays.items()
+        if each.shape[1:] in SHAPES[quantity] and name.lower() in NAMES[quantity]
+    )
     if len(named) != 1:
         what = "vector" if quantity == "displacements" else "number"
         raise CaseError(
             f"{path}: expected one {what} at the nodes that is called one of "
-            f"{', '.join(NAMES[quantity])}, found {', '.join(map(repr, arrays)) or 'none'}"
+            f"{', '.join(NAMES[quantity])}, or its name as 'arrays' of the load, found "
+            f"{_listed(arrays)}"
         )
-    found = fitting[named[0]].astype(float).reshape(grid.n_points, -1)
-    return np.pad(found, ((0, 0), (0, 3 - found.shape[1]))) if found.shape[1] == 2 else found
+    return named
+
+
+def _listed(arrays: Mapping[str, Array]) -> str:
+    return ", ".join(map(repr, arrays)) or "none"
 
 
 def element_weights(
@@ -201,9 +265,7 @@ def body_weights(field: Field, places: Array, outside: float) -> tuple[sparse.cs
     return element_weights(field, np.flatnonzero(kept), places) if kept.any() else (weights, away)
 
 
-def _locate(
-    locator: Any, place: Array, near: float
-) -> tuple[Indices, Array, tuple[float, float]]:
+def _locate(locator: Any, place: Array, near: float) -> tuple[Indices, Array, tuple[float, float]]:
     """Nodes of the element nearest to a place (3,), and their weights.
 
     Then the distance of the place from the element, and the diagonal of its box.

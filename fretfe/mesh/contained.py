@@ -15,8 +15,9 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -29,19 +30,33 @@ from fretfe.environment import (
     without_launcher,
 )
 from fretfe.errors import CaseError, DependencyError, FretfeError, MemoryShortError, MeshError
+from fretfe.files import replace_text
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
 
 Blocks = Mapping[str, list[ElementBlock]]
-# Seconds for reading a file, and for each megabyte of it; for meshing what was read.
+# Seconds for reading a file, and for each megabyte of it; in all, for meshing what was read.
 READING, READING_MEGABYTE, MESHING = 20.0, 20.0, 3600.0
 # Files in the folder that both processes know. The first process writes the work, nobody else.
 WORK, OPENED, MESH, ERROR, MESSAGES = "work", "opened", "mesh.npz", "error", "messages"
 ERRORS = {each.__name__: each for each in (CaseError, DependencyError, MeshError)}
 
-# Reads a file into a mesh, or into arrays; calls what it is given when the file has been read.
-Work = Callable[[Callable[[], None]], RawMesh]
-ArrayWork = Callable[[Callable[[], None]], Mapping[str, Array]]
+
+class Opened(Protocol):
+    """Called by work when the file has been read."""
+
+    def __call__(self, seconds: float = MESHING) -> None:
+        """Ask for so many seconds in all, from the start of the work."""
+
+
+# Reads a file into a mesh, or into arrays.
+Work = Callable[[Opened], RawMesh]
+ArrayWork = Callable[[Opened], Mapping[str, Array]]
 T = TypeVar("T")
+
+
+def reading_seconds(size: int) -> float:
+    """Seconds that reading so many bytes may take."""
+    return READING + READING_MEGABYTE * size / 1e6
 
 
 def write_raw(path: Path, raw: RawMesh) -> None:
@@ -111,7 +126,7 @@ def _found_by(
     work: Work | ArrayWork, path: Path, reading: float | None, read: Callable[[Path], T]
 ) -> T:
     if reading is None:
-        reading = READING + READING_MEGABYTE * path.stat().st_size / 1e6
+        reading = reading_seconds(path.stat().st_size)
     with tempfile.TemporaryDirectory(prefix="fretfe-") as name:
         folder = Path(name)
         (folder / WORK).write_bytes(pickle.dumps(work))
@@ -156,17 +171,15 @@ def _process(folder: Path) -> Iterator[subprocess.Popen[bytes]]:
 def _wait(process: subprocess.Popen[bytes], folder: Path, path: Path, reading: float) -> int:
     """The exit code of the process."""
     begin = time.monotonic()
-    what = "reading"
-    try:
+    with contextlib.suppress(subprocess.TimeoutExpired):
         return process.wait(reading)
-    except subprocess.TimeoutExpired:
-        if (folder / OPENED).exists():
-            what = "meshing"
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                return process.wait(MESHING)
+    if (folder / OPENED).exists():
+        limit = float((folder / OPENED).read_text(encoding="utf-8"))
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return process.wait(max(begin + limit - time.monotonic(), 0.0))
     raise MeshError(
-        f"{path}: {what} it was ended after {time.monotonic() - begin:.0f} s: the file is damaged, "
-        "or its geometry too complex"
+        f"{path}: reading it, and using what is in it, was ended after "
+        f"{time.monotonic() - begin:.0f} s: the file is damaged, or its geometry too complex"
     )
 
 
@@ -209,7 +222,7 @@ def main(folder: Path) -> None:
     try:
         # Written by the process that started this one, into a folder that is its own.
         work: Work | ArrayWork = pickle.loads((folder / WORK).read_bytes())
-        found = work((folder / OPENED).touch)
+        found = work(partial(_note_opened, folder / OPENED))
         if isinstance(found, RawMesh):
             write_raw(folder / MESH, found)
         else:
@@ -220,6 +233,11 @@ def main(folder: Path) -> None:
         if not memory_shortage(error):
             raise
         (folder / ERROR).write_text(f"{MemoryError.__name__}\n", encoding="utf-8")
+
+
+def _note_opened(path: Path, seconds: float = MESHING) -> None:
+    """Say that the file has been read, with the seconds for all; the text is there at once."""
+    replace_text(path, f"{seconds}")
 
 
 def _end_with_parent() -> None:

@@ -18,7 +18,7 @@ from fretfe.errors import CaseError
 from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 
-LINE = {"centre": (0, 0, 0), "axis": (0, 0, 1)}
+LINE: dict[str, Any] = {"centre": (0, 0, 0), "axis": (0, 0, 1)}
 
 
 def tied(mesh: BodyMesh, count: int = 4, **keys: Any) -> Tie:

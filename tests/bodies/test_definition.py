@@ -24,7 +24,7 @@ def require(**loads: dict[str, Any]) -> None:
     """Check loads of bodies with a reference temperature of 20 degrees."""
     data = pad(loads={"press": press(), **loads})
     contact = {**data["contacts"]["main"], "surface1": "upper_bottom", "surface2": "lower_top"}
-    warm = {"expansion": 1e-5, "reference_temperature": 20.0}
+    warm = {"expansion": 1e-5, "reference_temperature": 20.0, "density": 8e-9}
     bodies = {name: {**body, **warm} for name, body in data["bodies"].items()}
     case = parse_case({**data, "contacts": {"main": contact}, "bodies": bodies})
     upper = blocks.block("upper", [0, 0.5, 1], [0, 1])
@@ -54,3 +54,15 @@ def test_temperatures_at_points_are_added_at_each_of_them() -> None:
     require(one=heat(points=left, values=[-250, 20]), other=heat(points=right, values=[20, -250]))
     with pytest.raises(CaseError, match="found -520 in the body"):
         require(one=heat(points=left, values=[-250, 20]), other=heat(value=-250.0))
+
+
+def test_two_speeds_at_once_are_refused() -> None:
+    """Forces would add up to those of the root of the sum of squares, not of the sum."""
+    spin = {"type": "rotation", "centre": [0, 0]}
+    ramp = {"ramp": 5.0, "until": 1.0, "steps": 1}
+    first = [ramp, {"ramp": 0.0, "until": 2.0, "steps": 1}]
+    one = {**spin, "history": first}
+    later = [{"hold": True, "until": 2.0, "steps": 2}, {"ramp": 7.0, "until": 3.0, "steps": 1}]
+    require(one=one, other={**spin, "history": later})
+    with pytest.raises(CaseError, match=r"rotation at a time, found one and other at time 0\.25: "):
+        require(one=one, other={**spin, "history": [ramp]})
