@@ -127,7 +127,7 @@ def _matched(apart: Array, others: Sequence[Partner]) -> list[Partner | None]:
     found: list[Partner | None] = [None] * len(apart)
     left = np.nan_to_num(apart.reshape(len(apart), len(others)), nan=np.inf)
     while left.size and left.min() < 1:
-        row, column = np.unravel_index(left.argmin(), left.shape)
+        row, column = divmod(int(left.argmin()), len(others))
         found[row] = others[column]
         left[row], left[:, column] = np.inf, np.inf
     return found

@@ -53,8 +53,9 @@ ROWS = 1.5
 # Along the front no farther than this part of the way to its end.
 NEAREST_END = 0.95
 # The frame of a station turns along a bent front, but a crystal does not: the fields of the station
-# are solutions at the station alone. Largest half-length over the radius of curvature between them;
-# what is left falls with its square, which the ways of other half-lengths show.
+# are solutions at the station alone. Largest half-length over the radius of curvature between them:
+# around a nickel sphere with elements of a/10 and Q along <110> |dK| is off by -2 % at 90 degrees
+# and -.3 % at 63, where half-lengths of .5 of the radius leave -5 and +3 %.
 TURN = 0.3
 
 

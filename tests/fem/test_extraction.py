@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from pad_cases import HOLD, SLIDING, TOP, pad, press, pull, shear, wave
 from fretfe.analytic.profiles import FlatRounded, Profile, Wedge, composite_modulus, edge_factor_k_n
 from fretfe.backends import find_backend
 from fretfe.case import parse_case
+from fretfe.fem.extraction import _tubes
 from fretfe.results.model import Result
 
 BLOCKS = {"upper_width": 20.0, "upper_height": 10.0, "lower_width": 30.0, "lower_height": 30.0}
@@ -193,3 +195,18 @@ def test_friction_work_is_the_area_of_the_hysteresis_loop(solved: Solve) -> None
     assert work > 0
     assert sum(edge.dissipation for edge in contact.stations) == pytest.approx(contact.dissipation)
     assert abs(contact.dissipation_change) < 1e-4
+
+
+@pytest.mark.parametrize(("radius", "crystals"), [(1.0, False), (1.0, True), (50.0, True)])
+def test_tubes_between_crystals_are_short_where_the_front_bends(
+    radius: float, crystals: bool
+) -> None:
+    """The frame of a station turns along the front with 1/radius, the crystal does not."""
+    sector = SimpleNamespace(size=0.1, along_size=0.1, curvature=1 / radius)
+    frames = SimpleNamespace(slid=lambda _: SimpleNamespace(to_end=[np.inf]))
+    front = SimpleNamespace(sectors=[sector], depth=[1.0], frames=frames, aside=np.zeros(1))
+    (tubes,) = _tubes(front, crystals)  # type: ignore[arg-type]
+    lengths = [each.half_length for each in tubes]
+    # At most .3 of the radius, and the last way five eighths of it; else 8 and 5 elements.
+    short = crystals and radius == 1.0
+    assert lengths == pytest.approx([0.3] * 3 + [0.1875] if short else [0.8] * 3 + [0.5])
