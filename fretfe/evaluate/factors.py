@@ -68,6 +68,9 @@ ROUND_OFF = 1e-9
 # The edge of a discrete contact area may lie anywhere in an element, half of it to either side with
 # equal chance: nineteen of twenty are nearer than this.
 WITHIN_ELEMENT = 0.475
+# Half-planes know the forces on an element exactly; elements that grow inward leave the edge open
+# by this part of the smallest ones. Measured: .01 with 300 elements on all profiles.
+WITHIN_GRID = 0.02
 
 
 def add_up(
@@ -711,7 +714,7 @@ def range_spreads(
     ]
     mean = [each.mean(axis=0) for each in along]
     largest = max((cycle_range(each, cycle) for each in mean), default=np.nan)
-    misplaced = _misplaced(fits, arc, cycle, 0.0 if histories.exact else WITHIN_ELEMENT)
+    misplaced = _misplaced(fits, arc, cycle, WITHIN_GRID if histories.exact else WITHIN_ELEMENT)
     spreads = []
     for station, history in enumerate(mean):
         ranges = [cycle_range(way, cycle) for way in along[station]]

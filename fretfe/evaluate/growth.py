@@ -26,8 +26,8 @@ from fretfe.evaluate.slip import SlipBorder
 
 # Depths at which the memory is followed, over the largest one, and next to the border no shape.
 LEVELS, TIP = 800, 0.02
-# Parts of the drive by which loops may miss their beginning: K_T does where P varies as well.
-FAINT = (1e-4, 1e-3, 1e-2, 3e-2)
+# Part of the drive by which a loop may miss its beginning: K_T does where P varies as well.
+LOOSE = 0.1
 # Times that a border is found with the shape by the border of the time before, part of what that
 # changes that may be wrong, and the fewest nodes of a zone that tell its shape.
 PASSES, UNSURE, FEWEST = 3, 0.2, 5
@@ -72,11 +72,14 @@ class Growth:
     def near(self, length: float) -> Growth:
         """The growth up to the border nearest to a length.
 
-        Where a loop closes the zone jumps, or does not, by little of the drive.
+        Where a loop closes at the end the zone jumps, or does not, by little of the drive.
         """
         beyond = np.cumsum(self.rate[::-1])[::-1]
-        cut = (replace(self, rate=self.rate * (beyond > each * beyond[0])) for each in FAINT)
-        return min(cut, key=lambda each: abs(each.length - length))
+        jumps = np.flatnonzero((self.rate[1:] > 0) & (self.rate[:-1] == 0)) + 1
+        jumps = jumps[beyond[jumps] < LOOSE * beyond[0]]
+        places = np.arange(len(self.rate))
+        shorter = [replace(self, rate=np.where(places < jump, self.rate, 0.0)) for jump in jumps]
+        return min([self, *shorter], key=lambda each: abs(each.length - length))
 
     def stretch(self, share: Array) -> Array:
         """(n,) |slip|^(2/3) over that of a zone that grew steadily, but for a factor.

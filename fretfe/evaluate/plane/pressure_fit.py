@@ -245,7 +245,7 @@ def _fit(section: Section, solved: bool) -> Array:
     means, bars, _ = average(fits[:2], fits[2:4], fits[4:6], fits[6], INTERVALS)
     off = _longest_off(fits[1], means[1])
     bars *= np.interp(off, OFF, SOLVED) if solved else 1.0
-    rise = _rise(section) / samples.size
+    rise = _rise(section)
     hidden = COARSE_K_N * means[1] * np.clip(off / SMOOTH, SMOOTHEST, 1.0)
     bars = np.hypot(bars, np.array([COARSE_POSITION * samples.size, hidden]) / rise**2)
     doubt = 1 + DOUBTFUL * bars[1] / (rise * means[1])
@@ -256,14 +256,15 @@ def _fit(section: Section, solved: bool) -> Array:
 
 
 def _rise(section: Section) -> Array:
-    """Return (T,) the lengths in which the pressure rises to next to its largest value.
+    """Return (T,) the elements over which the pressure rises to next to its largest value.
 
-    From the outermost node to RISEN of the largest pressure up to the middle, an element at least.
+    From the outermost node to RISEN of the largest pressure up to the middle, one at least. Where
+    elements grow inward their number counts, not that of the smallest ones over the same length.
     """
     outer = np.arange(section.values.shape[1]) <= section.nodes[:, None] // 2
     values = np.where(outer, section.values, 0.0)
     risen = np.argmax(values >= RISEN * values.max(axis=1, keepdims=True), axis=1)
-    return np.asarray(np.take_along_axis(section.s, np.maximum(risen, 1)[:, None], 1)[:, 0])
+    return np.maximum(risen, 1)
 
 
 def _longest_off(k_n: Array, mean: Array) -> Array:

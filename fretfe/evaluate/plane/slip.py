@@ -39,6 +39,8 @@ HIGHEST = 3
 # What linear elements, which are too stiff, may move the border of slip by, in elements, times the
 # length of the zone in elements: one of two of them was .8 of one too long.
 LINEAR_ELEMENTS = 1.6
+# Half of what they make K_N too large by: the half-width at the same load is too small by as much.
+LINEAR_BODIES = 0.03
 
 # Fewer sticking nodes than this are no stick zone.
 FEWEST_STUCK = 3
@@ -218,7 +220,8 @@ def _border_between(
         place = int(np.clip(np.searchsorted(s, border.length), 1, len(s) - 1))
         size = float(s[place] - s[place - 1])
         hidden *= size * min(size / border.length, 0.5)
-        border = replace(border, spread=math.hypot(border.spread, hidden))
+        stiff = LINEAR_BODIES * border.length
+        border = replace(border, spread=math.hypot(border.spread, hidden, stiff))
     behind = _slip_behind(moved)
     if behind is None or border.gross:
         return border
