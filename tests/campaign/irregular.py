@@ -3,15 +3,14 @@
 
 K_N is that of the profile, and ΔK_T the sum of exact increments of full stick. Without tension the
 slip zones are exact too: with Q spread over the loads L from 0 to P, as the pressure is over flat
-punches of half-width a(L), each of them carries f dL at most (Jäger 1998). With tension they are those
-of half-planes with FINER times as many elements and steps.
+punches of half-width a(L), each of them carries f dL at most (Jäger 1998). With tension they are
+those of half-planes with FINER times as many elements and steps.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from campaign.irregular_draw import (
@@ -21,7 +20,7 @@ from campaign.irregular_draw import (
     irregular_case,
     loads_of,
 )
-from campaign.judge import QUANTITIES, Judged
+from campaign.judge import Judged
 from halfplane_problems import PRESS_STEPS, problem, solved
 
 import fretfe
