@@ -29,8 +29,8 @@ LEVELS, TIP = 800, 0.02
 # Part of the drive by which a loop may miss its beginning: K_T does where P varies as well.
 LOOSE = 0.1
 # Times that a border is found with the shape by the border of the time before, part of what that
-# changes that may be wrong, and the fewest nodes of a zone that tell its shape.
-PASSES, UNSURE, FEWEST = 3, 0.2, 5
+# changes that may be wrong, and the fewest elements of a zone that tell its shape.
+PASSES, UNSURE, FEWEST = 3, 0.2, 4.0
 # Steady growth, where the loads tell another one, has to leave an error bar so many times as small.
 CLEARLY = 3.0
 # A shape within so much of (D - y)^(3/2) is that.
@@ -136,7 +136,11 @@ def zone_growth(
 
 
 def evened(
-    growth: Growth, s: Array, border: SlipBorder, find: Callable[[Array], SlipBorder]
+    growth: Growth,
+    s: Array,
+    border: SlipBorder,
+    find: Callable[[Array], SlipBorder],
+    size: float,
 ) -> SlipBorder:
     """Border of a zone that need not have grown steadily.
 
@@ -148,14 +152,13 @@ def evened(
         s: (n,) distances of the nodes from the edge inward.
         border: as if the zone had grown steadily.
         find: gives the border if slip is divided by factors (n,).
+        size: of the elements at the border.
     """
     versions = [each for each in growth.versions() if not each.even]
     if border.gross or not versions or not border.length > 0:
         return border
-    places = np.sort(s)
-    inside = int(np.clip(np.searchsorted(places, border.length), 1, len(s) - 1))
-    apart = float(np.diff(places)[inside - 1]) / math.sqrt(12)
-    if inside < FEWEST:
+    apart = size / math.sqrt(12)
+    if border.length < FEWEST * size:
         missed = min(abs(border.length - each.length) for each in versions)
         return replace(border, spread=math.hypot(border.spread, apart, missed))
     found = [border, *(_settled(each, s, border, find) for each in versions)]

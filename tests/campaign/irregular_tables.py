@@ -40,9 +40,9 @@ def held(numbers: list[Judged]) -> float:
 
 
 def sharpness(numbers: list[Judged]) -> float:
-    """Median bar over median error."""
-    errors = np.median([abs(each.value - each.truth) for each in numbers])
-    return float(np.median([each.bar for each in numbers]) / errors)
+    """Median of bar over error."""
+    errors = [max(abs(each.value - each.truth), 1e-9 * each.size) for each in numbers]
+    return float(np.median([each.bar for each in numbers] / np.array(errors)))
 
 
 def coverage(judged: list[Judged]) -> str:

@@ -49,7 +49,7 @@ RISEN = 0.9
 SMOOTH, SMOOTHEST = 0.03, 0.15
 # Elements that are so many times as long in the mean of the rise as at the edge grow inward; what
 # they hide at least is that times this as much. Measured on half-planes whose edges move.
-UNEVEN, GRADED = 1.3, 1.5
+UNEVEN, GRADED = 1.3, 2.7
 # Fits that disagree over few elements hardly know how well they know anything: a relative error of
 # K_N of a DOUBTFUL-th of the number of elements of the rise doubles it. The edge never is off by
 # many elements: its bar becomes so many times as large at most.

@@ -210,15 +210,18 @@ def _border_between(
     moved = slip > SMALLEST_SLIP * slip.max()
     s, moved = front.distances(contact.arc[closed], position), moved[nodes]
     border = slip_border(s, slip[nodes], moved)
+    place = int(np.clip(np.searchsorted(s, border.length), 1, len(s) - 1))
+    size = float(s[place] - s[place - 1])
     if growth is not None:
-        own = slip[nodes]
-        border = evened(growth, s, border, lambda stretch: slip_border(s, own / stretch, moved))
+
+        def find(stretch: Array) -> SlipBorder:
+            return slip_border(s, slip[nodes] / stretch, moved)
+
+        border = evened(growth, s, border, find, size)
     unseen = max(float(s[0]), 0.0) + float(s[1] - s[0])
     zone = slip[nodes][: max(np.count_nonzero(s < border.length), 1)]
     border = replace(border, largest=float(zone.max()), unseen=unseen)
     if hidden and border.length > 0:
-        place = int(np.clip(np.searchsorted(s, border.length), 1, len(s) - 1))
-        size = float(s[place] - s[place - 1])
         hidden *= size * min(size / border.length, 0.5)
         stiff = LINEAR_BODIES * border.length
         border = replace(border, spread=math.hypot(border.spread, hidden, stiff))

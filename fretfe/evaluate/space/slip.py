@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from fretfe._typing import Array, Bools
+from fretfe.evaluate.growth import FindGrowth, evened
 from fretfe.evaluate.numerics import average
 from fretfe.evaluate.plane.slip import INTERVAL, NODAL_ERROR
 from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder
@@ -181,7 +182,12 @@ class SlipBetween:
         return self._read[start, end]
 
     def border_of(
-        self, sector: Sector, place: Array, depth: float, outer: Bools | None = None
+        self,
+        sector: Sector,
+        place: Array,
+        depth: float,
+        outer: Bools | None = None,
+        growth: FindGrowth = lambda *_: None,
     ) -> FindBorder:
         """Slip zones at a station.
 
@@ -190,6 +196,7 @@ class SlipBetween:
             place: (T,) of the front, inward from the reference.
             depth: half of the width of the contact.
             outer: (T,) whether the slip in the step to each state counts; None if all of it does.
+            growth: gives the growth of the zone of a half cycle.
         """
         area = self._contact.weights[sector.nodes]
 
@@ -200,7 +207,15 @@ class SlipBetween:
                 own = own[outer[start + 1 : end + 1]]
             slip = _forward(own, (sector.fade * area)[closed[sector.nodes]], closed[sector.nodes])
             moved = closed[sector.nodes] & (slip > SMALLEST_SLIP * slip.max(initial=0.0))
-            border = sector_border(sector, float(place[end]), depth, slip, moved, area)
+            here = float(place[end])
+            border = sector_border(sector, here, depth, slip, moved, area)
+            grown = growth(start, end)
+            if grown is not None:
+
+                def by(stretch: Array) -> SlipBorder:
+                    return sector_border(sector, here, depth, slip / stretch, moved, area)
+
+                border = evened(grown, sector.s - here, border, by, sector.size)
             return replace(border, largest=float(slip.max(initial=0.0)), unseen=sector.size)
 
         return find
