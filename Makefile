@@ -37,7 +37,7 @@ SLOW_LIMITS := --timeout=1800 -o faulthandler_timeout=1860 --durations=20
 SUITE ?= trixie
 FRESH ?=
 
-.PHONY: help demo bench test test-light test-debian deb wheels lint docs clean
+.PHONY: help demo bench campaign test test-light test-debian deb wheels lint docs clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
@@ -47,6 +47,10 @@ demo: .venv/.installed  ## solve the dovetail demo and write results/dovetail
 
 bench: .venv/.installed  ## times and memory of runs, phases, ranks and commands; an hour on a quiet machine
 	$(BIN)/python tools/bench.py
+
+campaign: .venv/.installed  ## error bars of 400 irregular histories beside exact numbers, by half-planes and elements; an hour
+	for which in irregular "irregular elements"; do \
+	    $(ONE_THREAD) PYTHONPATH=tests $(BIN)/python -m campaign $$which; done
 
 test: .venv/.installed  ## all tests on 1 rank, those marked mpi on 2; the slow ones if CI or SLOW is set
 	$(PYTEST) $(SHARED_OUT) -m "not slow $(WITHOUT)"

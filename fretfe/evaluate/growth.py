@@ -26,11 +26,13 @@ from fretfe.evaluate.slip import SlipBorder
 
 # Depths at which the memory is followed, over the largest one, and next to the border no shape.
 LEVELS, TIP = 800, 0.02
-# Parts of the drive by which loops may miss their beginning: K_T does where P varies as well.
-FAINT = (1e-4, 1e-3, 1e-2, 3e-2)
+# Part of the drive by which a loop may miss its beginning: K_T does where P varies as well.
+LOOSE = 0.1
 # Times that a border is found with the shape by the border of the time before, part of what that
-# changes that may be wrong, and the fewest nodes of a zone that tell its shape.
-PASSES, UNSURE, FEWEST = 3, 0.2, 5
+# changes that may be wrong, and the fewest elements of a zone that tell its shape.
+PASSES, UNSURE, FEWEST = 3, 0.2, 4.0
+# Steady growth, where the loads tell another one, has to leave an error bar so many times as small.
+CLEARLY = 3.0
 # A shape within so much of (D - y)^(3/2) is that.
 EVEN = 0.03
 
@@ -69,14 +71,21 @@ class Growth:
         stretch = self.stretch(np.linspace(0.0, 0.95, 20))
         return bool(np.ptp(stretch) < EVEN)
 
-    def near(self, length: float) -> Growth:
-        """The growth up to the border nearest to a length.
+    def versions(self) -> tuple[Growth, ...]:
+        """The growth, and up to where it jumps at the end by little of the drive.
 
-        Where a loop closes the zone jumps, or does not, by little of the drive.
+        Where a loop closes then the zone jumps, or does not.
         """
         beyond = np.cumsum(self.rate[::-1])[::-1]
-        cut = (replace(self, rate=self.rate * (beyond > each * beyond[0])) for each in FAINT)
-        return min(cut, key=lambda each: abs(each.length - length))
+        jumps = np.flatnonzero((self.rate[1:] > 0) & (self.rate[:-1] == 0)) + 1
+        places = np.arange(len(self.rate))
+        return (
+            self,
+            *(
+                replace(self, rate=np.where(places < jump, self.rate, 0.0))
+                for jump in jumps[beyond[jumps] < LOOSE * beyond[0]]
+            ),
+        )
 
     def stretch(self, share: Array) -> Array:
         """(n,) |slip|^(2/3) over that of a zone that grew steadily, but for a factor.
@@ -127,34 +136,50 @@ def zone_growth(
 
 
 def evened(
-    growth: Growth, s: Array, border: SlipBorder, find: Callable[[Array], SlipBorder]
+    growth: Growth,
+    s: Array,
+    border: SlipBorder,
+    find: Callable[[Array], SlipBorder],
+    size: float,
 ) -> SlipBorder:
-    """Border of a zone that did not grow steadily, from slip made what steady growth would leave.
+    """Border of a zone that need not have grown steadily.
+
+    The slip is made what steady growth would leave; of all versions of the growth, and steady
+    growth, that one counts which leaves the straightest lines.
 
     Args:
         growth: of the zone.
         s: (n,) distances of the nodes from the edge inward.
         border: as if the zone had grown steadily.
         find: gives the border if slip is divided by factors (n,).
+        size: of the elements at the border.
     """
-    growth, even = growth.near(border.length), border
-    if border.gross or growth.even or not border.length > 0:
+    versions = [each for each in growth.versions() if not each.even]
+    if border.gross or not versions or not border.length > 0:
         return border
-    places = np.sort(s)
-    inside = int(np.clip(np.searchsorted(places, border.length), 1, len(s) - 1))
-    size = float(np.diff(places)[inside - 1])
-    changes = [size / math.sqrt(12)]
-    if inside < FEWEST:
-        changes.append(border.length - growth.length)
-    else:
-        before = border
-        for _ in range(PASSES):
-            before, border = border, find(growth.stretch(s / border.length) ** 1.5)
-            if border.gross or not border.length > 0:
-                return replace(even, resolved=False)
-        changes += [UNSURE * (border.length - even.length), border.length - before.length]
-    spread = math.hypot(border.spread, *changes)
-    return replace(border, spread=spread)
+    apart = size / math.sqrt(12)
+    if border.length < FEWEST * size:
+        missed = min(abs(border.length - each.length) for each in versions)
+        return replace(border, spread=math.hypot(border.spread, apart, missed))
+    found = [border, *(_settled(each, s, border, find) for each in versions)]
+    straight = [each.spread * (CLEARLY if each is border else 1.0) for each in found]
+    best = found[int(np.argmin(straight))]
+    rivals = [each for each in found if each.spread < best.spread]
+    doubt = max((abs(each.length - best.length) / 2 for each in rivals), default=0.0)
+    changed = UNSURE * (best.length - border.length)
+    return replace(best, spread=math.hypot(best.spread, apart, changed, doubt))
+
+
+def _settled(
+    growth: Growth, s: Array, border: SlipBorder, find: Callable[[Array], SlipBorder]
+) -> SlipBorder:
+    """Border with the shape by the border of the time before; arguments as of `evened`."""
+    before = border
+    for _ in range(PASSES):
+        before, border = border, find(growth.stretch(s / border.length) ** 1.5)
+        if border.gross or not border.resolved or not border.length > 0:
+            return replace(before, spread=math.inf)
+    return replace(border, spread=math.hypot(border.spread, border.length - before.length))
 
 
 def _rates(k_t: Array, retreat: Array, depth: Array, counted: Bools) -> Array:

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""`PYTHONPATH=tests python -m campaign [moving] [solids] [unlike] [COUNT]`: right or wrong?
+"""`PYTHONPATH=tests python -m campaign [moving] [solids] [unlike] [irregular] [elements] [COUNT]`.
+
+Right or wrong? "irregular" judges half-planes, "irregular elements" finite elements.
 
 Progress and each number that is wrong without a warning go to the standard error, the tables for
 docs/validate.md to the standard output. One process for each processor.
@@ -12,6 +14,8 @@ import sys
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
+from campaign.irregular import judge_irregular, judge_irregular_elements
+from campaign.irregular_tables import coverage
 from campaign.judge import QUANTITIES, Judged, judge_case, judge_moving
 from campaign.judge_solids import SOLID_QUANTITIES, judge_moving_solid, judge_solid
 from campaign.tables import RESOLVED, RESOLVED_SOLIDS, kinds, tables
@@ -19,12 +23,15 @@ from campaign.unlike import UNLIKE_QUANTITIES, judge_unlike
 
 # How many are judged if nothing is said, and by what, by the words.
 COUNTS = {"": 300, "moving": 100, "solids": 30, "moving solids": 40, "unlike": 60}
+COUNTS |= {"irregular": 400, "irregular elements": 400}
 JUDGES = {
     "": judge_case,
     "moving": judge_moving,
     "solids": judge_solid,
     "moving solids": judge_moving_solid,
     "unlike": judge_unlike,
+    "irregular": judge_irregular,
+    "irregular elements": judge_irregular_elements,
 }
 
 
@@ -45,6 +52,9 @@ def main() -> None:
                     _tell(f"\n{each.text}\n")
             _tell(f"\r{done} of {count}")
     _tell("\n")
+    if which.startswith("irregular"):
+        print(coverage(judged))
+        return
     of_solids, plane = (SOLID_QUANTITIES, RESOLVED_SOLIDS), (QUANTITIES, RESOLVED)
     unlike = (UNLIKE_QUANTITIES, RESOLVED)
     print(

@@ -3,15 +3,14 @@
 
 K_N is that of the profile, and ΔK_T the sum of exact increments of full stick. Without tension the
 slip zones are exact too: with Q spread over the loads L from 0 to P, as the pressure is over flat
-punches of half-width a(L), each of them carries f dL at most (Jäger 1998). With tension they are those
-of half-planes with FINER times as many elements and steps.
+punches of half-width a(L), each of them carries f dL at most (Jäger 1998). With tension they are
+those of half-planes with FINER times as many elements and steps.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from campaign.irregular_draw import (
@@ -21,7 +20,7 @@ from campaign.irregular_draw import (
     irregular_case,
     loads_of,
 )
-from campaign.judge import QUANTITIES, Judged
+from campaign.judge import Judged
 from halfplane_problems import PRESS_STEPS, problem, solved
 
 import fretfe
@@ -89,9 +88,7 @@ def _judge(one: IrregularDraw, found: Found, finite: float) -> Iterator[Judged]:
     for number, station in enumerate(found.stations):
         k_n = float(edge_factor_k_n(one.form, a[-1]))
         value, bar = station.reported_k_n, station.last_k_n[1]
-        yield Judged(
-            one, station.front, "K_N", value, bar, k_n, finite * FINITE_BODY * k_n, ""
-        )
+        yield Judged(one, station.front, "K_N", value, bar, k_n, finite * FINITE_BODY * k_n, "")
         if cycle:
             k_t, k_i = _ranges(loads[-1 - cycle :], a[-1 - cycle :], station)
             allowance = finite * (FINITE_BODY * k_t + PRESSED * k_i)
@@ -120,9 +117,7 @@ def _ranges(loads: Array, a: Array, station: Station) -> tuple[float, float]:
     return tuple(float(np.ptp(np.append(0.0, np.cumsum(each)))) for each in (k_t, k_i))  # type: ignore[return-value]
 
 
-def _counterpart(
-    zone: SlipZone, times: Array, station: Station, finer: Array
-) -> SlipZone | None:
+def _counterpart(zone: SlipZone, times: Array, station: Station, finer: Array) -> SlipZone | None:
     """The zone of finer steps that has the same end, if it is known there."""
     for other in station.slip_zones:
         if abs(finer[other.end] - times[zone.end]) < 1e-6:
@@ -150,14 +145,18 @@ def _exact(one: IrregularDraw, times: Array, loads: Array, ends: Array) -> float
         way = 1 if missing > 0 else -1
         # From the edge inward all of f, as far as it takes.
         gain = np.cumsum(np.where(pressed, f * way - share, 0.0)[::-1])[::-1] * d_level
-        slipping = pressed & (np.abs(gain) < (1 - 1e-6) * abs(missing)) & (abs(missing) > 1e-7 * f * p)
+        slipping = (
+            pressed & (np.abs(gain) < (1 - 1e-6) * abs(missing)) & (abs(missing) > 1e-7 * f * p)
+        )
         if slipping.any():
             border = int(np.flatnonzero(slipping)[0])
             share[slipping] = f * way
             rest = missing - gain[border]
             share[max(border - 1, 0)] += rest / d_level
             if ends[0] + 1e-9 < times[state] <= ends[1] + 1e-9:
-                inner = level[border] - d_level / 2 - d_level * min(abs(rest / d_level) / (2 * f), 1)
+                inner = (
+                    level[border] - d_level / 2 - d_level * min(abs(rest / d_level) / (2 * f), 1)
+                )
                 farthest[way] = min(farthest[way], inner)
     last = loads[np.argmin(np.abs(times - ends[1])), 0]
     stick = min(farthest.values())

@@ -3,7 +3,7 @@
 
 P, Q and the bulk tension run independently in straight lines from point to point, with reversals
 and inner loops at any place, once after the first loading or as a cycle that repeats. Bodies are so
-large that they are half-planes to a ten-thousandth. All draws of a number depend on that number alone.
+large that they are half-planes to a ten-thousandth. All draws of a number depend on it and a seed.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge
 # Loads that vary; P is constant without "normal".
 VARYING = ("shear", "normal", "bulk", "all")
 BODY, POISSON, PRESS_STEPS = 200.0, 0.3, 4
-# Slope of the profile at a = 1, or more than that: small, as inclined surfaces make K_T by pressing alone.
+# Slope of the profile at a = 1, or more than that: inclined surfaces make K_T by pressing alone.
 SLOPE = 1e-3
 
 

@@ -47,6 +47,9 @@ RISEN = 0.9
 # If the lowest orders over the longest window give the same K_N as all fits but for SMOOTH, even a
 # rise over few elements hides little: SMOOTHEST of the above at least.
 SMOOTH, SMOOTHEST = 0.03, 0.15
+# Elements that are so many times as long in the mean of the rise as at the edge grow inward; what
+# they hide at least is that times this as much. Measured on half-planes whose edges move.
+UNEVEN, GRADED = 1.3, 2.7
 # Fits that disagree over few elements hardly know how well they know anything: a relative error of
 # K_N of a DOUBTFUL-th of the number of elements of the rise doubles it. The edge never is off by
 # many elements: its bar becomes so many times as large at most.
@@ -245,8 +248,8 @@ def _fit(section: Section, solved: bool) -> Array:
     means, bars, _ = average(fits[:2], fits[2:4], fits[4:6], fits[6], INTERVALS)
     off = _longest_off(fits[1], means[1])
     bars *= np.interp(off, OFF, SOLVED) if solved else 1.0
-    rise = _rise(section) / samples.size
-    hidden = COARSE_K_N * means[1] * np.clip(off / SMOOTH, SMOOTHEST, 1.0)
+    rise, graded = _rise(section)
+    hidden = COARSE_K_N * means[1] * np.clip(off / SMOOTH, SMOOTHEST * graded, 1.0)
     bars = np.hypot(bars, np.array([COARSE_POSITION * samples.size, hidden]) / rise**2)
     doubt = 1 + DOUBTFUL * bars[1] / (rise * means[1])
     results = np.concatenate([means, bars * np.minimum(doubt, LARGEST_DOUBT)])
@@ -255,15 +258,20 @@ def _fit(section: Section, solved: bool) -> Array:
     return results
 
 
-def _rise(section: Section) -> Array:
-    """Return (T,) the lengths in which the pressure rises to next to its largest value.
+def _rise(section: Section) -> tuple[Array, Array]:
+    """Return (T,) the elements over which the pressure rises to next to its largest value.
 
-    From the outermost node to RISEN of the largest pressure up to the middle, an element at least.
+    From the outermost node to RISEN of the largest pressure up to the middle, one at least. Where
+    elements grow inward their number counts, not that of the smallest ones over the same length.
+    The second is (T,) what SMOOTHEST is multiplied by.
     """
     outer = np.arange(section.values.shape[1]) <= section.nodes[:, None] // 2
     values = np.where(outer, section.values, 0.0)
     risen = np.argmax(values >= RISEN * values.max(axis=1, keepdims=True), axis=1)
-    return np.asarray(np.take_along_axis(section.s, np.maximum(risen, 1)[:, None], 1)[:, 0])
+    risen = np.maximum(risen, 1)
+    length = np.take_along_axis(section.s, risen[:, None], 1)[:, 0]
+    growth = length / (risen * section.s[:, 4] / 4)
+    return risen, np.where(growth > UNEVEN, GRADED * growth, 1.0)
 
 
 def _longest_off(k_n: Array, mean: Array) -> Array:

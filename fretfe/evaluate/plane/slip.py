@@ -39,6 +39,8 @@ HIGHEST = 3
 # What linear elements, which are too stiff, may move the border of slip by, in elements, times the
 # length of the zone in elements: one of two of them was .8 of one too long.
 LINEAR_ELEMENTS = 1.6
+# Half of what they make K_N too large by: the half-width at the same load is too small by as much.
+LINEAR_BODIES = 0.03
 
 # Fewer sticking nodes than this are no stick zone.
 FEWEST_STUCK = 3
@@ -208,17 +210,21 @@ def _border_between(
     moved = slip > SMALLEST_SLIP * slip.max()
     s, moved = front.distances(contact.arc[closed], position), moved[nodes]
     border = slip_border(s, slip[nodes], moved)
+    place = int(np.clip(np.searchsorted(s, border.length), 1, len(s) - 1))
+    size = float(s[place] - s[place - 1])
     if growth is not None:
-        own = slip[nodes]
-        border = evened(growth, s, border, lambda stretch: slip_border(s, own / stretch, moved))
+
+        def find(stretch: Array) -> SlipBorder:
+            return slip_border(s, slip[nodes] / stretch, moved)
+
+        border = evened(growth, s, border, find, size)
     unseen = max(float(s[0]), 0.0) + float(s[1] - s[0])
     zone = slip[nodes][: max(np.count_nonzero(s < border.length), 1)]
     border = replace(border, largest=float(zone.max()), unseen=unseen)
     if hidden and border.length > 0:
-        place = int(np.clip(np.searchsorted(s, border.length), 1, len(s) - 1))
-        size = float(s[place] - s[place - 1])
         hidden *= size * min(size / border.length, 0.5)
-        border = replace(border, spread=math.hypot(border.spread, hidden))
+        stiff = LINEAR_BODIES * border.length
+        border = replace(border, spread=math.hypot(border.spread, hidden, stiff))
     behind = _slip_behind(moved)
     if behind is None or border.gross:
         return border

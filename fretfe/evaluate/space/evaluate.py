@@ -42,6 +42,7 @@ from fretfe.evaluate.factors import (
     with_moved,
     within_known,
 )
+from fretfe.evaluate.growth import Growth, zone_growth
 from fretfe.evaluate.numerics import last_known
 from fretfe.evaluate.resultants import solid_resultants
 from fretfe.evaluate.slip import cycle_states, last_state, slip_zones
@@ -448,11 +449,13 @@ class _Front:
         front, friction = self.track.front, self.contact.friction
         cycle = cycle_states(self.solution.cycle)
         worst = worst_cycle(cycles, cycle, friction, along)
+        outer = worst.outer if worst else np.ones(len(friction), dtype=bool)
+
+        def growth(start: int, end: int) -> Growth | None:
+            return zone_growth(along, friction, start, end, outer)
+
         border = self.slip.border_of(
-            front.sectors[number],
-            along.position,
-            float(front.depth[number]),
-            worst.outer if worst else None,
+            front.sectors[number], along.position, float(front.depth[number]), outer, growth
         )
         return slip_zones(
             cycle,

@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from fretfe._typing import Array, Bools
+from fretfe.evaluate.growth import FindGrowth, evened
 from fretfe.evaluate.numerics import average
 from fretfe.evaluate.plane.slip import INTERVAL, NODAL_ERROR
 from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder
@@ -194,7 +195,12 @@ class SlipBetween:
         return self._read[start, end]
 
     def border_of(
-        self, sector: Sector, place: Array, depth: float, outer: Bools | None = None
+        self,
+        sector: Sector,
+        place: Array,
+        depth: float,
+        outer: Bools | None = None,
+        growth: FindGrowth = lambda *_: None,
     ) -> FindBorder:
         """Slip zones at a station.
 
@@ -203,6 +209,7 @@ class SlipBetween:
             place: (T,) of the front, inward from the reference.
             depth: half of the width of the contact.
             outer: (T,) whether the slip in the step to each state counts; None if all of it does.
+            growth: gives the growth of the zone of a half cycle.
         """
         area = self._contact.weights[sector.nodes]
 
@@ -215,8 +222,17 @@ class SlipBetween:
                 own, (sector.fade * area)[closed[sector.nodes]], closed[sector.nodes]
             )
             moved = closed[sector.nodes] & (slip > SMALLEST_SLIP * slip.max(initial=0.0))
-            turns = straight < STRAIGHT
-            border = sector_border(sector, float(place[end]), depth, slip, moved, area, turns=turns)
+            here, turns = float(place[end]), straight < STRAIGHT
+            border = sector_border(sector, here, depth, slip, moved, area, turns=turns)
+            grown = growth(start, end)
+            if grown is not None:
+
+                def by(stretch: Array) -> SlipBorder:
+                    return sector_border(
+                        sector, here, depth, slip / stretch, moved, area, turns=turns
+                    )
+
+                border = evened(grown, sector.s - here, border, by, sector.size)
             return replace(border, largest=float(slip.max(initial=0.0)), unseen=sector.size)
 
         return find

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Coverage of the error bars of irregular histories, by class."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+from campaign.irregular_draw import VARYING, IrregularDraw
+from campaign.judge import QUANTITIES, Judged
+
+# Elements over the half-width, or over the rounded part in contact, that meshes are told apart by.
+COARSE, FINE = 10, 25
+CLASSES: dict[str, Callable[[IrregularDraw], bool]] = {
+    "all": lambda one: True,
+    **{f"varies: {name}": lambda one, name=name: one.varying == name for name in VARYING},
+    "cycle repeated": lambda one: one.repeats,
+    "passed once": lambda one: not one.repeats,
+    "degree 1": lambda one: one.degree == 1,
+    "degree 2": lambda one: one.degree == 2,
+    f"under {COARSE} elements": lambda one: one.per_half_width < COARSE,
+    f"{COARSE} to {FINE} elements": lambda one: COARSE <= one.per_half_width < FINE,
+    f"over {FINE} elements": lambda one: one.per_half_width >= FINE,
+}
+
+
+def given(judged: Iterable[Judged], quantity: str, name: str = "all") -> list[Judged]:
+    """The numbers of a class that have a value."""
+    chosen = CLASSES[name]
+    return [
+        each
+        for each in judged
+        if each.quantity == quantity and np.isfinite(each.value) and chosen(each.draw)  # type: ignore[arg-type]
+    ]
+
+
+def held(numbers: list[Judged]) -> float:
+    """Share of numbers that are within their bars."""
+    return float(np.mean([each.error <= each.bar for each in numbers]))
+
+
+def sharpness(numbers: list[Judged]) -> float:
+    """Median of bar over error."""
+    errors = [max(abs(each.value - each.truth), 1e-9 * each.size) for each in numbers]
+    return float(np.median([each.bar for each in numbers] / np.array(errors)))
+
+
+def coverage(judged: list[Judged]) -> str:
+    """A row for each class and number, in Markdown."""
+    rows = ["| class | number | given | bars hold | median bar/error |", "|---|---|---|---|---|"]
+    for name, chosen in CLASSES.items():
+        for quantity in QUANTITIES:
+            drawn = [e for e in judged if e.quantity == quantity and chosen(e.draw)]  # type: ignore[arg-type]
+            numbers = given(judged, quantity, name)
+            if numbers:
+                rows.append(
+                    f"| {name} | {quantity} | {len(numbers)} of {len(drawn)} | "
+                    f"{100 * held(numbers):.1f}% | {sharpness(numbers):.1f} |"
+                )
+    return "\n".join(rows)

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Slip zones that do not grow steadily: inner loops, and loads beyond all that was before."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, problem, solved
+
+from fretfe._typing import Array
+from fretfe.analytic.partial_slip import PartialSlip
+from fretfe.evaluate.contacts import StationHistory
+from fretfe.evaluate.growth import Growth, zone_growth
+
+pytestmark = pytest.mark.formula
+
+# Q/(f P) at the reversals; the last half cycle is the largest.
+PATHS = {
+    # The last point goes beyond the first one, from where on slip is that of first loading.
+    "beyond": (-0.254, 0.242, -0.05, 0.2, 0.0, 0.1, 0.276),
+    "little beyond a loop": (-0.4, 0.3, 0.0, 0.32),
+    "steady": (-0.3, 0.3),
+}
+
+
+def growth(k_t: list[float], k_i: list[float] | None = None) -> Growth:
+    """Growth in the last half cycle of K_T with f = 1 and K_N = 1, from its lowest state on."""
+    shear, count = np.array(k_t), len(k_t)
+    normal = np.zeros(count) if k_i is None else np.array(k_i)
+    one = np.ones(count)
+    station = StationHistory("left", 0, one, one, one, one, shear, 0 * one, normal)
+    start = int(np.argmin(shear))
+    found = zone_growth(station, one, start, count - 1, np.ones(count, dtype=bool))
+    assert found is not None
+    return found
+
+
+def test_steady_growth_is_even() -> None:
+    found = growth([0.0, -1.0, 0.0, 1.0])
+    # The zone of a reversal reaches ΔK_T/(f K_N); (D - y)^(3/2) but for the levels of depth.
+    assert found.length == pytest.approx(2.0, abs=0.01)
+    assert found.even
+
+
+def test_first_loading_reaches_twice_as_far() -> None:
+    found = growth([0.0, 0.5, 1.0])
+    assert found.length == pytest.approx(2.0, abs=0.01)
+    assert found.even
+
+
+def test_slip_beyond_all_that_was_before() -> None:
+    """To 1.5 beyond a reversal at -1: up to 1 as after that, then as at first loading."""
+    found = growth([0.0, -1.0, 1.0, 1.5])
+    assert found.length == pytest.approx(3.0, abs=0.01)
+    y = 3.0 * np.array([0.0, 0.2, 0.5, 0.8])
+    # Integrals of sqrt(D - y) dK: D = K + 1 up to 2, then D = 2 K.
+    first, last = np.maximum(2.0 - y, 0.0) ** 1.5, (3.0 - y) ** 1.5
+    exact = (first + (last - first) / 2) ** (2 / 3) / (3.0 - y)
+    stretch = found.stretch(y / 3.0)
+    np.testing.assert_allclose(stretch / stretch[-1], exact / exact[-1], rtol=5e-3)
+    assert not found.even
+
+
+def test_a_loop_that_closes_makes_the_zone_jump() -> None:
+    """The loop from 1 to 0 closes with a zone 1 long; from 2 it then grows as at first loading."""
+    found = zone_of_small_loop(1.1)
+    assert found.length == pytest.approx(2.2, abs=0.02)
+    jump = (found.depth > 1.02) & (found.depth < 1.98)  # give or take a level
+    assert not found.rate[jump].any()
+    assert found.rate[found.depth < 1.5].sum() == pytest.approx(1.0, abs=0.02)
+    assert found.rate[found.depth > 1.5].sum() == pytest.approx(0.1, abs=0.02)
+
+
+def test_a_loop_that_closes_to_round_off_may_stay_closed() -> None:
+    found = zone_of_small_loop(1.0 + 1e-9)
+    assert found.length > 1.9
+    lengths = [each.length for each in found.versions()]
+    assert lengths == pytest.approx([2.0, 1.0], abs=0.02)
+
+
+def zone_of_small_loop(top: float) -> Growth:
+    """Growth from the lower end of a loop from 0 to 1 within one from -1, up to its other end."""
+    shear = np.array([0.0, -1.0, 1.0, 0.0, top])
+    one = np.ones(len(shear))
+    station = StationHistory("left", 0, one, one, one, one, shear, 0 * one, 0 * one)
+    found = zone_growth(station, one, 3, 4, np.ones(len(shear), dtype=bool))
+    assert found is not None
+    return found
+
+
+def test_pressing_harder_at_constant_shear_makes_no_slip() -> None:
+    found = growth([0.0, 0.0, 0.0], [0.0, 0.5, 1.0])
+    assert found.length == 0.0
+
+
+def path(points: tuple[float, ...], steps: int) -> Array:
+    """Q/(f P) from 0 through points, with so many steps to each."""
+    ends = np.array([0.0, *points])
+    ways = [np.linspace(*pair, steps + 1)[1:] for pair in itertools.pairwise(ends)]
+    return np.concatenate([[0.0], *ways])
+
+
+@pytest.mark.parametrize("steps", [1, 4])
+@pytest.mark.parametrize("points", PATHS.values(), ids=PATHS)
+def test_border_after_an_irregular_path(points: tuple[float, ...], steps: int) -> None:
+    shear = path(points, steps) * LIMIT
+    contact = solved(problem(np.full(len(shear), LOAD), shear), elements=100)
+    exact = 1.0 - float(PartialSlip(HERTZ, LOAD, FRICTION).stick_half_width_after(shear))
+    for station in contact.stations:
+        zone = station.slip_zones[-1]
+        assert zone.resolved
+        # Ciavarella and Jäger. Nodes stand .02 apart there: a fourth of that. The lines through the
+        # sum of the slip were up to 6 % off.
+        assert zone.length == pytest.approx(exact, abs=0.005)
+        assert abs(zone.length - exact) < zone.spread < 0.1 * exact
