@@ -156,21 +156,28 @@ def _tables(case: Case) -> dict[str, Any]:
 
 def _with_full_paths(case: Case) -> dict[str, Any]:
     data = _tables(case)
-    geometry = data["geometry"]
-    for key in ("file", "facets"):
-        if key in geometry:
-            geometry[key] = _full(case, geometry[key])
-    for load in data.get("loads", {}).values():
-        if "file" in load:
-            load["file"] = _full(case, load["file"])
-        for segment in load["history"]:
-            if "csv" in segment:
-                segment["csv"] = _full(case, segment["csv"])
+    for key, path in named_files(case).items():
+        table: Any = data
+        for part in key[:-1]:
+            table = table[part]
+        table[key[-1]] = str(path)
     return data
 
 
-def _full(case: Case, file: str) -> str:
-    return str(case.resolve(file).absolute())
+def named_files(case: Case) -> dict[Key, Path]:
+    """Full paths of the files and folders that a case names, by key; not those of materials."""
+    data = _tables(case)
+    tables: list[tuple[Key, Any]] = [(("geometry",), data["geometry"])]
+    for name, load in data.get("loads", {}).items():
+        tables.append((("loads", name), load))
+        segments = enumerate(load["history"])
+        tables += [(("loads", name, "history", number), each) for number, each in segments]
+    return {
+        (*key, name): case.resolve(table[name]).absolute()
+        for key, table in tables
+        for name in ("file", "facets", "csv")
+        if name in table
+    }
 
 
 WITHOUT_DIRECTION = (

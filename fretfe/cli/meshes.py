@@ -113,13 +113,17 @@ def mesh(
 
     With its named groups, and a picture beside it.
     """
+    from fretfe.bodies.input_files import input_files
     from fretfe.case import load_case, parse_assignments
     from fretfe.checked import make_mesh
+    from fretfe.errors import CaseError
     from fretfe.results.writer import prepare_directory
 
     if rank_from_environment() > 0:
         return
     read = load_case(case, parse_assignments(overrides or ()), trust_geo=trust_geo)
+    if output.resolve() in input_files(read):
+        raise CaseError(f"--output: expected a new file, found {output}, which the case reads")
     prepare_directory(output.parent)
     made = make_mesh(read)
     if made is not None:

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from fretfe.errors import OutputError
-from fretfe.files import disk_reason, replace_text
+from fretfe.files import disk_reason, open_own, replace_text
 
 MARK, LOCK = "run.json", "run.lock"
 SCHEMA = {"name": "fretfe-run", "version": 1}
@@ -91,7 +91,7 @@ def _open(path: Path) -> tuple[int, bool]:
         OutputError: if another process has it.
     """
     while True:
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        descriptor = open_own(path, os.O_RDWR)
         locks = True
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -149,7 +149,7 @@ def _exists(process: int) -> bool:
 def _at_work(path: Path) -> bool:
     """True if a lock is held, or the file system has no locks."""
     try:
-        descriptor = os.open(path, os.O_RDONLY)
+        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     except OSError:
         return False
     try:

@@ -9,15 +9,16 @@ import re
 import time
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fretfe.backends import Backend, Observer, RunOptions
+from fretfe.backends import Backend, Observer, RunOptions, processes_of
 from fretfe.backends.protocol import CopiedSession, Session, session_of
+from fretfe.bodies.input_files import input_digests
 from fretfe.bodies.load_files import checked_history
 from fretfe.case import Case, Units, changed, parse_assignments
 from fretfe.case.overrides import parse_value, plain_value, split_assignment, with_overrides
@@ -33,10 +34,17 @@ OPTION = "--vary"
 
 @dataclass(frozen=True)
 class Variant:
-    """One case of a sweep, and the values that distinguish it, by key."""
+    """One case of a sweep.
+
+    Attributes:
+        values: that distinguish it, by key.
+        case: the case.
+        inputs: digests of the files that it reads, by their names, when the sweep began.
+    """
 
     values: Mapping[str, Any]
     case: Case
+    inputs: Mapping[str, str]
 
 
 def parse_ranges(texts: Iterable[str]) -> dict[str, tuple[Any, ...]]:
@@ -130,9 +138,9 @@ def make_variants(case: Case, ranges: Mapping[str, Sequence[Any]]) -> tuple[Vari
     variants = []
     for combination in itertools.product(*values.values()):
         chosen = dict(zip(values, combination, strict=True))
-        variant = Variant(chosen, changed(case, chosen))
-        checked_history(variant.case)
-        variants.append(variant)
+        own = changed(case, chosen)
+        checked_history(own)
+        variants.append(Variant(chosen, own, input_digests(own)))
     return tuple(variants)
 
 
@@ -151,6 +159,7 @@ class Solved:
         failure: why it could not be solved; empty if it was.
         notes: what the backend assumed.
         seconds: wall time.
+        inputs: digests of the files that it was computed from, by their names.
     """
 
     values: Mapping[str, Any]
@@ -158,6 +167,7 @@ class Solved:
     failure: str
     notes: tuple[str, ...]
     seconds: float
+    inputs: Mapping[str, str] = field(default_factory=dict)
 
     def records(self) -> list[dict[str, Any]]:
         """A flat record for each edge; one without numbers if it failed."""
@@ -278,7 +288,7 @@ def _solve(variant: Variant, backend: Backend, session: Session, options: RunOpt
     edges: tuple[Mapping[str, Any], ...] = ()
     notes: tuple[str, ...] = ()
     try:
-        failure = "; ".join(backend.supports(variant.case))
+        failure = "; ".join(backend.supports(variant.case)) or _changed_files(variant, backend)
         if not failure:
             result = session.solve(variant.case, options)
             if isinstance(result.failure, StoppedError):
@@ -289,7 +299,16 @@ def _solve(variant: Variant, backend: Backend, session: Session, options: RunOpt
         raise
     except FretfeError as error:
         failure = str(error)
-    return Solved(variant.values, edges, failure, notes, time.perf_counter() - start)
+    seconds = time.perf_counter() - start
+    return Solved(variant.values, edges, failure, notes, seconds, variant.inputs)
+
+
+def _changed_files(variant: Variant, backend: Backend) -> str:
+    """Say that files are no longer those with which the sweep began; empty if they are."""
+    now = processes_of(backend).on_root(lambda: input_digests(variant.case))
+    then = variant.inputs
+    names = [path for path in {**then, **now} if then.get(path) != now.get(path)]
+    return f"{', '.join(names)}: changed since the sweep began" if names else ""
 
 
 def _told(number: int, variants: Sequence[Variant], solved: Solved) -> str:

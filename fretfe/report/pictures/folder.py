@@ -23,7 +23,7 @@ from typing import Any
 
 from fretfe.environment import idle_cores, without_launcher
 from fretfe.errors import OutputError
-from fretfe.files import require_file
+from fretfe.files import replace_text, replacing, require_file, stranger_in
 from fretfe.report.pictures.looks import Wanted, plan_pictures
 from fretfe.report.pictures.mesh import draw_status
 from fretfe.report.pictures.panels import save_png
@@ -78,8 +78,8 @@ def make_pictures(directory: Path, meanwhile: Callable[[Result], None] = lambda 
     """
     run = load_result(directory)
     # Pictures of that folder would be removed, and others written there.
-    if (directory / PICTURES).is_symlink():
-        raise OutputError(f"{directory / PICTURES}: expected a folder, found a link")
+    if (found := stranger_in(directory / PICTURES)) is not None:
+        raise OutputError(f"{found}: expected a folder or a file of a run, found a link")
     remove_pictures(directory)
     wanted = plan_pictures(run)
     reports = {each.file: {"reason": reason} for each in wanted if (reason := _lacks(run, each))}
@@ -138,7 +138,8 @@ def _draw_contacts(run: Result, wanted: Wanted) -> dict[str, Any]:
     path = folder_of(run) / PICTURES / wanted.file
     if wanted.kind == "cycle":
         data, caption = draw_cycle(run, wanted.contacts[0])
-        path.write_bytes(data)
+        with replacing(path) as new:
+            new.write_bytes(data)
         return {"caption": caption}
     if wanted.kind == "surface":
         figure, caption = draw_surface(run, wanted.contacts[0], wanted.states)
@@ -163,7 +164,7 @@ def _write_list(
             shown.append({"file": each.file, "title": each.title, **report})
     lists = {"pictures": pictures, **({"files": files} if files else {}), "missing": missing}
     text = json.dumps(lists, indent=1, ensure_ascii=False)
-    (directory / PICTURES / PICTURE_LIST).write_text(text + "\n", encoding="utf-8")
+    replace_text(directory / PICTURES / PICTURE_LIST, text + "\n")
 
 
 def lacks_pictures(directory: Path) -> bool:
