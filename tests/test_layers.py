@@ -23,6 +23,8 @@ LAYERS = (
     "fretfe.files",
     "fretfe.results.run_folder",
     "fretfe.environment",
+    "fretfe.terminal",
+    "fretfe.console",
     "fretfe._core",
     "fretfe._typing",
     "fretfe.analytic.*",

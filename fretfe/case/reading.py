@@ -33,6 +33,7 @@ from fretfe.case.overrides import with_overrides
 from fretfe.case.tables import Contact, Support, Symmetry
 from fretfe.case.toml_file import read_tables
 from fretfe.errors import CaseError
+from fretfe.terminal import one_line
 
 
 def load_case(
@@ -138,7 +139,7 @@ def case_text(case: Case) -> str:
     if case.given is None and as_written(case) and data == _tables(case):
         return case.source.read_text("utf-8-sig")
     head = ("The case as run, written by fretfe.", *case.material_notes)
-    return "".join(f"# {line}\n" for line in head) + tomli_w.dumps(data)
+    return "".join(f"# {one_line(line)}\n" for line in head) + tomli_w.dumps(data)
 
 
 def as_written(case: Case) -> bool:

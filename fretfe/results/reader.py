@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
@@ -185,10 +185,12 @@ def _require_stored(path: Path) -> None:
 def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
     times = _numbers(numbers["times"])
     loads = numbers["loads"]
-    cycle = numbers["cycle"]
-    history = History(
-        tuple(loads), times, _columns(loads.values(), times), tuple(cycle) if cycle else None
-    )
+    cycle = numbers["cycle"] and _as(tuple[int, ...], numbers["cycle"])
+    _require_names("loads", loads, case.loads)
+    _require_names("mesh", numbers["mesh"], case.bodies)
+    contacts = tuple(_contact(*each) for each in numbers["contacts"].items())
+    _require_names("contacts", (each.pair for each in contacts), case.contacts)
+    history = History(tuple(loads), times, _columns(loads.values(), times), cycle or None)
     solution: Solution | None = None
     bodies: dict[str, BodyMesh] = {}
     if numbers["steps"] is not None:
@@ -198,7 +200,7 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         case=case,
         loads=history,
         backend=str(numbers["backend"]),
-        contacts=tuple(_contact(*each) for each in numbers["contacts"].items()),
+        contacts=contacts,
         notes=tuple(numbers["notes"]),
         failure=None if numbers["complete"] else ConvergenceError(numbers["failure"]),
         solution=solution,
@@ -210,6 +212,17 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         refinement=restored_refinement(refinement) if refinement else None,
         directory=directory,
     )
+
+
+def _require_names(what: str, found: Iterable[str], known: Iterable[str]) -> None:
+    """Check that numbers are of what is in the case.
+
+    Raises:
+        ValueError: for the first name that is not.
+    """
+    names = list(known)
+    if wrong := [name for name in found if name not in names]:
+        raise ValueError(f"{what}: {wrong[0]!r}, which is none of the case ({', '.join(names)})")
 
 
 def _contact(name: str, table: Mapping[str, Any]) -> Contact:
@@ -256,6 +269,8 @@ def _as(kind: Any, value: Any) -> Any:
     """A value of JSON as the type that a field is declared with."""
     if kind is float:
         return math.nan if value is None else float(value)
+    if kind in (bool, int, str) and not isinstance(value, kind):
+        raise TypeError(f"{value!r} in place of {kind.__name__}")
     if is_dataclass(kind):
         return restored(kind, value)  # type: ignore[arg-type]
     if get_origin(kind) is tuple:
@@ -286,7 +301,7 @@ def _read_arrays(
             )
         states = file["states"][:]
         contacts = tuple(
-            _read_contact(path, name, file[f"contacts/{name}"], states, len(history.times))
+            _read_contact(path, name, file[f"contacts/{name}"], states, len(history.times), case)
             for name in numbers["contacts"]
         )
         bodies = {name: _read_body(name, file[f"mesh/{name}"]) for name in numbers["mesh"]}
@@ -324,7 +339,7 @@ def _solution(
 
 
 def _read_contact(
-    path: Path, name: str, group: h5py.Group, states: Indices, count: int
+    path: Path, name: str, group: h5py.Group, states: Indices, count: int, case: Case
 ) -> ContactHistory:
     require_shapes(group, count, len(states))
     arrays: dict[str, Any] = {}
@@ -338,6 +353,8 @@ def _read_contact(
     area = group["bonded/area"][:]
     full_stick = FullStickUnits(_stored(path, units, areas, int(area.max(initial=-1)) + 1), area)
     pair, body1, body2 = (str(group.attrs[key]) for key in ("pair", "body1", "body2"))
+    _require_names(group.name, (pair,), case.contacts)
+    _require_names(group.name, (body1, body2), case.bodies)
     return ContactHistory(
         name=name, pair=pair, body1=body1, body2=body2, **arrays, full_stick=full_stick
     )
