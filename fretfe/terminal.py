@@ -95,14 +95,16 @@ def patient_streams() -> Iterator[Callable[[], OSError | None]]:
         if hasattr(each, "reconfigure"):
             each.reconfigure(errors="backslashreplace")
     # They are None if they were closed before Python started.
-    output, errors = (each and Shown(each) for each in before)
+    output, errors = (None if each is None else Shown(each) for each in before)
     sys.stdout, sys.stderr = cast("TextIO", output), cast("TextIO", errors)
 
     def lost() -> OSError | None:
         for each in (output, errors):
             if each is not None:
                 each.flush()
-        found = output and (output.failure or output.rich_proxied_file.failure)
+        if output is None:
+            return None
+        found: OSError | None = output.failure or output.rich_proxied_file.failure
         return None if found is None or found.errno == errno.EPIPE else found
 
     try:

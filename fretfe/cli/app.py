@@ -45,7 +45,7 @@ Exit codes:
   6  results cannot be written or read
   7  a library is missing
   8  there is not enough memory
-  130, 143  Ctrl-C, SIGTERM
+  129, 130, 143  SIGHUP, Ctrl-C, SIGTERM
 """
 # Seconds in which processes come upon the same error.
 ALIKE = 1.0

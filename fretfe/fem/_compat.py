@@ -52,12 +52,8 @@ if _may_be_spoiled():
     # The wheel says what to remove. It reads all that is installed for that: 0.1 s, or more.
     import dolfinx_solver  # noqa: F401
 
-# Signals that this process ignores, as SIGHUP under `nohup`, which PETSc would have it heed.
-_ignored = [
-    each
-    for each in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM)
-    if signal.getsignal(each) is signal.SIG_IGN
-]
+# Signals that this process ignores: of a pipe that nobody reads, of a closed terminal by `nohup`.
+_ignored = [each for each in signal.Signals if signal.getsignal(each) is signal.SIG_IGN]
 _petsc_is_new = "petsc4py.PETSc" not in sys.modules
 try:
     # It finds the MPI library that those of the wheel are linked with: it comes first.
@@ -96,9 +92,8 @@ def petsc_library() -> ctypes.CDLL:
 
 def _leave_signals_alone() -> None:
     """Take the handlers of PETSc away: for it every signal is a crash of which it prints a page."""
-    if petsc_library().PetscPopSignalHandler():
-        return
     if threading.current_thread() is threading.main_thread():
+        petsc_library().PetscPopSignalHandler()
         for each in _ignored:
             signal.signal(each, signal.SIG_IGN)
 

@@ -21,7 +21,6 @@ from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.evaluate.refinement import Refinement
-from fretfe.files import file_fault
 from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.history.state_array import StateArray
 from fretfe.history.stream import select_rows
@@ -29,7 +28,7 @@ from fretfe.loads import History
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.hdf5_file import read_fault, require_own
 from fretfe.results.model import Result
-from fretfe.results.run_folder import are_unchanged, unfinished
+from fretfe.results.run_folder import are_unchanged, require_stored, unfinished
 from fretfe.results.tables import NODAL
 from fretfe.results.writer import ARRAYS, ELSEWHERE, NUMBERS, SCHEMA
 
@@ -112,7 +111,7 @@ def _require_end(directory: Path) -> None:
 
 def _read_numbers(directory: Path) -> dict[str, Any]:
     path = directory / NUMBERS
-    _require_stored(path)
+    require_stored(path)
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -162,7 +161,7 @@ def _opened(path: Path) -> Iterator[h5py.File]:
     Raises:
         OutputError: if they cannot be read, or are of another schema.
     """
-    _require_stored(path)
+    require_stored(path)
     try:
         with h5py.File(path, "r") as file:
             require_own(path, file, SCHEMA)
@@ -173,13 +172,6 @@ def _opened(path: Path) -> Iterator[h5py.File]:
         raise OutputError(
             f"{path}: expected the arrays that belong to {NUMBERS}, found: {reason}"
         ) from error
-
-
-def _require_stored(path: Path) -> None:
-    """Check that a file that may be missing is nothing but a file."""
-    fault = file_fault(path)
-    if fault and not fault.startswith("nothing"):
-        raise OutputError(f"{path}: expected a file of results, found {fault}")
 
 
 def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from fretfe.errors import OutputError
-from fretfe.files import disk_reason, open_own, replace_text
+from fretfe.files import disk_reason, file_fault, open_own, replace_text
 
 MARK, LOCK = "run.json", "run.lock"
 SCHEMA = {"name": "fretfe-run", "version": 1}
@@ -194,6 +194,7 @@ def read_mark(directory: Path) -> dict[str, Any] | None:
         OutputError: if the note is not one of this version, or not as it was written.
     """
     path = directory / MARK
+    require_stored(path)
     try:
         mark = json.loads(path.read_text(encoding="utf-8"))
     except (FileNotFoundError, NotADirectoryError):
@@ -207,6 +208,16 @@ def read_mark(directory: Path) -> dict[str, Any] | None:
     if KEY in mark and not are_unchanged(mark):
         raise OutputError(f"{path}: expected the state of a run, found a changed one. {ANEW}")
     return mark
+
+
+def require_stored(path: Path) -> None:
+    """Check that a file that may be missing is nothing but a file: a pipe would never be read.
+
+    Raises:
+        OutputError: if it is something else.
+    """
+    if path.exists() and (fault := file_fault(path)):
+        raise OutputError(f"{path}: expected a file of results, found {fault}")
 
 
 def unfinished(directory: Path) -> str:

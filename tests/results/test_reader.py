@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from pathlib import Path
 from typing import Any
@@ -79,3 +80,14 @@ def copied(folder: Path, to: Path) -> dict[str, Any]:
 
 def written(folder: Path, numbers: dict[str, Any]) -> None:
     (folder / "results.json").write_text(json.dumps(with_digest(numbers)))
+
+
+@pytest.mark.parametrize("name", ["run.json", "results.json", "results.h5"])
+def test_a_pipe_in_place_of_a_file_is_not_waited_for(
+    tmp_path: Path, folder: Path, name: str
+) -> None:
+    copied(folder, tmp_path)
+    (tmp_path / name).unlink()
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(OutputError, match=f"{name}: expected a file of results, found a pipe"):
+        load_result(tmp_path)

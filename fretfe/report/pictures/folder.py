@@ -32,6 +32,7 @@ from fretfe.report.source import folder_of
 from fretfe.results.field_files import FIELDS
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
+from fretfe.results.run_folder import require_stored
 from fretfe.results.writer import PICTURE_LIST, PICTURES, remove_pictures
 
 NO_FIELDS = (
@@ -175,6 +176,7 @@ def lacks_pictures(directory: Path) -> bool:
     folder = directory / PICTURES
     if not (folder / PICTURE_LIST).exists():
         return True
+    require_stored(folder / PICTURE_LIST)
     try:
         listed = json.loads((folder / PICTURE_LIST).read_text(encoding="utf-8"))
         files = [each["file"] for each in (*listed["pictures"], *listed.get("files", ()))]
@@ -242,6 +244,7 @@ def read_pictures(directory: Path) -> Pictures:
     """
     folder = directory / PICTURES
     path = folder / PICTURE_LIST
+    require_stored(path)
     if not path.exists():
         return Pictures()
     try:
