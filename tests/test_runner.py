@@ -12,6 +12,8 @@ from typing import Any
 from unittest.mock import patch
 
 import pytest
+import tomli_w
+from launch import fretfe
 from pad_cases import pad, press
 from told import Told
 
@@ -65,6 +67,16 @@ def test_inputs_beside_the_results_are_read(tmp_path: Path) -> None:
     # The force of the table.
     assert result.contacts[0].normal_force[-1] == pytest.approx(600.0, rel=1e-9)
     assert (tmp_path / "path.csv").exists()
+
+
+def test_a_mesh_is_not_written_over_a_file_of_its_case(tmp_path: Path) -> None:
+    (tmp_path / "a.msh").write_text("$MeshFormat")
+    tables = pad(geometry={"file": "a.msh"})
+    (tmp_path / "pad.toml").write_text(tomli_w.dumps(tables))
+    done = fretfe("mesh", tmp_path / "pad.toml", "-o", tmp_path / "a.msh")
+    assert done.returncode == 2
+    assert "expected a new file" in done.stderr
+    assert (tmp_path / "a.msh").read_text() == "$MeshFormat"
 
 
 @pytest.mark.parametrize("name", ["run.lock", "states", "states/states.rows", "pictures"])

@@ -17,6 +17,7 @@ from pathlib import Path
 import pytest
 from launch import fretfe, python
 from pad_cases import HERTZ
+from rich.progress import Progress
 
 from fretfe import __main__ as entry
 from fretfe.cli import app
@@ -54,6 +55,20 @@ def test_tables_show_texts_of_others_in_colours_of_their_own() -> None:
     console = Console(file=out, force_terminal=True, color_system="standard")
     console.print(HOSTILE, style="bold", markup=False, highlight=False)
     assert out.getvalue() == f"\x1b[1m{HARMLESS}\x1b[0m\n"
+
+
+def test_a_bar_has_its_commands(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It takes the place of both streams while it is there."""
+    out = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", out)
+    with patient_streams():
+        console = Console(stderr=True, force_terminal=True, width=40)
+        with Progress(console=console) as bar:
+            bar.add_task("steps", total=2)
+            bar.console.print(HOSTILE, markup=False, highlight=False)
+    text = out.getvalue()
+    assert "\x1b[2K" in text and "steps" in text
+    assert HARMLESS in text and text.count("␛") == HARMLESS.count("␛")
 
 
 def test_nobody_prints_otherwise() -> None:

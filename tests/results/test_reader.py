@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +25,8 @@ from fretfe.runner import Runner
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     found = tmp_path_factory.mktemp("run")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(
-            "fretfe.backends.halfplane.solve_half_planes",
-            lambda *each, **more: solve_half_planes(*each, **more, elements=40),
-        )
+        few = partial(solve_half_planes, elements=40)
+        patch.setattr("fretfe.backends.halfplane.solve_half_planes", few)
         Runner.find("halfplane").run(parse_case(pad()), found)
     return found
 
