@@ -80,7 +80,8 @@ def make_pictures(directory: Path, meanwhile: Callable[[Result], None] = lambda 
     run = load_result(directory)
     # Pictures of that folder would be removed, and others written there.
     if (found := stranger_in(directory / PICTURES)) is not None:
-        raise OutputError(f"{found}: expected a folder or a file of a run, found a link")
+        kind = "folder" if found.name == PICTURES else "file"
+        raise OutputError(f"{found}: expected a {kind}, found a link or a pipe")
     remove_pictures(directory)
     wanted = plan_pictures(run)
     reports = {each.file: {"reason": reason} for each in wanted if (reason := _lacks(run, each))}
