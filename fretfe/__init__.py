@@ -8,7 +8,10 @@ one of them is used: importing the package alone is quick.
 from __future__ import annotations
 
 import importlib
-from typing import Any
+
+TYPE_CHECKING = False  # that of typing takes a while
+if TYPE_CHECKING:
+    from typing import Any
 
 API = (
     "Comparison",

@@ -3,20 +3,14 @@
 
 from __future__ import annotations
 
-import gc
-import os
-import sys
-import warnings
-from typing import NoReturn
+import signal
 
-from fretfe.environment import (
-    LITTLE_ROOM,
-    THREADS,
-    memory_shortage,
-    missing_package,
-    too_little_room,
-)
-from fretfe.errors import DependencyError, FretfeError, MemoryShortError
+TYPE_CHECKING = False  # that of typing takes long
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import NoReturn
+
+    from fretfe.errors import FretfeError
 
 # New objects after which Python looks for garbage among them.
 COLLECTED = 5000
@@ -24,6 +18,32 @@ COLLECTED = 5000
 
 def main() -> None:
     """Entry point of the command: without Typer there is no command line to say so."""
+    # While the libraries are loaded Ctrl-C ends the process without a word: nothing is lost.
+    loading = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if loading:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    command_line = _load()
+    if loading:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    command_line()
+
+
+def _load() -> Callable[[], None]:
+    """Load the command line, and set what has to be set before libraries are loaded."""
+    import gc
+    import os
+    import sys
+    import warnings
+
+    from fretfe.environment import (
+        LITTLE_ROOM,
+        THREADS,
+        memory_shortage,
+        missing_package,
+        too_little_room,
+    )
+    from fretfe.errors import DependencyError, MemoryShortError
+
     # Matrices of a thousand rows gain nothing by threads, and lose much where another program wants
     # the cores. To be set before NumPy is imported.
     if not any(name in os.environ for name in THREADS):
@@ -43,10 +63,12 @@ def main() -> None:
         if not (reason := shortage or missing_package(error)):
             raise
         _end(MemoryShortError if shortage else DependencyError, reason)
-    command_line()
+    return command_line
 
 
 def _end(error: type[FretfeError], reason: str) -> NoReturn:
+    import sys
+
     print(f"fretfe: error: {reason}", file=sys.stderr)
     sys.exit(error.exit_code)
 

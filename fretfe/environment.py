@@ -154,6 +154,15 @@ def missing_package(error: BaseException) -> str:
     return ""
 
 
+def missing_folder() -> str:
+    """Say that the working folder has been removed; empty if it is there."""
+    try:
+        os.getcwd()
+    except FileNotFoundError:
+        return "the folder that fretfe was started in is no longer there: start it in another one"
+    return ""
+
+
 def memory_shortage(error: BaseException) -> str:
     """Say that there is not enough memory if that is what an error means; empty for others."""
     if not any(map(_means_no_memory, _causes(error))):

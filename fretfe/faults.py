@@ -20,6 +20,7 @@ from typing import TypeVar
 
 from fretfe.environment import memory_shortage, missing_package, rank_from_environment
 from fretfe.errors import FaultError, FretfeError
+from fretfe.files import open_own
 
 T = TypeVar("T")
 # Tracebacks of errors of fretfe, in a results folder.
@@ -149,9 +150,9 @@ def write_traceback(directory: Path | None, place: str, trace: str) -> None:
         return
     if directory is not None:
         line = f"{time.strftime('%Y-%m-%d %H:%M:%S')} {place}\n"
-        flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW
         try:
-            with open(os.open(directory / FAULTS, flags, 0o666), "a", encoding="utf-8") as file:
+            descriptor = open_own(directory / FAULTS, os.O_WRONLY | os.O_APPEND)
+            with open(descriptor, "a", encoding="utf-8") as file:
                 file.write(f"{line}{trace}\n")
             return
         except OSError:  # a full disk, or a folder that is gone

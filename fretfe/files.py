@@ -33,6 +33,9 @@ REASONS = {
     errno.EDQUOT: "the disk quota is used up",
     errno.ENOENT: "the folder is no longer there",
     errno.EROFS: "the disk cannot be written to",
+    errno.ELOOP: "a link to another place, through which nothing is written",
+    errno.EMLINK: "a file that has a second name elsewhere, which would be changed with it",
+    errno.ENXIO: "something that is no file",
 }
 # Errors of file systems, and of folders on them, that know no way to the disk.
 NO_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.ENOSYS)
@@ -40,6 +43,8 @@ NO_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.ENOSYS)
 
 # Bytes that are written to learn why others were not.
 PROBE = bytes(1 << 16)
+# How the names of files begin that are not finished.
+UNFINISHED = ".fretfe-new-"
 
 
 def file_fault(path: Path) -> str:
@@ -73,7 +78,8 @@ def require_file(path: Path, what: str, error: type[FretfeError]) -> None:
 def replacing(path: Path, ending: str = "") -> Iterator[Path]:
     """Path for a new file, which takes the place of `path` only when it has been written.
 
-    It is on the disk then: a machine that goes down leaves the file before, or this one.
+    It is on the disk then: a machine that goes down leaves the file before, or this one. Nobody can
+    guess the name of the new file, and put a link there that leads elsewhere.
 
     Args:
         path: of the file.
@@ -82,7 +88,7 @@ def replacing(path: Path, ending: str = "") -> Iterator[Path]:
     Raises:
         OSError: if it cannot be written; what was there before stays.
     """
-    new = path.with_name(f"{path.name}.new{ending}")
+    new = _new_file(path, ending)
     try:
         yield new
         sync_path(new)
@@ -92,6 +98,77 @@ def replacing(path: Path, ending: str = "") -> Iterator[Path]:
         with contextlib.suppress(OSError):
             new.unlink(missing_ok=True)
         raise
+
+
+def _new_file(path: Path, ending: str = "") -> Path:
+    """Make an empty file beside another one."""
+    new = path.with_name(f"{UNFINISHED}{os.urandom(8).hex()}{ending}")
+    os.close(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
+    return new
+
+
+def require_writable(directory: Path) -> None:
+    """Check that files can be made in a folder, and removed.
+
+    Raises:
+        OSError: if they cannot.
+    """
+    _new_file(directory / UNFINISHED).unlink()
+
+
+def remove_unfinished(directory: Path) -> None:
+    """Remove new files of processes that were ended before they had written them.
+
+    Args:
+        directory: folder in which no other process is at work.
+
+    Raises:
+        OSError: if that fails.
+    """
+    for path in directory.glob(f"{UNFINISHED}*"):
+        path.unlink(missing_ok=True)
+
+
+def open_own(path: Path | str, flags: int) -> int:
+    """Descriptor of a file that is changed where it is; made if it is missing.
+
+    Args:
+        path: of the file.
+        flags: of `os.open`.
+
+    Raises:
+        OSError: if it cannot be opened; so also if it is a link, has a second name, or is no file:
+            something elsewhere would be changed.
+    """
+    own = os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+    descriptor = os.open(path, flags & ~os.O_TRUNC | own, 0o666)
+    status = os.fstat(descriptor)
+    if not stat.S_ISREG(status.st_mode) or status.st_nlink > 1:
+        os.close(descriptor)
+        number = errno.EMLINK if stat.S_ISREG(status.st_mode) else errno.ENXIO
+        raise OSError(number, os.strerror(number), str(path))
+    if flags & os.O_TRUNC:
+        os.ftruncate(descriptor, 0)
+    return descriptor
+
+
+def stranger_in(folder: Path) -> Path | None:
+    """The first in a folder, or it itself, that is neither a folder nor a file; None without any.
+
+    Links and pipes are there if somebody has put them there: what is written would go elsewhere.
+
+    Args:
+        folder: that need not be there.
+    """
+    kinds = stat.S_ISDIR, stat.S_ISREG
+    inside = ((Path(top), [*folders, *files]) for top, folders, files in os.walk(folder))
+    paths = (top / name for top, names in inside for name in names)
+    for path in (folder, *paths):
+        with contextlib.suppress(FileNotFoundError):
+            mode = path.lstat().st_mode
+            if not any(is_kind(mode) for is_kind in kinds):
+                return path
+    return None
 
 
 def replace_text(path: Path, text: str) -> None:

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -30,6 +31,7 @@ from fretfe.backends import (
     processes_of,
 )
 from fretfe.backends.protocol import DEFAULTS, SILENT, StopOnly
+from fretfe.bodies.input_files import input_digests, input_files
 from fretfe.case import Case, as_written, case_text
 from fretfe.case.loads import FieldLoad
 from fretfe.case.overrides import by_key
@@ -45,14 +47,16 @@ from fretfe.faults import (
     trace_of,
     write_traceback,
 )
-from fretfe.files import disk_reason, replace_text, sync_path
+from fretfe.files import disk_reason, remove_unfinished, replace_text, stranger_in, sync_path
 from fretfe.history.stream import STATES
 from fretfe.results.field_files import FIELDS
 from fretfe.results.hdf5_file import STRESSES
 from fretfe.results.model import Result
 from fretfe.results.reader import read_result
-from fretfe.results.run_folder import FINISHED, MARK, locked, read_mark, write_mark
+from fretfe.results.run_folder import FINISHED, LOCK, MARK, locked, read_mark, write_mark
 from fretfe.results.writer import (
+    PICTURES,
+    RESULT_FILES,
     SWEEP_FILES,
     prepare_directory,
     remove_pictures,
@@ -72,6 +76,8 @@ FREE_KEYS = ("title", "output")
 # Packages whose versions must not change within a run; those of a backend stand with its states.
 VERSIONS = ("fretfe",)
 MOST_CHANGES = 5
+# Names in a results folder under which a run removes or replaces what it finds.
+TAKEN = {*RESULT_FILES, *SWEEP_FILES, CASE_COPY, LOCK, MARK, PICTURES, ROWS, STATES}
 # Seconds between two notes of the last step: at least so many times what the last one took.
 NOTE_SECONDS, SPARING = 1.0, 50.0
 
@@ -85,6 +91,7 @@ class Work:
         backend: its name.
         case: to be solved.
         varied: what a sweep varies.
+        cases: that it solves; the one without these.
 
     Attributes:
         directory: of the run.
@@ -98,10 +105,12 @@ class Work:
         backend: str,
         case: Case,
         varied: Mapping[str, Any] | None = None,
+        cases: Sequence[Case] = (),
     ) -> None:
         self.directory = directory
         self.known: Result | None = None
         self._case = case
+        self._cases = cases or (case,)
         # What tells the result that was written last from another one of this run.
         self._written: object = None
         self._begun = False
@@ -117,6 +126,27 @@ class Work:
             "varied": {key: list(map(str, values)) for key, values in (varied or {}).items()},
             "case": _plain(case),
         }
+
+    def require_apart(self) -> None:
+        """Check that nothing that the case reads would be removed, or written through.
+
+        Raises:
+            OutputError: if it would.
+        """
+        own = self.directory.resolve()
+        inputs = {path: key for case in self._cases for path, key in input_files(case).items()}
+        for path, key in inputs.items():
+            if path.is_relative_to(own) and path.relative_to(own).parts[0] in TAKEN:
+                raise OutputError(
+                    f"{self.directory}: expected another folder than that with files of the case, "
+                    f"found {path} ({key}), which the run would remove"
+                )
+        for name in (STATES, PICTURES):
+            if (found := stranger_in(self.directory / name)) is not None:
+                raise OutputError(
+                    f"{found}: expected a file or a folder of a run, found a link or a pipe, "
+                    "through which the run would write to another place"
+                )
 
     def begin(self, *, resume: bool) -> bool:
         """Take the folder for this run; with `resume` go on with the one in it, if there is one.
@@ -135,6 +165,9 @@ class Work:
                 f"{self.directory}: expected another folder than that of the case file, found "
                 f"{target}, which the case with other values would replace"
             )
+        self.require_apart()
+        digests = (input_digests(each).items() for each in self._cases)
+        self._mark["inputs"] = dict(chain.from_iterable(digests))
         before = read_mark(self.directory) if resume else None
         if before is not None:
             self._require_same(before)
@@ -144,6 +177,7 @@ class Work:
         else:
             self._note("starting")
         try:
+            remove_unfinished(self.directory)
             if before is None:
                 self._clear()
             if not copied:
@@ -163,7 +197,7 @@ class Work:
 
     def _remove_states(self) -> None:
         states = self.directory / STATES
-        if states.is_dir() and not states.is_symlink():
+        if states.is_dir():
             shutil.rmtree(states)
 
     def _require_same(self, before: Mapping[str, Any]) -> None:
@@ -306,6 +340,10 @@ def _changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]
             if name.split(".")[0] in FREE_KEYS or one.get(name) == other.get(name):
                 continue
             yield f"{name} was {one.get(name, 'not given')}, is {other.get(name, 'not given')}"
+    one, other = (dict(each.get("inputs", {})) for each in (before, now))
+    for path in {**one, **other}:
+        if one.get(path) != other.get(path):
+            yield f"{path} has changed since it was read" if path in one else f"{path} is read too"
 
 
 T = TypeVar("T")
@@ -471,12 +509,13 @@ class Runner:
         if output is None:
             with collecting():
                 return run_sweep(variants, self.backend, options)
-        work = Work(output, "sweep", self.name, case, vary)
+        cases = [variant.case for variant in variants]
+        work = Work(output, "sweep", self.name, case, vary, cases)
         with self._at_work(work, options.observer), collecting(output):
             self.write(lambda: work.begin(resume=resume))
             options = replace(self._stored(options, work, resume=resume), keep=DEFAULTS.keep)
             file = SolvedFile(output)
-            known = self.processes.on_root(lambda: file.read() if resume else {})
+            known = self.processes.on_root(lambda: file.read(variants) if resume else {})
 
             def note(number: int, solved: Solved) -> None:
                 self.write(lambda: file.add(number, solved))

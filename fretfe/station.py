@@ -18,7 +18,7 @@ from fretfe.case import Units
 from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.evaluate.edge_tractions import HalfCycleEnd, half_cycle_ends
-from fretfe.files import json_value
+from fretfe.files import json_value, replace_text
 from fretfe.report.figures.edges import draw_half_cycle
 from fretfe.report.pictures.panels import save_png
 from fretfe.report.theme import BLUE, GREEN, PICTURE_DPI, STYLE, VERMILLION
@@ -205,7 +205,7 @@ def _write(folder: Path, units: Units, model: StationModel) -> None:
     """
     try:
         text = json.dumps(json_value(asdict(model)), indent=1, allow_nan=False)
-        (folder / NUMBERS).write_text(text + "\n", encoding="utf-8")
+        replace_text(folder / NUMBERS, text + "\n")
         draw_station(units, model, folder / PICTURE)
     except OSError as error:
         raise OutputError(f"{folder}: cannot write the station: {error}") from error

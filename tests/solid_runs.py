@@ -7,7 +7,7 @@ is flat, or bent about the z axis with a radius, or about two axes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import cache
@@ -48,11 +48,15 @@ CERTIFICATE = (
 SCALES = ("pressure_scale", "gap_scale", "force_scale", "moment_scale")
 
 
-def solid_case(**output: object) -> Case:
-    """A pad on a block, as a solid."""
+def solid_case(contacts: Iterable[str] = ("main",), **output: object) -> Case:
+    """A pad on a block, as a solid; surfaces of its contacts but the first are not there."""
     loads = {"press": press(steps=PRESSING), "shear": shear(steps=STEPS)}
     tables = pad(loads=loads, output=output)
     tables["geometry"]["solid"] = {"length": 4.0, "layers": 2}
+    main = tables["contacts"]["main"]
+    for name in set(contacts) - {"main"}:
+        surfaces = {key: f"{name}_{key}" for key in ("surface1", "surface2")}
+        tables["contacts"][name] = {**main, **surfaces}
     return parse_case(tables)
 
 
@@ -171,8 +175,8 @@ def contact(shape: Surface, name: str, history: dict[str, Array]) -> ContactHist
 
 def solid_result(shapes: dict[str, Surface] | None = None, **output: object) -> Result:
     """A solved case, evaluated."""
-    case = solid_case(**output)
     shapes = shapes or {"main": surface(bend=0.3)}
+    case = solid_case(shapes, **output)
     loads = build_history(case)
     count = len(loads.times)
     shear_load = loads.values[1:, 1]

@@ -241,6 +241,6 @@ def test_mistakes(run: Path, tmp_path: Path) -> None:
     done = command("export", run, "-o", "x" * 5000)
     assert done.returncode == 6 and "File name too long" in done.stderr
     done = command("export", tmp_path / "file", "-o", tmp_path / "out")
-    assert done.returncode == 6 and "cannot be opened (Not a directory)" in done.stderr
+    assert done.returncode == 6 and "no readable results.json: Not a directory" in done.stderr
     done = command("export", tmp_path / "none", "-o", tmp_path / "out")
     assert done.returncode == 6 and "expected a folder with the results" in done.stderr

@@ -24,6 +24,8 @@ LAYERS = (
     "fretfe.results.run_folder",
     "fretfe.environment",
     "fretfe.faults",
+    "fretfe.terminal",
+    "fretfe.console",
     "fretfe._core",
     "fretfe._typing",
     "fretfe.analytic.*",

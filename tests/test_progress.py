@@ -49,7 +49,7 @@ def stopped(
     return process.returncode, printed, errors
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_a_run_that_is_stopped_keeps_its_steps(tmp_path: Path, number: signal.Signals) -> None:
     arguments = ["run", "case.toml", "-o", "out", "--backend", "halfplane", "--no-report"]
     code, printed, errors = stopped(arguments, "step 7/", number, tmp_path)

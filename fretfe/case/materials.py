@@ -27,6 +27,7 @@ from fretfe.case.units import (
     unit_doubts,
 )
 from fretfe.errors import CaseError, MeshError
+from fretfe.terminal import one_line
 
 # Constants that are no stress.
 PURE = ("poisson", "expansion")
@@ -234,7 +235,7 @@ def _resolved(
     if curves:
         texts.append(f"constants at {temperature:g} °C")
     curve = curves.get(("young",))
-    note = f"bodies.{name}: {', '.join(texts)}{_shown(own)}"
+    note = one_line(f"bodies.{name}: {', '.join(texts)}{_shown(own)}")
     return own, note, None if curve is None else OverTemperature(**curve)
 
 

@@ -33,6 +33,7 @@ from fretfe.case.overrides import with_overrides
 from fretfe.case.tables import Contact, Support, Symmetry
 from fretfe.case.toml_file import read_tables
 from fretfe.errors import CaseError
+from fretfe.terminal import one_line
 
 
 def load_case(
@@ -138,7 +139,7 @@ def case_text(case: Case) -> str:
     if case.given is None and as_written(case) and data == _tables(case):
         return case.source.read_text("utf-8-sig")
     head = ("The case as run, written by fretfe.", *case.material_notes)
-    return "".join(f"# {line}\n" for line in head) + tomli_w.dumps(data)
+    return "".join(f"# {one_line(line)}\n" for line in head) + tomli_w.dumps(data)
 
 
 def as_written(case: Case) -> bool:
@@ -156,21 +157,28 @@ def _tables(case: Case) -> dict[str, Any]:
 
 def _with_full_paths(case: Case) -> dict[str, Any]:
     data = _tables(case)
-    geometry = data["geometry"]
-    for key in ("file", "facets"):
-        if key in geometry:
-            geometry[key] = _full(case, geometry[key])
-    for load in data.get("loads", {}).values():
-        if "file" in load:
-            load["file"] = _full(case, load["file"])
-        for segment in load["history"]:
-            if "csv" in segment:
-                segment["csv"] = _full(case, segment["csv"])
+    for key, path in named_files(case).items():
+        table: Any = data
+        for part in key[:-1]:
+            table = table[part]
+        table[key[-1]] = str(path)
     return data
 
 
-def _full(case: Case, file: str) -> str:
-    return str(case.resolve(file).absolute())
+def named_files(case: Case) -> dict[Key, Path]:
+    """Full paths of the files and folders that a case names, by key; not those of materials."""
+    data = _tables(case)
+    tables: list[tuple[Key, Any]] = [(("geometry",), data["geometry"])]
+    for name, load in data.get("loads", {}).items():
+        tables.append((("loads", name), load))
+        segments = enumerate(load["history"])
+        tables += [(("loads", name, "history", number), each) for number, each in segments]
+    return {
+        (*key, name): case.resolve(table[name]).absolute()
+        for key, table in tables
+        for name in ("file", "facets", "csv")
+        if name in table
+    }
 
 
 WITHOUT_DIRECTION = (

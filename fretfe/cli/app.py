@@ -6,15 +6,26 @@ The modules of the commands import what they need inside their functions: the he
 
 from __future__ import annotations
 
+import contextlib
+import os
+import stat
 import sys
+import time
 import traceback
 from collections.abc import Callable
 
 import typer
 
 from fretfe.cli import exchange, laboratory, lists, meshes, run
-from fretfe.environment import memory_shortage, missing_package, rank_from_environment
-from fretfe.errors import DependencyError, FretfeError, MemoryShortError
+from fretfe.environment import (
+    memory_shortage,
+    missing_folder,
+    missing_package,
+    rank_from_environment,
+)
+from fretfe.errors import DependencyError, FretfeError, MemoryShortError, OutputError
+from fretfe.files import disk_reason
+from fretfe.terminal import patient_streams
 
 HELP = """Edge factors and slip zones of two-body fretting contacts, by finite elements.
 
@@ -35,8 +46,10 @@ Exit codes:
   7  a library is missing
   8  there is not enough memory
   9  an error of fretfe (a bug) left something unknown; all else is written
-  130, 143  Ctrl-C, SIGTERM
+  129, 130, 143  SIGHUP, Ctrl-C, SIGTERM
 """
+# Seconds in which processes come upon the same error.
+ALIKE = 1.0
 app = typer.Typer(
     help=HELP,
     epilog=EXIT_CODES,
@@ -77,6 +90,26 @@ for command, command_examples in COMMANDS:
 
 def main() -> None:
     """Entry point: every error of a user ends with one message and its exit code."""
+    with patient_streams() as lost:
+        try:
+            _run()
+        except SystemExit as ended:
+            reason = lost()
+            if reason is not None and not ended.code:
+                text = f"the standard output cannot be written: {disk_reason(reason)}"
+                print(f"fretfe: error: {text}", file=sys.stderr)
+                ended = SystemExit(OutputError.exit_code)
+            if isinstance(ended.code, int) and ended.code:
+                _end_others(ended.code)
+            raise ended
+
+
+def _run() -> None:
+    """Do what the command line says.
+
+    Raises:
+        SystemExit: with the exit code, at its end.
+    """
     try:
         app()
     except FretfeError as error:
@@ -86,6 +119,8 @@ def main() -> None:
             _finish(MemoryShortError.exit_code, f"fretfe: error: {reason}")
         if reason := missing_package(error):
             _finish(DependencyError.exit_code, f"fretfe: error: {reason}")
+        if reason := missing_folder():
+            _finish(OutputError.exit_code, f"fretfe: error: {reason}")
         _finish(1, traceback.format_exc())
 
 
@@ -97,8 +132,10 @@ def _finish(code: int, message: str) -> None:
     """
     communicator = _communicator()
     if communicator is None or communicator.size == 1:
-        if rank_from_environment() == 0:
-            print(message, file=sys.stderr, flush=True)
+        if rank_from_environment():
+            # The first process, if it has this error too, prints it, and ends all.
+            time.sleep(ALIKE)
+        print(message, file=sys.stderr, flush=True)
         sys.exit(code)
     if code in (1, MemoryShortError.exit_code):
         print(f"rank {communicator.rank}: {message}", file=sys.stderr, flush=True)
@@ -106,6 +143,23 @@ def _finish(code: int, message: str) -> None:
     if communicator.rank == 0:
         print(message, file=sys.stderr, flush=True)
     sys.exit(code)
+
+
+def _end_others(code: int) -> None:
+    """End all processes of MPICH's launcher if this one ends before MPI is in use.
+
+    Those that use it wait for this one for ever: its launcher does not end them because a process
+    has ended, but if that says so. Other launchers do.
+    """
+    channel = os.environ.get("PMI_FD", "")
+    if _communicator() is not None or not channel.isdecimal():
+        return
+    if rank_from_environment():
+        time.sleep(ALIKE)
+    with contextlib.suppress(OSError):
+        # A process that this one was started by may have had the channel, and this one has not.
+        if stat.S_ISSOCK(os.fstat(int(channel)).st_mode):
+            os.write(int(channel), f"cmd=abort exitcode={code}\n".encode())
 
 
 def _communicator():  # type: ignore[no-untyped-def]

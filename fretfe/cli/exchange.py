@@ -75,8 +75,7 @@ def edges(
 
     Columns are x, p, q and slip, or those that finite-element programs write.
     """
-    from rich.console import Console
-
+    from fretfe.console import Console
     from fretfe.errors import CaseError
     from fretfe.evaluate import analyse_tractions
     from fretfe.exchange.traction_columns import Columns
@@ -272,9 +271,8 @@ def export(
     """Write the numbers of a run as CSV files."""
     if rank_from_environment() > 0:
         return
-    from rich.console import Console
-
     from fretfe.api import load_result
+    from fretfe.console import Console
     from fretfe.exchange.export import export_result
 
     result = load_result(results)

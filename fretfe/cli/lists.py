@@ -33,10 +33,9 @@ def backends(
     ] = None,
 ) -> None:
     """List the installed backends, and why one cannot be used."""
-    from rich.console import Console
-
     from fretfe.backends import installed_backends
     from fretfe.case import load_case
+    from fretfe.console import Console
 
     # On every rank: a backend that starts MPI when it is imported waits for the others.
     installed = installed_backends()
@@ -80,8 +79,7 @@ def templates(
     ] = None,
 ) -> None:
     """List the geometry templates, or the parameters of one of them."""
-    from rich.console import Console
-
+    from fretfe.console import Console
     from fretfe.mesh.templates import find_template, template_names
 
     if name is None:
@@ -101,10 +99,10 @@ def materials(
     ] = None,
 ) -> None:
     """List the materials that come with fretfe, or print one of them."""
-    from rich.console import Console
     from rich.markup import escape
 
     from fretfe.case.materials import find_material, material_names, read_material
+    from fretfe.console import Console
 
     if rank_from_environment() > 0:
         return

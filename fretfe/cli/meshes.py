@@ -15,11 +15,11 @@ from fretfe.environment import rank_from_environment
 from fretfe.report.texts import plain_table, print_whole
 
 if TYPE_CHECKING:
-    from rich.console import Console
     from rich.table import Table
 
     from fretfe.case import Case
     from fretfe.checked import Checked
+    from fretfe.console import Console
     from fretfe.mesh.mesh import BodySummary, Mesh
     from fretfe.surface.checks import ContactQuality, SurfaceQuality
 
@@ -52,10 +52,9 @@ def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = Fal
 
 
 def _print(checked: Checked) -> None:
-    from rich.console import Console
-
     from fretfe.case import stiffness_doubts
     from fretfe.checked import propose
+    from fretfe.console import Console
     from fretfe.evaluate.resolution import coarse_contacts
     from fretfe.loads import most_added
     from fretfe.mesh.cost import refuse_too_large
@@ -113,13 +112,17 @@ def mesh(
 
     With its named groups, and a picture beside it.
     """
+    from fretfe.bodies.input_files import input_files
     from fretfe.case import load_case, parse_assignments
     from fretfe.checked import make_mesh
+    from fretfe.errors import CaseError
     from fretfe.results.writer import prepare_directory
 
     if rank_from_environment() > 0:
         return
     read = load_case(case, parse_assignments(overrides or ()), trust_geo=trust_geo)
+    if output.resolve() in input_files(read):
+        raise CaseError(f"--output: expected a new file, found {output}, which the case reads")
     prepare_directory(output.parent)
     made = make_mesh(read)
     if made is not None:
@@ -127,8 +130,7 @@ def mesh(
 
 
 def _write(case: Case, mesh: Mesh, target: Path) -> None:
-    from rich.console import Console
-
+    from fretfe.console import Console
     from fretfe.mesh.make import write_mesh
     from fretfe.report.pictures.mesh import write_mesh_picture
 

@@ -8,28 +8,29 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-
 from fretfe.backends import Observer
 from fretfe.cli.options import Verbosity
+from fretfe.console import Console
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
     from fretfe.quality.comparison import Benchmark, Row
 
-# What ends a process from outside: a user, a queue or `timeout`.
+# What ends a process from outside: a user, a queue or `timeout`, a terminal that is closed.
 DEFAULTS: dict[signal.Signals, Any] = {
     signal.SIGINT: signal.default_int_handler,
     signal.SIGTERM: signal.SIG_DFL,
+    signal.SIGHUP: signal.SIG_DFL,
 }
 
 
 class StepReport(Observer):
     """Progress on rank 0: a bar on a terminal, elsewhere a line per step; nothing if quiet.
 
-    Ctrl-C and SIGTERM end the history after the step that is being solved, so that nothing is lost
-    that was computed; before the first step, or once more, they end the process.
+    Ctrl-C, SIGTERM and SIGHUP end the history after the step that is being solved, so that nothing
+    is lost that was computed; before the first step, or once more, they end the process. One that
+    the process ignores, as SIGHUP under `nohup`, does nothing.
 
     Args:
         rank: of this process.
@@ -54,7 +55,11 @@ class StepReport(Observer):
 
     def __enter__(self) -> StepReport:
         """Show the bar and listen to signals."""
-        self._handlers = {each: signal.signal(each, self._asked) for each in DEFAULTS}
+        self._handlers = {
+            each: signal.signal(each, self._asked)
+            for each in DEFAULTS
+            if signal.getsignal(each) is not signal.SIG_IGN
+        }
         if self._bar is not None:
             self._bar.start()
             self._task = self._bar.add_task("steps", total=None)

@@ -29,9 +29,8 @@ from fretfe.environment import rank_from_environment
 from fretfe.faults import Fault, guarded, require_none
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from fretfe.case import Case
+    from fretfe.console import Console
     from fretfe.history.solution import Solution
     from fretfe.quality.validation import Validation
     from fretfe.results.model import Result
@@ -131,8 +130,7 @@ def _finish_run(
     result: Result, directory: Path, start: float, verbosity: Verbosity, timed: bool, report: bool
 ) -> Drawn:
     """Print, the numbers before anything is drawn, and say what failed; on the first process."""
-    from rich.console import Console
-
+    from fretfe.console import Console
     from fretfe.faults import collecting
     from fretfe.report.page.tables import timing_table
     from fretfe.runner import Drawn, draw_report
@@ -275,8 +273,7 @@ def _raise_failure(sweep: Sweep) -> None:
 
 
 def _print_sweep(sweep: Sweep, directory: Path, seconds: float, verbosity: Verbosity) -> None:
-    from rich.console import Console
-
+    from fretfe.console import Console
     from fretfe.report.texts import print_whole
     from fretfe.sweeps.table import FIGURE, MOST_ROWS, TABLE, sweep_table
 
@@ -367,8 +364,7 @@ def validate(
 
 
 def _print_validation(validation: Validation, as_json: bool) -> None:
-    from rich.console import Console
-
+    from fretfe.console import Console
     from fretfe.quality.validation import as_numbers, print_validation
 
     if as_json:

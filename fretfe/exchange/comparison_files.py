@@ -19,7 +19,6 @@ from fretfe.exchange.overlays import Curve, HistoryPair, TractionPair
 from fretfe.files import disk_reason, json_value, replace_text
 from fretfe.report.theme import (
     BLUE,
-    FILE_DPI,
     GREY,
     LOW,
     SINGLE,
@@ -27,6 +26,7 @@ from fretfe.report.theme import (
     VERMILLION,
     WIDTH,
     envelope,
+    save_figure,
 )
 from fretfe.results.writer import prepare_other
 
@@ -206,7 +206,7 @@ def _written(
         if not has_content(comparison):
             return False
         with mpl.rc_context(STYLE):
-            draw(comparison).savefig(path, dpi=FILE_DPI)
+            save_figure(draw(comparison), path)
         return True
 
     return write

@@ -10,6 +10,9 @@ from __future__ import annotations
 import ctypes
 import importlib.metadata
 import importlib.util
+import signal
+import sys
+import threading
 import warnings
 from dataclasses import dataclass
 from functools import cache
@@ -49,6 +52,9 @@ if _may_be_spoiled():
     # The wheel says what to remove. It reads all that is installed for that: 0.1 s, or more.
     import dolfinx_solver  # noqa: F401
 
+# Signals that this process ignores: of a pipe that nobody reads, of a closed terminal by `nohup`.
+_ignored = [each for each in signal.Signals if signal.getsignal(each) is signal.SIG_IGN]
+_petsc_is_new = "petsc4py.PETSc" not in sys.modules
 try:
     # It finds the MPI library that those of the wheel are linked with: it comes first.
     from mpi4py import MPI
@@ -84,6 +90,16 @@ def petsc_library() -> ctypes.CDLL:
     return ctypes.CDLL(PETSc.__file__)
 
 
+def _leave_signals_alone() -> None:
+    """Take the handlers of PETSc away: for it every signal is a crash of which it prints a page."""
+    if threading.current_thread() is threading.main_thread():
+        petsc_library().PetscPopSignalHandler()
+        for each in _ignored:
+            signal.signal(each, signal.SIG_IGN)
+
+
+if _petsc_is_new:
+    _leave_signals_alone()
 # The dgemm that MUMPS calls is the one that PETSc is linked with.
 ctypes.c_void_p.in_dll(DGEMMT, "fretfe_dgemm").value = ctypes.cast(
     petsc_library().dgemm_, ctypes.c_void_p

@@ -3,11 +3,15 @@
 
 from __future__ import annotations
 
+import atexit
 import fcntl
+import os
+import shutil
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, TextIO, TypeVar
 
@@ -35,6 +39,7 @@ from fretfe.fem._compat import (
     expression,
     vtk_order,
 )
+from fretfe.files import open_own, require_writable
 from fretfe.mesh.elements import facet_node_count
 from fretfe.mesh.mesh import BodyMesh
 
@@ -77,7 +82,7 @@ def compiled(comm: MPI.Comm, compiler: Callable[..., T], *arguments: Any) -> T:
         compiler: `dolfinx.fem.form`, `compile_form` or `Expression`.
         arguments: of the function.
     """
-    folder = Path(get_options()["cache_dir"]) / FOLDER
+    folder = Path(comm.bcast(_cache_folder() if comm.rank == 0 else ""))
     options: dict[str, Any] = {
         "cache_dir": str(folder),
         "timeout": TIMEOUT,
@@ -85,9 +90,27 @@ def compiled(comm: MPI.Comm, compiler: Callable[..., T], *arguments: Any) -> T:
     }
     if comm.rank > 0:  # takes what the first process has compiled
         return compiler(*arguments, jit_options=options)
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / LOCK).open("w") as lock, _shared(lock, folder):
+    with open(folder / LOCK, "w", opener=open_own) as lock, _shared(lock, folder):
         return compiler(*arguments, jit_options=options)
+
+
+def _cache_folder() -> str:
+    """The folder for what is compiled; one that ends with this process if that cannot be used."""
+    folder = Path(get_options()["cache_dir"]) / FOLDER
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        os.close(open_own(folder / LOCK, os.O_RDWR))
+        require_writable(folder)
+    except OSError:
+        return _own_folder()
+    return str(folder)
+
+
+@cache
+def _own_folder() -> str:
+    folder = tempfile.mkdtemp(prefix="fretfe-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
 
 
 @contextmanager

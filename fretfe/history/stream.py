@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from fretfe._typing import Indices
 from fretfe.errors import OutputError
-from fretfe.files import disk_reason, make_folder, replacing, sync
+from fretfe.files import disk_reason, make_folder, open_own, replacing, sync
 from fretfe.history.state_array import StateArray, states_in_block
 
 # Folder of the states in that of the results, and the file in it.
@@ -122,7 +122,7 @@ class StateStream:
     def _open(self) -> int:
         if self._directory is not None:
             make_folder(self._directory)
-            return os.open(self._directory / FILE, os.O_RDWR | os.O_CREAT, 0o666)
+            return open_own(self._directory / FILE, os.O_RDWR)
         file, name = tempfile.mkstemp()
         os.unlink(name)
         return file

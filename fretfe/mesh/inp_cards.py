@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from fretfe.errors import MeshError
 from fretfe.files import DEEPEST_INCLUDE, MOST_BYTES, MOST_FILES, require_file
 from fretfe.mesh.inp_language import squeezed, whole_keyword, whole_parameter, whole_value
 
+# Begins a keyword that may include a file.
+INCLUDING = re.compile(rb"(?im)^[ \t]*\*[ \t]*inc")
 # Stands for bytes that are not UTF-8; in comments they do not matter.
 UNKNOWN = "\N{REPLACEMENT CHARACTER}"
 # Characters of a line in a message.
@@ -99,12 +102,25 @@ def cards(path: Path) -> Iterator[Card]:
         yield card
 
 
+def included_files(path: Path) -> Iterator[Path]:
+    """Files that an input file includes, and those that they include; as `cards`, also in errors.
+
+    Args:
+        path: of the file.
+    """
+    if INCLUDING.search(path.read_bytes()):
+        files = _Files(path.parent)
+        for _ in files.cards(path, ()):
+            pass
+        yield from files.read[1:]
+
+
 @dataclass
 class _Files:
     """Counts what was read, to end where files include each other without end."""
 
     folder: Path
-    count: int = 0
+    read: list[Path] = field(default_factory=list)
     size: int = 0
 
     def lines(self, path: Path, within: tuple[Path, ...]) -> Iterator[tuple[Path, int, str]]:
@@ -157,8 +173,9 @@ class _Files:
     def _text(self, path: Path) -> str:
         require_file(path, "a mesh file", MeshError)
         try:
-            self.count, self.size = self.count + 1, self.size + path.stat().st_size
-            if self.count > MOST_FILES or self.size > MOST_BYTES:
+            self.read.append(path)
+            self.size += path.stat().st_size
+            if len(self.read) > MOST_FILES or self.size > MOST_BYTES:
                 raise MeshError(
                     f"{path}: expected at most {MOST_FILES} files of {MOST_BYTES >> 30} GiB "
                     "together, found more"

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections import Counter
 from collections.abc import Iterator, Set
@@ -42,12 +43,12 @@ def outline(path: Path) -> Iterator[str]:
     labels = _bodies(deck, cells)
     names = {label: _name(label, number) for number, label in enumerate(labels, start=1)}
     yield "[geometry]"
-    yield f'file = "{path.name}"'
+    yield f"file = {_quoted(path.name)}"
     if other := {name: label for label, name in names.items() if name.upper() != label}:
         yield ""
         yield "[geometry.bodies]"
         for name, label in other.items():
-            yield f'{name} = {{ label = "{label}" }}'
+            yield f"{name} = {{ label = {_quoted(label)} }}"
     yield ""
     yield "[bodies]"
     for label, name in names.items():
@@ -71,13 +72,16 @@ def _bodies(deck: Deck, cells: Set[int]) -> list[str]:
     """Labels of the sets that are probably the bodies, in the order of the file."""
     for labels in (deck.instances, dict(deck.sections), deck.element_sets):
         found = [
-            label
-            for label in labels
-            if not cells.isdisjoint(deck.element_sets.get(label, ())) and '"' not in label
+            label for label in labels if not cells.isdisjoint(deck.element_sets.get(label, ()))
         ]
         if found:
             return found
     return []
+
+
+def _quoted(text: str) -> str:
+    """A string of TOML, which are those of JSON."""
+    return json.dumps(text, ensure_ascii=False)
 
 
 def _name(label: str, number: int) -> str:

@@ -10,11 +10,11 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 from rich import box
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from fretfe.case import Case
+from fretfe.console import Console
 from fretfe.environment import versions
 from fretfe.results.model import Result
 

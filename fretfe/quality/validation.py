@@ -10,13 +10,13 @@ from functools import partial
 from typing import Any
 
 from rich import box
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from fretfe.backends import Backend, RunOptions
 from fretfe.backends.protocol import DEFAULTS, Session, session_of
 from fretfe.case import Case
+from fretfe.console import Console
 from fretfe.environment import peak_memory
 from fretfe.errors import FretfeError, StoppedError
 from fretfe.faults import Fault, guarded

@@ -102,8 +102,9 @@ def plain_table(title: str, headers: tuple[str, ...], text: int) -> Table:
 
 def print_whole(table: Table) -> None:
     """Print a table as wide as it is: a narrow terminal wraps lines rather than cuts numbers."""
-    from rich.console import Console
     from rich.measure import Measurement
+
+    from fretfe.console import Console
 
     console = Console()
     width = Measurement.get(console, console.options.update(max_width=WIDEST), table).maximum

@@ -14,6 +14,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -25,6 +26,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
 from fretfe._typing import Array, Indices
+from fretfe.files import replacing
 
 BLUE, VERMILLION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
 SKY, PURPLE, GREY, PALE = "#56B4E9", "#CC79A7", "#555555", "#E4E4E4"
@@ -184,6 +186,20 @@ def _inline(svg: str, key: str) -> str:
 def _shortened(path: str) -> str:
     """Coordinates of a path to two decimals."""
     return re.sub(r"-?\d+\.\d{3,}", lambda found: f"{float(found[0]):.2f}", path)
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure that is a file of its own.
+
+    Args:
+        figure: to be written.
+        path: of the file; its ending says which format.
+
+    Raises:
+        OSError: if it cannot be written.
+    """
+    with replacing(path, path.suffix) as new:
+        figure.savefig(new, dpi=FILE_DPI)
 
 
 def envelope(values: Array | Indices) -> Indices:

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from fretfe._typing import Array, Indices
 from fretfe.errors import OutputError
 from fretfe.evaluate.stress import BodyStress, EdgeStress, StressHistory
-from fretfe.files import replacing
+from fretfe.files import open_own, replacing
 
 # The first version whose headers and indices have checksums and that is short for small arrays.
 FORMAT = "v110"
@@ -52,7 +52,7 @@ class PatientFile(io.FileIO):
     """
 
     def __init__(self, path: Path) -> None:
-        super().__init__(path, "w+")
+        super().__init__(path, "w+", opener=open_own)
         self._failure: OSError | None = None
         self._held: list[tuple[int, bytes]] = []
 

@@ -231,7 +231,12 @@ class Result:
                 "expected the stress near the contacts, found a run without files: run the case "
                 "with an output folder and [output] stress_depths"
             )
-        return read_stress(self.directory, contact)
+        found = read_stress(self.directory, contact)
+        if wrong := {each.name for each in found.bodies} - self.case.bodies.keys():
+            raise OutputError(
+                f"{self.directory / STRESSES}: expected bodies of the case, found {wrong.pop()!r}"
+            )
+        return found
 
     def stress_parameters(
         self, contact: str, fatemi_socie: tuple[float, float] | None = None

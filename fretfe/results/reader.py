@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
@@ -22,7 +22,6 @@ from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.evaluate.refinement import Refinement
 from fretfe.faults import Fault
-from fretfe.files import file_fault
 from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.history.state_array import StateArray
 from fretfe.history.stream import select_rows
@@ -30,7 +29,7 @@ from fretfe.loads import CycleChoice, History
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.hdf5_file import read_fault, require_own
 from fretfe.results.model import Result
-from fretfe.results.run_folder import are_unchanged, unfinished
+from fretfe.results.run_folder import are_unchanged, require_stored, unfinished
 from fretfe.results.tables import NODAL
 from fretfe.results.writer import ARRAYS, ELSEWHERE, NUMBERS, SCHEMA
 
@@ -113,7 +112,7 @@ def _require_end(directory: Path) -> None:
 
 def _read_numbers(directory: Path) -> dict[str, Any]:
     path = directory / NUMBERS
-    _require_stored(path)
+    require_stored(path)
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -163,7 +162,7 @@ def _opened(path: Path) -> Iterator[h5py.File]:
     Raises:
         OutputError: if they cannot be read, or are of another schema.
     """
-    _require_stored(path)
+    require_stored(path)
     try:
         with h5py.File(path, "r") as file:
             require_own(path, file, SCHEMA)
@@ -176,23 +175,20 @@ def _opened(path: Path) -> Iterator[h5py.File]:
         ) from error
 
 
-def _require_stored(path: Path) -> None:
-    """Check that a file that may be missing is nothing but a file."""
-    fault = file_fault(path)
-    if fault and not fault.startswith("nothing"):
-        raise OutputError(f"{path}: expected a file of results, found {fault}")
-
-
 def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
     times = _numbers(numbers["times"])
     loads = numbers["loads"]
-    cycle = numbers["cycle"]
+    cycle = numbers["cycle"] and _as(tuple[int, ...], numbers["cycle"])
     choice = numbers.get("cycle_choice")  # earlier versions did not write it
+    _require_names("loads", loads, case.loads)
+    _require_names("mesh", numbers["mesh"], case.bodies)
+    contacts = tuple(_contact(*each) for each in numbers["contacts"].items())
+    _require_names("contacts", (each.pair for each in contacts), case.contacts)
     history = History(
         tuple(loads),
         times,
         _columns(loads.values(), times),
-        tuple(cycle) if cycle else None,
+        cycle or None,
         choice=CycleChoice(choice) if choice else None,
     )
     solution: Solution | None = None
@@ -204,7 +200,7 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         case=case,
         loads=history,
         backend=str(numbers["backend"]),
-        contacts=tuple(_contact(*each) for each in numbers["contacts"].items()),
+        contacts=contacts,
         notes=tuple(numbers["notes"]),
         failure=None if numbers["complete"] else ConvergenceError(numbers["failure"]),
         solution=solution,
@@ -217,6 +213,17 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         directory=directory,
         faults=tuple(restored(Fault, each) for each in numbers["faults"]),
     )
+
+
+def _require_names(what: str, found: Iterable[str], known: Iterable[str]) -> None:
+    """Check that numbers are of what is in the case.
+
+    Raises:
+        ValueError: for the first name that is not.
+    """
+    names = list(known)
+    if wrong := [name for name in found if name not in names]:
+        raise ValueError(f"{what}: {wrong[0]!r}, which is none of the case ({', '.join(names)})")
 
 
 def _contact(name: str, table: Mapping[str, Any]) -> Contact:
@@ -263,6 +270,8 @@ def _as(kind: Any, value: Any) -> Any:
     """A value of JSON as the type that a field is declared with."""
     if kind is float:
         return math.nan if value is None else float(value)
+    if kind in (bool, int, str) and not isinstance(value, kind):
+        raise TypeError(f"{value!r} in place of {kind.__name__}")
     if is_dataclass(kind):
         return restored(kind, value)  # type: ignore[arg-type]
     if get_origin(kind) is tuple:
@@ -293,7 +302,7 @@ def _read_arrays(
             )
         states = file["states"][:]
         contacts = tuple(
-            _read_contact(path, name, file[f"contacts/{name}"], states, len(history.times))
+            _read_contact(path, name, file[f"contacts/{name}"], states, len(history.times), case)
             for name in numbers["contacts"]
         )
         bodies = {name: _read_body(name, file[f"mesh/{name}"]) for name in numbers["mesh"]}
@@ -332,7 +341,7 @@ def _solution(
 
 
 def _read_contact(
-    path: Path, name: str, group: h5py.Group, states: Indices, count: int
+    path: Path, name: str, group: h5py.Group, states: Indices, count: int, case: Case
 ) -> ContactHistory:
     require_shapes(group, count, len(states))
     arrays: dict[str, Any] = {}
@@ -346,6 +355,8 @@ def _read_contact(
     area = group["bonded/area"][:]
     full_stick = FullStickUnits(_stored(path, units, areas, int(area.max(initial=-1)) + 1), area)
     pair, body1, body2 = (str(group.attrs[key]) for key in ("pair", "body1", "body2"))
+    _require_names(group.name, (pair,), case.contacts)
+    _require_names(group.name, (body1, body2), case.bodies)
     return ContactHistory(
         name=name, pair=pair, body1=body1, body2=body2, **arrays, full_stick=full_stick
     )

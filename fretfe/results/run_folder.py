@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from fretfe.errors import OutputError
-from fretfe.files import disk_reason, replace_text
+from fretfe.files import disk_reason, file_fault, open_own, replace_text
 
 MARK, LOCK = "run.json", "run.lock"
 SCHEMA = {"name": "fretfe-run", "version": 1}
@@ -91,7 +91,7 @@ def _open(path: Path) -> tuple[int, bool]:
         OutputError: if another process has it.
     """
     while True:
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        descriptor = open_own(path, os.O_RDWR)
         locks = True
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -149,7 +149,7 @@ def _exists(process: int) -> bool:
 def _at_work(path: Path) -> bool:
     """True if a lock is held, or the file system has no locks."""
     try:
-        descriptor = os.open(path, os.O_RDONLY)
+        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     except OSError:
         return False
     try:
@@ -194,6 +194,7 @@ def read_mark(directory: Path) -> dict[str, Any] | None:
         OutputError: if the note is not one of this version, or not as it was written.
     """
     path = directory / MARK
+    require_stored(path)
     try:
         mark = json.loads(path.read_text(encoding="utf-8"))
     except (FileNotFoundError, NotADirectoryError):
@@ -207,6 +208,16 @@ def read_mark(directory: Path) -> dict[str, Any] | None:
     if KEY in mark and not are_unchanged(mark):
         raise OutputError(f"{path}: expected the state of a run, found a changed one. {ANEW}")
     return mark
+
+
+def require_stored(path: Path) -> None:
+    """Check that a file that may be missing is nothing but a file: a pipe would never be read.
+
+    Raises:
+        OutputError: if it is something else.
+    """
+    if path.exists() and (fault := file_fault(path)):
+        raise OutputError(f"{path}: expected a file of results, found {fault}")
 
 
 def unfinished(directory: Path) -> str:

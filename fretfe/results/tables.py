@@ -24,6 +24,7 @@ from fretfe.case import Units
 from fretfe.errors import DependencyError
 from fretfe.evaluate.contacts import Contact, Station, StationHistory, histories, quantities
 from fretfe.evaluate.verdicts import longest_verdict, withheld
+from fretfe.files import replacing
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
 
@@ -397,7 +398,7 @@ def _write(path: Path, records: Iterable[dict[str, Any]]) -> None:
     if first is None:
         path.unlink(missing_ok=True)
         return
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with replacing(path) as new, new.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, list(first))
         writer.writeheader()
         for row in chain([first], rows):

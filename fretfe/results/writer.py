@@ -32,7 +32,7 @@ from fretfe.evaluate.refinement import Refinement
 from fretfe.evaluate.resultants import load_extremes, station_extremes
 from fretfe.evaluate.slip import cycle_states
 from fretfe.faults import FAULTS, guarded
-from fretfe.files import disk_reason, make_folder, replace_text, replacing
+from fretfe.files import disk_reason, make_folder, replace_text, replacing, require_writable
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.history.state_array import StateArray, states_in_block
 from fretfe.mesh.mesh import BodyMesh
@@ -49,6 +49,18 @@ TABLE, FIGURE, VARIANTS = SWEEP_FILES = "sweep.csv", "sweep.png", "variants.json
 # Where pictures are in a results folder, and what lists them there.
 PICTURES, PICTURE_LIST = "pictures", "pictures.json"
 PICTURE_FILES = ("*.png", "*.gif", "*.gltf")
+# Files of a run beside its pictures, the numbers first.
+RESULT_FILES = (
+    NUMBERS,
+    ARRAYS,
+    SURFACES,
+    STATIONS_FILE,
+    CYCLES_FILE,
+    FIELDS,
+    STRESSES,
+    REPORT,
+    FAULTS,
+)
 REFINING = "the mesh was still refining itself"
 # Parts of a block of states, each with a checksum of its own.
 PARTS = 8
@@ -68,11 +80,9 @@ def prepare_directory(directory: Path) -> None:
     Raises:
         OutputError: if not.
     """
-    probe = directory / ".fretfe-probe"
     try:
         make_folder(directory)
-        probe.touch()
-        probe.unlink()
+        require_writable(directory)
     except OSError as error:
         raise OutputError(
             f"{directory}: expected a folder that files can be written to, found: {error.strerror}"
@@ -98,8 +108,7 @@ def remove_results(directory: Path) -> None:
     Raises:
         OSError: if that fails.
     """
-    names = (NUMBERS, ARRAYS, SURFACES, STATIONS_FILE, CYCLES_FILE, FIELDS, STRESSES, REPORT)
-    for name in (*names, FAULTS):
+    for name in RESULT_FILES:
         (directory / name).unlink(missing_ok=True)
 
 

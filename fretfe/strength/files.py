@@ -16,7 +16,16 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
 
 from fretfe.errors import OutputError
 from fretfe.files import disk_reason, json_value, replace_text
-from fretfe.report.theme import COLOURS, FILE_DPI, GREY, PURPLE, STYLE, VERMILLION, WIDTH, log_axis
+from fretfe.report.theme import (
+    COLOURS,
+    GREY,
+    PURPLE,
+    STYLE,
+    VERMILLION,
+    WIDTH,
+    log_axis,
+    save_figure,
+)
 from fretfe.results.writer import prepare_other
 from fretfe.strength.fit import COVERAGE, LifeFit
 from fretfe.strength.margins import Margin, StrengthMap
@@ -70,7 +79,7 @@ def plot_strength(found: StrengthMap) -> Figure:
 def write_strength(found: StrengthMap, path: Path) -> None:
     """Write the figure."""
     with mpl.rc_context(STYLE):
-        plot_strength(found).savefig(path, dpi=FILE_DPI)
+        save_figure(plot_strength(found), path)
 
 
 def _draw_tests(figure: Figure, axes: Axes, found: StrengthMap) -> None:

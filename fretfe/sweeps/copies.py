@@ -102,7 +102,7 @@ def _work(
     """Solve the cases of a share in a process that `fork` has made."""
     # Signals to all processes of a terminal or a queue reach the parent too, which decides. PETSc
     # would make much of a parent that has gone.
-    for each in (signal.SIGINT, signal.SIGTERM, signal.SIGPIPE):
+    for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE):
         signal.signal(each, signal.SIG_IGN)
     observer = _FromParent(parent, order)
     try:

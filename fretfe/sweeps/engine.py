@@ -9,15 +9,16 @@ import re
 import time
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fretfe.backends import Backend, Observer, RunOptions
+from fretfe.backends import Backend, Observer, RunOptions, processes_of
 from fretfe.backends.protocol import CopiedSession, Session, session_of
+from fretfe.bodies.input_files import input_digests
 from fretfe.bodies.load_files import checked_history
 from fretfe.case import Case, Units, changed, parse_assignments
 from fretfe.case.overrides import parse_value, plain_value, split_assignment, with_overrides
@@ -35,10 +36,17 @@ OPTION = "--vary"
 
 @dataclass(frozen=True)
 class Variant:
-    """One case of a sweep, and the values that distinguish it, by key."""
+    """One case of a sweep.
+
+    Attributes:
+        values: that distinguish it, by key.
+        case: the case.
+        inputs: digests of the files that it reads, by their names, when the sweep began.
+    """
 
     values: Mapping[str, Any]
     case: Case
+    inputs: Mapping[str, str]
 
 
 def parse_ranges(texts: Iterable[str]) -> dict[str, tuple[Any, ...]]:
@@ -132,9 +140,9 @@ def make_variants(case: Case, ranges: Mapping[str, Sequence[Any]]) -> tuple[Vari
     variants = []
     for combination in itertools.product(*values.values()):
         chosen = dict(zip(values, combination, strict=True))
-        variant = Variant(chosen, changed(case, chosen))
-        checked_history(variant.case)
-        variants.append(variant)
+        own = changed(case, chosen)
+        checked_history(own)
+        variants.append(Variant(chosen, own, input_digests(own)))
     return tuple(variants)
 
 
@@ -154,6 +162,7 @@ class Solved:
         notes: what the backend assumed.
         seconds: wall time.
         faults: errors of fretfe itself that left something unknown, and are in no other case.
+        inputs: digests of the files that it was computed from, by their names.
     """
 
     values: Mapping[str, Any]
@@ -162,6 +171,7 @@ class Solved:
     notes: tuple[str, ...]
     seconds: float
     faults: tuple[Fault, ...] = ()
+    inputs: Mapping[str, str] = field(default_factory=dict)
 
     def records(self) -> list[dict[str, Any]]:
         """A flat record for each edge; one without numbers if it failed."""
@@ -290,7 +300,7 @@ def _solve(variant: Variant, backend: Backend, session: Session, options: RunOpt
     edges: tuple[Mapping[str, Any], ...] = ()
     notes: tuple[str, ...] = ()
     try:
-        failure = "; ".join(backend.supports(variant.case))
+        failure = "; ".join(backend.supports(variant.case)) or _changed_files(variant, backend)
         if not failure:
             result = session.solve(variant.case, options)
             if isinstance(result.failure, StoppedError):
@@ -302,8 +312,8 @@ def _solve(variant: Variant, backend: Backend, session: Session, options: RunOpt
         raise
     except FretfeError as error:
         failure = str(error)
-    faults = faults_so_far()[before:]
-    return Solved(variant.values, edges, failure, notes, time.perf_counter() - start, faults)
+    seconds, faults = time.perf_counter() - start, faults_so_far()[before:]
+    return Solved(variant.values, edges, failure, notes, seconds, faults, variant.inputs)
 
 
 def _records(result: Result) -> tuple[tuple[Mapping[str, Any], ...], str]:
@@ -313,6 +323,14 @@ def _records(result: Result) -> tuple[tuple[Mapping[str, Any], ...], str]:
         return tuple(result.records()), ""
 
     return guarded("row of a sweep", made, lambda fault: ((), fault.text))
+
+
+def _changed_files(variant: Variant, backend: Backend) -> str:
+    """Say that files are no longer those with which the sweep began; empty if they are."""
+    now = processes_of(backend).on_root(lambda: input_digests(variant.case))
+    then = variant.inputs
+    names = [path for path in {**then, **now} if then.get(path) != now.get(path)]
+    return f"{', '.join(names)}: changed since the sweep began" if names else ""
 
 
 def _told(number: int, variants: Sequence[Variant], solved: Solved) -> str:

@@ -25,21 +25,21 @@ from fretfe.case import Units
 from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import known_length
 from fretfe.faults import Fault, guarded
-from fretfe.files import disk_reason, replacing, sync
+from fretfe.files import disk_reason, open_own, replacing, sync
 from fretfe.report.texts import MISSING, number
 from fretfe.report.theme import (
     COLOURS,
     CYCLE,
-    FILE_DPI,
     GREY,
     MARKERS,
     SINGLE,
     STYLE,
     WIDTH,
+    save_figure,
 )
 from fretfe.results.run_folder import KEY, are_unchanged, with_digest
 from fretfe.results.writer import FIGURE, TABLE, VARIANTS
-from fretfe.sweeps.engine import Solved, Sweep
+from fretfe.sweeps.engine import Solved, Sweep, Variant
 
 LAST_COLUMNS = ("seconds", "failure")
 # Longer tables are for the file.
@@ -76,7 +76,7 @@ def write_records(path: Path, records: Iterable[Mapping[str, Any]], columns: lis
 
 def add_records(path: Path, records: Iterable[Mapping[str, Any]], columns: list[str]) -> None:
     """Add rows to a table that has these columns."""
-    with path.open("a", encoding="utf-8", newline="") as file:
+    with open(path, "a", encoding="utf-8", newline="", opener=open_own) as file:
         _add_rows(file, records, columns)
 
 
@@ -186,8 +186,13 @@ class SolvedFile:
         self._columns: list[str] = []
         self._next = 0.0
 
-    def read(self) -> dict[int, Solved]:
-        """The cases that are there, by number; a line that was cut off or changed is left out.
+    def read(self, variants: Sequence[Variant]) -> dict[int, Solved]:
+        """The cases that are there, by number.
+
+        A line that was cut off or changed is left out, and one of other files than those of now.
+
+        Args:
+            variants: of the sweep.
 
         Raises:
             OutputError: if the file cannot be written; so does `add`.
@@ -204,8 +209,9 @@ class SolvedFile:
                 data["edges"], data["notes"] = tuple(data["edges"]), tuple(data["notes"])
                 data["faults"] = tuple(Fault(**each) for each in data.get("faults", ()))
                 number = data.pop("number")
-                found[number] = Solved(**data)
-            except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+                if data["inputs"] == variants[number].inputs:
+                    found[number] = Solved(**data)
+            except (ValueError, IndexError, KeyError, TypeError, AttributeError, RecursionError):
                 continue
         path.unlink(missing_ok=True)
         for number, solved in found.items():
@@ -219,9 +225,9 @@ class SolvedFile:
         records = solved.records()
         self._records += records
         columns = columns_of(self._records)
-        table = self._directory / TABLE
+        table, variants = self._directory / TABLE, self._directory / VARIANTS
         try:
-            with (self._directory / VARIANTS).open("a", encoding="utf-8") as file:
+            with open(variants, "a", encoding="utf-8", opener=open_own) as file:
                 file.write(line + "\n")
                 if time.monotonic() >= self._next:
                     file.flush()
@@ -262,7 +268,7 @@ def write_sweep(path: Path, keys: Sequence[str], records: Sequence[Record], unit
     with mpl.rc_context(STYLE):
         draw = _draw_lines if len(keys) == 1 else _draw_maps
         figure = draw(keys, solved, edges, _labels(units))
-        figure.savefig(path, dpi=FILE_DPI)
+        save_figure(figure, path)
     return True
 
 

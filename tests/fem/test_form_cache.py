@@ -70,3 +70,16 @@ def test_a_process_that_compiles_is_left_alone(folder: Path) -> None:
         assert other.exists()
     area(3.0)
     assert not other.exists()
+
+
+def test_without_a_folder_that_can_be_used_another_is_made(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    form_cache._own_folder.cache_clear()
+    monkeypatch.setattr("tempfile.tempdir", str(folder.parent))
+    folder.write_text("a file where the folder would be")
+    assert fem.assemble_scalar(area()) == pytest.approx(1.0)
+    assert fem.assemble_scalar(area()) == pytest.approx(1.0)
+    (other,) = folder.parent.glob("fretfe-*")
+    assert len(list(other.glob("*.so"))) == 1
+    form_cache._own_folder.cache_clear()

@@ -25,7 +25,7 @@ from typing import Any
 from fretfe.environment import idle_cores, without_launcher
 from fretfe.errors import OutputError
 from fretfe.faults import guarded, note_fault
-from fretfe.files import require_file
+from fretfe.files import replace_text, replacing, require_file, stranger_in
 from fretfe.report.pictures.looks import Wanted, plan_pictures
 from fretfe.report.pictures.mesh import draw_status
 from fretfe.report.pictures.panels import save_png
@@ -34,6 +34,7 @@ from fretfe.report.source import folder_of
 from fretfe.results.field_files import FIELDS
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
+from fretfe.results.run_folder import require_stored
 from fretfe.results.writer import PICTURE_LIST, PICTURES, remove_pictures
 
 NO_FIELDS = (
@@ -80,8 +81,9 @@ def make_pictures(directory: Path, meanwhile: Callable[[Result], None] = lambda 
     """
     run = load_result(directory)
     # Pictures of that folder would be removed, and others written there.
-    if (directory / PICTURES).is_symlink():
-        raise OutputError(f"{directory / PICTURES}: expected a folder, found a link")
+    if (found := stranger_in(directory / PICTURES)) is not None:
+        kind = "folder" if found.name == PICTURES else "file"
+        raise OutputError(f"{found}: expected a {kind}, found a link or a pipe")
     remove_pictures(directory)
     wanted = plan_pictures(run)
     reports = {each.file: {"reason": reason} for each in wanted if (reason := _lacks(run, each))}
@@ -152,7 +154,8 @@ def _draw_contacts(run: Result, wanted: Wanted) -> dict[str, Any]:
     path = folder_of(run) / PICTURES / wanted.file
     if wanted.kind == "cycle":
         data, caption = draw_cycle(run, wanted.contacts[0])
-        path.write_bytes(data)
+        with replacing(path) as new:
+            new.write_bytes(data)
         return {"caption": caption}
     if wanted.kind == "surface":
         figure, caption = draw_surface(run, wanted.contacts[0], wanted.states)
@@ -177,7 +180,7 @@ def _write_list(
             shown.append({"file": each.file, "title": each.title, **report})
     lists = {"pictures": pictures, **({"files": files} if files else {}), "missing": missing}
     text = json.dumps(lists, indent=1, ensure_ascii=False)
-    (directory / PICTURES / PICTURE_LIST).write_text(text + "\n", encoding="utf-8")
+    replace_text(directory / PICTURES / PICTURE_LIST, text + "\n")
 
 
 def lacks_pictures(directory: Path) -> bool:
@@ -188,6 +191,7 @@ def lacks_pictures(directory: Path) -> bool:
     folder = directory / PICTURES
     if not (folder / PICTURE_LIST).exists():
         return True
+    require_stored(folder / PICTURE_LIST)
     try:
         listed = json.loads((folder / PICTURE_LIST).read_text(encoding="utf-8"))
         files = [each["file"] for each in (*listed["pictures"], *listed.get("files", ()))]
@@ -255,6 +259,7 @@ def read_pictures(directory: Path) -> Pictures:
     """
     folder = directory / PICTURES
     path = folder / PICTURE_LIST
+    require_stored(path)
     if not path.exists():
         return Pictures()
     try:

@@ -27,7 +27,7 @@ from matplotlib.transforms import Affine2D
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case
 from fretfe.errors import OutputError
-from fretfe.files import disk_reason, replacing
+from fretfe.files import disk_reason
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
 from fretfe.mesh.elements import CORNERS, shape_values
 from fretfe.mesh.mesh import BodyMesh
@@ -54,6 +54,7 @@ from fretfe.report.theme import (
     PALE,
     SURFACES,
     TINTS,
+    save_figure,
 )
 from fretfe.results.model import Result
 
@@ -103,8 +104,7 @@ def write_mesh_picture(path: Path, case: Case, bodies: Mapping[str, BodyMesh]) -
     """
     figure = draw_mesh(case, bodies)
     try:
-        with replacing(path, path.suffix) as new:
-            figure.savefig(new, dpi=FILE_DPI)
+        save_figure(figure, path)
     except OSError as error:
         raise OutputError(f"{path}: cannot write the picture: {disk_reason(error)}") from error
 

@@ -20,6 +20,7 @@ from matplotlib.transforms import Bbox
 from PIL import Image as Pillow
 
 from fretfe._typing import Array, Bools
+from fretfe.files import replacing
 from fretfe.report.theme import PICTURE_DPI, PICTURE_HEIGHT, PICTURE_WIDTH
 
 Pixels = npt.NDArray[np.uint8]
@@ -230,10 +231,14 @@ def save_png(figure: Figure, path: Path, colours: str | None = None) -> tuple[in
 
     Returns:
         Its width and height in pixels.
+
+    Raises:
+        OSError: if it cannot be written.
     """
     image = pixels(figure, colours)
-    # Level 9 makes it a fortieth smaller, and takes four times as long.
-    image.save(path, compress_level=6)
+    with replacing(path, path.suffix) as new:
+        # Level 9 makes it a fortieth smaller, and takes four times as long.
+        image.save(new, compress_level=6)
     return image.size
 
 

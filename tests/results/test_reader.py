@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Results whose digest is right and whose parts do not fit together."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pad_cases import pad
+
+from fretfe.case import parse_case
+from fretfe.errors import OutputError
+from fretfe.halfplane import solve_half_planes
+from fretfe.results.reader import load_result
+from fretfe.results.run_folder import KEY, with_digest
+from fretfe.runner import Runner
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    found = tmp_path_factory.mktemp("run")
+    with pytest.MonkeyPatch.context() as patch:
+        few = partial(solve_half_planes, elements=40)
+        patch.setattr("fretfe.backends.halfplane.solve_half_planes", few)
+        Runner.find("halfplane").run(parse_case(pad()), found)
+    return found
+
+
+def renamed(table: dict[str, Any], name: str) -> None:
+    table["other"] = table.pop(name)
+
+
+@pytest.mark.parametrize(
+    ("place", "name", "message"),
+    [
+        ("loads", "press", "loads: 'other', which is none of the case"),
+        ("contacts", "main", "no key"),
+        ("case.loads", "press", "loads: 'press', which is none of the case"),
+        ("case.contacts", "main", "contacts: 'main', which is none of the case"),
+    ],
+)
+def test_other_names(tmp_path: Path, folder: Path, place: str, name: str, message: str) -> None:
+    numbers = copied(folder, tmp_path)
+    table = numbers
+    for part in place.split("."):
+        table = table[part]
+    renamed(table, name)
+    written(tmp_path, numbers)
+    with pytest.raises(OutputError, match=r"expected the results of a whole run, found") as raised:
+        load_result(tmp_path)
+    assert message in str(raised.value)
+
+
+@pytest.mark.parametrize(("key", "value"), [("cycle", [None, 12]), ("cycle", ["a", 3])])
+def test_other_types(tmp_path: Path, folder: Path, key: str, value: object) -> None:
+    written(tmp_path, {**copied(folder, tmp_path), key: value})
+    with pytest.raises(OutputError, match="in place of int"):
+        load_result(tmp_path)
+
+
+def test_a_number_that_is_missing(tmp_path: Path, folder: Path) -> None:
+    numbers = copied(folder, tmp_path)
+    numbers["contacts"]["main"]["fronts"][0]["stations"][0]["last"] = None
+    written(tmp_path, numbers)
+    with pytest.raises(OutputError, match="None in place of int"):
+        load_result(tmp_path)
+
+
+def copied(folder: Path, to: Path) -> dict[str, Any]:
+    shutil.copytree(folder, to, dirs_exist_ok=True)
+    numbers = json.loads((to / "results.json").read_text())
+    return {key: value for key, value in numbers.items() if key != KEY}
+
+
+def written(folder: Path, numbers: dict[str, Any]) -> None:
+    (folder / "results.json").write_text(json.dumps(with_digest(numbers)))
+
+
+@pytest.mark.parametrize("name", ["run.json", "results.json", "results.h5"])
+def test_a_pipe_in_place_of_a_file_is_not_waited_for(
+    tmp_path: Path, folder: Path, name: str
+) -> None:
+    copied(folder, tmp_path)
+    (tmp_path / name).unlink()
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(OutputError, match=f"{name}: expected a file of results, found a pipe"):
+        load_result(tmp_path)
