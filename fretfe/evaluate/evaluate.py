@@ -62,7 +62,7 @@ def _evaluate_contact(
 
         own = tracks[contact.name] if tracks is not None else None
         found = evaluate_solids(solution, contact, own, reference_length)
-        warnings = solid_warnings(solution, contact, found, changes, own is not None)
+        warnings = solid_warnings(solution, contact, found, changes)
     else:
         found = evaluate_plane(solution, contact, find_units, reference_length)
         warnings = plane_warnings(solution, contact, found["fronts"], changes)

@@ -13,12 +13,12 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.paths import reversals
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.evaluate.cycles import unsteady_text
-from fretfe.evaluate.factors import WANTED_NODES
+from fretfe.evaluate.plane.lacks import evaluated_states
 from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
-from fretfe.evaluate.plane.pressure_fit import why_no_root
-from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches, main_patch, plane_front
+from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches, plane_front
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.verdicts import withheld
+from fretfe.evaluate.withheld import Lack
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
 from fretfe.surface.surface import edges_once, rim_nodes
@@ -72,7 +72,6 @@ def solid_warnings(
     contact: ContactHistory,
     found: Mapping[str, Any],
     changes: Sequence[float],
-    looked_for: bool,
 ) -> Iterator[str]:
     """Warnings about a contact between solids, most serious first.
 
@@ -81,7 +80,6 @@ def solid_warnings(
         contact: one of its contacts.
         found: its histories and fronts, by the names of `Contact`.
         changes: of the shear over cycles, as of `cycle_changes`.
-        looked_for: whether there would be fronts if they could be found.
     """
     closed, smallest = _ever_closed(contact)
     if not closed.any():
@@ -94,10 +92,10 @@ def solid_warnings(
             f"for pressures and areas: make the elements {np.sqrt(FEWEST_NODES / nodes):.1f} times "
             "smaller there"
         )
-    if looked_for and not found["fronts"]:
+    if found["lack"].kind is not Lack.NOTHING:
         yield (
-            "the boundary of the contact area cannot be found at the end of the cycle: K_N, K_T, "
-            "K_S and slip zones are unknown; they need ten elements over the width of the contact"
+            "no front of the contact is known at the end of the cycle: K_N, K_T, K_S and slip "
+            f"zones are unknown, because {found['lack'].text}"
         )
     assert contact.facets is not None and contact.free is not None
     at_border = closed & rim_nodes(contact.facets, len(closed)) & ~contact.free
@@ -194,35 +192,19 @@ def _unknown(
     solution: Solution, contact: ContactHistory, stations: tuple[Station, ...]
 ) -> Iterator[str]:
     """Factors that cannot be told, and why."""
-    states = cycle_states(solution.cycle)
-    states = states if len(states) else np.array([len(solution.times) - 1])
-    nodes = contact.nodes_pressed_in(states)
-    if not nodes.any():
+    states = evaluated_states(solution)
+    if not contact.nodes_pressed_in(states).any():
         yield from _parted(contact, states)
         return
-    finer = WANTED_NODES / max(int(nodes.min()), 1)
-    existing = contact.exists[states]
-    shared = (
-        f"the patch exists in {np.count_nonzero(existing)} of the {len(states)} states of the cycle"
-        if not existing.all()
-        else f"{nodes.min()} nodes are in contact, {WANTED_NODES} are wanted at least: make the "
-        f"elements {math.ceil(2 * finer) / 2:g} times smaller"
-        if finer > 1
-        else ""
-    )
     for station in stations:
+        if station.lack.kind is Lack.NOTHING:
+            continue
         unknown = contact.exists[station.last] and not math.isfinite(station.last_k_n[0])
         missing = ["K_N"] if unknown else []
-        # A range without a bar is not told either, if the edge is not known in some state.
-        located = bool(np.isfinite(station.position[states]).all())
-        known = math.isfinite(station.k_t_range) and (
-            located or math.isfinite(station.k_range_spread)
-        )
-        if len(cycle_states(solution.cycle)) and not known:
+        if solution.cycle is not None and not math.isfinite(station.k_t_range):
             missing.append("ΔK_T")
-        if missing:
-            reason = shared or _no_root(contact, station, states)
-            yield f"{' and '.join(missing)} at the {station.front} edge: unknown, because {reason}"
+        names = " and ".join(missing)
+        yield f"{names} at the {station.front} edge: unknown, because {station.lack.text}"
 
 
 def _parted(contact: ContactHistory, states: Indices) -> Iterator[str]:
@@ -236,16 +218,6 @@ def _parted(contact: ContactHistory, states: Indices) -> Iterator[str]:
         f"the smallest gap is {gap:.3g}. Check the signs and sizes of the loads that should press "
         "them together"
     )
-
-
-def _no_root(contact: ContactHistory, station: Station, states: Indices) -> str:
-    """Reason why K_N, or else something behind it, is not known in one of the states."""
-    unknown = states[~np.isfinite(station.k_n[states])]
-    if not len(unknown):
-        return "the tractions of full stick cannot be told next to the edge: refine the mesh there"
-    pressure = contact.traction[unknown[-1], :, 0]
-    patch = main_patch(contact.arc, pressure)
-    return why_no_root(contact.arc, pressure, patch, plane_front(station.front))
 
 
 def _uncounted(solution: Solution, stations: tuple[Station, ...]) -> Iterator[str]:

@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass, replace
+from enum import Enum
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
@@ -256,6 +257,8 @@ def _as(kind: Any, value: Any) -> Any:
     """A value of JSON as the type that a field is declared with."""
     if kind is float:
         return math.nan if value is None else float(value)
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        return kind(value)
     if is_dataclass(kind):
         return restored(kind, value)  # type: ignore[arg-type]
     if get_origin(kind) is tuple:

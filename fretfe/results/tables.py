@@ -22,7 +22,14 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.case import Units
 from fretfe.errors import DependencyError
-from fretfe.evaluate.contacts import Contact, Station, StationHistory, histories, quantities
+from fretfe.evaluate.contacts import (
+    Contact,
+    SlipZone,
+    Station,
+    StationHistory,
+    histories,
+    quantities,
+)
 from fretfe.evaluate.verdicts import last_verdict, withheld
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
@@ -141,10 +148,20 @@ def _vector(prefix: str, kind: str, meaning: str, attribute: str) -> list[Column
 
 def _zone(name: str, meaning: str, attribute: str, place: int) -> Column:
     """A length of one of the last slip zones; NaN without it."""
+    return _of_zone(name, meaning, place, lambda _, zone: float(getattr(zone, attribute)))
 
+
+def _prediction(name: str, meaning: str, place: int) -> Column:
+    """Length that the factors predict for one of the last zones; NaN where they are not told."""
+    return _of_zone(name, meaning, place, Station.told_prediction)
+
+
+def _of_zone(
+    name: str, meaning: str, place: int, read: Callable[[Station, SlipZone], float]
+) -> Column:
     def value(_: Contact, station: Station) -> float:
         zones = station.slip_zones
-        return float(getattr(zones[place], attribute)) if len(zones) >= -place else math.nan
+        return read(station, zones[place]) if len(zones) >= -place else math.nan
 
     return Column(name, "length", meaning, value)
 
@@ -184,8 +201,8 @@ EDGES = (
     _zone("slip_2", "slip zone of the last half cycle", "reported_length", -1),
     _zone("slip_1_spread", "error bar of slip_1", "spread", -2),
     _zone("slip_2_spread", "error bar of slip_2", "spread", -1),
-    _zone("predicted_1", "what the edge factors predict for slip_1", "prediction", -2),
-    _zone("predicted_2", "what the edge factors predict for slip_2", "prediction", -1),
+    _prediction("predicted_1", "what the edge factors predict for slip_1; empty without them", -2),
+    _prediction("predicted_2", "what the edge factors predict for slip_2; empty without them", -1),
     Column(
         "gross",
         "",
@@ -219,7 +236,7 @@ STATIONS = (
     *map(_number, ("k_range", "k_range_spread", "k_angle", "turning")),
     _zone("slip", "slip zone of the last half cycle", "reported_length", -1),
     _zone("slip_spread", "its error bar", "spread", -1),
-    _zone("predicted", "what the factors predict for it", "prediction", -1),
+    _prediction("predicted", "what the factors predict for it; empty without them", -1),
     _zone("local", "the same zone by the plane problem next to the station", "reported_local", -1),
     _zone("local_spread", "its error bar", "local_spread", -1),
     _zone("local_before", "that of the half cycle before", "reported_local", -2),

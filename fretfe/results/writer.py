@@ -41,7 +41,7 @@ from fretfe.results.model import Result
 from fretfe.results.run_folder import MARK, with_digest
 from fretfe.results.tables import CYCLES_FILE, NODAL, STATIONS_FILE, write_cycles, write_stations
 
-SCHEMA = {"name": "fretfe-results", "version": 7}
+SCHEMA = {"name": "fretfe-results", "version": 8}
 NUMBERS, ARRAYS, REPORT = "results.json", "results.h5", "report.html"
 # Of a sweep: table, picture, and the variants as they are solved.
 TABLE, FIGURE, VARIANTS = SWEEP_FILES = "sweep.csv", "sweep.png", "variants.jsonl"

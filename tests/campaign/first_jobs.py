@@ -9,11 +9,10 @@ code of fretfe.
 
 from __future__ import annotations
 
-import datetime
+import datetime as dt
 import math
 import os
-from dataclasses import dataclass, field
-from itertools import pairwise
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ Segments = list[dict[str, Any]]
 
 # The long form is asked for; a seed of the week otherwise, or the one given.
 LONG = os.environ.get("FRETFE_CAMPAIGN") == "long"
-YEAR, WEEK, _ = datetime.date.today().isocalendar()
+YEAR, WEEK, _ = dt.date.today().isocalendar()
 SEED = int(os.environ.get("FRETFE_CAMPAIGN_SEED", 100 * YEAR + WEEK))
 # Half-width of the contact at the highest load, in the unit of length; the bodies are large
 # multiples of it.
@@ -32,7 +31,7 @@ HALF_WIDTH, BODY, RADIUS, POISSON = 1.0, 40.0, 200.0, 0.3
 TOP = {"type": "platen", "boundary": "upper_top", "control": "force"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Job:
     """A case of one pad on a block.
 
@@ -47,7 +46,11 @@ class Job:
     tables: Tables
     cycle: tuple[float, float] | None
     peak: float
-    shares: np.ndarray = field(repr=False)
+    shares: np.ndarray
+
+    def __repr__(self) -> str:
+        """The case, as it can be run again."""
+        return f"Job({self.tables!r})"
 
     @property
     def friction(self) -> float:
@@ -313,7 +316,11 @@ def cylinder_factors(job: Job) -> tuple[float, float] | None:
     normal, shear, tension = (np.interp(fine, at, each) for each in (normal, shear, tension))
     a = HALF_WIDTH * np.sqrt((normal[1:] + normal[:-1]) / 2)
     by_shear = np.diff(shear) * bound * job.peak / (math.pi * np.sqrt(2 * a))
-    by_tension = np.diff(tension) * bound * job.peak / (2 * HALF_WIDTH) * np.sqrt(a / 2) / 4
+    sigma = tension * bound * job.peak / (2 * HALF_WIDTH)
+    if "side" in job.tables["supports"]:
+        # The block is held at its left side, which carries all of Q: Q/2 over its height beneath.
+        sigma = sigma + shear * bound * job.peak / (2 * BODY * HALF_WIDTH)
+    by_tension = np.diff(sigma) * np.sqrt(a / 2) / 4
     ranges = [
         np.ptp(np.append(0.0, np.cumsum(by_shear + sign * by_tension))) for sign in (1.0, -1.0)
     ]
@@ -331,14 +338,120 @@ def cyclic_slip(job: Job) -> float | None:
         return None
     start, end = job.cycle
     before = start - (end - start)
-    times, normal, shear, tension = job.shares.T
+    times, normal, shear, _ = job.shares.T
     if before < 1.0:
         return None
     at = np.linspace(0.0, end - start, 481)
     now, earlier = (np.interp(from_ + at, times, shear) for from_ in (start, before))
     whole = (times >= before - 1e-9) & (times <= end + 1e-9)
-    if np.ptp(normal[whole]) or np.ptp(tension[whole]) or not np.allclose(now, earlier, atol=1e-12):
+    if (
+        np.ptp(normal[whole])
+        or "side" in job.tables["supports"]
+        or not np.allclose(now, earlier, atol=1e-12)
+    ):
         return None
     bound = min(job.friction, 2.0)
     share = np.ptp(now) * bound / (2 * job.friction * normal[whole][0])
     return float(HALF_WIDTH * math.sqrt(normal[whole][0]) * (1 - math.sqrt(1 - share)))
+
+
+# What may drive a blade: the table of the load, and its size at a share of 1.
+DRIVEN: dict[str, tuple[Tables, float]] = {
+    "pull": ({"type": "platen", "boundary": "blade_top", "control": "force"}, 3900.0),
+    "push": ({"type": "platen", "boundary": "blade_top", "control": "displacement"}, 0.03),
+    "traction": ({"type": "traction", "boundary": "blade_top"}, 300.0),
+    "speed": ({"type": "rotation", "centre": [0.0, -250.0]}, 3400.0),
+}
+COARSE = {"edge_size": 0.05, "edge_zone": 0.2, "flank_size": 0.5, "growth": 0.4}
+FRONT_SIZE = 0.25
+
+
+@st.composite
+def blades(draw: st.DrawFn) -> Job:
+    """A dovetail or firtree, coarsely meshed, under one load that may come and go."""
+    template, sides = draw(
+        st.sampled_from(
+            [("dovetail", ("left", "right")), ("firtree", ("left_1", "left_2", "right_1"))]
+        )
+    )
+    sides = sides if template == "dovetail" else (*sides, "right_2")
+    parameters = {**COARSE, **({"lobes": 2} if template == "firtree" else {})}
+    driven = draw(st.sampled_from(list(DRIVEN)))
+    table, size = DRIVEN[driven]
+    count = draw(st.integers(1, 3))
+    blocks = draw(st.lists(BLOCKS, min_size=count, max_size=count))
+    segments, told = history(blocks, size, draw(st.sampled_from([(0.0, 1.0), (0.4, 1.0)])), 0.7)
+    along = {} if driven == "speed" else {"direction": "y"}
+    loads: Tables = {driven: {**table, **along, "history": segments}}
+    if driven in ("speed", "traction"):
+        still = {"direction": "x", "history": [{"hold": True, "until": 1.0}]}
+        loads["guide"] = {"type": "displacement", "boundary": "blade_top", **still}
+    tables: Tables = {
+        "geometry": {"template": template, "parameters": parameters},
+        "bodies": {
+            name: {"young": 115e3, "poisson": 0.32, "density": 4.4e-9} for name in ("blade", "disc")
+        },
+        "contacts": {
+            f"flank_{side}": {
+                "surface1": f"blade_flank_{side}",
+                "surface2": f"disc_flank_{side}",
+                "friction": draw(st.sampled_from([0.4, 0.1, 0.9, 0.0])),
+            }
+            for side in sides
+        },
+        "supports": {"rim": {"boundary": "disc_bottom", "fix": ["x", "y"]}},
+        "loads": loads,
+        "output": {"fields": "none"},
+    }
+    if cycle := draw(cycles(count)):
+        tables["cycle"] = cycle
+    nothing = np.zeros((2, 2))
+    nothing[1, 0] = 1.0
+    return Job(tables, asked_cycle(tables), 1.0, shares_of(told, nothing, nothing))
+
+
+@st.composite
+def spheres(draw: st.DrawFn) -> Job:
+    """A coarse sphere on a block under P and Q, which may turn."""
+    radius, reach = 50.0, 1.0
+    peak = 4 * modulus((210e3, 210e3), "strain") * reach**3 / (3 * radius)
+    friction = draw(st.sampled_from([0.4, 0.9, 1e6, 0.0]))
+    count = draw(st.integers(1, 2))
+    blocks = [draw(st.lists(BLOCKS, min_size=count, max_size=count)) for _ in "pqr"]
+    press, p = history(blocks[0], -peak, (0.5, 1.0), 0.75)
+    bound = min(friction, 2.0) * peak
+    shear, q = history(blocks[1], bound, (-0.3, 0.3), 0.0)
+    loads: Tables = {
+        "press": {**TOP, "direction": "y", "history": press},
+        "shear": {**TOP, "direction": "x", "history": shear},
+    }
+    if draw(st.booleans()):
+        across, _ = history(blocks[2], bound, (-0.15, 0.15), 0.0)
+        loads["across"] = {**TOP, "direction": "z", "history": across}
+    tables: Tables = {
+        "geometry": {
+            "template": "sphere",
+            "parameters": {
+                "radius_x": radius,
+                "contact_x": reach,
+                "size": FRONT_SIZE,
+                **{f"{body}_{side}": 8.0 for body in ("upper", "lower") for side in WIDE},
+            },
+        },
+        "bodies": {name: {"young": 210e3, "poisson": POISSON} for name in ("upper", "lower")},
+        "contacts": {
+            "main": {
+                "surface1": "upper_contact",
+                "surface2": "lower_contact",
+                "friction": friction,
+                "friction_from": 1.0,
+            }
+        },
+        "supports": {"base": {"boundary": "lower_bottom", "fix": ["x", "y", "z"]}},
+        "loads": loads,
+        "output": {"fields": "none"},
+        "edges": {"stations": 8},
+        "cycle": {**draw(cycles(count)), "more": 0},
+    }
+    still = np.array([[0.0, 0.0], [1.0, 0.0]])
+    return Job(tables, asked_cycle(tables), peak, shares_of(p, q, still))

@@ -472,7 +472,7 @@ def _lengths(station: Station) -> tuple[float, ...]:
         return (math.nan,) * 5
     zone = station.slip_zones[-1]
     nodes = (zone.reported_length, zone.spread) if zone.resolved else (math.nan, math.nan)
-    return (zone.reported_local, zone.local_spread, zone.prediction, *nodes)
+    return (zone.reported_local, zone.local_spread, station.told_prediction(zone), *nodes)
 
 
 def station_plot(shown: Shown) -> Plot | None:
@@ -501,9 +501,10 @@ def station_plot(shown: Shown) -> Plot | None:
 
     told = with_error(zone.reported_local, zone.local_spread)
     length = f"{told} {units.length}" if told != MISSING else "known to no better than half of it"
+    formula = number(station.told_prediction(zone), 3)
     caption = (
         f"{number(station.arc, 3)} {units.length} along the front. The length of the slip zone at "
-        f"the end is {length} by the plane problem, {number(zone.prediction, 3)} {units.length} by "
+        f"the end is {length} by the plane problem, {formula} {units.length} by "
         f"the formula; an element across the front is {number(station.size, 2)} {units.length}."
     )
     title = f"Station {shown.summary.name_of(station)}"

@@ -81,13 +81,20 @@ def _edge_cells(edge: Station) -> list[str]:
         "gross" if zone.gross else marked(number(zone.reported_length, 3), zone.uncertain)
         for zone in zones
     ]
+    predicted = [_predicted(edge, zone) for zone in zones]
     return [
         number(edge.position[edge.last]),
         marked(number(edge.reported_k_n), edge.uncertain),
         marked(number(edge.reported_range), edge.uncertain_range),
         " / ".join(measured) or MISSING,
-        " / ".join(number(zone.prediction, 3) for zone in zones) or MISSING,
+        " / ".join(predicted) or MISSING,
     ]
+
+
+def _predicted(station: Station, zone: SlipZone) -> str:
+    """A predicted length, marked as the factors that it is made of are."""
+    uncertain = station.uncertain or station.uncertain_range
+    return marked(number(station.told_prediction(zone), 3), uncertain)
 
 
 def contact_table(run: Result) -> Table:
@@ -287,7 +294,10 @@ def _along(stations: tuple[Station, ...]) -> tuple[str, ...]:
         _known_range([each.reported_k_n for each in stations], digits=4),
         _known_range([each.reported_range for each in stations], digits=3),
         _known_range([zone.told[0] for zone in zones], digits=2),
-        _known_range([zone.prediction for zone in zones], digits=2),
+        _known_range(
+            [each.told_prediction(each.slip_zones[-1]) for each in stations if each.slip_zones],
+            digits=2,
+        ),
     )
 
 
@@ -298,7 +308,7 @@ def _at(station: Station) -> tuple[str, ...]:
         with_error(station.reported_k_n, station.last_k_n[1]),
         with_error(station.reported_range, station.k_range_spread),
         with_error(*zone.told) if zone else MISSING,
-        number(zone.prediction, 3) if zone else MISSING,
+        number(station.told_prediction(zone), 3) if zone else MISSING,
     )
 
 
@@ -368,11 +378,12 @@ def _edge_answer(run: Result, contact: Contact, edge: Station) -> EdgeAnswer:
 def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
     verdict, times = judge(edge, zone), run.loads.times
     length = with_error(zone.reported_length, zone.spread)
-    ratio = zone.prediction / zone.length if zone.length > 0 else float("nan")
+    predicted = edge.told_prediction(zone)
+    ratio = predicted / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
         time=f"{times[zone.start]:g} … {times[zone.end]:g}",
         found="gross" if zone.gross else marked(length, zone.uncertain),
-        predicted=number(zone.prediction, 3),
+        predicted=_predicted(edge, zone),
         ratio=number(ratio, 3),
         verdict=verdict.word,
         reason=verdict.reason,
