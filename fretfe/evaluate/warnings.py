@@ -34,6 +34,9 @@ FEWEST_NODES = 80
 BESIDE, FINE = 2.5, 1.5
 # Part of the area in contact that sticks, below which the contact nearly slides.
 NEARLY_SLIDES = 0.1
+# Gap over the length of an element up to which chords of a curved surface may have made it: h/(8 R)
+# at R = 2.5 h, as coarse as anything round is meshed.
+CHORDS = 0.05
 
 
 def plane_warnings(
@@ -83,7 +86,7 @@ def solid_warnings(
     """
     closed, smallest = _ever_closed(contact)
     if not closed.any():
-        yield _never_touch(smallest)
+        yield _never_touch(smallest, contact.weights, 3)
         return
     nodes = int(np.count_nonzero(contact.status[len(contact.status) - 1] != OPEN))
     if 0 < nodes < FEWEST_NODES:
@@ -214,9 +217,9 @@ def _parted(contact: ContactHistory, states: Indices) -> Iterator[str]:
     gap = min(float(contact.gap[state].min()) for state in states)
     which = "in the evaluated cycle" if len(states) > 1 else "at the end"
     yield (
-        f"the bodies do not touch {which}: the contact carries no force there, and has no edges; "
-        f"the smallest gap is {gap:.3g}. Check the signs and sizes of the loads that should press "
-        "them together"
+        f"the bodies do not touch {which}, though they did before: the contact carries no force "
+        f"there, and has no edges; the smallest gap is {gap:.3g}. Either the loads lift them off, "
+        "and another cycle is to be evaluated, or what should press them together ends too early"
     )
 
 
@@ -269,16 +272,37 @@ def _ever_closed(contact: ContactHistory) -> tuple[Bools, float]:
     return closed, smallest
 
 
-def _never_touch(smallest: float) -> str:
-    """Warning about surfaces that are never in contact, by their smallest gap."""
-    return f"the surfaces never touch; the smallest gap is {smallest:.4g}"
+def _never_touch(smallest: float, weights: Array, dimension: int) -> str:
+    """Warning about surfaces that are never in contact, by their smallest gap.
+
+    Args:
+        smallest: gap.
+        weights: (N,) lengths or areas of the nodes.
+        dimension: of the bodies.
+    """
+    hint = untouched_hint(smallest, weights, dimension)
+    return f"the surfaces never touch; the smallest gap is {smallest:.4g}. {hint}"
+
+
+def untouched_hint(smallest: float, weights: Array, dimension: int) -> str:
+    """Remedy for surfaces that never touch; arguments are those of `_never_touch`."""
+    spacing = float(np.median(weights)) ** (1 / (dimension - 1))
+    if 0 < smallest < CHORDS * spacing:
+        return (
+            f"That is {smallest / spacing:.1%} of an element: chords of curved surfaces leave such "
+            "gaps. Use curved elements (order 2), smaller ones there, or more load"
+        )
+    return (
+        "Check the signs and sizes of the loads that should bring the bodies together, and their "
+        "place in the mesh"
+    )
 
 
 def _surfaces(contact: ContactHistory) -> Iterator[str]:
     """Surfaces that never touch, or end where they are in contact."""
     closed, smallest = _ever_closed(contact)
     if not closed.any():
-        yield _never_touch(smallest)
+        yield _never_touch(smallest, contact.weights, 2)
     for front in PLANE_FRONTS:
         if front.from_front(closed)[0]:
             yield (
