@@ -362,19 +362,6 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     return _Marched(recorder, cycles.solved(recorder.steps_done), failure)
 
 
-def _never_pressed(failed: StepLoads) -> str:
-    """Hint for a history that ended in a step before any surfaces pressed on each other."""
-    if not failed.friction.any():
-        return (
-            "No friction acts in this step: what would slide has to wait until 'friction_from' is "
-            "over, or a support has to hold it."
-        )
-    return (
-        "Until then no surfaces pressed on each other: press them together in the first step, "
-        "before or with other loads, and check the signs of the loads."
-    )
-
-
 class _Cycles:
     """The loads as written, and their cycle again until it is steady.
 
@@ -484,3 +471,16 @@ def _require_contact(recorder: Recorder, dimension: int) -> None:
         + untouched_hint(recorder.smallest_gap, weights, dimension)
     )
     raise ModelError(f"no contact surfaces pressed on each other in any step: {reason}.")
+
+
+def _never_pressed(failed: StepLoads) -> str:
+    """Hint for a history that ended in a step before any surfaces pressed on each other."""
+    if not failed.friction.any():
+        return (
+            "No friction acts in this step: what would slide has to wait until 'friction_from' is "
+            "over, or a support has to hold it."
+        )
+    return (
+        "Until then no surfaces pressed on each other: press them together in the first step, "
+        "before or with other loads, and check the signs of the loads."
+    )
